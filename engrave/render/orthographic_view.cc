@@ -42,10 +42,13 @@ Multiples MultiplesIn(double min_mm, double max_mm, double step_mm) {
           static_cast<int>(std::floor(max_mm / step_mm + 1e-9))};
 }
 
-void DrawGrid(Canvas& canvas, const Face& face) {
+void DrawGrid(Canvas& canvas, const Face& face, double grid_step_mm) {
   const Palette palette;
-  const double fine_mm = NiceStep(60.0 / face.px_per_mm, 6);
-  const double coarse_mm = NiceStep(60.0 / face.px_per_mm, 1);
+  const double fine_mm = GridStep(
+      grid_step_mm, NiceStep(60.0 / face.px_per_mm, 6),
+      std::max(face.max_right_mm - face.min_right_mm, face.max_up_mm - face.min_up_mm));
+  const double coarse_mm =
+      grid_step_mm > 0 ? fine_mm : NiceStep(60.0 / face.px_per_mm, 1);
   const auto draw = [&](double mm, const Vec2& from_px, const Vec2& to_px) {
     const bool coarse = std::abs(std::remainder(mm, coarse_mm)) < 1e-6 * fine_mm;
     DrawLine(canvas, from_px, to_px, 1.0, {palette.grid, coarse ? 0.11F : 0.035F});
@@ -95,6 +98,26 @@ void DrawNumbers(Canvas& canvas, const Face& face, const OrthographicView& view)
            name);
 }
 
+/// The frame of the work in this view, with its two sizes.
+void DrawWorkOutline(Canvas& canvas, const Face& face, const OrthographicView& view,
+                     const Box3& work_mm) {
+  const Palette palette;
+  const double left = face.x_px(work_mm.min_mm[view.right_axis]);
+  const double right = face.x_px(work_mm.max_mm[view.right_axis]);
+  const double bottom = face.y_px(work_mm.min_mm[view.up_axis]);
+  const double top = face.y_px(work_mm.max_mm[view.up_axis]);
+  const std::vector<Vec2> corners = {
+      {left, top}, {right, top}, {right, bottom}, {left, bottom}};
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    DrawLine(canvas, corners[i], corners[(i + 1) % corners.size()], 1.0,
+             {palette.edge, 0.5F});
+  }
+  const Vec3 size_mm = work_mm.size_mm();
+  DrawText(canvas, {left, top - 5},
+           SizeNumbers({size_mm[view.right_axis], size_mm[view.up_axis]}),
+           {.cap_height_px = 9.0, .color = palette.text});
+}
+
 Face FaceOf(const Panel& panel, const OrthographicView& view, const Vec2& center_px) {
   Face face{};
   face.px_per_mm = panel.px_per_mm;
@@ -139,7 +162,7 @@ void DrawOrthographicView(Canvas& canvas, const Panel& panel,
                                      {face.right_px, face.bottom_px},
                                      {face.left_px, face.bottom_px}};
   FillConvex(canvas, corners, {palette.glass, 0.07F});
-  DrawGrid(canvas, face);
+  DrawGrid(canvas, face, panel.grid_step_mm);
   const Projection projection =
       Projection::Parallel(Vec3::Unit(view.right_axis), Vec3::Unit(view.up_axis),
                            panel.shown_mm.center_mm(), center_px, panel.px_per_mm);
@@ -152,6 +175,7 @@ void DrawOrthographicView(Canvas& canvas, const Panel& panel,
     DrawLine(canvas, corners[i], next, 5.0, {palette.edge, 0.05F * strength});
     DrawLine(canvas, corners[i], next, 1.3, {palette.edge, 0.75F * strength});
   }
+  if (panel.work_mm) DrawWorkOutline(canvas, face, view, *panel.work_mm);
   DrawNumbers(canvas, face, view);
 }
 

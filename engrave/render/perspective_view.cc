@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "engrave/render/block_drawing.h"
@@ -15,12 +16,18 @@ Rect RoomForBox(const Rect& cell) {
 
 class BoxAxes {
  public:
-  BoxAxes(Canvas& canvas, const Box3& box_mm, const Projection& projection)
-      : canvas_(canvas), box_mm_(box_mm), projection_(projection) {}
+  /// grid_step_mm 0: by the size of the box.
+  BoxAxes(Canvas& canvas, const Box3& box_mm, const Projection& projection,
+          double grid_step_mm)
+      : canvas_(canvas),
+        box_mm_(box_mm),
+        projection_(projection),
+        grid_step_mm_(grid_step_mm) {}
 
   void DrawFloorGrid() {
     const Vec3 size_mm = box_mm_.size_mm();
-    const double fine_mm = NiceStep(size_mm.maxCoeff(), 16);
+    const double fine_mm =
+        GridStep(grid_step_mm_, NiceStep(size_mm.maxCoeff(), 16), size_mm.maxCoeff());
     for (int axis = 0; axis < 2; ++axis) {
       const int other = 1 - axis;
       for (double mm = First(axis, fine_mm); mm < box_mm_.max_mm[axis] - 1e-9 * fine_mm;
@@ -99,9 +106,42 @@ class BoxAxes {
   Palette palette_;
   Box3 box_mm_;
   const Projection& projection_;
+  double grid_step_mm_;
 };
 
+Projection ProjectionOf(const Panel& panel) {
+  const Rect room = RoomForBox(panel.cell);
+  if (!panel.camera) return GlassPerspective(panel.shown_mm, room);
+  const Camera& camera = *panel.camera;
+  const auto make = camera.parallel ? Projection::ParallelView : Projection::Perspective;
+  return make(panel.shown_mm, camera.azimuth_rad, camera.elevation_rad, room);
+}
+
+/// A frame around the work, and how large it is; not of work that reaches beyond what is
+/// shown.
+void DrawWorkFrame(Canvas& canvas, const Panel& panel, const Projection& projection) {
+  const Box3& work_mm = *panel.work_mm;
+  if (!panel.shown_mm.Contains(work_mm.min_mm) ||
+      !panel.shown_mm.Contains(work_mm.max_mm)) {
+    return;
+  }
+  BlockDrawing frame(canvas, work_mm, projection,
+                     {.faces = 0.0F, .edges = 0.6F, .edge_width = 0.7});
+  frame.DrawBehind();
+  frame.DrawInFront();
+  DrawText(
+      canvas, projection(work_mm.max_mm).at_px + Vec2(-8, -8),
+      SizeNumbers({work_mm.size_mm().x(), work_mm.size_mm().y(), work_mm.size_mm().z()}),
+      {.cap_height_px = 10.0, .color = Palette().text, .align = Align::kRight});
+}
+
 }  // namespace
+
+double GridStep(double asked_mm, double chosen_mm, double range_mm) {
+  constexpr double kMaxLines = 500;
+  if (asked_mm <= 0) return chosen_mm;
+  return asked_mm * std::max(1.0, std::ceil(range_mm / (kMaxLines * asked_mm)));
+}
 
 double PerspectiveScale(const Rect& cell, const Box3& box_mm) {
   return GlassPerspective(box_mm, RoomForBox(cell))
@@ -110,14 +150,15 @@ double PerspectiveScale(const Rect& cell, const Box3& box_mm) {
 
 void DrawPerspectiveView(Canvas& canvas, const Panel& panel, const PointList& cracks_mm) {
   DrawCell(canvas, panel.cell, panel.name, panel.description);
-  const Projection projection = GlassPerspective(panel.shown_mm, RoomForBox(panel.cell));
+  const Projection projection = ProjectionOf(panel);
   BlockDrawing block(canvas, panel.shown_mm, projection,
                      {.edges = panel.whole_block ? 1.0F : 0.5F});
-  BoxAxes axes(canvas, panel.shown_mm, projection);
+  BoxAxes axes(canvas, panel.shown_mm, projection, panel.grid_step_mm);
   block.DrawBehind();
   axes.DrawFloorGrid();
   DrawCloud(canvas, panel.cell.Inset(1), projection, cracks_mm);
   block.DrawInFront();
+  if (panel.work_mm) DrawWorkFrame(canvas, panel, projection);
   axes.DrawNumbers();
   if (panel.whole_block) axes.DrawBeam();
 }

@@ -41,21 +41,35 @@ Projection Projection::Perspective(const Box3& box_mm, double azimuth_rad,
   projection.up_ = Cross(projection.right_, projection.forward_);
   const double distance_mm = 3.0 * box_mm.size_mm().norm();
   projection.origin_mm_ = box_mm.center_mm() - distance_mm * projection.forward_;
-  projection.place_px_ = Vec2::Zero();
+  projection.FitInto(box_mm, into);
+  return projection;
+}
 
-  // With a focal length of 1 the corners span a rectangle; scale and move it into place.
+Projection Projection::ParallelView(const Box3& box_mm, double azimuth_rad,
+                                    double elevation_rad, const Rect& into) {
+  const double ca = std::cos(azimuth_rad), sa = std::sin(azimuth_rad);
+  const double ce = std::cos(elevation_rad), se = std::sin(elevation_rad);
+  const Vec3 right(ca, sa, 0.0);
+  Projection projection = Parallel(right, Cross(right, Vec3(-sa * ce, ca * ce, -se)),
+                                   box_mm.center_mm(), Vec2::Zero(), 1.0);
+  projection.FitInto(box_mm, into);
+  return projection;
+}
+
+void Projection::FitInto(const Box3& box_mm, const Rect& into) {
+  place_px_ = Vec2::Zero();
+  scale_ = 1.0;
   Vec2 low = Vec2::Constant(1e300);
   Vec2 high = -low;
   for (const Vec3& corner : CornersOf(box_mm)) {
-    const Vec2 at = projection(corner).at_px;
+    const Vec2 at = (*this)(corner).at_px;
     low = low.cwiseMin(at);
     high = high.cwiseMax(at);
   }
   const Vec2 span = high - low;
-  projection.scale_ = std::min(into.width / span.x(), into.height / span.y());
-  projection.place_px_ = Vec2(into.x + 0.5 * into.width, into.y + 0.5 * into.height) -
-                         0.5 * projection.scale_ * (low + high);
-  return projection;
+  scale_ = std::min(into.width / span.x(), into.height / span.y());
+  place_px_ = Vec2(into.x + 0.5 * into.width, into.y + 0.5 * into.height) -
+              0.5 * scale_ * (low + high);
 }
 
 bool Projection::Sees(const Vec3& normal, const Vec3& place_mm) const {

@@ -29,6 +29,10 @@ class Projection {
   static Projection Perspective(const Box3& box_mm, double azimuth_rad,
                                 double elevation_rad, const Rect& into);
 
+  /// Parallel, from the same directions; the box fills `into`.
+  static Projection ParallelView(const Box3& box_mm, double azimuth_rad,
+                                 double elevation_rad, const Rect& into);
+
   Projected operator()(const Vec3& p_mm) const {
     const Vec3 from_origin = p_mm - origin_mm_;
     const double depth_mm = forward_.dot(from_origin);
@@ -47,6 +51,9 @@ class Projection {
   bool Sees(const Vec3& normal, const Vec3& place_mm) const;
 
  private:
+  /// With a scale of 1 about the origin: scaled and moved so that the box fills `into`.
+  void FitInto(const Box3& box_mm, const Rect& into);
+
   Vec3 right_, up_, forward_;
   Vec3 origin_mm_;  ///< Parallel: what appears at place_px_. Central: the eye.
   Vec2 place_px_;

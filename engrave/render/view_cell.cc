@@ -38,6 +38,14 @@ void DrawScaleBar(Canvas& canvas, const Rect& cell, double px_per_mm) {
            {.cap_height_px = 9.0, .color = palette.dim_text, .align = Align::kRight});
 }
 
+std::string SizeNumbers(const std::vector<double>& sizes_mm) {
+  std::string text;
+  for (const double size_mm : sizes_mm) {
+    text += fmt::format("{}{:.4g}", text.empty() ? "" : " x ", size_mm);
+  }
+  return text + " mm";
+}
+
 std::string ShortNumber(double value) { return fmt::format("{:.6g}", value); }
 
 }  // namespace intaglio::render

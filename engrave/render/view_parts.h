@@ -3,6 +3,7 @@
 // The parts of the pictures of views.h and spacing_map.h, and the colours they share.
 
 #include <string>
+#include <vector>
 
 #include "engrave/core/geometry.h"
 #include "engrave/render/canvas.h"
@@ -69,6 +70,13 @@ void DrawCell(Canvas& canvas, const Rect& cell, const std::string& name,
 
 /// A bar of a round length at the right of a view's heading.
 void DrawScaleBar(Canvas& canvas, const Rect& cell, double px_per_mm);
+
+/// The step of a grid: the one that is asked for, or, where that is 0, the chosen one. A
+/// step that would make more than 500 lines in the range is multiplied.
+double GridStep(double asked_mm, double chosen_mm, double range_mm);
+
+/// "33 x 31 x 22 mm", with four digits each.
+std::string SizeNumbers(const std::vector<double>& sizes_mm);
 
 /// A length in mm as short as it can be written: "5", "0.2".
 std::string ShortNumber(double value);

@@ -7,6 +7,7 @@
 // shown in one large view from where it can be read. Beside the views: the verdict, what
 // has to be noted about it, the figures, and what their words mean.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,22 @@ struct ViewsCaption {
   std::vector<LegendEntry> legend;
 };
 
+/// From where the block is seen, as the operator has it in Trochimczuk 2008 annex E.
+struct Camera {
+  double azimuth_rad = 0.52;   ///< to the right of the front, -pi..pi
+  double elevation_rad = 0.3;  ///< above the middle, -pi/2..pi/2
+  double zoom = 1;  ///< 1: the block; above: the part about the work of 1 / zoom of it
+  /// Parallel lines stay parallel. The isometric view has an azimuth of pi/4 and an
+  /// elevation of asin(1 / sqrt(3)).
+  bool parallel = false;
+};
+
+struct ViewsOptions {
+  std::optional<Camera> camera;  ///< one large view from there; absent: chosen views
+  double grid_step_mm = 0;       ///< 0: by the scale
+  bool object_frame = false;     ///< a frame around the work, with its sizes
+};
+
 /// Size of the picture in pixels.
 inline constexpr int kViewsWidth = 1920;
 inline constexpr int kViewsHeight = 1200;
@@ -55,6 +72,6 @@ inline constexpr int kViewsHeight = 1200;
 /// Draws the cracks (frame glass, mm) in the block 0..block_size_mm (each side > 0).
 /// Takes about a second for 400 000 points; the same input gives the same picture.
 Canvas RenderViews(const PointList& cracks_mm, const Vec3& block_size_mm,
-                   const ViewsCaption& caption);
+                   const ViewsCaption& caption, const ViewsOptions& options = {});
 
 }  // namespace intaglio::render

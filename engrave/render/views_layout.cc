@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "engrave/render/view_parts.h"
@@ -184,11 +185,11 @@ Box3 ShownPart(const PointList& cracks_mm, const Vec3& block_size_mm, double min
           (center_mm + half_mm).cwiseMin(block_size_mm)};
 }
 
-ViewsLayout LayOutViews(const PointList& cracks_mm, const Vec3& block_size_mm,
-                        const ViewsCaption& caption) {
-  ViewsLayout layout;
-  layout.page = LayOutPage(caption);
-  const Rect& room = layout.page.views;
+namespace {
+
+/// The views that are chosen by the work.
+std::vector<Panel> ChosenPanels(const PointList& cracks_mm, const Vec3& block_size_mm,
+                                const Rect& room) {
   const Box3 block{Vec3::Zero(), block_size_mm};
   const auto flat_axis = FlatAxis(cracks_mm);
   const Box3 shown = ShownPart(cracks_mm, block_size_mm, kSmallRatio, flat_axis);
@@ -204,9 +205,9 @@ ViewsLayout LayOutViews(const PointList& cracks_mm, const Vec3& block_size_mm,
           SizeText(block_size_mm[view.right_axis], block_size_mm[view.up_axis]);
     }
     panel.is_flat = true;
-    layout.panels = {panel};
-    return layout;
+    return {panel};
   }
+  std::vector<Panel> best;
   double largest = 0.0;
   for (const Cells& cells :
        {WideCells(room, block_size_mm), TallCells(room, block_size_mm),
@@ -214,7 +215,43 @@ ViewsLayout LayOutViews(const PointList& cracks_mm, const Vec3& block_size_mm,
     auto panels = SolidPanels(cells, block, shown, whole);
     if (SizeOf(panels) <= largest) continue;
     largest = SizeOf(panels);
-    layout.panels = std::move(panels);
+    best = std::move(panels);
+  }
+  return best;
+}
+
+/// One large view; zoomed, the part of the block about the work's middle.
+Panel CameraPanel(const Camera& camera, const Box3& work_mm, const Vec3& block_size_mm,
+                  const Rect& room) {
+  const Vec3 half_mm = 0.5 / camera.zoom * block_size_mm;
+  Vec3 center_mm = work_mm.empty() ? Vec3(0.5 * block_size_mm) : work_mm.center_mm();
+  center_mm = center_mm.cwiseMax(half_mm).cwiseMin(block_size_mm - half_mm);
+  const bool whole = camera.zoom == 1;
+  Panel panel = PanelOf(PanelKind::kPerspective, room,
+                        {center_mm - half_mm, center_mm + half_mm}, whole);
+  panel.camera = camera;
+  constexpr double kDegPerRad = 180 / std::numbers::pi;
+  panel.description = fmt::format(
+      "{}azimuth {:.0f}°, elevation {:.0f}°{}", camera.parallel ? "parallel, " : "",
+      camera.azimuth_rad * kDegPerRad, camera.elevation_rad * kDegPerRad,
+      whole ? "" : fmt::format(", {:.3g} times enlarged", camera.zoom));
+  return panel;
+}
+
+}  // namespace
+
+ViewsLayout LayOutViews(const PointList& cracks_mm, const Vec3& block_size_mm,
+                        const ViewsCaption& caption, const ViewsOptions& options) {
+  ViewsLayout layout;
+  layout.page = LayOutPage(caption);
+  const Box3 work_mm = BoundsOf(cracks_mm);
+  layout.panels = options.camera
+                      ? std::vector{CameraPanel(*options.camera, work_mm, block_size_mm,
+                                                layout.page.views)}
+                      : ChosenPanels(cracks_mm, block_size_mm, layout.page.views);
+  for (Panel& panel : layout.panels) {
+    panel.grid_step_mm = options.grid_step_mm;
+    if (options.object_frame && !work_mm.empty()) panel.work_mm = work_mm;
   }
   return layout;
 }

@@ -23,6 +23,9 @@ struct Panel {
   bool is_flat = false;     ///< The work is in the plane of this view.
   double px_per_mm = 1.0;   ///< Of a parallel view.
   std::string name, description;
+  std::optional<Camera> camera;  ///< of a perspective; absent: chosen to fill the cell
+  double grid_step_mm = 0;       ///< 0: by the scale
+  std::optional<Box3> work_mm;   ///< gets a frame
 };
 
 struct ViewsLayout {
@@ -37,7 +40,7 @@ struct ViewsLayout {
 std::optional<int> FlatAxis(const PointList& cracks_mm);
 
 ViewsLayout LayOutViews(const PointList& cracks_mm, const Vec3& block_size_mm,
-                        const ViewsCaption& caption);
+                        const ViewsCaption& caption, const ViewsOptions& options = {});
 
 /// The part of the block to be shown so that the work is large: the block, or, if the
 /// work takes less than `min_ratio` of it along every axis (but `flat_axis`), the work

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace intaglio::render {
 namespace {
@@ -72,6 +74,37 @@ TEST(Projection, StepsAreRound) {
   EXPECT_DOUBLE_EQ(NiceStep(80, 3), 50.0);
   EXPECT_DOUBLE_EQ(NiceStep(80, 1), 100.0);
   EXPECT_DOUBLE_EQ(NiceStep(0.9, 5), 0.2);
+}
+
+TEST(Projection, IsometricViewShortensAllAxesAlike) {
+  const Box3 box{Vec3::Zero(), Vec3(60, 40, 80)};
+  const Rect into{100, 50, 900, 700};
+  const Projection view = Projection::ParallelView(box, std::numbers::pi / 4,
+                                                   std::asin(1 / std::sqrt(3.0)), into);
+  const Vec2 origin = view(Vec3::Zero()).at_px;
+  const double x = (view(Vec3(10, 0, 0)).at_px - origin).norm();
+  // By definition: the same length along each axis, 120 degrees apart, z straight up.
+  EXPECT_NEAR((view(Vec3(0, 10, 0)).at_px - origin).norm(), x, 1e-9);
+  EXPECT_NEAR((view(Vec3(0, 0, 10)).at_px - origin).norm(), x, 1e-9);
+  const Vec2 up = view(Vec3(0, 0, 10)).at_px - origin;
+  EXPECT_NEAR(up.x(), 0, 1e-9);
+  EXPECT_LT(up.y(), 0);
+  const Vec2 along = view(Vec3(10, 0, 0)).at_px - origin;
+  EXPECT_NEAR(along.dot(up) / (x * x), -0.5, 1e-9);
+  // Parallel lines stay parallel, and the block fills the room on one of both ways.
+  EXPECT_TRUE(
+      (view(Vec3(10, 40, 80)).at_px - view(Vec3(0, 40, 80)).at_px).isApprox(along, 1e-9));
+  double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
+  for (const Vec3& corner : CornersOf(box)) {
+    const Vec2 at = view(corner).at_px;
+    left = std::min(left, at.x()), right = std::max(right, at.x());
+    top = std::min(top, at.y()), bottom = std::max(bottom, at.y());
+  }
+  EXPECT_GE(left, 100 - 1e-9);
+  EXPECT_LE(right, 1000 + 1e-9);
+  EXPECT_GE(top, 50 - 1e-9);
+  EXPECT_LE(bottom, 750 + 1e-9);
+  EXPECT_NEAR(std::max((right - left) / 900, (bottom - top) / 700), 1, 1e-9);
 }
 
 }  // namespace

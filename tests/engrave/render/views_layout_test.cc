@@ -193,5 +193,29 @@ TEST(ViewsLayout, WithoutAVerdictAndFiguresTheViewsTakeTheWholeWidth) {
   EXPECT_GT(LayOutPage({}).views.right(), kViewsWidth - 30);
 }
 
+TEST(ViewsLayout, ACameraHasOneLargeViewOfThePartAboutTheWork) {
+  const Vec3 block(60, 60, 80);
+  const PointList work = {Vec3(10, 10, 10), Vec3(20, 20, 20)};
+  ViewsOptions options;
+  options.camera = Camera{.azimuth_rad = 1, .elevation_rad = 0.5, .zoom = 4};
+  options.object_frame = true;
+  options.grid_step_mm = 2.5;
+  const ViewsLayout layout = LayOutViews(work, block, FullCaption(), options);
+  ASSERT_EQ(layout.panels.size(), 1U);
+  const Panel& panel = layout.panels[0];
+  EXPECT_EQ(panel.kind, PanelKind::kPerspective);
+  EXPECT_TRUE(panel.shown_mm.size_mm().isApprox(block / 4, 1e-12));
+  EXPECT_TRUE(panel.shown_mm.center_mm().isApprox(Vec3(15, 15, 15), 1e-12));
+  EXPECT_EQ(panel.grid_step_mm, 2.5);
+  ASSERT_TRUE(panel.work_mm);
+  EXPECT_EQ(panel.work_mm->max_mm, Vec3(20, 20, 20));
+  // Near a wall the part stays within the block; unzoomed it is the block.
+  const ViewsLayout wall = LayOutViews({Vec3(1, 1, 79)}, block, FullCaption(), options);
+  EXPECT_TRUE(wall.panels[0].shown_mm.min_mm.isApprox(Vec3(0, 0, 60), 1e-12));
+  options.camera->zoom = 1;
+  EXPECT_TRUE(LayOutViews(work, block, FullCaption(), options).panels[0].whole_block);
+  EXPECT_GT(LayOutViews(work, block, FullCaption()).panels.size(), 1U);
+}
+
 }  // namespace
 }  // namespace intaglio::render

@@ -110,5 +110,33 @@ TEST(Views, TheVerdictHasItsColour) {
   EXPECT_GT(warned.at(x, 50).g, 2 * warned.at(x, 50).b);
 }
 
+TEST(Views, ACameraGridStepAndFrameChangeThePicture) {
+  const PointList cracks = Sphere(500);
+  const auto picture = [&](const ViewsOptions& options) {
+    return EncodePng(RenderViews(cracks, kBlock, Caption(), options));
+  };
+  ViewsOptions options;
+  const auto usual = picture(options);
+  options.object_frame = true;
+  const auto framed = picture(options);
+  EXPECT_NE(framed, usual);
+  options.grid_step_mm = 7;
+  const auto wide = picture(options);
+  EXPECT_NE(wide, framed);
+  options.grid_step_mm = 1e-9;  // a thousand million lines are not drawn
+  EXPECT_NO_THROW(picture(options));
+  options.camera = Camera{};
+  const auto from_right = picture(options);
+  options.camera->azimuth_rad = -0.52;
+  const auto from_left = picture(options);
+  EXPECT_NE(from_left, from_right);
+  options.camera->parallel = true;
+  EXPECT_NE(picture(options), from_left);
+  options.camera->elevation_rad = 2;
+  EXPECT_THROW(picture(options), PreconditionError);
+  options.camera = Camera{.zoom = 0.5};
+  EXPECT_THROW(picture(options), PreconditionError);
+}
+
 }  // namespace
 }  // namespace intaglio::render
