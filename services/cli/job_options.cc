@@ -9,6 +9,7 @@
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
 #include "services/job/course/course_check.h"
+#include "services/job/field_path.h"
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
 #include "services/job/job_file.h"
@@ -100,6 +101,24 @@ void SetPlacements(const JobFlags& flags, JobSpec& job) {
   }
 }
 
+/// "PATH=VALUE" each.
+Status SetFields(const std::vector<std::string>& fields, JobSpec& job) {
+  for (const std::string& field : fields) {
+    const std::size_t equals = field.find('=');
+    if (equals == std::string::npos) {
+      return Fail(
+          ErrorCode::kInvalidValue,
+          fmt::format("--set: \"{}\" has no =; write it as block.margin_mm=5", field),
+          field);
+    }
+    if (auto set = SetField(job, field.substr(0, equals), field.substr(equals + 1));
+        !set) {
+      return Fail(set.error().code, "--set: " + set.error().message, set.error().value);
+    }
+  }
+  return {};
+}
+
 Status Apply(const JobFlags& flags, JobSpec& job) {
   SetMeshes(flags, job);
   INTAGLIO_TRY(SetTexts(flags.texts, job));
@@ -120,7 +139,8 @@ Status Apply(const JobFlags& flags, JobSpec& job) {
     job.mutable_discretization()->set_min_spacing_mm(*flags.spacing_mm);
   }
   INTAGLIO_TRY(SetMethods(flags.methods, job));
-  return SetOrderAndProfile(flags, job);
+  INTAGLIO_TRY(SetOrderAndProfile(flags, job));
+  return SetFields(flags.fields, job);
 }
 
 Result<JobSpec> ReadJob(const JobFlags& flags, bool needs_model) {

@@ -23,6 +23,7 @@
 #include "services/client/event_lines.h"
 #include "services/client/exit_codes.h"
 #include "services/client/job_client.h"
+#include "services/client/known_jobs.h"
 #include "services/client/warning_text.h"
 #include "services/history/job_history.h"
 
@@ -172,7 +173,9 @@ int ExitWithFault(const client::JobClient& client) {
 int List(const JobsOptions& options) {
   bus::Bus bus(options.bus);
   client::JobClient client(bus);
-  client.PollUntil([] { return false; }, bus.discovery_time());
+  // Identities are checked topic by topic, which takes longer between two jobs.
+  const auto quiet = options.bus.security.empty() ? 80ms : 600ms;
+  client::PollUntilJobsAreKnown(client, quiet, bus.discovery_time());
   const auto services = client.services();
   if (services.empty()) {
     std::cerr << "intaglio: no services found: start them (intaglio up), or check "

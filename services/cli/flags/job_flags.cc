@@ -148,6 +148,14 @@ void AddMachineFlags(command_line::Command command, JobFlags& flags) {
       .Group(kMachine);
 }
 
+void AddSetFlag(command_line::Command command, JobFlags& flags) {
+  command
+      .AddOption("--set", flags.fields,
+                 "a field of the job by its path, after all other options: "
+                 "--set motion.tolerance_um=15; again for each field")
+      .TakeOneAtATime();
+}
+
 void AddJobFlags(command_line::Command command, JobFlags& flags) {
   AddJobFile(command, flags);
   AddJobOptions(command, flags);
@@ -161,6 +169,7 @@ void AddJobOptions(command_line::Command command, JobFlags& flags) {
   AddOrderFlags(command, flags);
   AddMotionFlags(command, flags);
   AddMachineFlags(command, flags);
+  AddSetFlag(command, flags);
   AddSizeLimitsFlag(command, flags.size_limits);
   command.AddOption("--name", flags.name, "name of the job, for people");
 }

@@ -31,6 +31,7 @@ struct JobFlags {
   std::optional<double> rate_hz, speed_mm_s, acceleration_mm_s2, focal_mm;
   std::optional<std::string> machine;  // name of a supplied profile, or a file
   std::optional<std::string> name;
+  std::vector<std::string> fields;  // "PATH=VALUE" of JobSpec, services/job/field_path.h
   bool clip = false;
   double size_limits = 1;  ///< factor (services/job/models/read_limits.h)
 };
@@ -54,6 +55,9 @@ void AddMotionFlags(command_line::Command command, JobFlags& flags);
 void AddMachineFlags(command_line::Command command, JobFlags& flags);
 /// --machine and --focal, where the glass does not matter.
 void AddLensFlags(command_line::Command command, JobFlags& flags);
+
+/// --set: any field of the job by its path.
+void AddSetFlag(command_line::Command command, JobFlags& flags);
 
 /// All but the positional JOB, --name and --size-limits.
 void AddJobOptions(command_line::Command command, JobFlags& flags);

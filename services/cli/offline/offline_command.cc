@@ -1,7 +1,9 @@
 #include "services/cli/offline/offline_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <memory>
@@ -13,6 +15,7 @@
 #include "engrave/render/views.h"
 #include "proto/listing.pb.h"
 #include "services/cli/complain.h"
+#include "services/cli/flags/camera_flags.h"
 #include "services/cli/flags/customer_picture_flags.h"
 #include "services/cli/flags/size_limits_flag.h"
 #include "services/cli/job_glass.h"
@@ -40,10 +43,37 @@ struct OfflineOptions {
   JobFlags job;
   std::string input, out, materials_db, glass_folder;
   std::vector<double> block_mm;
+  std::vector<int> only;  // models, from 1; none: all
   bool json = false;
   bool renew = false;
   CustomerPictureFlags picture;
+  CameraFlags camera;
 };
+
+/// Of the cloud the points of these models, numbered from 1; of none given all.
+Status KeepModels(const std::vector<int>& only, int model_count, PointCloud& cloud) {
+  if (only.empty()) return {};
+  for (const int model : only) {
+    if (model >= 1 && model <= model_count) continue;
+    return Fail(ErrorCode::kInvalidValue,
+                fmt::format("--only: there is no model {}; the job has models 1 to {}",
+                            model, model_count),
+                std::to_string(model));
+  }
+  PointCloud kept;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const int model = static_cast<int>(cloud.source[i]) + 1;
+    if (std::ranges::find(only, model) == only.end()) continue;
+    kept.Add(cloud.points_mm[i], cloud.source[i]);
+  }
+  if (kept.size() == 0) {
+    return Fail(ErrorCode::kMissing,
+                fmt::format("--only: model {} has no points of its own in the cloud",
+                            fmt::join(only, ", ")));
+  }
+  cloud = std::move(kept);
+  return {};
+}
 
 CloudRecord CloudRecordOf(const std::string& file, const JobCloud& made) {
   CloudRecord record;
@@ -63,9 +93,12 @@ int DiscretizeOffline(const OfflineOptions& options) {
   if (const auto glass = FindGlass(*job, options.materials_db); !glass) {
     return Complain(glass.error(), client::kExitWrongInput);
   }
-  const auto cloud =
+  auto cloud =
       MakeMeteredCloud(job->job, mesh_reader::LimitsOfProgram(options.job.size_limits));
   if (!cloud) return Complain(cloud.error(), client::kExitWrongInput);
+  if (auto kept = KeepModels(options.only, job->job.models_size(), cloud->cloud); !kept) {
+    return Complain(kept.error(), client::kExitWrongInput);
+  }
   formats::PointTable table;
   table.points_mm = cloud->cloud.points_mm;
   table.columns = {{"source", cloud->cloud.source}};
@@ -139,6 +172,11 @@ int VerifyOffline(const OfflineOptions& options) {
   return PrintProof(options, *proved);
 }
 
+std::string SizeText(const Vec3& size_mm) {
+  return fmt::format("{:.4g} x {:.4g} x {:.4g} mm", size_mm.x(), size_mm.y(),
+                     size_mm.z());
+}
+
 int RenderOffline(const OfflineOptions& options) {
   const auto table = ReadPoints(options.input);
   if (!table) return Complain(table.error(), client::kExitWrongInput);
@@ -156,9 +194,11 @@ int RenderOffline(const OfflineOptions& options) {
   caption.title_lines = {fs::path(options.input).filename().string()};
   caption.figures = {
       {"points", client::GroupedDigits(table->points_mm.size())},
-      {"minimum spacing", fmt::format("{:.4f} mm", proof::MinSpacing(table->points_mm))}};
+      {"minimum spacing", fmt::format("{:.4f} mm", proof::MinSpacing(table->points_mm))},
+      {"object", SizeText(box.size_mm())}};
   const auto written = render::WritePng(
-      options.out, render::RenderViews(table->points_mm, block, caption));
+      options.out,
+      render::RenderViews(table->points_mm, block, caption, options.camera.Views()));
   if (!written) return Complain(written.error(), client::kExitWrongInput);
   std::cout << "picture in " << options.out << "\n";
   if (options.picture.asked()) {
@@ -188,6 +228,10 @@ void AddOfflineCommands(command_line::Command app) {
   AddBlockFlags(discretize, options->job);
   AddPointFlags(discretize, options->job);
   AddMachineFlags(discretize, options->job);
+  AddSetFlag(discretize, options->job);
+  discretize.AddOption("--only", options->only,
+                       "write only the points of these models, numbered from 1; the "
+                       "others still take their place");
   AddSizeLimitsFlag(discretize, options->job.size_limits);
   discretize.AddOption("--out", options->out, "cloud: " + formats::PointExtensions())
       .Require();
@@ -225,6 +269,7 @@ void AddOfflineCommands(command_line::Command app) {
       .Require();
   render.AddOption("--block", options->block_mm, "block size x y z, mm").TakeValues(3);
   render.AddOption("--out", options->out, "picture.png").Require();
+  AddCameraFlags(render, options->camera);
   AddCustomerPictureFlags(render, options->picture);
   render.SetFooter(
       "Example: intaglio render cloud.ply --block 50 50 50 --out picture.png");

@@ -200,6 +200,7 @@ void AddPathJobFlags(command_line::Command command, JobFlags& flags) {
   AddBlockFlag(command, flags);
   AddMotionFlags(command, flags);
   AddMachineFlags(command, flags);
+  AddSetFlag(command, flags);
   AddSizeLimitsFlag(command, flags.size_limits);
 }
 

@@ -64,6 +64,11 @@ Option Option::TakeValues(int smallest, int largest) const {
   return *this;
 }
 
+Option Option::TakeOneAtATime() const {
+  option_->allow_extra_args(false);
+  return *this;
+}
+
 Option Option::SplitAt(char separator) const {
   option_->delimiter(separator);
   return *this;

@@ -51,6 +51,9 @@ class Option {
   /// How many values are taken.
   Option TakeValues(int count) const;
   Option TakeValues(int smallest, int largest) const;
+  /// Of a vector: one value after each of its names, which may be repeated; what follows
+  /// is another argument.
+  Option TakeOneAtATime() const;
   /// Of values in one argument: "1,2,3".
   Option SplitAt(char separator) const;
   /// --help shows the variable's present value.

@@ -10,6 +10,7 @@
 
 #include "services/cli/batch/batch_run.h"
 #include "services/client/arm_once.h"
+#include "services/client/known_jobs.h"
 #include "tests/services/job/test_job.h"
 #include "tests/services/job_service/fake_shop.h"
 #include "tests/test_folder.h"
@@ -114,6 +115,21 @@ TEST_F(JobClientTest, WaitsForTheAnswerToItsOwnCommand) {
   EXPECT_TRUE(bob_.Command(paused, {.kind = intaglio_COMMAND_SPEED, .speed_percent = 40})
                   .has_value());
   BobAwaits(job->uid, [](const JobView& view) { return view.speed_percent == 40; });
+}
+
+TEST_F(JobClientTest, AClientThatComesLaterKnowsAllJobsAndWaitsNoLonger) {
+  Start();
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(ann_.Submit(GoodJob(), 10s).has_value());
+  bus::Bus bus(test::PrivateBusOptions());
+  JobClient carol(bus);
+  // A patient quiet time, for the computer may be busy with other tests.
+  EXPECT_TRUE(PollUntilJobsAreKnown(carol, 1s, 20s));
+  EXPECT_EQ(carol.jobs().size(), 20U);
+}
+
+TEST_F(JobClientTest, WithoutAJobServiceNoJobsAreKnown) {
+  JobClient carol(bus_);
+  EXPECT_FALSE(PollUntilJobsAreKnown(carol, 10ms, 300ms));
 }
 
 TEST_F(JobClientTest, ReportsThatNobodyAnswers) {
