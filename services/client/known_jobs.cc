@@ -7,10 +7,11 @@ namespace intaglio::client {
 bool PollUntilJobsAreKnown(JobClient& client, std::chrono::milliseconds quiet,
                            std::chrono::milliseconds timeout) {
   using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::milliseconds kTurn{10};
+  const auto end = Clock::now() + timeout;
   std::size_t known_count = 0;
   auto since = Clock::now();
-  const auto are_known = [&] {
-    const auto now = Clock::now();
+  for (auto now = since; now < end; client.Poll(kTurn), now = Clock::now()) {
     const auto services = client.services();
     const bool served = std::ranges::any_of(services, [](const ServiceView& service) {
       return service.role == intaglio_ROLE_JOB_SERVICE;
@@ -18,11 +19,11 @@ bool PollUntilJobsAreKnown(JobClient& client, std::chrono::milliseconds quiet,
     if (!served || client.jobs().size() != known_count) {
       known_count = client.jobs().size();
       since = now;
-      return false;
+    } else if (now - since >= quiet) {
+      return true;
     }
-    return now - since >= quiet;
-  };
-  return client.PollUntil(are_known, timeout);
+  }
+  return false;
 }
 
 }  // namespace intaglio::client

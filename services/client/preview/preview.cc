@@ -74,8 +74,9 @@ void AddModels(const JobSpec& job, const PointCloud& cloud, JobPreview& figures)
   for (int i = 0; i < job.models_size(); ++i) {
     const Model& model = job.models(i);
     ModelPreview& preview = *figures.add_models();
-    preview.set_name(model.has_text() ? model.text().text()
-                                      : fs::path(model.file()).filename().string());
+    preview.set_name(model.has_text()       ? model.text().text()
+                     : model.file().empty() ? "points"
+                                            : fs::path(model.file()).filename().string());
     if (const auto kind = KindOf(model)) preview.set_kind(NameOf(*kind));
     if (const Method* method = MethodOf(model)) preview.set_method(method->name());
     const auto at = static_cast<std::size_t>(i);

@@ -11,13 +11,17 @@ namespace intaglio {
 
 Warnings FocusSpreadOf(const FrozenJob& job, const PointList& points_mm) {
   const MachineLens* lens = FindLens(job.machine(), job.job().lens().focal_length_mm());
-  if (points_mm.empty() || lens == nullptr || lens->crack_length_mm() <= 0) return {};
+  const OpticalValuesRecord& values = job.optics();
+  const bool is_known =
+      lens != nullptr && lens->crack_length_mm() > 0 && values.refractive_index() >= 1 &&
+      values.numerical_aperture() > 0 && values.numerical_aperture() < 1;
+  if (points_mm.empty() || !is_known) return {};
   const auto lowest =
       std::ranges::min_element(points_mm, {}, [](const Vec3& p) { return p.z(); });
   const double depth_mm = job.job().block().size_mm().z() - lowest->z();
   if (depth_mm <= 0) return {};
-  const double spread_per_mm = optics::FocusSpreadMm(
-      job.optics().refractive_index(), job.optics().numerical_aperture(), 1);
+  const double spread_per_mm =
+      optics::FocusSpreadMm(values.refractive_index(), values.numerical_aperture(), 1);
   const double spread_mm = spread_per_mm * depth_mm;
   if (spread_mm <= lens->crack_length_mm()) return {};
   return {MakeWarning(

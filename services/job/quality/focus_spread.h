@@ -7,8 +7,8 @@
 namespace intaglio {
 
 /// A note when the focus at the deepest point is spread over more than the length of a
-/// crack of the lens (engrave/optics/focus.h); else nothing. Points in the glass frame,
-/// mm.
+/// crack of the lens (engrave/optics/focus.h); else, and where lens or index are not
+/// known, nothing. Points in the glass frame, mm.
 Warnings FocusSpreadOf(const FrozenJob& job, const PointList& points_mm);
 
 }  // namespace intaglio

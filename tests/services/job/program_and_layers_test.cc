@@ -12,6 +12,7 @@
 #include "services/job/job_defaults.h"
 #include "services/job/methods/method_table.h"
 #include "services/job/options.h"
+#include "services/job/quality/focus_spread.h"
 #include "tests/services/job/test_job.h"
 
 namespace intaglio {
@@ -185,6 +186,25 @@ TEST(Arrangement, ABlockFitsUnderItsLens) {
       ElementsAre(Finds("block.size_mm.z", "is above the 20 mm of a block under")));
   machine.mutable_lenses(0)->set_max_block_height_mm(height_mm);
   EXPECT_THAT(Check(job, machine), IsEmpty());
+}
+
+TEST(FocusSpread, ANoteNamesLensDepthAndRemedyWhereItPassesACrack) {
+  FrozenJob job = FrozenOf(GoodJob());
+  const double height_mm = job.job().block().size_mm().z();
+  EXPECT_THAT(FocusSpreadOf(job, {Vec3(5, 5, 5)}), IsEmpty()) << "no index";
+  job.mutable_optics()->set_refractive_index(1.52);
+  job.mutable_optics()->set_numerical_aperture(0.2);
+  // The spread is 1.161 % of the depth: a crack of 0.135 mm is passed at 11.6 mm.
+  EXPECT_THAT(FocusSpreadOf(job, {Vec3(5, 5, height_mm - 11)}), IsEmpty());
+  EXPECT_THAT(FocusSpreadOf(job, {}), IsEmpty());
+  const Warnings deep =
+      FocusSpreadOf(job, {Vec3(5, 5, height_mm - 2), Vec3(5, 5, height_mm - 20)});
+  ASSERT_EQ(deep.size(), 1U);
+  EXPECT_EQ(deep[0].code, WarningCode::kFocusSpread);
+  EXPECT_EQ(deep[0].weight, WarningWeight::kNote);
+  EXPECT_THAT(deep[0].text,
+              AllOf(HasSubstr("lens f43 is spread over 0.23 mm"),
+                    HasSubstr("20.0 mm below the top"), HasSubstr("down to 11.6 mm")));
 }
 
 }  // namespace
