@@ -116,10 +116,10 @@ MadePoints MakeDrawing(const Method& method, const MethodInput& input,
   const auto drawing = INTAGLIO_TRY(ReadDrawing(name, file, limits.drawings, warnings));
   auto placed = INTAGLIO_TRY(
       discretize::PlaceDrawing(drawing, input.placement, input.block_size_mm));
+  INTAGLIO_TRY(KeepLayers(input.model, drawing.names, placed.flat));
   if (size_check == SizeCheck::kDone) {
     INTAGLIO_TRY(CheckSize(input, BoundsOf(placed).size_mm(), warnings));
   }
-  INTAGLIO_TRY(KeepLayers(input.model, drawing.names, placed.flat));
   return std::get<DrawingMaker>(MakerOf(method).make)(input, placed,
                                                       discretize::CurveFill::kEvenOdd);
 }

@@ -293,6 +293,13 @@ TEST(ModelSources, AModelOfALayerLiesInItsPlaceOfTheWholeDrawing) {
       << box.min_mm.transpose();
   EXPECT_TRUE(box.max_mm.isApprox(Vec3(25 + 5 - 10, 25 + 9 - 5, 15), 1e-6));
 
+  // What is engraved has to fit, not what is left out: a block of 12 mm for 4 mm of 20.
+  one.job.mutable_block()->mutable_size_mm()->set_x(12);
+  one.model.mutable_placement()->mutable_move_mm()->set_x(6);
+  const auto small = one.Make({kPlan});
+  EXPECT_TRUE(small.has_value()) << (small ? "" : small.error().message);
+  one.job.mutable_block()->mutable_size_mm()->set_x(50);
+
   one.model.add_layers("Mark");
   const auto unknown = one.Make({kPlan});
   ASSERT_FALSE(unknown.has_value());
