@@ -17,6 +17,7 @@ PulseRecord::PulseRecord(std::size_t point_count, bool photosensor_feedback,
 
 std::vector<PulseResult> PulseRecord::TakeUp(const EarlierWork& earlier) {
   run_ = earlier.highest_run;
+  unrecorded_runs_ = 1;
   power_up_ = earlier.power_up;
   pulses_before_job_ = earlier.pulses_before_job;
   openings_accepted_ = earlier.openings;

@@ -20,6 +20,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "services/drivers/laser_controller.h"
@@ -52,7 +53,9 @@ class PulseRecord {
   std::uint32_t run() const { return run_; }
   /// Run numbers up to this one are in use.
   void SkipRuns(std::uint32_t highest_run) { run_ = std::max(run_, highest_run); }
-  void BeginRun() { ++run_; }
+  /// An earlier life may have sent a run of which nothing was armed, so that no record
+  /// has its number, and which the stage has not shown yet: ours gets another one.
+  void BeginRun() { run_ += 1 + std::exchange(unrecorded_runs_, 0); }
 
   /// Its intent. False: the ring is full; the ledger has it armed all the same, and it
   /// must not be sent.
@@ -101,6 +104,7 @@ class PulseRecord {
   bool photosensor_feedback_;
   PointLedger ledger_;
   std::uint32_t run_ = 0;
+  std::uint32_t unrecorded_runs_ = 0;
   std::uint32_t left_out_before_ = 0;
   bool session_journaled_ = false;
   std::uint32_t power_up_ = 0;
