@@ -15,7 +15,8 @@
 //  6. Error(command, t) is Settled(command) - command at t: what is predicted is what
 //     Follow does once the axis has settled.
 //  7. Parameters that are not finite numbers within the ranges of the drive's row in
-//     DriveKinds are refused (drive_kinds.h), and only those.
+//     DriveKinds are refused (drive_kinds.h), and only those and what the row checks
+//     besides: a loop that is not stable.
 //  8. CommandFor is linear and does not depend on the time: it adds to a course fixed
 //     multiples of its first, second and third derivative, those of the series of 1 /
 //     transfer().
@@ -23,6 +24,7 @@
 //     any thread.
 
 #include <array>
+#include <memory>
 #include <string_view>
 
 #include "engrave/drive/transfer.h"
@@ -88,5 +90,14 @@ class Drive {
     return Settled(command).At(t_s) - command.At(t_s);
   }
 };
+
+/// Of the three axes of a machine, in their order; null: an axis is where it is
+/// commanded.
+using AxisDrives = std::array<std::shared_ptr<const Drive>, 3>;
+
+/// One drive for all axes.
+inline AxisDrives AllAxes(const std::shared_ptr<const Drive>& drive) {
+  return {drive, drive, drive};
+}
 
 }  // namespace intaglio::drive

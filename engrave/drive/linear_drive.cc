@@ -23,7 +23,8 @@
 // integrator (a1 = b1, a2 = b2) it is p + G p'' with G = a3 s / (1 + b1 s + b2 s^2),
 // whose step response rises once to below a3 / b1 and comes back to 0, or swings with the
 // damping b1 / (2 sqrt b2) from at most a3 / sqrt b2. Twice the sum of its peaks is its
-// variation, which times A bounds it.
+// variation, which times A bounds it. Poles beyond the third are delays of a controller,
+// which the inverse leaves to the prediction.
 
 namespace intaglio::drive {
 namespace {
@@ -137,7 +138,7 @@ double LinearDrive::lead_s2() const {
   const Polynomial& b = transfer_.numerator;
   const bool lags = order_ == OrderOf(b) + 1;
   if (lags && OrderOf(b) == 1) return 0.5 * a[1] * a[1] + a[2];
-  if (lags && OrderOf(b) == 2) {
+  if (OrderOf(b) == 2 && a[1] == b[1] && a[2] == b[2]) {
     const double damping = b[1] / (2 * std::sqrt(b[2]));
     if (damping >= 1) return 2 * a[3] / b[1];
     const double ratio =

@@ -7,6 +7,12 @@
 // and with u = x (s^2 + G) / G, divided by p^2 q^2,
 //   x [P Q + m s^2 / p^2 N] = N c,  N = G / q^2 = 1 + 2 d2 s / q,
 // P and Q those of a spring each, 1 + 2 d s / w + s^2 / w^2.
+//
+// Planar: with the period T the acceleration is held, 1 / H with H = 1 + s T / 2, and the
+// difference of two samples is as late, kd s / H; the sum of samples is ki (1 / s + T/2):
+//   s^2 x H = (kp + ki T / 2 + ki / s + kd s / H) (c - x),
+// times s H: s^3 H^2 x = N (c - x), N = ki + (kp + ki T) s + (kd + kp T/2 + ki T^2/4)
+// s^2. The lags of first order are those of e^(-s T / 2) within (w T)^2 / 8.
 
 namespace intaglio::drive {
 namespace {
@@ -52,9 +58,47 @@ PidGains GainsOf(const PlanarLoop& planar) {
 
 Transfer TransferOf(const PlanarLoop& planar) {
   const PidGains pid = GainsOf(planar);
-  const double kp = pid.proportional_per_s2 / pid.integral_per_s3;
-  const double kd = pid.derivative_per_s / pid.integral_per_s3;
-  return {{1, kp, kd}, {1, kp, kd, 1 / pid.integral_per_s3}};
+  const double ki = pid.integral_per_s3, t = planar.period_s;
+  const double n1 = pid.proportional_per_s2 / ki + t;
+  const double n2 =
+      (pid.derivative_per_s + pid.proportional_per_s2 * t / 2) / ki + t * t / 4;
+  return {{1, n1, n2}, {1, n1, n2, 1 / ki, t / ki, t * t / (4 * ki)}};
+}
+
+namespace {
+
+/// Whether the sampled loop is stable: its roots in z lie within the unit circle, so
+/// those in w, z = (1 + w) / (1 - w), left of the imaginary axis.
+bool IsStableSampled(const PidGains& pid, double period_s) {
+  const double t = period_s;
+  const double q0 =
+      pid.integral_per_s3 * t + pid.proportional_per_s2 + pid.derivative_per_s / t;
+  const double q1 = -(pid.proportional_per_s2 + 2 * pid.derivative_per_s / t);
+  const double q2 = pid.derivative_per_s / t, plant = t * t / 2;
+  const Polynomial in_z = {plant * q2, -1 + plant * (q1 + q2), 3 + plant * (q0 + q1),
+                           -3 + plant * q0, 1};
+  constexpr std::size_t kOrder = 4;
+  Polynomial in_w = {};
+  for (std::size_t k = 0; k <= kOrder; ++k) {
+    Polynomial term = {in_z[k]};
+    for (std::size_t i = 0; i < kOrder; ++i)
+      term = Product(term, i < k ? Polynomial{1, 1} : Polynomial{1, -1});
+    in_w = Sum(in_w, term);
+  }
+  return IsStable(in_w);
+}
+
+}  // namespace
+
+double LongestPeriodS(const PlanarLoop& planar) {
+  const PidGains pid = GainsOf(planar);
+  double low_s = 0, high_s = 1 / pid.derivative_per_s;
+  while (IsStableSampled(pid, high_s)) high_s *= 2;
+  for (int i = 0; i < 50; ++i) {
+    const double middle_s = (low_s + high_s) / 2;
+    (IsStableSampled(pid, middle_s) ? low_s : high_s) = middle_s;
+  }
+  return low_s;
 }
 
 }  // namespace intaglio::drive

@@ -1,7 +1,8 @@
 #pragma once
 
 // The drives of controlled and of stepped axes, as transfer functions (transfer.h). All
-// are stable over the whole of their parameters, and so are their inverses.
+// are stable over the whole of their parameters but a planar drive whose period is too
+// long, and so are their inverses.
 
 #include "engrave/drive/transfer.h"
 
@@ -42,16 +43,22 @@ Transfer TransferOf(const StepperScrewLoop& stepper);
 
 /// A mass without a transmission under PID, Trochimczuk 2008, (105)-(106) corrected, by
 /// the poles of the loop: x''' = kd (c'' - x'') + kp (c' - x') + ki (c - x) has the
-/// denominator (s^2 + 2 d w s + w^2)(s + r).
+/// denominator (s^2 + 2 d w s + w^2)(s + r). A controller of period T holds what it
+/// computes, and takes differences of what it samples: each is T / 2 late.
 struct PlanarLoop {
   double natural_frequency_hz = 0;  ///< > 0
   double damping_ratio = 0;         ///< d, > 0
   double integral_rate_per_s = 0;   ///< r, > 0
+  double period_s = 0;              ///< T, >= 0; 0: continuous
 };
 struct PidGains {
   double proportional_per_s2 = 0, integral_per_s3 = 0, derivative_per_s = 0;
 };
 PidGains GainsOf(const PlanarLoop& planar);
+/// Stable only up to LongestPeriodS.
 Transfer TransferOf(const PlanarLoop& planar);
+/// The period of the controller at which the loop begins to swing, s, > 0; the loop's own
+/// period is not read.
+double LongestPeriodS(const PlanarLoop& planar);
 
 }  // namespace intaglio::drive

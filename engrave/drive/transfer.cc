@@ -27,6 +27,23 @@ Polynomial Sum(const Polynomial& f, const Polynomial& g) {
   return sum;
 }
 
+bool IsStable(const Polynomial& polynomial) {
+  const std::size_t order = OrderOf(polynomial);
+  // Two rows of the scheme, each of every other coefficient from the highest down.
+  std::array<double, kMaxOrder + 2> row = {}, next = {};
+  for (std::size_t k = 0; k <= order; ++k)
+    (k % 2 == 0 ? row : next)[k / 2] = polynomial[order - k];
+  for (std::size_t k = 0; k < order; ++k) {
+    if (!(row[0] > 0) || !(next[0] > 0)) return false;
+    std::array<double, kMaxOrder + 2> below = {};
+    for (std::size_t j = 0; j + 1 < below.size(); ++j)
+      below[j] = row[j + 1] - row[0] / next[0] * next[j + 1];
+    row = next;
+    next = below;
+  }
+  return row[0] > 0;
+}
+
 std::array<double, 4> SeriesOf(const Polynomial& f, const Polynomial& g) {
   std::array<double, 4> series = {};
   for (std::size_t k = 0; k < series.size(); ++k) {

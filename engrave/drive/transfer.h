@@ -25,6 +25,10 @@ std::size_t OrderOf(const Polynomial& polynomial);
 Polynomial Product(const Polynomial& f, const Polynomial& g);
 Polynomial Sum(const Polynomial& f, const Polynomial& g);
 
+/// Whether all roots have negative real parts, by the scheme of Routh (1877): its first
+/// column is positive. The polynomial begins with 1.
+bool IsStable(const Polynomial& polynomial);
+
 /// The first four coefficients of f / g as a series in s; g begins with 1.
 std::array<double, 4> SeriesOf(const Polynomial& f, const Polynomial& g);
 

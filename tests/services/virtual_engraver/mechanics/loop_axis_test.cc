@@ -69,13 +69,14 @@ TEST(LoopAxis, AServoWithDerivativeAndFeedForwardIsItsDrive) {
 }
 
 // The controller's period adds half of itself and the hold another half: at 50 Hz and
-// 0.2 ms that is 0.06 rad, and the difference falls with the period.
-TEST(LoopAxis, APlanarAxisComesToItsContinuousDrive) {
+// 0.2 ms that is 0.06 rad. The drive has both as lags of first order; commands of an axis
+// at rest that begin between two samples are another half period late.
+TEST(LoopAxis, APlanarAxisIsItsDriveOfTheSamePeriod) {
   const auto with = [](double period_s) {
     PlanarOptions options{50, 0.7, 20};
     options.period_s = period_s;
     options.tooth_period_mm = 1e-6;  // a division of 0.24 pm
-    return LargestDifference(options, "planar_drive", {50, 0.7, 20});
+    return LargestDifference(options, "planar_drive", {50, 0.7, 20, period_s});
   };
   const double coarse = with(0.0002), fine = with(0.00002);
   EXPECT_LT(coarse, 0.05);
