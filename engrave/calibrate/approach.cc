@@ -45,7 +45,7 @@ class AxisWay {
 
 std::vector<Approach> ApproachesOf(motion::PlanOptions plan, const PointList& axes) {
   Require(!axes.empty(), "there is no point");
-  plan.drive = nullptr;
+  plan.compensated = false;
   std::vector<motion::Segment> segments;
   const auto planner = motion::MakePlanner(plan, axes.front());
   for (std::size_t i = 0; i < axes.size(); ++i) {

@@ -33,8 +33,6 @@ TruthGuide GuideOf(const machine::LinearAxis& axis) {
 constexpr double kFullStepMm = 10;
 // A calibration may begin at 0, which is no pulse.
 constexpr double kMinEnergy_mj = 0.001;
-// Nor is the period of a planar motor's controller: so short that it is continuous.
-constexpr double kPlanarPeriodS = 0.00002;
 
 /// The fields of `from` into those of the same names.
 void SetEqualFields(const google::protobuf::Message& from,
@@ -66,25 +64,36 @@ TruthPositioner PositionerOf(const MachineSpec& machine) {
   return positioner;
 }
 
-void SetDrive(const MachineSpec& machine, TruthStage& stage) {
-  switch (machine.drive_case()) {
-    case MachineSpec::kSecondOrder:
-      return SetEqualFields(machine.second_order(), *stage.mutable_second_order());
-    case MachineSpec::kServo:
-      return SetEqualFields(machine.servo(), *stage.mutable_servo());
-    case MachineSpec::kCascade:
-      return SetEqualFields(machine.cascade(), *stage.mutable_cascade());
-    case MachineSpec::kStepperScrew:
-      SetEqualFields(machine.stepper_screw(), *stage.mutable_stepper_screw());
-      return stage.mutable_stepper_screw()->set_full_step_mm(kFullStepMm);
-    case MachineSpec::kPlanarDrive:
-      SetEqualFields(machine.planar_drive(), *stage.mutable_planar());
-      return stage.mutable_planar()->set_period_s(kPlanarPeriodS);
-    case MachineSpec::kStageLagS:
-    case MachineSpec::DRIVE_NOT_SET:
+/// Of a machine into a stage, or of an axis into an axis.
+template <typename Profile, typename Truth>
+void SetDrive(const Profile& profile, Truth& truth) {
+  switch (profile.drive_case()) {
+    case Profile::kSecondOrder:
+      return SetEqualFields(profile.second_order(), *truth.mutable_second_order());
+    case Profile::kServo:
+      return SetEqualFields(profile.servo(), *truth.mutable_servo());
+    case Profile::kCascade:
+      return SetEqualFields(profile.cascade(), *truth.mutable_cascade());
+    case Profile::kStepperScrew:
+      SetEqualFields(profile.stepper_screw(), *truth.mutable_stepper_screw());
+      return truth.mutable_stepper_screw()->set_full_step_mm(kFullStepMm);
+    case Profile::kPlanarDrive:
+      return SetEqualFields(profile.planar_drive(), *truth.mutable_planar());
+    case Profile::kStageLagS:
+    case Profile::DRIVE_NOT_SET:
       break;
   }
-  stage.set_first_order_lag_s(machine.stage_lag_s());
+  truth.set_first_order_lag_s(profile.stage_lag_s());
+}
+
+void SetAxisDrives(const MachineSpec& machine, TruthStage& stage) {
+  const auto axes = KinematicsOf(machine)->axes();
+  for (const AxisDrive& drive : machine.axis_drives()) {
+    const auto axis = std::ranges::find(axes, drive.axis(), &machine::Axis::name);
+    TruthAxisDrive& truth = *stage.add_axis_drives();
+    truth.set_axis(static_cast<std::uint32_t>(axis - axes.begin()) + 1);
+    SetDrive(drive, truth);
+  }
 }
 
 void SetStage(const MachineSpec& machine, TruthStage& stage) {
@@ -95,6 +104,7 @@ void SetStage(const MachineSpec& machine, TruthStage& stage) {
       Vector(travel.max_mm.x(), travel.max_mm.y(), travel.max_mm.z());
   *stage.mutable_positioner() = PositionerOf(machine);
   SetDrive(machine, stage);
+  SetAxisDrives(machine, stage);
   stage.set_position_tolerance_um(machine.position_tolerance_um());
   if (machine.motion_line().has_serial_number())
     stage.set_serial_number(machine.motion_line().serial_number());

@@ -199,6 +199,13 @@ void FillLens(Lens& lens, const MachineSpec& machine) {
   }
 }
 
+// Trochimczuk 2008, ch. 6.6.2: the servo cycle of its planar drives.
+constexpr double kDefaultPlanarPeriodS = 0.0002;
+
+void FillPlanar(PlanarDrive& drive) {
+  if (!drive.has_period_s()) drive.set_period_s(kDefaultPlanarPeriodS);
+}
+
 }  // namespace
 
 const MachineLens* FindLens(const MachineSpec& machine, double focal_length_mm) {
@@ -228,6 +235,10 @@ MachineSpec WithMachineDefaults(MachineSpec machine) {
   }
   if (machine.drive_case() == MachineSpec::DRIVE_NOT_SET)
     machine.set_stage_lag_s(kDefaultStageLagS);
+  if (machine.has_planar_drive()) FillPlanar(*machine.mutable_planar_drive());
+  for (AxisDrive& drive : *machine.mutable_axis_drives()) {
+    if (drive.has_planar_drive()) FillPlanar(*drive.mutable_planar_drive());
+  }
   if (machine.has_laser() && !machine.laser().has_max_missed_in_a_row()) {
     machine.mutable_laser()->set_max_missed_in_a_row(kDefaultMaxMissedInARow);
   }

@@ -8,17 +8,21 @@
 #include <vector>
 
 #include "engrave/core/check.h"
-#include "engrave/drive/drive_kinds.h"
 #include "engrave/motion/profiles.h"
 #include "engrave/sort/kdz.h"
 #include "services/job/job_defaults.h"
 #include "services/job/machine/block_origin.h"
 #include "services/job/machine/machine_axes.h"
+#include "services/job/machine/machine_drives.h"
 
 namespace intaglio {
 namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180;
+
+// Of the position tolerance; the rest is for friction, cogging and play, which no plan
+// predicts.
+constexpr double kPlannedErrorRatio = 0.8;
 
 mesh::Fit FitOf(const Placement& placement, const Block& block) {
   switch (placement.fit_case()) {
@@ -188,30 +192,14 @@ void SetOptionalLimits(const FrozenJob& job, motion::PlanOptions& plan) {
   plan.limits.max_speed_norm_mm_s = own.max_speed_norm_mm_s;
   plan.limits.max_acceleration_norm_mm_s2 = own.max_acceleration_norm_mm_s2;
   plan.tolerance_mm = AxisToleranceOf(job, 1e-3 * job.job().motion().tolerance_um());
+  // Where the place decides and not the tick, nothing is late.
+  if (job.machine().pulse_trigger() == PULSE_TRIGGER_AT_PLACE) return;
+  const double planned_mm =
+      kPlannedErrorRatio * 1e-3 * job.machine().position_tolerance_um();
+  plan.error_limit = AxisToleranceOf(job, planned_mm);
 }
 
 }  // namespace
-
-std::shared_ptr<const drive::Drive> DriveOf(const MachineSpec& machine) {
-  std::string_view name = "first_order";
-  std::vector<double> values = {machine.stage_lag_s()};
-  // The others are messages of their kind's name, with its parameters in their order.
-  const auto* drive = MachineSpec::GetReflection()->GetOneofFieldDescriptor(
-      machine, MachineSpec::descriptor()->FindOneofByName("drive"));
-  if (drive != nullptr && drive->message_type() != nullptr) {
-    const auto& message = MachineSpec::GetReflection()->GetMessage(machine, drive);
-    name = drive->name();
-    values.clear();
-    for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
-      values.push_back(
-          message.GetReflection()->GetDouble(message, message.GetDescriptor()->field(i)));
-    }
-  }
-  auto made = drive::MakeDrive(name, values);
-  Require(made.has_value(), "the machine was not checked: {}",
-          made ? "" : made.error().message);
-  return *made;
-}
 
 motion::PlanOptions MotionOptionsOf(const FrozenJob& job) {
   const MotionOptions& asked = job.job().motion();
@@ -228,7 +216,7 @@ motion::PlanOptions MotionOptionsOf(const FrozenJob& job) {
     result.profile = *profile;
   }
   result.program = ProgramOptionsOf(asked);
-  result.drive = DriveOf(job.machine());
+  result.drives = DrivesOf(job.machine());
   if (result.continuous) SetOptionalLimits(job, result);
   return result;
 }

@@ -48,12 +48,9 @@ optics::Lens LensOf(const JobSpec& job);
 /// number that is none.
 std::string ProfileName(MotionProfile profile);
 
-/// The drive of the stage's axes, by the field that the profile sets. `machine` is
-/// checked and has its defaults.
-std::shared_ptr<const drive::Drive> DriveOf(const MachineSpec& machine);
-
 /// How the axes of a job are driven, in their units. Limits: the machine's, capped by the
-/// job's, and its travel (machine_axes.h).
+/// job's, and its travel (machine_axes.h). Its error limit leaves a fifth of the machine's
+/// tolerance to what no model has.
 motion::PlanOptions MotionOptionsOf(const FrozenJob& job);
 
 /// Glass frame to machine frame, focus depth included; the axes: machine_axes.h.

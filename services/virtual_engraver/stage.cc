@@ -38,9 +38,8 @@ Stage::Stage(const StageOptions& options)
       mechanics_(options.mechanics, knot_mm_),
       backlash_(options.backlash_mm, knot_mm_),
       repeatability_(options.repeatability_mm, options.repeatability_seed) {
-  if (options.mechanics.loop)
-    expected_.emplace(MechanicsOptions{0, {}, Undisturbed(*options.mechanics.loop)},
-                      knot_mm_);
+  if (const auto undisturbed = Undisturbed(options.mechanics))
+    expected_.emplace(*undisturbed, knot_mm_);
   if (options.vibration) vibration_.emplace(*options.vibration, knot_mm_);
   if (!options.own_clock) return;
   own_clock_.emplace(*options.own_clock);
@@ -299,9 +298,8 @@ void Stage::AdvanceTick(double rate_hz) {
 // On its own clock the place is taken as exactly as it is known, and with a lag of many
 // times the tolerance.
 Vec3 Stage::PlaceOf(const Piece& piece) const {
-  if (!own_clock_ && !options_.mechanics.second_order && !options_.mechanics.loop)
-    return piece.end_mm;
-  return piece.end_mm - mechanics_.velocity_lag_s() * piece.end_mm_s;
+  if (!own_clock_ && options_.mechanics.first_order()) return piece.end_mm;
+  return piece.end_mm - mechanics_.velocity_lag_s().cwiseProduct(piece.end_mm_s);
 }
 
 bool Stage::IsAt(const Vec3& place_mm) const {

@@ -44,7 +44,9 @@ PlanarOptions LoopOf(const TruthPlanar& truth) {
   return planar;
 }
 
-void SetMechanics(const TruthStage& truth, MechanicsOptions& mechanics) {
+/// Of a stage, or of one of its axes.
+template <typename Truth>
+void SetMechanics(const Truth& truth, MechanicsOptions& mechanics) {
   if (truth.has_first_order_lag_s()) mechanics.lag_s = truth.first_order_lag_s();
   if (truth.has_second_order()) {
     mechanics.second_order =
@@ -57,10 +59,22 @@ void SetMechanics(const TruthStage& truth, MechanicsOptions& mechanics) {
   if (truth.has_planar()) mechanics.loop = LoopOf(truth.planar());
 }
 
+void SetAxisDrives(const TruthStage& truth, MechanicsOptions& mechanics) {
+  if (truth.axis_drives().empty()) return;
+  const MechanicsOptions of_all = mechanics;
+  mechanics.of_axis = {of_all, of_all, of_all};
+  for (const TruthAxisDrive& drive : truth.axis_drives()) {
+    MechanicsOptions& of = mechanics.of_axis.at(drive.axis() - 1);
+    of = {};
+    SetMechanics(drive, of);
+  }
+}
+
 void SetStage(const TruthStage& truth, StageOptions& stage) {
   if (truth.has_travel_min_mm()) stage.travel_min_mm = Vec3Of(truth.travel_min_mm());
   if (truth.has_travel_max_mm()) stage.travel_max_mm = Vec3Of(truth.travel_max_mm());
   SetMechanics(truth, stage.mechanics);
+  SetAxisDrives(truth, stage.mechanics);
   if (truth.has_vibration()) {
     const TruthVibration& vibration = truth.vibration();
     stage.vibration = VibrationOptions{

@@ -16,38 +16,55 @@ bool IsNear(const Vec3& a, const Vec3& b) {
 
 }  // namespace
 
-DriveCompensation::DriveCompensation(const drive::Drive* drive, double rate_hz,
+DriveCompensation::DriveCompensation(const drive::AxisDrives& drives, double rate_hz,
                                      const KnotState& start)
-    : inverse_(drive, start.position_mm), rate_hz_(rate_hz), from_(start) {
+    : inverses_{InverseDrive(drives[0].get(), start.position_mm[0]),
+                InverseDrive(drives[1].get(), start.position_mm[1]),
+                InverseDrive(drives[2].get(), start.position_mm[2])},
+      rate_hz_(rate_hz),
+      from_(start) {
   Require(rate_hz > 0, "rate_hz {} must be positive", rate_hz);
 }
 
-CubicCourse DriveCompensation::CourseOf(const KnotState& from, const Segment& to) const {
+bool DriveCompensation::continuous() const {
+  return inverses_[0].continuous() || inverses_[1].continuous() ||
+         inverses_[2].continuous();
+}
+
+drive::Cubic DriveCompensation::CourseOf(const KnotState& from, const Segment& to,
+                                         int axis) const {
   const double duration_s = DurationSeconds(to.duration_subticks, rate_hz_);
-  return {from.position_mm, from.velocity_mm_s,
-          HermiteAcceleration(from, to, 0, duration_s),
-          HermiteJerk(from, to, duration_s)};
+  return {from.position_mm[axis], from.velocity_mm_s[axis],
+          HermiteAcceleration(from, to, 0, duration_s)[axis],
+          HermiteJerk(from, to, duration_s)[axis]};
+}
+
+InverseDrive::Command DriveCompensation::AtKnot(int axis, const Segment& before,
+                                                const Segment& behind) {
+  InverseDrive& inverse = inverses_[static_cast<std::size_t>(axis)];
+  const double before_s = DurationSeconds(before.duration_subticks, rate_hz_);
+  const drive::Cubic of_before = CourseOf(from_, before, axis);
+  const drive::Cubic of_behind = CourseOf(before.end(), behind, axis);
+  if (inverse.continuous()) {
+    const InverseDrive::Command end = inverse.Follow(of_before, before_s);
+    const InverseDrive::Command begin = inverse.AtBegin(of_behind);
+    return {end.position, 0.5 * (end.velocity + begin.velocity)};
+  }
+  const double acceleration =
+      HermiteAcceleration(from_, before, before_s, before_s)[axis];
+  return inverse.WithoutTransients({before.end_position_mm[axis],
+                                    before.end_velocity_mm_s[axis],
+                                    0.5 * (acceleration + of_behind.acceleration_u_s2),
+                                    0.5 * (of_before.jerk_u_s3 + of_behind.jerk_u_s3)});
 }
 
 void DriveCompensation::Append(const Segment& planned, std::vector<Segment>& out) {
   if (held_) {
-    const double held_s = DurationSeconds(held_->duration_subticks, rate_hz_);
-    const CubicCourse before = CourseOf(from_, *held_);
-    const CubicCourse behind = CourseOf(held_->end(), planned);
     Segment commanded = *held_;
-    if (inverse_.continuous()) {
-      const InverseDrive::Command end = inverse_.Follow(before, held_s);
-      const InverseDrive::Command begin = inverse_.AtBegin(behind);
-      commanded.end_position_mm = end.position_mm;
-      commanded.end_velocity_mm_s = 0.5 * (end.velocity_mm_s + begin.velocity_mm_s);
-    } else {
-      const InverseDrive::Command mean = inverse_.WithoutTransients(
-          {held_->end_position_mm, held_->end_velocity_mm_s,
-           0.5 * (HermiteAcceleration(from_, *held_, held_s, held_s) +
-                  behind.acceleration_mm_s2),
-           0.5 * (before.jerk_mm_s3 + behind.jerk_mm_s3)});
-      commanded.end_position_mm = mean.position_mm;
-      commanded.end_velocity_mm_s = mean.velocity_mm_s;
+    for (int axis = 0; axis < 3; ++axis) {
+      const InverseDrive::Command command = AtKnot(axis, *held_, planned);
+      commanded.end_position_mm[axis] = command.position;
+      commanded.end_velocity_mm_s[axis] = command.velocity;
     }
     out.push_back(commanded);
     from_ = held_->end();
@@ -59,7 +76,7 @@ void DriveCompensation::Finish(std::vector<Segment>& out) {
   if (!held_) return;
   const Vec3 rest_mm = held_->end_position_mm;
   Segment last = *held_;
-  if (inverse_.continuous()) last = FollowTail(last, out);
+  if (continuous()) last = FollowTail(last, out);
   last.end_position_mm = rest_mm;
   last.end_velocity_mm_s = Vec3::Zero();
   out.push_back(last);
@@ -67,20 +84,32 @@ void DriveCompensation::Finish(std::vector<Segment>& out) {
   held_.reset();
 }
 
+// An axis without transients rests at its end.
 Segment DriveCompensation::FollowTail(Segment last, std::vector<Segment>& out) {
-  const CubicCourse rest{last.end_position_mm};
+  const KnotState rest{last.end_position_mm, Vec3::Zero()};
   const bool program_end = last.program_end;
-  InverseDrive::Command end = inverse_.Follow(
-      CourseOf(from_, last), DurationSeconds(last.duration_subticks, rate_hz_));
+  KnotState end = rest;
+  const auto follow = [&](const KnotState& from, const Segment& to) {
+    for (int axis = 0; axis < 3; ++axis) {
+      InverseDrive& inverse = inverses_[static_cast<std::size_t>(axis)];
+      if (!inverse.continuous()) continue;
+      const InverseDrive::Command command = inverse.Follow(
+          CourseOf(from, to, axis), DurationSeconds(to.duration_subticks, rate_hz_));
+      end.position_mm[axis] = command.position;
+      end.velocity_mm_s[axis] =
+          0.5 * (command.velocity + inverse.AtBegin({rest.position_mm[axis]}).velocity);
+    }
+  };
+  follow(from_, last);
   while (!IsNear(end.position_mm, rest.position_mm) && tail_ticks_ < kMaxTailTicks) {
     last.end_position_mm = end.position_mm;
-    last.end_velocity_mm_s =
-        0.5 * (end.velocity_mm_s + inverse_.AtBegin(rest).velocity_mm_s);
+    last.end_velocity_mm_s = end.velocity_mm_s;
     last.program_end = false;
     out.push_back(last);
-    end = inverse_.Follow(rest, 1 / rate_hz_);
     last = {};
     last.duration_subticks = kSubticksPerTick;
+    last.end_position_mm = rest.position_mm;
+    follow(rest, last);
     ++tail_ticks_;
   }
   last.program_end = program_end;

@@ -12,6 +12,7 @@
 // the ELS-03, 12 um for 120 Hz and the same accelerations. The test measures both.
 // error_prediction.h says what is left of a plan.
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -25,9 +26,10 @@ namespace intaglio::motion {
 /// points and pulses are unchanged, but for ticks at the end; rest stays rest.
 class DriveCompensation {
  public:
-  /// `drive` is that of each axis; null: the axes are where they are commanded. The plan
-  /// begins at rest at `start`. Throws PreconditionError unless rate_hz > 0.
-  DriveCompensation(const drive::Drive* drive, double rate_hz, const KnotState& start);
+  /// The plan begins at rest at `start`. The drives are read here alone. Throws
+  /// PreconditionError unless rate_hz > 0.
+  DriveCompensation(const drive::AxisDrives& drives, double rate_hz,
+                    const KnotState& start);
 
   void Append(const Segment& planned, std::vector<Segment>& out);
   /// Adds the segment still held, which ends at rest; of a drive with transients behind
@@ -39,9 +41,12 @@ class DriveCompensation {
  private:
   /// The last segment of the plan and those behind it; returns the very last.
   Segment FollowTail(Segment last, std::vector<Segment>& out);
-  CubicCourse CourseOf(const KnotState& from, const Segment& to) const;
+  bool continuous() const;
+  drive::Cubic CourseOf(const KnotState& from, const Segment& to, int axis) const;
+  /// The command of an axis at the knot between two segments.
+  InverseDrive::Command AtKnot(int axis, const Segment& before, const Segment& behind);
 
-  InverseDrive inverse_;
+  std::array<InverseDrive, 3> inverses_;
   double rate_hz_;
   KnotState from_;  ///< of the plan, where the held segment begins
   std::optional<Segment> held_;

@@ -19,15 +19,14 @@ struct PredictedPlace {
 
 class ErrorPrediction {
  public:
-  /// `drive` is that of each axis, not null. The commands begin at rest at `start`. The
-  /// drive has to live as long. Throws PreconditionError unless rate_hz > 0.
-  ErrorPrediction(const drive::Drive* drive, double rate_hz, const Vec3& start);
+  /// The commands begin at rest at `start`. Throws PreconditionError unless rate_hz > 0.
+  ErrorPrediction(const drive::AxisDrives& drives, double rate_hz, const Vec3& start);
 
   /// Follows a segment of commands; adds its place when it ends at a point.
   void Append(const Segment& commanded, std::vector<PredictedPlace>& out);
 
  private:
-  const drive::Drive* drive_;
+  drive::AxisDrives drives_;
   double rate_hz_;
   KnotState from_;
   std::array<drive::AxisState, 3> states_;

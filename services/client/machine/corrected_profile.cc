@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <string>
 
 #include "services/job/machine/machine_axes.h"
 #include "services/job/options.h"
@@ -49,36 +51,25 @@ class Corrector {
     Add("cartesian.squareness_xy_rad", known, cartesian.squareness_xy_rad());
   }
 
-  /// One lag for all axes: the mean, by their uncertainties.
+  /// One lag for all axes, the mean by their uncertainties; each its own where they
+  /// differ or have drives of their own.
   void Lag(const calibrate::Figure& x, const calibrate::Figure& y) {
+    const bool differ =
+        std::abs(x.value - y.value) > std::hypot(x.interval95, y.interval95);
+    if (differ || DriveOfAxis("x") != nullptr || DriveOfAxis("y") != nullptr) {
+      OwnLag("x", x);
+      OwnLag("y", y);
+      return;
+    }
     const double wx = 1 / std::max(1e-24, x.interval95 * x.interval95),
                  wy = 1 / std::max(1e-24, y.interval95 * y.interval95);
     const calibrate::Figure mean{(wx * x.value + wy * y.value) / (wx + wy),
                                  1 / std::sqrt(wx + wy)};
-    if (std::abs(x.value - y.value) > std::hypot(x.interval95, y.interval95)) {
-      corrected_.remarks.push_back(fmt::format(
-          "x and y are late by different times, {:.0f} and {:.0f} us, and a profile has "
-          "one lag: tune the drives alike",
-          1e6 * x.value, 1e6 * y.value));
-    }
-    if (!IsFound(0, mean)) return;
-    if (before_.drive_case() != MachineSpec::kStageLagS) {
-      corrected_.remarks.push_back(fmt::format(
-          "the axes are {:.0f} us later than the drive of the profile compensates: "
-          "identify its parameters again",
-          1e6 * mean.value));
-      return;
-    }
-    const double lag_s = before_.stage_lag_s() + mean.value;
-    if (lag_s < 0 || lag_s > kMaxLagS) {
-      corrected_.remarks.push_back(
-          fmt::format("a lag of {:.0f} us is outside what a profile can have: check that "
-                      "the marks were made by this profile",
-                      1e6 * lag_s));
-      return;
-    }
-    corrected_.machine.set_stage_lag_s(RoundedTo(lag_s, kLagStep));
-    Add("stage_lag_s", before_.stage_lag_s(), corrected_.machine.stage_lag_s());
+    const bool is_lag = before_.drive_case() == MachineSpec::kStageLagS;
+    const auto lag_s = CorrectedLag("the axes are", is_lag, before_.stage_lag_s(), mean);
+    if (!lag_s) return;
+    corrected_.machine.set_stage_lag_s(*lag_s);
+    Add("stage_lag_s", before_.stage_lag_s(), *lag_s);
   }
 
   void Backlash(const char* name, const calibrate::Figure& found) {
@@ -121,6 +112,49 @@ class Corrector {
   void Add(const std::string& field, double from, double to) {
     corrected_.corrections.push_back(
         fmt::format("{}: {:.10g} -> {:.10g}", field, from, to));
+  }
+
+  /// nullptr: it has that of all axes.
+  const AxisDrive* DriveOfAxis(const std::string& name) const {
+    const auto& drives = before_.axis_drives();
+    const auto found = std::ranges::find(drives, name, &AxisDrive::axis);
+    return found == drives.end() ? nullptr : &*found;
+  }
+
+  void OwnLag(const std::string& name, const calibrate::Figure& found) {
+    const AxisDrive* own = DriveOfAxis(name);
+    const bool is_lag = own != nullptr ? own->drive_case() == AxisDrive::kStageLagS
+                                       : before_.drive_case() == MachineSpec::kStageLagS;
+    const double known_s = own != nullptr ? own->stage_lag_s() : before_.stage_lag_s();
+    const auto lag_s = CorrectedLag(name + " is", is_lag, known_s, found);
+    if (!lag_s) return;
+    auto& drives = *corrected_.machine.mutable_axis_drives();
+    const auto place = std::ranges::find(drives, name, &AxisDrive::axis);
+    AxisDrive& drive = place == drives.end() ? *drives.Add() : *place;
+    drive.set_axis(name);
+    drive.set_stage_lag_s(*lag_s);
+    Add("axis_drives: " + name + ": stage_lag_s", known_s, *lag_s);
+  }
+
+  /// `known_s` with what was found; nothing when it is as it should be, or with a remark
+  /// when no lag of a profile corrects it.
+  std::optional<double> CorrectedLag(const std::string& whose, bool is_lag,
+                                     double known_s, const calibrate::Figure& found) {
+    if (!IsFound(0, found)) return std::nullopt;
+    if (!is_lag) {
+      corrected_.remarks.push_back(fmt::format(
+          "{} {:.0f} us later than the drive of the profile compensates: identify its "
+          "parameters again, intaglio drive identify",
+          whose, 1e6 * found.value));
+      return std::nullopt;
+    }
+    const double lag_s = known_s + found.value;
+    if (lag_s >= 0 && lag_s <= kMaxLagS) return RoundedTo(lag_s, kLagStep);
+    corrected_.remarks.push_back(
+        fmt::format("a lag of {:.0f} us is outside what a profile can have: check that "
+                    "the marks were made by this profile",
+                    1e6 * lag_s));
+    return std::nullopt;
   }
 
   const MachineSpec& before_;

@@ -25,7 +25,7 @@ class AtPlace final : public PulseTrigger {
   void Mark(link::ArmWindow& window) const override {
     window.gated = window.at_place = true;
   }
-  void Adapt(motion::PlanOptions& plan) const override { plan.drive = nullptr; }
+  void Adapt(motion::PlanOptions& plan) const override { plan.drives = {}; }
 };
 
 }  // namespace

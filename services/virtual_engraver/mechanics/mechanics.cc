@@ -1,5 +1,6 @@
 #include "services/virtual_engraver/mechanics/mechanics.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -37,26 +38,65 @@ Matrix6 Exponential(const Matrix6& exponent) {
 
 }  // namespace
 
+bool MechanicsOptions::first_order() const {
+  if (!of_axis.empty()) {
+    return std::ranges::all_of(of_axis, [](const auto& of) { return of.first_order(); });
+  }
+  return !second_order && !loop;
+}
+
+std::optional<MechanicsOptions> Undisturbed(const MechanicsOptions& options) {
+  MechanicsOptions undisturbed = options;
+  bool any = options.loop.has_value() && options.of_axis.empty();
+  if (undisturbed.loop) undisturbed.loop = Undisturbed(*undisturbed.loop);
+  for (MechanicsOptions& of : undisturbed.of_axis) {
+    if (!of.loop) continue;
+    of.loop = Undisturbed(*of.loop);
+    any = true;
+  }
+  if (!any) return std::nullopt;
+  return undisturbed;
+}
+
 Mechanics::Mechanics(const MechanicsOptions& options, const Vec3& at_mm)
     : lag_s_(options.lag_s), second_order_(options.second_order), actual_mm_(at_mm) {
-  if (!options.loop) return;
+  for (const MechanicsOptions& of : options.of_axis) of_axis_.emplace_back(of, at_mm);
+  if (!options.loop || !of_axis_.empty()) return;
   for (int axis = 0; axis < 3; ++axis) loops_.emplace_back(*options.loop, at_mm[axis]);
 }
 
-double Mechanics::velocity_lag_s() const {
-  if (!loops_.empty()) return loops_.front().velocity_lag_s();
-  if (!second_order_) return lag_s_;
-  return second_order_->damping_ratio /
-         (std::numbers::pi * second_order_->natural_frequency_hz);
+Vec3 Mechanics::velocity_lag_s() const {
+  if (!of_axis_.empty()) {
+    return {of_axis_[0].velocity_lag_s()[0], of_axis_[1].velocity_lag_s()[1],
+            of_axis_[2].velocity_lag_s()[2]};
+  }
+  if (!loops_.empty()) return Vec3::Constant(loops_.front().velocity_lag_s());
+  if (!second_order_) return Vec3::Constant(lag_s_);
+  return Vec3::Constant(second_order_->damping_ratio /
+                        (std::numbers::pi * second_order_->natural_frequency_hz));
 }
 
 void Mechanics::Stick(int axis) {
   for (int i = 0; i < 3; ++i) {
     if (axis < 0 || axis == i) stuck_[static_cast<std::size_t>(i)] = true;
   }
+  for (Mechanics& own : of_axis_) own.Stick(axis);
+}
+
+void Mechanics::Unstick() {
+  stuck_ = {false, false, false};
+  for (Mechanics& own : of_axis_) own.Unstick();
 }
 
 void Mechanics::Follow(const CubicCommand& command, double from_s, double to_s) {
+  if (!of_axis_.empty()) {
+    for (int axis = 0; axis < 3; ++axis) {
+      Mechanics& own = of_axis_[static_cast<std::size_t>(axis)];
+      own.Follow(command, from_s, to_s);
+      actual_mm_[axis] = own.actual_mm_[axis];
+    }
+    return;
+  }
   const Vec3 next = !loops_.empty() ? Loops(command, from_s, to_s)
                     : second_order_ ? SecondOrder(command, from_s, to_s)
                                     : FirstOrder(command, from_s, to_s);

@@ -1,6 +1,7 @@
 #pragma once
 
-// How the stage's axes follow their commands: each axis by itself, all three alike.
+// How the stage's axes follow their commands: each axis by itself, all three alike or
+// each as it is driven.
 // Machine frame, mm. Written for itself: it shares nothing with engrave/drive, so that a
 // wrong compensation there shows as cracks in the wrong place.
 //
@@ -35,7 +36,15 @@ struct MechanicsOptions {
   double lag_s = 0.0002;  ///< first order, without both others; 0: none
   std::optional<SecondOrderOptions> second_order = {};
   std::optional<LoopOptions> loop = {};
+  /// In place of the above, of each axis; three, or none: all are alike.
+  std::vector<MechanicsOptions> of_axis = {};
+
+  /// Whether all axes are of first order.
+  bool first_order() const;
 };
+
+/// Without what disturbs its loops; absent where no axis has a loop.
+std::optional<MechanicsOptions> Undisturbed(const MechanicsOptions& options);
 
 class Mechanics {
  public:
@@ -45,12 +54,12 @@ class Mechanics {
   /// From `from_s` to `to_s` >= from_s of the command.
   void Follow(const CubicCommand& command, double from_s, double to_s);
   const Vec3& actual_mm() const { return actual_mm_; }
-  /// How much later than its command an axis of constant speed is, s.
-  double velocity_lag_s() const;
+  /// How much later than its command each axis of constant speed is, s.
+  Vec3 velocity_lag_s() const;
 
   /// An axis that does not move any more (-1: all of them), until Unstick.
   void Stick(int axis);
-  void Unstick() { stuck_ = {false, false, false}; }
+  void Unstick();
 
  private:
   Vec3 FirstOrder(const CubicCommand& command, double from_s, double to_s) const;
@@ -59,6 +68,7 @@ class Mechanics {
   void Step(double angle_rad);
 
   double lag_s_;
+  std::vector<Mechanics> of_axis_;  // three, or none; axis i of the i-th counts
   std::optional<SecondOrderOptions> second_order_;
   std::vector<LoopAxis> loops_;  // three, or none
   Vec3 actual_mm_;

@@ -52,6 +52,8 @@ constexpr TruthRange kRanges[] = {
     {"TruthStage", "travel_min_mm", -10000, 10000},
     {"TruthStage", "travel_max_mm", -10000, 10000},
     {"TruthStage", "first_order_lag_s", 0, 0.1},
+    {"TruthAxisDrive", "axis", 1, 3},
+    {"TruthAxisDrive", "first_order_lag_s", 0, 0.1},
     {"TruthStage", "brake_acceleration_mm_s2", 1, 1000000},
     {"TruthStage", "position_tolerance_um", 0.001, 10000},
     {"TruthStage", "clock_drift_ppm", -200, 200},
@@ -132,6 +134,19 @@ class Checker {
         "are more than 3, of channels 2 to 4");
   }
 
+  void CheckAxisDrives(const TruthStage& stage) {
+    for (int i = 0; i < stage.axis_drives_size(); ++i) {
+      const TruthAxisDrive& drive = stage.axis_drives(i);
+      const std::string path = fmt::format("stage.axis_drives[{}]", i);
+      if (drive.drive_case() == TruthAxisDrive::DRIVE_NOT_SET)
+        Add(path, fmt::format("axis {}", drive.axis()), "has no drive");
+      for (int k = 0; k < i; ++k) {
+        if (stage.axis_drives(k).axis() != drive.axis()) continue;
+        Add(path + ".axis", fmt::format("{}", drive.axis()), "occurs twice");
+      }
+    }
+  }
+
   void CheckRates(const TruthLaser& laser) {
     if (laser.rates_hz_size() <= kMaxRates) return;
     Add("laser.rates_hz", fmt::format("{} rates", laser.rates_hz_size()),
@@ -145,9 +160,10 @@ class Checker {
                     const std::string& path) {
     const pb::Reflection& reflection = *message.GetReflection();
     if (field.cpp_type() == pb::FieldDescriptor::CPPTYPE_MESSAGE) {
-      const auto& vector =
-          dynamic_cast<const Vector3&>(reflection.GetRepeatedMessage(message, &field, k));
-      return CheckVector(vector, *FindRange(field), path);
+      const pb::Message& child = reflection.GetRepeatedMessage(message, &field, k);
+      const auto* vector = dynamic_cast<const Vector3*>(&child);
+      if (vector == nullptr) return CheckMessage(child, path);
+      return CheckVector(*vector, *FindRange(field), path);
     }
     CheckNumber(reflection.GetRepeatedDouble(message, &field, k), *FindRange(field),
                 path);
@@ -199,6 +215,7 @@ std::vector<Error> CheckTruth(const MachineTruth& truth) {
   Checker checker;
   checker.CheckMessage(truth, "");
   checker.CheckTravel(truth.stage());
+  checker.CheckAxisDrives(truth.stage());
   checker.CheckSerialNumber(truth.stage().serial_number(), "stage.serial_number");
   checker.CheckRates(truth.laser());
   checker.CheckOffsets(truth.laser());

@@ -11,6 +11,7 @@
 #include "engrave/motion/profiles.h"
 #include "services/job/field_ranges.h"
 #include "services/job/job_defaults.h"
+#include "services/job/machine/machine_drives.h"
 #include "services/job/models/model_sources.h"
 #include "tests/services/job/test_job.h"
 
@@ -143,13 +144,13 @@ TEST(Options, TheDriveIsTheOneThatTheProfileNames) {
   FrozenJob frozen = Frozen(GoodJob());
   frozen.mutable_machine()->set_stage_lag_s(0.003);
   const drive::Cubic ramp = {0, 80, 0, 0};
-  const auto first = MotionOptionsOf(frozen).drive;
+  const auto first = MotionOptionsOf(frozen).drives[0];
   EXPECT_EQ(first->name(), "first_order");
   EXPECT_EQ(first->CommandFor(ramp).position_u, 80 * 0.003);
   auto& asked = *frozen.mutable_machine()->mutable_second_order();
   asked.set_natural_frequency_hz(50);
   asked.set_damping_ratio(0.5);
-  const auto second = MotionOptionsOf(frozen).drive;
+  const auto second = MotionOptionsOf(frozen).drives[2];
   EXPECT_EQ(second->name(), "second_order");
   EXPECT_NEAR(second->CommandFor(ramp).position_u,
               80 * 2 * 0.5 / (2 * std::numbers::pi * 50), 1e-12);
@@ -171,16 +172,39 @@ TEST(Options, EachKindOfDriveIsMadeFromItsMessage) {
       const FieldRange* range =
           FindRange(message.GetDescriptor()->name(), parameter->name());
       ASSERT_NE(range, nullptr) << parameter->full_name();
-      values.push_back(0.3 * range->min + 0.7 * range->max);
+      values.push_back(0.999 * range->min + 0.001 * range->max);
       message.GetReflection()->SetDouble(&message, parameter, values.back());
     }
     const auto expected = drive::MakeDrive(field->name(), values);
     ASSERT_TRUE(expected.has_value()) << expected.error().message;
-    const auto made = DriveOf(machine);
+    const auto made = DrivesOf(machine)[1];
     EXPECT_EQ(made->name(), field->name());
     EXPECT_EQ(made->transfer().numerator, (*expected)->transfer().numerator);
     EXPECT_EQ(made->transfer().denominator, (*expected)->transfer().denominator);
   }
+}
+
+TEST(Options, AnAxisMayHaveADriveOfItsOwn) {
+  FrozenJob frozen = Frozen(GoodJob());
+  frozen.mutable_machine()->set_stage_lag_s(0.003);
+  AxisDrive& own = *frozen.mutable_machine()->add_axis_drives();
+  own.set_axis("y");
+  own.mutable_second_order()->set_natural_frequency_hz(50);
+  own.mutable_second_order()->set_damping_ratio(0.5);
+  const drive::AxisDrives drives = MotionOptionsOf(frozen).drives;
+  EXPECT_EQ(drives[0]->name(), "first_order");
+  EXPECT_EQ(drives[1]->name(), "second_order");
+  EXPECT_EQ(drives[2]->name(), "first_order");
+}
+
+// The planned error leaves a fifth of the tolerance; what fires at a place is not late.
+TEST(Options, TheErrorLimitIsOfTheToleranceInTheGlass) {
+  FrozenJob frozen = Frozen(GoodJob());
+  frozen.mutable_machine()->set_position_tolerance_um(30);
+  frozen.mutable_optics()->set_stage_per_glass_ratio(1);
+  EXPECT_NEAR(MotionOptionsOf(frozen).error_limit, 0.024, 1e-12);
+  frozen.mutable_machine()->set_pulse_trigger(PULSE_TRIGGER_AT_PLACE);
+  EXPECT_EQ(MotionOptionsOf(frozen).error_limit, 0);
 }
 
 // A profile that is good makes a drive, and one that makes none is no good profile.

@@ -101,7 +101,7 @@ double LargestDistance(const Stage& stage, const DrivePtr& compensated, double r
   PlanOptions options;
   options.rate_hz = rate_hz;
   options.continuous = true;
-  options.drive = compensated;
+  options.drives = drive::AllAxes(compensated);
   const auto distances =
       DistancesAtPoints(Commands(points, options), points, stage, rate_hz);
   EXPECT_EQ(distances.size(), points.size());
@@ -146,7 +146,7 @@ TEST(DriveCompensation, KeepsTimesPointsAndTheRestAtTheEnd) {
     options.rate_hz = 100;
     options.continuous = true;
     const auto plain = Commands(points, options);
-    options.drive = drive;
+    options.drives = drive::AllAxes(drive);
     const auto commands = Commands(points, options);
     ASSERT_EQ(commands.size(), plain.size());
     for (std::size_t i = 0; i < plain.size(); ++i) {

@@ -69,13 +69,13 @@ std::vector<ModelledDrive> ModelledDrives() {
        2,
        0.35},
       {"planar_drive",
-       {60, 0.7, 30},
-       [w = spring(60)](const DriveStates& y, double c, double c_s) {
-         const double e = c - y[0];
-         return DriveStates{y[1],
-                            (w * w + 1.4 * w * 30) * e + w * w * 30 * y[2] +
-                                (1.4 * w + 30) * (c_s - y[1]),
-                            e};
+       {60, 0.7, 30, 0.0004},
+       [w = spring(60)](const DriveStates& y, double c, double) {
+         const double e = c - y[0], late_s = 0.0002, ki = w * w * 30;
+         const double e_s = (e - y[4]) / late_s;
+         const double asked =
+             (w * w + 1.4 * w * 30 + ki * late_s) * e + ki * y[2] + (1.4 * w + 30) * e_s;
+         return DriveStates{y[1], y[3], e, (asked - y[3]) / late_s, e_s};
        },
        -1,
        0.3},
@@ -96,7 +96,7 @@ std::vector<Segment> CommandsOf(const PointList& points,
   PlanOptions options;
   options.rate_hz = kLampHz;
   options.continuous = true;
-  options.drive = drive;
+  options.drives = drive::AllAxes(drive);
   const auto planner = MakePlanner(options, points.front());
   std::vector<Segment> commands;
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -150,9 +150,9 @@ double RmsDistance(const PointList& places, const PointList& points) {
   return std::sqrt(sum / static_cast<double>(points.size()));
 }
 
-PointList Predicted(const drive::Drive& drive, const std::vector<Segment>& commands,
-                    std::size_t count) {
-  ErrorPrediction prediction(&drive, kLampHz, Vec3::Zero());
+PointList Predicted(const std::shared_ptr<const drive::Drive>& drive,
+                    const std::vector<Segment>& commands, std::size_t count) {
+  ErrorPrediction prediction(drive::AllAxes(drive), kLampHz, Vec3::Zero());
   std::vector<PredictedPlace> found;
   for (const Segment& command : commands) prediction.Append(command, found);
   EXPECT_EQ(found.size(), count);
@@ -169,7 +169,7 @@ TEST(ErrorPrediction, IsWhereTheEquationsOfTheDriveCome) {
     for (const auto& compensated : {drive, decltype(drive)()}) {
       const auto commands = CommandsOf(points, compensated);
       const PointList expected = Integrated(of, commands, points.size());
-      const PointList actual = Predicted(*drive, commands, points.size());
+      const PointList actual = Predicted(drive, commands, points.size());
       // Steps of 10 us of equations whose fastest rate is 6000 1/s.
       EXPECT_LT(RmsDistance(actual, expected), 1e-5) << of.kind;
     }
@@ -181,9 +181,9 @@ TEST(ErrorPrediction, CompensationLeavesLittleOfTheError) {
   for (const ModelledDrive& of : ModelledDrives()) {
     const auto drive = drive::MakeDrive(of.kind, of.values).value();
     const double with_mm =
-        RmsDistance(Predicted(*drive, CommandsOf(points, drive), points.size()), points);
-    const double without_mm = RmsDistance(
-        Predicted(*drive, CommandsOf(points, nullptr), points.size()), points);
+        RmsDistance(Predicted(drive, CommandsOf(points, drive), points.size()), points);
+    const double without_mm =
+        RmsDistance(Predicted(drive, CommandsOf(points, nullptr), points.size()), points);
     EXPECT_LT(with_mm, of.left_ratio * without_mm)
         << of.kind << " " << with_mm << " of " << without_mm << " mm";
   }

@@ -82,10 +82,19 @@ TEST(CorrectedProfile, WhatNoProfileCorrectsIsARemark) {
   fit.axes[1].lag_s.value = 0.0002;
   fit.axes[0].backlash_mm.value = -0.005;
   const auto corrected = Correct(PlacedEls03(), fit);
-  EXPECT_THAT(
-      corrected.remarks,
-      ElementsAre(HasSubstr("x and y are late by different times, 100 and 200 us"),
-                  HasSubstr("x comes 5.0 um too far in both directions")));
+  EXPECT_THAT(corrected.remarks,
+              ElementsAre(HasSubstr("x comes 5.0 um too far in both directions")));
+  EXPECT_THAT(corrected.corrections,
+              ElementsAre("axis_drives: x: stage_lag_s: 0.0002 -> 0.0003",
+                          "axis_drives: y: stage_lag_s: 0.0002 -> 0.0004"));
+  EXPECT_TRUE(CheckMachine(corrected.machine).empty());
+  // Measured again with it, only y is late.
+  fit.axes[0] = Right().axes[0];
+  fit.axes[1].lag_s.value = -0.0001;
+  const auto again = Correct(corrected.machine, fit);
+  EXPECT_THAT(again.corrections,
+              ElementsAre("axis_drives: y: stage_lag_s: 0.0004 -> 0.0003"));
+  ASSERT_EQ(again.machine.axis_drives_size(), 2);
   fit = Right();
   fit.axes[0].lag_s.value = fit.axes[1].lag_s.value = 0.2;
   EXPECT_THAT(Correct(PlacedEls03(), fit).remarks,

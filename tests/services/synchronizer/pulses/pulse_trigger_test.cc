@@ -220,11 +220,11 @@ TEST(PulseTriggers, APlaceNeedsALaserThatOffersItAndNoCompensation) {
   laser.fires_at_place = true;
   EXPECT_TRUE(TriggerAtPlace().CheckLaser(laser).has_value());
   motion::PlanOptions plan;
-  plan.drive = std::make_shared<drive::FirstOrder>(0.001);
+  plan.drives = drive::AllAxes(std::make_shared<drive::FirstOrder>(0.001));
   TriggerAtTick().Adapt(plan);
-  EXPECT_NE(plan.drive, nullptr);
+  EXPECT_NE(plan.drives[0], nullptr);
   TriggerAtPlace().Adapt(plan);
-  EXPECT_EQ(plan.drive, nullptr);
+  EXPECT_EQ(plan.drives[0], nullptr);
 }
 
 }  // namespace
