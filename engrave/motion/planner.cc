@@ -1,6 +1,9 @@
 #include "engrave/motion/planner.h"
 
+#include <algorithm>
+
 #include "engrave/motion/commands/drive_compensation.h"
+#include "engrave/motion/commands/error_judge.h"
 #include "engrave/motion/stop_and_go.h"
 #include "engrave/motion/tick_planner.h"
 
@@ -27,16 +30,30 @@ class Stopping : public Planner {
 /// The travel minus the lead of the commands over the stage where it brakes.
 Limits LimitsOfPlan(const PlanOptions& options) {
   Limits limits = options.limits;
-  if (!options.drive) return limits;
-  const Vec3 lead_mm = options.drive->lead_s2() * limits.max_acceleration_mm_s2;
+  Vec3 lead_mm = Vec3::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto& drive = options.drives[static_cast<std::size_t>(axis)];
+    if (drive) lead_mm[axis] = drive->lead_s2() * limits.max_acceleration_mm_s2[axis];
+  }
   limits.travel_mm.min_mm += lead_mm;
   limits.travel_mm.max_mm -= lead_mm;
   return limits;
 }
 
+/// Down to a thirtieth.
+constexpr int kAccelerationLevels = 13;
+
+/// Whether the drives leave an error that is limited.
+bool IsJudged(const PlanOptions& options) {
+  const bool driven = std::ranges::any_of(
+      options.drives, [](const auto& drive) { return drive != nullptr; });
+  return driven && options.error_limit > 0;
+}
+
 TickPlannerOptions PlannerOptionsOf(const PlanOptions& options) {
   TickPlannerOptions of_planner = OptionsForRate(options.rate_hz);
   of_planner.tolerance_mm = options.tolerance_mm;
+  if (IsJudged(options)) of_planner.acceleration_levels = kAccelerationLevels;
   return of_planner;
 }
 
@@ -45,7 +62,13 @@ class Continuous : public Planner {
   Continuous(const PlanOptions& options, const Vec3& start_mm)
       : planner_(LimitsOfPlan(options), options.rate_hz, PlannerOptionsOf(options),
                  {start_mm, Vec3::Zero()}),
-        compensation_(options.drive.get(), options.rate_hz, {start_mm, Vec3::Zero()}) {}
+        compensated_(options.compensated),
+        compensation_(options.drives, options.rate_hz, {start_mm, Vec3::Zero()}) {
+    if (!IsJudged(options)) return;
+    judge_ = std::make_unique<ErrorJudge>(options.drives, options.rate_hz, start_mm,
+                                          options.error_limit);
+    planner_.SetJudge(judge_.get());
+  }
 
   void Append(const Vec3& target_mm, std::int32_t point, bool pulse,
               std::vector<Segment>& out) override {
@@ -55,7 +78,7 @@ class Continuous : public Planner {
   void Finish(std::vector<Segment>& out) override {
     planner_.Finish(planned_);
     Pass(out);
-    compensation_.Finish(out);
+    if (compensated_) compensation_.Finish(out);
   }
   std::uint64_t ticks() const override {
     return planner_.ticks() + compensation_.tail_ticks();
@@ -64,12 +87,21 @@ class Continuous : public Planner {
 
  private:
   void Pass(std::vector<Segment>& out) {
-    for (const Segment& segment : planned_) compensation_.Append(segment, out);
+    for (const Segment& segment : planned_) {
+      if (judge_) judge_->Take(segment);
+      if (compensated_) {
+        compensation_.Append(segment, out);
+      } else {
+        out.push_back(segment);
+      }
+    }
     planned_.clear();
   }
 
   TickPlanner planner_;
+  bool compensated_;
   DriveCompensation compensation_;
+  std::unique_ptr<ErrorJudge> judge_;
   std::vector<Segment> planned_;
 };
 

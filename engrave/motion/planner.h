@@ -23,8 +23,14 @@ struct PlanOptions {
   bool continuous = false;
   Profile profile = Profile::kMix;
   ProgramOptions program = {};  ///< of `profile`
-  /// Of each axis; regarded where the stage does not stop. Null: it follows exactly.
-  std::shared_ptr<const drive::Drive> drive = {};
+  /// Regarded where the stage does not stop.
+  drive::AxisDrives drives = {};
+  /// How far beside its point the focus may be at most when the drives follow their
+  /// commands, in the axes' units; 0: it is not regarded. Where more is predicted, the
+  /// steps get smaller accelerations. Regarded where the stage does not stop.
+  double error_limit = 0;
+  /// False: the segments are those of the plan, for who compensates them himself.
+  bool compensated = true;
   /// How far a point may be moved where that saves ticks, >= 0; regarded where the stage
   /// does not stop.
   double tolerance_mm = 0;

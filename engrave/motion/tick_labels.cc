@@ -23,9 +23,10 @@ constexpr double kRoundingMm = 1e-9;
 
 }  // namespace
 
-TickLabels::TickLabels(std::vector<StepLimits> choices, double rate_hz,
-                       const LabelOptions& options)
+TickLabels::TickLabels(std::vector<StepLimits> choices, std::size_t levels,
+                       double rate_hz, const LabelOptions& options)
     : choices_(std::move(choices)),
+      level_size_(static_cast<std::uint32_t>(choices_.size() / levels)),
       fastest_mm_s_(Vec3::Zero()),
       rate_hz_(rate_hz),
       options_(options) {
@@ -149,16 +150,20 @@ void TickLabels::TryAll(const Trial& trial, bool to_rest) {
 }
 
 template <bool kPlain>
-void TickLabels::Extend(const Vec3& start_mm, const Vec3& step_mm, bool to_rest) {
+void TickLabels::Extend(const Vec3& start_mm, const Vec3& step_mm, std::uint32_t level,
+                        bool to_rest) {
   const auto end = static_cast<std::uint32_t>(labels_.size());
   offered_.clear();
   // The last number of ticks to try for each label, set once it had a first success.
   last_.assign(end - first_.back(), UINT32_MAX);
   rest_ticks_ = UINT32_MAX;
   const double min_s = (step_mm.cwiseAbs().array() / fastest_mm_s_.array()).maxCoeff();
+  const std::uint32_t first = level * level_size_, behind = first + level_size_;
   auto ticks = static_cast<std::uint32_t>(WholeTicks(min_s, rate_hz_));
   for (; IsWorthATry(ticks); ++ticks) {
-    for (std::uint32_t choice = 0; choice < choices_.size(); ++choice) {
+    for (std::uint32_t choice = 0; choice < behind; ++choice) {
+      if (choice >= level_size_ && choice < first) continue;
+      if (choice < first && !near_walls_) continue;
       const Trial trial = MakeTrial(start_mm, step_mm, ticks, choice);
       Open<kPlain>(trial);
       TryAll<kPlain>(trial, to_rest);
@@ -196,7 +201,8 @@ void TickLabels::KeepBest() {
 }
 
 void TickLabels::Choose(const KnotState& start, std::span<const Vec3> steps_mm,
-                        bool near_walls, std::vector<TimedStep>& timed) {
+                        bool near_walls, std::span<const std::uint32_t> levels,
+                        std::vector<TimedStep>& timed) {
   near_walls_ = near_walls;
   const bool is_plain = !near_walls && IsPlain(choices_);
   labels_.clear();
@@ -210,10 +216,11 @@ void TickLabels::Choose(const KnotState& start, std::span<const Vec3> steps_mm,
   Vec3 at_mm = start.position_mm;
   for (std::size_t i = 0; i < steps_mm.size(); ++i) {
     const bool to_rest = i + 1 == steps_mm.size();
+    const std::uint32_t level = levels.empty() ? 0 : levels[i];
     if (is_plain) {
-      Extend<true>(at_mm, steps_mm[i], to_rest);
+      Extend<true>(at_mm, steps_mm[i], level, to_rest);
     } else {
-      Extend<false>(at_mm, steps_mm[i], to_rest);
+      Extend<false>(at_mm, steps_mm[i], level, to_rest);
     }
     at_mm += steps_mm[i];
   }

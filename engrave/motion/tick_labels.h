@@ -41,15 +41,18 @@ struct TimedStep {
 /// Keeps its memory between calls; not for two threads at once.
 class TickLabels {
  public:
-  /// Of `choices` every step takes one (StepLimitsOf).
-  TickLabels(std::vector<StepLimits> choices, double rate_hz,
+  /// Of `choices` every step takes one (StepLimitsOf): `levels` groups of equal size, one
+  /// behind the other, of which a step takes one of its level's.
+  TickLabels(std::vector<StepLimits> choices, std::size_t levels, double rate_hz,
              const LabelOptions& options);
 
   /// The fewest ticks found from `start` through steps of `steps_mm` to rest at the end
   /// of the last. `timed` gets an entry a step. The start velocity is one from which the
   /// way can be made within the limits. `near_walls`: NearWalls of the way's points.
+  /// `levels`: of each step, empty: 0. Near walls a step may take a choice of level 0
+  /// besides, so that it can always be made.
   void Choose(const KnotState& start, std::span<const Vec3> steps_mm, bool near_walls,
-              std::vector<TimedStep>& timed);
+              std::span<const std::uint32_t> levels, std::vector<TimedStep>& timed);
 
  private:
   struct Label {
@@ -80,7 +83,8 @@ class TickLabels {
   };
 
   template <bool kPlain>
-  void Extend(const Vec3& start_mm, const Vec3& step_mm, bool to_rest);
+  void Extend(const Vec3& start_mm, const Vec3& step_mm, std::uint32_t level,
+              bool to_rest);
   Trial MakeTrial(const Vec3& start_mm, const Vec3& step_mm, std::uint32_t ticks,
                   std::uint32_t choice) const;
   template <bool kPlain>
@@ -100,6 +104,7 @@ class TickLabels {
   void KeepBest();
 
   std::vector<StepLimits> choices_;
+  std::uint32_t level_size_;
   bool near_walls_ = false;
   Vec3 fastest_mm_s_;  ///< Of any choice.
   double rate_hz_;

@@ -14,6 +14,22 @@ namespace {
 /// tick.
 constexpr int kMoveAttempts = 2;
 
+/// How often a window is planned anew with slower steps.
+constexpr int kSlowDowns = 40;
+/// From a level of acceleration to the next.
+constexpr double kLevelRatio = 0.75;
+
+std::vector<StepLimits> ChoicesOf(Limits limits, double rate_hz, int levels) {
+  std::vector<StepLimits> choices;
+  for (int level = 0; level < levels; ++level) {
+    const auto of_level = StepLimitsOf(limits, rate_hz);
+    choices.insert(choices.end(), of_level.begin(), of_level.end());
+    limits.max_acceleration_mm_s2 *= kLevelRatio;
+    limits.max_acceleration_norm_mm_s2 *= kLevelRatio;
+  }
+  return choices;
+}
+
 }  // namespace
 
 TickPlannerOptions OptionsForRate(double rate_hz) {
@@ -25,11 +41,15 @@ TickPlannerOptions OptionsForRate(double rate_hz) {
 
 TickPlanner::TickPlanner(const Limits& limits, double rate_hz,
                          const TickPlannerOptions& options, const KnotState& start)
-    : choices_(StepLimitsOf(limits, rate_hz)),
+    : choices_(ChoicesOf(limits, rate_hz, options.acceleration_levels)),
+      full_(StepLimitsOf(limits, rate_hz)),
       rate_hz_(rate_hz),
       options_(options),
       state_(start),
-      labels_(choices_, rate_hz, options.labels) {
+      labels_(choices_, static_cast<std::size_t>(options.acceleration_levels), rate_hz,
+              options.labels) {
+  Require(options.acceleration_levels >= 1,
+          "acceleration_levels must be 1 or more, is {}", options.acceleration_levels);
   Require(options.window_points >= 2 && options.look_ahead_points >= 0 &&
               options.look_ahead_points < options.window_points,
           "a window of {} points is too small for a look-ahead of {} points",
@@ -60,6 +80,46 @@ void TickPlanner::Finish(std::vector<Segment>& out) {
 }
 
 void TickPlanner::PlanWindow() {
+  levels_.clear();
+  PlanOnce();
+  if (judge_ != nullptr) SlowDown();
+}
+
+// What is left of a jump of the acceleration at a point grows with it: a step is given a
+// smaller acceleration, and those beside it, between which it jumps.
+void TickPlanner::SlowDown() {
+  const std::size_t count = targets_.size();
+  std::vector<Segment> planned;
+  std::vector<bool> too_fast;
+  for (int attempt = 0; attempt < kSlowDowns; ++attempt) {
+    planned.clear();
+    AddSegments(count, planned);
+    if (!judge_->Judge(planned, count, too_fast)) return;
+    levels_.resize(count, 0);
+    const auto slowest = static_cast<std::uint32_t>(options_.acceleration_levels) - 1;
+    bool any = false;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!too_fast[i] || levels_[i] == slowest) continue;
+      ++levels_[i];
+      any = true;
+    }
+    if (!any) return;
+    PlanOnce();
+  }
+}
+
+void TickPlanner::AddSegments(std::size_t count, std::vector<Segment>& out) const {
+  KnotState from = state_;
+  for (std::size_t i = 0; i < count; ++i) {
+    const TimedStep& step = way_.timed[i];
+    const KnotState to{way_.points_mm[i], ends_mm_s_[i]};
+    AppendStep(from, to, step.ticks, choices_[step.choice], rate_hz_, out);
+    out.back().point = static_cast<std::int32_t>(i);
+    from = to;
+  }
+}
+
+void TickPlanner::PlanOnce() {
   way_.points_mm.clear();
   for (const Target& target : targets_) way_.points_mm.push_back(target.position_mm);
   PlanThrough(way_);
@@ -77,8 +137,8 @@ void TickPlanner::PlanThrough(Way& way) {
     at_mm = point;
     extent_mm.Extend(at_mm);
   }
-  way.near_walls = NearWalls(choices_, extent_mm, rate_hz_);
-  labels_.Choose(state_, way.steps_mm, way.near_walls, way.timed);
+  way.near_walls = NearWalls(levels_.empty() ? full_ : choices_, extent_mm, rate_hz_);
+  labels_.Choose(state_, way.steps_mm, way.near_walls, levels_, way.timed);
   way.ticks = 0;
   for (const TimedStep& step : way.timed) way.ticks += step.ticks;
 }

@@ -16,6 +16,7 @@
 #include "engrave/motion/axis/limits.h"
 #include "engrave/motion/point_shift.h"
 #include "engrave/motion/segment.h"
+#include "engrave/motion/step_judge.h"
 #include "engrave/motion/tick_labels.h"
 
 namespace intaglio::motion {
@@ -31,6 +32,9 @@ struct TickPlannerOptions {
   int sweeps = 2;
   /// How far a point may be moved where that saves ticks, >= 0.
   double tolerance_mm = 0;
+  /// Of accelerations, each smaller than the one before, from which steps that a judge
+  /// finds too fast take theirs, >= 1.
+  int acceleration_levels = 1;
 };
 
 /// Options that fit a rate: more labels where a step takes more ticks.
@@ -43,6 +47,10 @@ class TickPlanner {
   /// start velocity must be one from which the way can be made within the limits.
   TickPlanner(const Limits& limits, double rate_hz, const TickPlannerOptions& options,
               const KnotState& start);
+
+  /// Steps that `judge` finds too fast get a smaller acceleration; it has to live as long
+  /// as the plan goes on. Null: all are slow enough.
+  void SetJudge(const StepJudge* judge) { judge_ = judge; }
 
   /// Takes the next target; adds the segments that are settled, those of a whole window
   /// at once. The last segment of a step carries `point` and `pulse`.
@@ -77,12 +85,17 @@ class TickPlanner {
   };
 
   void PlanWindow();
+  void PlanOnce();
+  /// Until the judge agrees, or for a number of times.
+  void SlowDown();
+  void AddSegments(std::size_t count, std::vector<Segment>& out) const;
   /// Fills in all but the points.
   void PlanThrough(Way& way);
   void MovePoints();
   void HandOut(std::size_t count, std::vector<Segment>& out);
 
-  std::vector<StepLimits> choices_;
+  std::vector<StepLimits> choices_;  ///< Of all levels.
+  std::vector<StepLimits> full_;     ///< Of the first.
   double rate_hz_;
   TickPlannerOptions options_;
   KnotState state_;
@@ -93,6 +106,8 @@ class TickPlanner {
   Way moved_way_;  ///< Tried, and better or not.
   PointMoves moves_;
   std::vector<Vec3> ends_mm_s_;
+  const StepJudge* judge_ = nullptr;
+  std::vector<std::uint32_t> levels_;  ///< Of the window's steps; empty: 0.
 };
 
 }  // namespace intaglio::motion
