@@ -15,12 +15,12 @@
 #include "engrave/motion/verify.h"
 #include "engrave/sort/shadow.h"
 #include "engrave/sort/travel.h"
-#include "services/cli/offline/predicted_errors.h"
 #include "services/client/figure_text.h"
 #include "services/client/proof/proof_figures.h"
 #include "services/job/json_text.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/options.h"
+#include "services/job/plan/predicted_errors.h"
 
 namespace intaglio::cli {
 namespace {
@@ -141,6 +141,7 @@ PlanReport DescribePath(const FrozenJob& job, const PointList& path_mm) {
   const motion::PlanOptions plan = MotionOptionsOf(job);
   report.set_machine(job.machine().name());
   report.set_rate_hz(plan.rate_hz);
+  report.set_position_tolerance_um(job.machine().position_tolerance_um());
   const motion::Limits limits = AtFocus(plan.limits, ScaleBoundsOf(job).axis_mm);
   report.set_max_speed_mm_s(limits.max_speed_mm_s.minCoeff());
   report.set_max_acceleration_mm_s2(limits.max_acceleration_mm_s2.minCoeff());
@@ -152,7 +153,7 @@ Result<PlannedMotion> PlanMotion(const FrozenJob& job, const PointList& path,
                                  std::vector<double>* errors_um) {
   Require(!path.empty(), "a path without points");
   motion::PlanOptions plan = MotionOptionsOf(job);
-  plan.drive = nullptr;
+  plan.compensated = false;
   PredictedErrors predicted(job, path);
   const SegmentSink predict_and_sink = [&](const motion::Segment& segment) -> Status {
     predicted.Append(segment);
@@ -172,6 +173,7 @@ Result<PlannedMotion> PlanMotion(const FrozenJob& job, const PointList& path,
   if (predicted.predicts()) {
     planned.set_predicted_rms_error_um(predicted.rms_um());
     planned.set_predicted_max_error_um(predicted.max_um());
+    planned.set_wrong_mechanics_max_error_um(predicted.wrong_mechanics_max_um());
   }
   if (errors_um != nullptr) *errors_um = predicted.errors_um();
   return planned;
@@ -226,6 +228,13 @@ std::string FiguresOf(const PlanReport& report) {
         "\nprediction    {:.2f} um rms, {:.2f} um at most beside the points, by the "
         "profile's drive",
         m.predicted_rms_error_um(), m.predicted_max_error_um());
+    const double wrong_um = m.wrong_mechanics_max_error_um();
+    const double tolerance_um = report.position_tolerance_um();
+    text += fmt::format(
+        "\nmargin        {:.2f} um at most with the drive 5 % off in frequency or 20 % "
+        "in "
+        "damping: {} the tolerance of {:g} um",
+        wrong_um, wrong_um <= tolerance_um ? "within" : "BEYOND", tolerance_um);
   }
   for (const std::string& violation : m.violations()) {
     text += "\n  " + violation;

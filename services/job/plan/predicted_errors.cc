@@ -1,23 +1,26 @@
-#include "services/cli/offline/predicted_errors.h"
+#include "services/job/plan/predicted_errors.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "services/job/machine/machine_axes.h"
+#include "services/job/machine/machine_drives.h"
 #include "services/job/options.h"
 
-namespace intaglio::cli {
+namespace intaglio {
 
 PredictedErrors::PredictedErrors(const FrozenJob& job, const PointList& path)
     : path_(path), axes_from_glass_(AxesFromGlassOf(job)) {
   if (job.machine().pulse_trigger() == PULSE_TRIGGER_AT_PLACE) return;
   const motion::PlanOptions plan = MotionOptionsOf(job);
-  drive_ = plan.drive;
   if (plan.continuous) {
-    compensation_.emplace(drive_.get(), plan.rate_hz,
+    compensation_.emplace(plan.drives, plan.rate_hz,
                           motion::KnotState{path.front(), Vec3::Zero()});
   }
-  prediction_.emplace(drive_.get(), plan.rate_hz, path.front());
+  predictions_.emplace_back(plan.drives, plan.rate_hz, path.front());
+  for (const drive::MechanicsRatios& wrong : WrongMechanics())
+    predictions_.emplace_back(DrivesWith(wrong, job.machine()), plan.rate_hz,
+                              path.front());
   errors_um_.assign(path.size(), 0);
 }
 
@@ -36,16 +39,27 @@ void PredictedErrors::Finish() {
   Follow();
 }
 
+double PredictedErrors::ErrorUm(const motion::PredictedPlace& place) const {
+  const Vec3& point = path_.at(static_cast<std::size_t>(place.point));
+  return 1000 *
+         (axes_from_glass_.ToGlass(place.axes) - axes_from_glass_.ToGlass(point)).norm();
+}
+
 void PredictedErrors::Follow() {
-  for (const motion::Segment& command : commands_) prediction_->Append(command, places_);
-  for (const motion::PredictedPlace& place : places_) {
-    const auto point = static_cast<std::size_t>(place.point);
-    errors_um_.at(point) = 1000 * (axes_from_glass_.ToGlass(place.axes) -
-                                   axes_from_glass_.ToGlass(path_.at(point)))
-                                      .norm();
+  for (std::size_t i = 0; i < predictions_.size(); ++i) {
+    places_.clear();
+    for (const motion::Segment& command : commands_)
+      predictions_[i].Append(command, places_);
+    for (const motion::PredictedPlace& place : places_) {
+      const double error_um = ErrorUm(place);
+      if (i == 0) {
+        errors_um_.at(static_cast<std::size_t>(place.point)) = error_um;
+      } else {
+        wrong_max_um_ = std::max(wrong_max_um_, error_um);
+      }
+    }
   }
   commands_.clear();
-  places_.clear();
 }
 
 double PredictedErrors::rms_um() const {
@@ -59,4 +73,4 @@ double PredictedErrors::max_um() const {
   return errors_um_.empty() ? 0 : *std::max_element(errors_um_.begin(), errors_um_.end());
 }
 
-}  // namespace intaglio::cli
+}  // namespace intaglio

@@ -1,8 +1,9 @@
 #pragma once
 
-// How far from its points a plan will meet, by the drive of the profile: the planned
+// How far from its points a plan will meet, by the drives of the profile: the planned
 // motion, compensated as the job's commands are (engrave/motion/commands), followed by
-// the model of the drive, and compared in the glass.
+// the model of the drives, and compared in the glass. The same with the drives' mechanics
+// off by as much as a profile may be wrong (WrongMechanics of machine_drives.h).
 
 #include <optional>
 #include <vector>
@@ -12,7 +13,7 @@
 #include "engrave/motion/commands/error_prediction.h"
 #include "proto/task.pb.h"
 
-namespace intaglio::cli {
+namespace intaglio {
 
 class PredictedErrors {
  public:
@@ -20,7 +21,7 @@ class PredictedErrors {
   PredictedErrors(const FrozenJob& job, const PointList& path);
 
   /// False: the pulses fire at the place and not at the tick, and nothing is predicted.
-  bool predicts() const { return prediction_.has_value(); }
+  bool predicts() const { return !predictions_.empty(); }
   /// The next segment of the plan, not compensated.
   void Append(const motion::Segment& planned);
   void Finish();
@@ -29,18 +30,22 @@ class PredictedErrors {
   const std::vector<double>& errors_um() const { return errors_um_; }
   double rms_um() const;
   double max_um() const;
+  /// The greatest distance with any of the wrong mechanics, um.
+  double wrong_mechanics_max_um() const { return wrong_max_um_; }
 
  private:
   void Follow();
+  double ErrorUm(const motion::PredictedPlace& place) const;
 
   const PointList& path_;
   machine::AxesFromGlass axes_from_glass_;
-  std::shared_ptr<const drive::Drive> drive_;
   std::optional<motion::DriveCompensation> compensation_;  // none: as planned
-  std::optional<motion::ErrorPrediction> prediction_;
+  /// The first by the profile; the others with wrong mechanics.
+  std::vector<motion::ErrorPrediction> predictions_;
   std::vector<motion::Segment> commands_;
   std::vector<motion::PredictedPlace> places_;
   std::vector<double> errors_um_;
+  double wrong_max_um_ = 0;
 };
 
-}  // namespace intaglio::cli
+}  // namespace intaglio
