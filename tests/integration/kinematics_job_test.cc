@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
+#include <iostream>
 
 #include "engrave/formats/point_file.h"
 #include "tests/integration/run_job.h"
@@ -17,7 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::Ended;
+using testing::Program;
 using testing::RunJob;
+using testing::Running;
 
 const std::string kMachines = INTAGLIO_SOURCE_DIR "/deploy/machines/";
 
@@ -99,6 +103,55 @@ TEST_F(KinematicsJob, WithArmAndRotaryTableIsInPlace) {
 TEST_F(KinematicsJob, WithArmAndRotaryTableOnAClockOfItsOwnIsInPlace) {
   ExpectAllMadeInPlace(
       RunOn(kMachines + "polar.textproto", {"--profile", "mix", "--clock-drift", "50"}));
+}
+
+TEST_F(KinematicsJob, WithAPlanarMotorIsInPlace) {
+  ExpectAllMadeInPlace(RunOn(kMachines + "planar.textproto"));
+}
+
+/// Of the same points without any limit of the stage but its laser's rate.
+constexpr double kIdealUtilisation = 1;
+
+// Trochimczuk 2008, ch. 7 and 8: each positioner engraves the whole object, and none
+// stands behind the screws by more than its limits make it.
+TEST_F(KinematicsJob, EachPositionerEngravesAScan) {
+  const char* meshes = std::getenv("INTAGLIO_MESHES");
+  if (meshes == nullptr) {
+    GTEST_SKIP()
+        << "INTAGLIO_MESHES names no folder with bunny.obj; WithArmAndRotaryTable"
+           "IsInPlace and WithAPlanarMotorIsInPlace have a knot";
+  }
+  const fs::path job = folder_ / "bunny.textproto";
+  std::ofstream(job) << "models { file: \"" << meshes
+                     << "/bunny.obj\" placement { up: UP_AXIS_Y fit_size_mm: 12 "
+                        "centre_in_block: true } }\n"
+                        "block { size_mm { x: 40 y: 40 z: 30 } }\nglass: \"N-BK7\"\n"
+                        "machine_file: \""
+                     << kMachines
+                     << "els-03.textproto\"\n"
+                        "laser { rate_hz: 100 }\n"
+                        "discretization { min_spacing_mm: 0.6 }\n";
+  for (const char* machine : {"els-03", "planar", "polar"}) {
+    Running run(Program("intaglio"),
+                Arguments({"--lockstep", "--warm-up", "0", "--machine",
+                           kMachines + machine + ".textproto"},
+                          job),
+                folder_ / "output.txt");
+    const Ended ended = run.WaitForEnd(testing::kBound);
+    ASSERT_EQ(ended.exit_code, 0) << machine << "\n" << ended.output;
+    const JobReport report = Report();
+    EXPECT_TRUE(report.verdict().good()) << machine;
+    EXPECT_GT(report.points().planned(), 300u);
+    EXPECT_EQ(report.points().made(), report.points().planned()) << machine;
+    EXPECT_LT(FarthestCrackMm(Path()), 0.03) << machine;
+    EXPECT_GT(report.utilisation(), 0.5) << machine;
+    EXPECT_LE(report.utilisation(), 1.01 * kIdealUtilisation) << machine;
+    std::cout << machine << ": " << report.points().made() << " points, "
+              << report.utilisation() << " a tick of an ideal machine's "
+              << kIdealUtilisation << ", " << report.position_errors().max_um()
+              << " um at most\n";
+    fs::remove_all(folder_ / "out");
+  }
 }
 
 // The in-position output is measured at the focus: 30 um are 0.2 mrad of the arm.
