@@ -27,35 +27,48 @@ constexpr double kStep = 1e-5;  // of a numeric derivative, of 1 in the logarith
 // Grid points of all parameters together.
 constexpr double kGridPoints = 3000;
 
-Status CheckRecord(std::span<const DriveSample> record) {
-  const auto fail = [](std::string text) {
-    return Fail(ErrorCode::kInvalidValue, std::move(text));
-  };
-  if (record.size() < 10)
-    return fail(
-        fmt::format("{} samples are too few to identify a drive; record 10 or "
-                    "more",
-                    record.size()));
-  bool moves = false;
+tl::unexpected<Error> WrongRecord(std::string text) {
+  return Fail(ErrorCode::kInvalidValue, std::move(text));
+}
+
+Status CheckSamples(std::span<const DriveSample> record) {
   for (std::size_t i = 0; i < record.size(); ++i) {
     const DriveSample& s = record[i];
     if (!std::isfinite(s.time_s) || !std::isfinite(s.command_u) ||
         !std::isfinite(s.position_u))
-      return fail(fmt::format("sample {}: {} s, {}, {} are not all numbers", i, s.time_s,
-                              s.command_u, s.position_u));
+      return WrongRecord(fmt::format("sample {}: {} s, {}, {} are not all numbers", i,
+                                     s.time_s, s.command_u, s.position_u));
     if (i > 0 && !(s.time_s > record[i - 1].time_s))
-      return fail(fmt::format("sample {}: its time {} s is not behind {} s", i, s.time_s,
-                              record[i - 1].time_s));
-    moves = moves || s.command_u != record.front().command_u;
+      return WrongRecord(fmt::format("sample {}: its time {} s is not behind {} s", i,
+                                     s.time_s, record[i - 1].time_s));
   }
-  if (!moves) return fail("the command does not move; record a step or a move");
+  return {};
+}
+
+Status CheckSteps(std::span<const DriveStep> steps) {
+  const auto measured = std::ranges::count_if(
+      steps, [](const DriveStep& step) { return step.position_u.has_value(); });
+  // The first sample of a record is where the axis rests.
+  if (measured < 9) {
+    return WrongRecord(
+        fmt::format("{} samples are too few to identify a drive; record 10 "
+                    "or more",
+                    steps.empty() ? 0 : measured + 1));
+  }
+  const bool moves = std::ranges::any_of(steps, [](const DriveStep& step) {
+    const Cubic& c = step.command;
+    return c.velocity_u_s != 0 || c.acceleration_u_s2 != 0 || c.jerk_u_s3 != 0;
+  });
+  if (!moves) return WrongRecord("the command does not move; record a step or a move");
   return {};
 }
 
 class Fit {
  public:
-  Fit(const DriveKind& kind, std::span<const DriveSample> record)
-      : kind_(kind), record_(record) {}
+  Fit(const DriveKind& kind, std::span<const DriveStep> steps)
+      : kind_(kind), steps_(steps) {
+    for (const DriveStep& step : steps) measured_ += step.position_u ? 1 : 0;
+  }
 
   std::size_t size() const { return kind_.parameters.size(); }
   bool IsLog(std::size_t i) const { return kind_.parameters[i].min > 0; }
@@ -82,23 +95,21 @@ class Fit {
     return at;
   }
 
-  /// Model minus record at each sample but the first.
+  /// Model minus record at each measured position.
   Vector Residuals(const Vector& at) const {
     const auto drive = kind_.make(ValuesOf(at));
-    Vector residuals(static_cast<Eigen::Index>(record_.size()) - 1);
-    AxisState state = drive->SettledState({record_.front().command_u, 0, 0, 0});
-    for (std::size_t i = 1; i < record_.size(); ++i) {
-      const DriveSample &from = record_[i - 1], &to = record_[i];
-      const double duration_s = to.time_s - from.time_s;
-      const double slope = (to.command_u - from.command_u) / duration_s;
-      state = drive->Follow(state, {from.command_u, slope, 0, 0}, duration_s);
-      residuals[static_cast<Eigen::Index>(i) - 1] = state.position_u - to.position_u;
+    Vector residuals(measured_);
+    Eigen::Index row = 0;
+    AxisState state = drive->SettledState({steps_.front().command.position_u, 0, 0, 0});
+    for (const DriveStep& step : steps_) {
+      state = drive->Follow(state, step.command, step.duration_s);
+      if (step.position_u) residuals[row++] = state.position_u - *step.position_u;
     }
     return residuals;
   }
 
   Eigen::MatrixXd Jacobian(const Vector& at) const {
-    Eigen::MatrixXd jacobian(static_cast<Eigen::Index>(record_.size()) - 1, at.size());
+    Eigen::MatrixXd jacobian(measured_, at.size());
     for (Eigen::Index i = 0; i < at.size(); ++i) {
       Vector up = at, down = at;
       up[i] += kStep, down[i] -= kStep;
@@ -131,7 +142,8 @@ class Fit {
 
  private:
   const DriveKind& kind_;
-  std::span<const DriveSample> record_;
+  std::span<const DriveStep> steps_;
+  Eigen::Index measured_ = 0;
 };
 
 /// Steps until nothing is gained; the number of them.
@@ -194,14 +206,31 @@ Result<Identification> Finish(const DriveKind& kind, const Fit& fit, const Vecto
 
 }  // namespace
 
+Result<std::vector<DriveStep>> StepsOf(std::span<const DriveSample> record) {
+  INTAGLIO_TRY(CheckSamples(record));
+  std::vector<DriveStep> steps;
+  for (std::size_t i = 1; i < record.size(); ++i) {
+    const DriveSample &from = record[i - 1], &to = record[i];
+    const double duration_s = to.time_s - from.time_s;
+    const double slope = (to.command_u - from.command_u) / duration_s;
+    steps.push_back({{from.command_u, slope}, duration_s, to.position_u});
+  }
+  return steps;
+}
+
 Result<Identification> Identify(std::string_view name,
                                 std::span<const DriveSample> record) {
+  const auto steps = INTAGLIO_TRY(StepsOf(record));
+  return Identify(name, std::span<const DriveStep>(steps));
+}
+
+Result<Identification> Identify(std::string_view name, std::span<const DriveStep> steps) {
   std::string known;
   for (const DriveKind& kind : DriveKinds()) {
     known += (known.empty() ? "" : ", ") + std::string(kind.name);
     if (kind.name != name) continue;
-    INTAGLIO_TRY(CheckRecord(record));
-    const Fit fit(kind, record);
+    INTAGLIO_TRY(CheckSteps(steps));
+    const Fit fit(kind, steps);
     Vector at = fit.Begin();
     const int iterations = Descend(fit, at);
     return Finish(kind, fit, at, iterations);

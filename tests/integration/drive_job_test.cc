@@ -4,9 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <regex>
+#include <string>
 
 #include "engrave/formats/point_file.h"
 #include "tests/integration/run_job.h"
@@ -25,19 +27,26 @@ struct NamedDrive {
   const char* profile;
 };
 
-class DriveOfAProfile : public RunJob, public ::testing::WithParamInterface<NamedDrive> {
+/// What `intaglio plan` predicts, um.
+struct Prediction {
+  double rms_um = 0, max_um = 0;
+  double wrong_mechanics_max_um = 0;
+  std::string text;
+};
+
+class JobWithADrive : public RunJob {
  protected:
-  fs::path WriteProfile() const {
+  fs::path WriteProfile(const std::string& drive) const {
     std::string machine =
         testing::TextIn(INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto");
     const std::string line = "\nstage_lag_s: 0.0002";
-    std::ofstream(folder_ / "drive.textproto") << machine.replace(
-        machine.find(line), line.size(), std::string("\n") + GetParam().profile);
+    std::ofstream(folder_ / "drive.textproto")
+        << machine.replace(machine.find(line), line.size(), "\n" + drive);
     return folder_ / "drive.textproto";
   }
 
-  /// Of `intaglio plan` for the path of the job, um: rms and largest.
-  std::pair<double, double> Predicted(const fs::path& profile) {
+  /// For the path of the job.
+  Prediction Predicted(const fs::path& profile) {
     Running run(Program("intaglio"),
                 {"plan", "--path", (folder_ / "out/path.ply").string(), "--block", "50",
                  "50", "30", "--machine", profile.string(), "--materials",
@@ -45,11 +54,12 @@ class DriveOfAProfile : public RunJob, public ::testing::WithParamInterface<Name
                  (folder_ / "predicted.ply").string()},
                 folder_ / "plan.txt");
     const std::string text = run.WaitForEnd(testing::kBound).output;
-    static const std::regex kFigures(R"(prediction +([\d.]+) um rms, ([\d.]+) um)");
+    static const std::regex kFigures(
+        R"(prediction +([\d.]+) um rms, ([\d.]+) um[^\n]*\nmargin +([\d.]+) um)");
     std::smatch match;
     EXPECT_TRUE(std::regex_search(text, match, kFigures)) << text;
-    return match.empty() ? std::pair(0.0, 0.0)
-                         : std::pair(std::stod(match[1]), std::stod(match[2]));
+    if (match.empty()) return {};
+    return {std::stod(match[1]), std::stod(match[2]), std::stod(match[3]), text};
   }
 
   /// Rms of the column of the copy that `plan --out` has written, um.
@@ -67,8 +77,11 @@ class DriveOfAProfile : public RunJob, public ::testing::WithParamInterface<Name
   }
 };
 
+class DriveOfAProfile : public JobWithADrive,
+                        public ::testing::WithParamInterface<NamedDrive> {};
+
 TEST_P(DriveOfAProfile, MakesAllPointsWhereThePlanPredicts) {
-  const fs::path profile = WriteProfile();
+  const fs::path profile = WriteProfile(GetParam().profile);
   const Ended run = Run({"--lockstep", "--warm-up", "0", "--spacing", "0.6", "--machine",
                          profile.string()});
   ASSERT_TRUE(run.in_time);
@@ -76,7 +89,8 @@ TEST_P(DriveOfAProfile, MakesAllPointsWhereThePlanPredicts) {
   const JobReport report = Report();
   EXPECT_TRUE(report.verdict().good());
   EXPECT_EQ(report.points().made(), report.points().planned());
-  const auto [rms_um, max_um] = Predicted(profile);
+  const Prediction predicted = Predicted(profile);
+  const double rms_um = predicted.rms_um, max_um = predicted.max_um;
   EXPECT_GT(rms_um, 0.1) << "a drive that leaves nothing predicts nothing";
   EXPECT_NEAR(OfEachPoint(), rms_um, 0.006) << "of all points, as printed";
   EXPECT_NEAR(report.position_errors().rms_um(), rms_um, 0.1 * rms_um);
@@ -98,8 +112,95 @@ INSTANTIATE_TEST_SUITE_P(
         NamedDrive{"StepperScrew",
                    "stepper_screw { rotor_frequency_hz: 150 rotor_damping_ratio: 0.5 "
                    "carriage_frequency_hz: 500 carriage_damping_ratio: 0.1 "
-                   "inertia_ratio: 0.3 }"}),
+                   "inertia_ratio: 0.3 }"},
+        // Sampled every 0.2 ms.
+        NamedDrive{"Planar",
+                   "planar_drive { natural_frequency_hz: 80 damping_ratio: 0.7 "
+                   "integral_rate_per_s: 20 }"},
+        NamedDrive{"OfEachAxis",
+                   "second_order { natural_frequency_hz: 120 damping_ratio: 0.7 } "
+                   "axis_drives { axis: 'y' servo { position_gain_per_s: 500 "
+                   "velocity_time_s: 0.0004 } } axis_drives { axis: 'z' stage_lag_s: "
+                   "0.001 }"},
+        // So weak that the plan has to slow down.
+        NamedDrive{"Weak",
+                   "second_order { natural_frequency_hz: 50 damping_ratio: 0.7 }"}),
     [](const auto& tested) { return tested.param.name; });
+
+// The machine is not as its profile says: what the plan gives as its margin bounds what
+// the glass has.
+class WrongMechanics : public JobWithADrive {
+ protected:
+  /// The largest error in the glass, um.
+  double InTheGlassUm(const fs::path& profile, const std::string& drive) {
+    const fs::path truth = folder_ / "truth.textproto";
+    std::ofstream(truth) << "stage { " << drive << " }";
+    const Ended run = Run({"--lockstep", "--warm-up", "0", "--spacing", "0.8",
+                           "--machine", profile.string(), "--truth", truth.string()});
+    EXPECT_TRUE(run.in_time);
+    return Report().position_errors().max_um();
+  }
+};
+
+TEST_F(WrongMechanics, ThePlansMarginHolds) {
+  const fs::path profile =
+      WriteProfile("second_order { natural_frequency_hz: 300 damping_ratio: 0.7 }");
+  double largest_um = 0;
+  for (const char* wrong : {"natural_frequency_hz: 285 damping_ratio: 0.7",
+                            "natural_frequency_hz: 315 damping_ratio: 0.7",
+                            "natural_frequency_hz: 300 damping_ratio: 0.56",
+                            "natural_frequency_hz: 300 damping_ratio: 0.84"}) {
+    largest_um = std::max(
+        largest_um, InTheGlassUm(profile, std::string("second_order { ") + wrong + " }"));
+  }
+  EXPECT_TRUE(Report().verdict().good());
+  const Prediction predicted = Predicted(profile);
+  EXPECT_NE(predicted.text.find("within the tolerance"), std::string::npos)
+      << predicted.text;
+  EXPECT_GT(predicted.wrong_mechanics_max_um, predicted.max_um);
+  EXPECT_NEAR(largest_um, predicted.wrong_mechanics_max_um,
+              0.1 * predicted.wrong_mechanics_max_um);
+}
+
+TEST_F(WrongMechanics, ThePlanSaysThatItsMarginWillNotHold) {
+  const fs::path profile =
+      WriteProfile("second_order { natural_frequency_hz: 80 damping_ratio: 0.7 }");
+  const double in_glass_um = InTheGlassUm(
+      profile, "second_order { natural_frequency_hz: 80 damping_ratio: 0.56 }");
+  const Prediction predicted = Predicted(profile);
+  EXPECT_NE(predicted.text.find("BEYOND the tolerance"), std::string::npos)
+      << predicted.text;
+  EXPECT_LT(predicted.max_um, 30) << "with the mechanics of the profile it holds";
+  EXPECT_GT(in_glass_um, 30) << "the machine's tolerance";
+}
+
+// The positions that the controller reports at every tick of a job give the drive back.
+TEST_F(JobWithADrive, IsIdentifiedFromTheRecordingOfAJob) {
+  const fs::path truth = folder_ / "truth.textproto";
+  std::ofstream(truth)
+      << "stage { second_order { natural_frequency_hz: 130 damping_ratio: 0.6 } }";
+  const fs::path profile =
+      WriteProfile("second_order { natural_frequency_hz: 120 damping_ratio: 0.7 }");
+  const Ended job = Run({"--lockstep", "--warm-up", "0", "--spacing", "0.8", "--record",
+                         "--machine", profile.string(), "--truth", truth.string()});
+  ASSERT_TRUE(job.in_time);
+  fs::path recording;
+  for (const auto& entry : fs::recursive_directory_iterator(folder_ / "out")) {
+    if (entry.path().extension() == ".mcap") recording = entry.path();
+  }
+  ASSERT_FALSE(recording.empty()) << job.output;
+  Running run(Program("intaglio"),
+              {"drive", "identify", recording.string(), "--axis", "y"},
+              folder_ / "identified.txt");
+  const Ended identified = run.WaitForEnd(testing::kBound);
+  ASSERT_EQ(identified.exit_code, 0) << identified.output;
+  static const std::regex kFound(
+      R"(natural_frequency_hz +([\d.]+)[^\n]*\ndamping_ratio +([\d.]+))");
+  std::smatch match;
+  ASSERT_TRUE(std::regex_search(identified.output, match, kFound)) << identified.output;
+  EXPECT_NEAR(std::stod(match[1]), 130, 0.02 * 130);
+  EXPECT_NEAR(std::stod(match[2]), 0.6, 0.1 * 0.6);
+}
 
 }  // namespace
 }  // namespace intaglio

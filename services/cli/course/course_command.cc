@@ -12,6 +12,7 @@
 #include "services/cli/course/course_job.h"
 #include "services/cli/course/course_program.h"
 #include "services/cli/flags/size_limits_flag.h"
+#include "services/cli/json/print_json.h"
 #include "services/client/exit_codes.h"
 #include "services/client/warning_text.h"
 #include "services/job/drive/drive_profile.h"
@@ -29,7 +30,7 @@ struct CourseOptions {
   std::optional<double> acceleration_mm_s2;
   double period_ms = 0.5, frequency_percent = 5, damping_percent = 20;
   double size_limits = 1;
-  bool compensate = false, reserve = false;
+  bool compensate = false, reserve = false, json = false;
 };
 
 course::PlanOptions PlanOptionsOf(const CourseOptions& options,
@@ -84,7 +85,12 @@ int Plan(const CourseOptions& options) {
         !written)
       return Complain(written.error());
   }
-  for (const std::string& line : FiguresOf(*program)) std::cout << line << "\n";
+  if (options.json) {
+    if (const int failed = PrintJson(ReportOf(*program)); failed != client::kExitGood)
+      return failed;
+  } else {
+    for (const std::string& line : FiguresOf(*program)) std::cout << line << "\n";
+  }
   bool good = program->holds();
   if (options.reserve) {
     for (const PlannedContour& contour : program->contours)
@@ -151,6 +157,7 @@ void AddCourseCommand(command_line::Command app) {
   plan.AddOption("--csv", options->csv, "the course, one row for each setpoint");
   plan.AddOption("--picture", options->picture,
                  "PNG: the contours with the deviation magnified, the speed along them");
+  plan.AddFlag("--json", options->json, "the figures for programs");
   AddSizeLimitsFlag(plan, options->size_limits);
   plan.SetFooter(
       "Example: intaglio course plan drawing.dxf --machine els-03 --feed 60 --tolerance "

@@ -13,6 +13,7 @@
 #include "engrave/drive/motor.h"
 #include "engrave/io/whole_file.h"
 #include "services/job/drive/drive_profile.h"
+#include "services/job/machine/machine_drives.h"
 #include "services/job/model_kind.h"
 #include "services/job/models/flat_models.h"
 #include "services/job/models/read_limits.h"
@@ -38,6 +39,57 @@ Result<course::Path> PathOf(const drawing::FlatCurve& curve, double feed_mm_s) {
   return course::Path::Make(curve.points_mm.front().head<2>(), pieces);
 }
 
+/// A servo without derivative gain and feed-forward: tau x'' + x' = K (c - x).
+Result<course::AxisDynamics> SecondOrderOf(const std::string& owner,
+                                           double position_gain_per_s,
+                                           double velocity_time_s) {
+  course::AxisParameters parameters;
+  parameters.bandwidth_rad_s = std::numeric_limits<double>::infinity();
+  parameters.natural_rad_s = std::sqrt(position_gain_per_s / velocity_time_s);
+  parameters.damping_ratio = 1 / (2 * std::sqrt(position_gain_per_s * velocity_time_s));
+  constexpr double kMinDamping = 0.01, kMaxDamping = 5;
+  if (parameters.damping_ratio < kMinDamping || parameters.damping_ratio > kMaxDamping) {
+    return Fail(
+        ErrorCode::kUnsupported,
+        fmt::format("{}: the damping {:.3g} of its loop is outside {}..{}; change "
+                    "its position gain",
+                    owner, parameters.damping_ratio, kMinDamping, kMaxDamping));
+  }
+  return course::AxisDynamics(parameters);
+}
+
+/// Of a drive of the machine profile.
+Result<course::AxisDynamics> DynamicsOf(const std::string& owner,
+                                        const drive::DriveParameters& drive) {
+  const std::vector<double>& v = drive.values;
+  course::AxisParameters axis;
+  axis.bandwidth_rad_s = axis.natural_rad_s = std::numeric_limits<double>::infinity();
+  if (drive.name == "first_order") {
+    if (v[0] > 0) axis.bandwidth_rad_s = 1 / v[0];
+    return course::AxisDynamics(axis);
+  }
+  if (drive.name == "second_order") {
+    axis.natural_rad_s = kTurn * v[0];
+    axis.damping_ratio = v[1];
+    return course::AxisDynamics(axis);
+  }
+  if (drive.name == "cascade") {
+    axis.loop = course::LoopKind::kCascade;
+    axis.bandwidth_rad_s = v[0];
+    axis.natural_rad_s = kTurn * v[1];
+    axis.damping_ratio = v[2];
+    return course::AxisDynamics(axis);
+  }
+  if (drive.name == "servo" && v[2] == 0 && v[3] == 0)
+    return SecondOrderOf(owner + ": servo", v[0], v[1]);
+  return Fail(
+      ErrorCode::kUnsupported,
+      fmt::format("{}: drive: {}: courses are planned for stage_lag_s, "
+                  "second_order, cascade and a servo with derivative_ratio 0 and "
+                  "feed_forward_ratio 0; describe the axes x and y by one of them",
+                  owner, drive.name));
+}
+
 Result<course::AxisDynamics> ServoAxisOf(const DriveProfile& profile,
                                          const DriveAxis& axis) {
   const DrivePanel& panel = axis.panel();
@@ -50,20 +102,8 @@ Result<course::AxisDynamics> ServoAxisOf(const DriveProfile& profile,
   const drive::ServoLoop servo =
       drive::CloseAxis(VelocityLoopOf(axis, drive::CylinderRule::kSolid),
                        PositionLoopOf(profile, axis), axis.screw().lead_m());
-  course::AxisParameters parameters;
-  parameters.bandwidth_rad_s = std::numeric_limits<double>::infinity();
-  parameters.natural_rad_s = std::sqrt(servo.position_gain_per_s / servo.velocity_time_s);
-  parameters.damping_ratio =
-      1 / (2 * std::sqrt(servo.position_gain_per_s * servo.velocity_time_s));
-  constexpr double kMinDamping = 0.01, kMaxDamping = 5;
-  if (parameters.damping_ratio < kMinDamping || parameters.damping_ratio > kMaxDamping) {
-    return Fail(ErrorCode::kUnsupported,
-                fmt::format("{}: axis {}: the damping {:.3g} of its loop is outside "
-                            "{}..{}; change panel.proportional",
-                            profile.name(), axis.name(), parameters.damping_ratio,
-                            kMinDamping, kMaxDamping));
-  }
-  return course::AxisDynamics(parameters);
+  return SecondOrderOf(profile.name() + ": axis " + axis.name(),
+                       servo.position_gain_per_s, servo.velocity_time_s);
 }
 
 }  // namespace
@@ -107,30 +147,13 @@ Result<course::AxisPair> AxesOf(const MachineSpec& machine) {
                     ": kinematics: polar: has an arm and a table; courses are "
                     "planned for linear axes x and y");
   }
-  course::AxisParameters axis;
-  axis.bandwidth_rad_s = axis.natural_rad_s = std::numeric_limits<double>::infinity();
-  switch (machine.drive_case()) {
-    case MachineSpec::kSecondOrder:
-      axis.natural_rad_s = kTurn * machine.second_order().natural_frequency_hz();
-      axis.damping_ratio = machine.second_order().damping_ratio();
-      break;
-    case MachineSpec::kCascade:
-      axis.loop = course::LoopKind::kCascade;
-      axis.bandwidth_rad_s = machine.cascade().position_gain_per_s();
-      axis.natural_rad_s = kTurn * machine.cascade().natural_frequency_hz();
-      axis.damping_ratio = machine.cascade().damping_ratio();
-      break;
-    case MachineSpec::kServo:
-    case MachineSpec::kStepperScrew:
-    case MachineSpec::kPlanarDrive:
-      return Fail(ErrorCode::kUnsupported,
-                  machine.name() +
-                      ": drive: courses are planned for stage_lag_s, second_order and "
-                      "cascade; describe the axes x and y by one of them");
-    default:
-      if (machine.stage_lag_s() > 0) axis.bandwidth_rad_s = 1 / machine.stage_lag_s();
+  const auto drives = DriveParametersOf(machine);
+  std::vector<course::AxisDynamics> axes;
+  for (const std::size_t i : {0, 1}) {
+    auto axis = INTAGLIO_TRY(DynamicsOf(machine.name(), drives[i]));
+    axes.push_back(std::move(axis));
   }
-  return course::AxisPair{course::AxisDynamics(axis), course::AxisDynamics(axis)};
+  return course::AxisPair{axes[0], axes[1]};
 }
 
 Result<course::AxisPair> AxesOf(const DriveProfile& profile) {

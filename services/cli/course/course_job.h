@@ -20,9 +20,9 @@ namespace intaglio::cli {
 Result<std::vector<course::Path>> ReadContours(const std::string& file, double feed_mm_s,
                                                double size_limits, Warnings& warnings);
 
-/// The axes x and y of a profile: each is as the drive.
-/// kUnsupported: axes that turn, a drive that is neither a lag, of second order nor a
-/// cascade.
+/// The axes x and y of a profile, each by its own drive. kUnsupported: axes that turn, a
+/// drive with zeros: a servo with derivative gain or feed-forward, a stepper with a
+/// screw, a planar drive.
 Result<course::AxisPair> AxesOf(const MachineSpec& machine);
 
 /// Of a drive profile: its axes x and y, or its first two. A servo without derivative

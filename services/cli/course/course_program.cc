@@ -129,6 +129,35 @@ Result<CourseProgram> PlanProgram(std::vector<course::Path> paths,
   return program;
 }
 
+CoursePlan ReportOf(const CourseProgram& program) {
+  CoursePlan report;
+  report.set_contour_count(program.contours.size());
+  std::size_t segments = 0;
+  bool margin_holds = true;
+  for (const PlannedContour& contour : program.contours) {
+    segments += contour.path.segment_count();
+    margin_holds = margin_holds && contour.margin.holds;
+  }
+  const auto worst_um = [&](double (*of)(const PlannedContour&)) {
+    return 1e3 * Worst(program, of);
+  };
+  report.set_segment_count(segments);
+  report.set_length_mm(program.length_mm());
+  report.set_duration_s(program.duration_s());
+  report.set_stopping_s(program.stopping_s);
+  report.set_tolerance_um(1e3 * program.options.tolerance_mm);
+  report.set_max_course_error_um(
+      worst_um([](const PlannedContour& c) { return c.plan.worst_one_sided_mm; }));
+  report.set_max_node_error_um(
+      worst_um([](const PlannedContour& c) { return c.plan.worst_node_miss_mm; }));
+  report.set_holds(program.holds());
+  report.set_wrong_mechanics_max_um(
+      worst_um([](const PlannedContour& c) { return c.margin.worst.worst_mm; }));
+  report.set_margin_holds(margin_holds);
+  report.set_compensated(program.options.compensate);
+  return report;
+}
+
 std::vector<std::string> FiguresOf(const CourseProgram& program) {
   std::size_t segments = 0;
   for (const PlannedContour& contour : program.contours)

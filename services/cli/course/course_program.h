@@ -7,6 +7,7 @@
 
 #include "engrave/course/margin.h"
 #include "engrave/render/course_picture.h"
+#include "proto/drive_report.pb.h"
 
 namespace intaglio::cli {
 
@@ -37,6 +38,9 @@ Result<CourseProgram> PlanProgram(std::vector<course::Path> paths,
 
 /// Lines of name and value, as `intaglio plan` prints them.
 std::vector<std::string> FiguresOf(const CourseProgram& program);
+
+/// The same figures for programs.
+CoursePlan ReportOf(const CourseProgram& program);
 
 /// The table of the courses: one row for each setpoint.
 Status WriteCourseTable(const std::string& file, const CourseProgram& program);

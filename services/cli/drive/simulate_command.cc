@@ -15,8 +15,10 @@
 #include "engrave/io/atomic_file.h"
 #include "engrave/render/chart.h"
 #include "engrave/render/png_file.h"
+#include "proto/drive_report.pb.h"
 #include "services/cli/complain.h"
 #include "services/cli/drive/drive_command.h"
+#include "services/cli/json/print_json.h"
 #include "services/client/exit_codes.h"
 #include "services/job/drive/drive_profile.h"
 
@@ -30,7 +32,7 @@ constexpr double kMaxSamples = 2e6;
 struct DriveSimulateOptions {
   std::string profile, axis, csv, picture;
   double length_mm = 10, speed_mm_s = 100, acceleration_mm_s2 = 1000, rest_s = 0.1;
-  bool step = false, ideal = false;
+  bool step = false, ideal = false, json = false;
 };
 
 Result<DriveAxis> AxisNamed(const DriveProfile& profile, const std::string& name) {
@@ -106,9 +108,9 @@ Status WritePicture(const DriveSimulateOptions& options, double period_s,
   return render::WritePng(options.picture, render::DrawChart({commanded, actual}, chart));
 }
 
-void PrintFigures(const DriveSimulateOptions& options,
-                  const std::vector<double>& setpoints,
-                  const std::vector<drive::AxisSample>& samples) {
+DriveSimulation SimulatedFigures(const DriveSimulateOptions& options,
+                                 const std::vector<double>& setpoints,
+                                 const std::vector<drive::AxisSample>& samples) {
   double error_m = 0, volt = 0, farthest_m = 0, a_min = 0, a_max = 0;
   for (const drive::AxisSample& s : samples) {
     error_m = std::max(error_m, std::abs(s.following_error_m));
@@ -117,17 +119,31 @@ void PrintFigures(const DriveSimulateOptions& options,
     a_min = std::min(a_min, s.acceleration_m_s2);
     a_max = std::max(a_max, s.acceleration_m_s2);
   }
+  DriveSimulation figures;
+  figures.set_axis(options.axis);
+  figures.set_sample_count(samples.size());
+  figures.set_max_error_um(1e6 * error_m);
+  figures.set_end_error_um(1e6 * samples.back().following_error_m);
+  figures.set_overshoot_um(1e6 * std::max(0.0, farthest_m - setpoints.back()));
+  figures.set_min_acceleration_m_s2(a_min);
+  figures.set_max_acceleration_m_s2(a_max);
+  figures.set_max_output_v(volt);
+  return figures;
+}
+
+void PrintFigures(const DriveSimulation& figures) {
   std::cout << fmt::format(
       "axis          {}, {} samples\n"
       "error         {:.5g} um largest, {:.5g} um at the end\n"
       "overshoot     {:.5g} um\n"
       "acceleration  {:.5g}..{:.5g} m/s^2\n"
       "output        {:.4g} V largest\n",
-      options.axis, samples.size(), 1e6 * error_m, 1e6 * samples.back().following_error_m,
-      1e6 * std::max(0.0, farthest_m - setpoints.back()), a_min, a_max, volt);
+      figures.axis(), figures.sample_count(), figures.max_error_um(),
+      figures.end_error_um(), figures.overshoot_um(), figures.min_acceleration_m_s2(),
+      figures.max_acceleration_m_s2(), figures.max_output_v());
 }
 
-Status SimulateAndWrite(DriveSimulateOptions options) {
+Result<DriveSimulation> SimulateAndWrite(DriveSimulateOptions options) {
   const auto profile = INTAGLIO_TRY(ReadDriveProfile(options.profile));
   const auto of_profile = INTAGLIO_TRY(AxisNamed(profile, options.axis));
   options.axis = of_profile.name();
@@ -138,17 +154,18 @@ Status SimulateAndWrite(DriveSimulateOptions options) {
   }
   const auto setpoints = INTAGLIO_TRY(SetpointsOf(options, axis.period_s));
   const auto samples = INTAGLIO_TRY(drive::Simulate(axis, setpoints));
-  PrintFigures(options, setpoints, samples);
   if (!options.csv.empty())
     INTAGLIO_TRY(WriteTable(options.csv, axis.period_s, setpoints, samples));
   if (!options.picture.empty())
     INTAGLIO_TRY(WritePicture(options, axis.period_s, setpoints, samples));
-  return {};
+  return SimulatedFigures(options, setpoints, samples);
 }
 
 int SimulateAxis(const DriveSimulateOptions& options) {
-  if (const auto done = SimulateAndWrite(options); !done)
-    return Complain(done.error(), client::kExitWrongInput);
+  const auto figures = SimulateAndWrite(options);
+  if (!figures) return Complain(figures.error(), client::kExitWrongInput);
+  if (options.json) return PrintJson(*figures);
+  PrintFigures(*figures);
   return client::kExitGood;
 }
 
@@ -172,6 +189,7 @@ void AddDriveSimulateCommand(command_line::Command drive) {
       .ShowDefault();
   simulate.AddFlag("--step", o->step, "the setpoint jumps by --length");
   simulate.AddFlag("--ideal", o->ideal, "no quantization, no limit, no friction");
+  simulate.AddFlag("--json", o->json, "the figures for programs");
   simulate.AddOption("--csv", o->csv, "table of all samples");
   simulate.AddOption("--picture", o->picture, "PNG: speed over time, of a step position");
   simulate.SetFooter(

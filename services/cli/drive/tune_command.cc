@@ -8,8 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "proto/drive_report.pb.h"
 #include "services/cli/complain.h"
 #include "services/cli/drive/drive_command.h"
+#include "services/cli/json/print_json.h"
 #include "services/client/exit_codes.h"
 #include "services/job/drive/drive_profile.h"
 
@@ -21,6 +23,7 @@ constexpr auto kTunedRule = drive::CylinderRule::kSolid;
 struct DriveTuneOptions {
   std::string profile, regime = "rapid";
   double damping_ratio = 0.7;
+  bool json = false;
 };
 
 drive::Regime RegimeOf(const std::string& name) {
@@ -47,10 +50,47 @@ double OnPanel(const DriveProfile& profile, const DriveAxis& axis, double volt_p
   return volt_per_m / (VoltPerStep(profile, axis) * units_per_m);
 }
 
+DriveLoop TunedLoopOf(const DriveProfile& profile, const DriveAxis& axis,
+                      const drive::Tuning& t) {
+  DriveLoop loop;
+  loop.set_axis(axis.name());
+  loop.set_gains("tuned");
+  loop.set_position_gain_per_s(t.servo.position_gain_per_s);
+  loop.set_damping_ratio(drive::DampingRatio(t.servo));
+  loop.set_lag_ms(1e3 * t.following_lag_s);
+  loop.set_static_error_um(1e6 * t.static_error_m);
+  loop.set_longest_period_ms(1e3 * t.largest_stable_period_s);
+  loop.set_stable(t.largest_stable_period_s > profile.controller().period_s());
+  loop.set_panel_proportional(OnPanel(profile, axis, t.loop.volt_per_m));
+  loop.set_panel_derivative(OnPanel(profile, axis, t.loop.volt_s_per_m));
+  for (const drive::Advice& a : t.advice) {
+    GainAdvice& advice = *loop.add_advice();
+    advice.set_gain(std::string(a.gain));
+    advice.set_value(a.value);
+    advice.set_limit(a.limit);
+    advice.set_reason(a.reason);
+  }
+  return loop;
+}
+
+int PrintLoops(const DriveProfile& profile, DriveLoops loops) {
+  loops.set_period_ms(1e3 * profile.controller().period_s());
+  return PrintJson(loops);
+}
+
+int TuneJson(const DriveProfile& profile, const std::vector<drive::Tuning>& tunings) {
+  DriveLoops loops;
+  for (std::size_t i = 0; i < tunings.size(); ++i)
+    *loops.add_loops() =
+        TunedLoopOf(profile, profile.axes(static_cast<int>(i)), tunings[i]);
+  return PrintLoops(profile, std::move(loops));
+}
+
 int Tune(const DriveTuneOptions& options) {
   const auto profile = ReadDriveProfile(options.profile);
   if (!profile) return Complain(profile.error(), client::kExitWrongInput);
   const auto tunings = TuningsOf(*profile, options);
+  if (options.json) return TuneJson(*profile, tunings);
   for (std::size_t i = 0; i < tunings.size(); ++i) {
     const drive::Tuning& t = tunings[i];
     const DriveAxis& axis = profile->axes(static_cast<int>(i));
@@ -86,31 +126,58 @@ std::string RowText(const DriveProfile& profile, const CompareRow& row) {
                      row.stable_period_s > period_s ? "stable" : "NOT STABLE");
 }
 
+CompareRow PanelRow(const DriveProfile& profile, const DriveAxis& axis) {
+  const drive::SampledAxis sampled = SampledAxisOf(profile, axis, kTunedRule);
+  CompareRow panel{
+      axis.name(), "panel",
+      drive::CloseAxis(VelocityLoopOf(axis, kTunedRule), PositionLoopOf(profile, axis),
+                       axis.screw().lead_m())};
+  panel.static_error_m = drive::StaticError(panel.servo, sampled.friction_m_s2);
+  panel.stable_period_s = drive::LargestStablePeriod(sampled);
+  return panel;
+}
+
+DriveLoop LoopOf(const DriveProfile& profile, const CompareRow& row) {
+  DriveLoop loop;
+  loop.set_axis(row.name);
+  loop.set_gains(row.gains);
+  loop.set_position_gain_per_s(row.servo.position_gain_per_s);
+  loop.set_damping_ratio(drive::DampingRatio(row.servo));
+  loop.set_lag_ms(1e3 * drive::LagSeconds(row.servo));
+  loop.set_static_error_um(1e6 * row.static_error_m);
+  loop.set_longest_period_ms(1e3 * row.stable_period_s);
+  loop.set_stable(row.stable_period_s > profile.controller().period_s());
+  return loop;
+}
+
 int Compare(const DriveTuneOptions& options) {
   const auto profile = ReadDriveProfile(options.profile);
   if (!profile) return Complain(profile.error(), client::kExitWrongInput);
-  std::cout << fmt::format(
-      "{:<8} {:<8} {:>10} {:>8} {:>9} {:>10} {:>11} {}\n", "axis", "gains", "K, 1/s",
-      "damping", "lag, ms", "static, um", "period, ms",
-      fmt::format("at {:g} ms", 1e3 * profile->controller().period_s()));
+  std::string text =
+      fmt::format("{:<8} {:<8} {:>10} {:>8} {:>9} {:>10} {:>11} {}\n", "axis", "gains",
+                  "K, 1/s", "damping", "lag, ms", "static, um", "period, ms",
+                  fmt::format("at {:g} ms", 1e3 * profile->controller().period_s()));
+  DriveLoops loops;
   bool all_stable = true;
   const auto tunings = TuningsOf(*profile, options);
   for (std::size_t i = 0; i < tunings.size(); ++i) {
     const DriveAxis& axis = profile->axes(static_cast<int>(i));
-    const drive::SampledAxis sampled = SampledAxisOf(*profile, axis, kTunedRule);
-    CompareRow panel{
-        axis.name(), "panel",
-        drive::CloseAxis(VelocityLoopOf(axis, kTunedRule), PositionLoopOf(*profile, axis),
-                         axis.screw().lead_m())};
-    panel.static_error_m = drive::StaticError(panel.servo, sampled.friction_m_s2);
-    panel.stable_period_s = drive::LargestStablePeriod(sampled);
+    const CompareRow panel = PanelRow(*profile, axis);
     all_stable = all_stable && panel.stable_period_s > profile->controller().period_s();
-    std::cout << RowText(*profile, panel)
-              << RowText(*profile,
-                         {axis.name(), "tuned", tunings[i].servo,
-                          tunings[i].static_error_m, tunings[i].largest_stable_period_s});
+    text += RowText(*profile, panel) +
+            RowText(*profile,
+                    {axis.name(), "tuned", tunings[i].servo, tunings[i].static_error_m,
+                     tunings[i].largest_stable_period_s});
+    *loops.add_loops() = LoopOf(*profile, panel);
+    *loops.add_loops() = TunedLoopOf(*profile, axis, tunings[i]);
   }
-  return all_stable ? client::kExitGood : client::kExitNotGood;
+  const int code = all_stable ? client::kExitGood : client::kExitNotGood;
+  if (options.json) {
+    const int failed = PrintLoops(*profile, std::move(loops));
+    return failed != client::kExitGood ? failed : code;
+  }
+  std::cout << text;
+  return code;
 }
 
 void AddTuneOptions(command_line::Command command, DriveTuneOptions& options) {
@@ -122,6 +189,7 @@ void AddTuneOptions(command_line::Command command, DriveTuneOptions& options) {
   command.AddOption("--damping", options.damping_ratio, "of the position loop")
       .Within(0.3, 2.0)
       .ShowDefault();
+  command.AddFlag("--json", options.json, "the figures for programs");
 }
 
 }  // namespace
