@@ -148,8 +148,10 @@ Evaluation Evaluate(const Path& path, const SpeedLaw& law, const Tracking& track
                     const Allowed& allowed, Exactness exactness) {
   const bool with_motor =
       allowed.motor_mm_s2 > 0 || allowed.jerk_mm_s3 > 0 || exactness == Exactness::kAxes;
+  // Without a limit the jerk is for the report alone, which is that of the axes.
+  const bool with_jerk = allowed.jerk_mm_s3 > 0 || exactness == Exactness::kAxes;
   const Tracked tracked =
-      tracking.Follow(path, law, tracking.axes(), exactness, with_motor);
+      tracking.Follow(path, law, tracking.axes(), exactness, with_motor, with_jerk);
   double feed_mm_s = 0;
   for (const Segment& segment : path.segments())
     feed_mm_s = std::max(feed_mm_s, segment.feed_mm_s);

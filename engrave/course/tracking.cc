@@ -32,8 +32,11 @@ std::vector<Vec2> Join(const Axis& x, const Axis& y) {
 /// The first derivative by central differences, of second order next to the ends.
 void Differentiate(const Axis& f, double period_s, Axis& out) {
   const std::size_t n = f.size();
-  out.assign(n, 0);
-  if (n < 2) return;
+  out.resize(n);
+  if (n < 2) {
+    std::fill(out.begin(), out.end(), 0.0);
+    return;
+  }
   out[0] = (f[1] - f[0]) / period_s;
   out[n - 1] = (f[n - 1] - f[n - 2]) / period_s;
   if (n < 3) return;
@@ -83,6 +86,7 @@ std::vector<double> Smoothed(const SplineKernel& kernel,
                              std::span<const double> reference) {
   std::vector<double> f(reference.begin(), reference.end());
   const auto box = static_cast<std::size_t>(kernel.box);
+  const double share = 1 / static_cast<double>(box);
   for (int pass = 0; pass < kernel.boxes && box > 1; ++pass) {
     double sum = 0;
     for (std::size_t i = 0; i < box - 1; ++i) sum += f[i];
@@ -90,7 +94,7 @@ std::vector<double> Smoothed(const SplineKernel& kernel,
     for (std::size_t i = 0; i < count; ++i) {
       sum += f[i + box - 1];
       const double oldest = f[i];
-      f[i] = sum / static_cast<double>(box);
+      f[i] = sum * share;
       sum -= oldest;
     }
     f.resize(count);
@@ -101,12 +105,12 @@ std::vector<double> Smoothed(const SplineKernel& kernel,
 std::vector<double> ApplyPolynomial(std::span<const double> coefficients, double period_s,
                                     std::span<const double> values) {
   Axis d(values.begin(), values.end()), next;
-  Axis sum(d.size(), 0);
-  for (std::size_t k = 0; k < coefficients.size(); ++k) {
-    if (k > 0) {
-      Differentiate(d, period_s, next);
-      d.swap(next);
-    }
+  Axis sum = d;
+  for (double& x : sum) x *= coefficients.front();
+  for (std::size_t k = 1; k < coefficients.size(); ++k) {
+    Differentiate(d, period_s, next);
+    d.swap(next);
+    if (coefficients[k] == 0) continue;
     for (std::size_t i = 0; i < d.size(); ++i) sum[i] += coefficients[k] * d[i];
   }
   return sum;
@@ -172,14 +176,14 @@ Tracked Tracking::Reference(const Path& path, const SpeedLaw& law,
   return tracked;
 }
 
-void Tracking::AddMotor(Tracked& tracked) const {
+void Tracking::AddMotor(Tracked& tracked, bool with_jerk) const {
   // Compensated, the load is the smoothed reference and the motor ahead of it.
   const auto from = Split(compensated() ? tracked.actual_mm : tracked.setpoints_mm);
   for (std::size_t i = 0; i < 2; ++i) {
     Axis motor(from[i].size());
     if (compensated()) {
       motor = ApplyPolynomial(axes_[i].mechanics(), options_.period_s, from[i]);
-      TakeGreater(from[i], options_.period_s, 3, tracked.jerk_mm_s3);
+      if (with_jerk) TakeGreater(from[i], options_.period_s, 3, tracked.jerk_mm_s3);
     } else {
       AxisFilter(axes_[i].loop(), options_.period_s).Run(from[i], motor);
     }
@@ -188,7 +192,7 @@ void Tracking::AddMotor(Tracked& tracked) const {
 }
 
 Tracked Tracking::Follow(const Path& path, const SpeedLaw& law, const AxisPair& real,
-                         Exactness exactness, bool with_motor) const {
+                         Exactness exactness, bool with_motor, bool with_jerk) const {
   const bool exact = !compensated() || exactness == Exactness::kAxes;
   Tracked tracked = Reference(path, law, exact ? kSettleLags * GreaterLag(real) : 0);
   if (compensated()) {
@@ -196,14 +200,14 @@ Tracked Tracking::Follow(const Path& path, const SpeedLaw& law, const AxisPair& 
   } else {
     tracked.setpoints_mm = tracked.actual_mm;
   }
-  if (with_motor) AddMotor(tracked);
+  if (with_motor) AddMotor(tracked, with_jerk);
   if (!exact) return tracked;
   const auto setpoints = Split(tracked.setpoints_mm);
   std::array<Axis, 2> actual;
   for (std::size_t i = 0; i < 2; ++i) {
     actual[i].resize(setpoints[i].size());
     AxisFilter(real[i].product(), options_.period_s).Run(setpoints[i], actual[i]);
-    if (with_motor && !compensated())
+    if (with_motor && with_jerk && !compensated())
       TakeGreater(actual[i], options_.period_s, 3, tracked.jerk_mm_s3);
   }
   tracked.actual_mm = Join(actual[0], actual[1]);

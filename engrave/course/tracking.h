@@ -66,9 +66,9 @@ class Tracking {
   /// `axes` are those that the setpoints are made for.
   Tracking(const AxisPair& axes, const TrackingOptions& options);
 
-  /// `real` are the axes that follow.
+  /// `real` are the axes that follow. `with_jerk`: of what `with_motor` asks for.
   Tracked Follow(const Path& path, const SpeedLaw& law, const AxisPair& real,
-                 Exactness exactness, bool with_motor) const;
+                 Exactness exactness, bool with_motor, bool with_jerk = true) const;
   SearchWindow WindowFor(double speed_mm_s, double tolerance_mm) const;
 
   const AxisPair& axes() const { return axes_; }
@@ -82,7 +82,7 @@ class Tracking {
   /// The places of the reference in actual_mm, with what the kernel needs on both sides,
   /// until settle_s behind the law's end.
   Tracked Reference(const Path& path, const SpeedLaw& law, double settle_s) const;
-  void AddMotor(Tracked& tracked) const;
+  void AddMotor(Tracked& tracked, bool with_jerk) const;
   void Compensate(Tracked& tracked, bool with_setpoints) const;
 
   AxisPair axes_;
