@@ -1,7 +1,5 @@
 #include "engrave/motion/planner.h"
 
-#include <algorithm>
-
 #include "engrave/motion/commands/drive_compensation.h"
 #include "engrave/motion/commands/error_judge.h"
 #include "engrave/motion/stop_and_go.h"
@@ -42,18 +40,40 @@ Limits LimitsOfPlan(const PlanOptions& options) {
 
 /// Down to a thirtieth.
 constexpr int kAccelerationLevels = 13;
+/// A window is planned in one turn of the synchronizer, whose laser line must not be left
+/// alone for 250 ms: a drive of fifth order is followed over some 10 000 points a second.
+constexpr int kJudgedWindow = 128, kJudgedLookAhead = 32;
 
-/// Whether the drives leave an error that is limited.
+/// What a drive leaves of the greatest jump of the acceleration, in the axis' unit:
+/// lag^2 J / 2 of first order (drive_compensation.h), of others it is not known
+/// beforehand.
+double LeftBy(const drive::Drive* drive, double max_acceleration) {
+  if (drive == nullptr) return 0;
+  if (drive->name() != "first_order") return kUnlimited;
+  const double lag_s = drive->transfer().denominator[1];
+  return lag_s == 0 ? 0 : lag_s * lag_s * max_acceleration;
+}
+
+/// Whether the drives may leave more than the limit.
 bool IsJudged(const PlanOptions& options) {
-  const bool driven = std::ranges::any_of(
-      options.drives, [](const auto& drive) { return drive != nullptr; });
-  return driven && options.error_limit > 0;
+  if (!(options.error_limit > 0)) return false;
+  double left = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    left += LeftBy(options.drives[static_cast<std::size_t>(axis)].get(),
+                   options.limits.max_acceleration_mm_s2[axis]);
+  }
+  constexpr double kSure = 0.5;
+  return left > kSure * options.error_limit;
 }
 
 TickPlannerOptions PlannerOptionsOf(const PlanOptions& options) {
   TickPlannerOptions of_planner = OptionsForRate(options.rate_hz);
   of_planner.tolerance_mm = options.tolerance_mm;
-  if (IsJudged(options)) of_planner.acceleration_levels = kAccelerationLevels;
+  if (IsJudged(options)) {
+    of_planner.acceleration_levels = kAccelerationLevels;
+    of_planner.window_points = kJudgedWindow;
+    of_planner.look_ahead_points = kJudgedLookAhead;
+  }
   return of_planner;
 }
 

@@ -21,6 +21,10 @@ constexpr double kChoiceWorthRatio = 0.3;
 
 constexpr double kRoundingMm = 1e-9;
 
+/// A step of a higher level may not be possible at all from a label of a lower one, near
+/// walls: after so many ticks it takes level 0.
+constexpr std::uint32_t kFallbackTicks = 64;
+
 }  // namespace
 
 TickLabels::TickLabels(std::vector<StepLimits> choices, std::size_t levels,
@@ -160,10 +164,10 @@ void TickLabels::Extend(const Vec3& start_mm, const Vec3& step_mm, std::uint32_t
   const double min_s = (step_mm.cwiseAbs().array() / fastest_mm_s_.array()).maxCoeff();
   const std::uint32_t first = level * level_size_, behind = first + level_size_;
   auto ticks = static_cast<std::uint32_t>(WholeTicks(min_s, rate_hz_));
+  const std::uint32_t fallback = ticks + kFallbackTicks;
   for (; IsWorthATry(ticks); ++ticks) {
     for (std::uint32_t choice = 0; choice < behind; ++choice) {
-      if (choice >= level_size_ && choice < first) continue;
-      if (choice < first && !near_walls_) continue;
+      if (choice < first && !(ticks > fallback && choice < level_size_)) continue;
       const Trial trial = MakeTrial(start_mm, step_mm, ticks, choice);
       Open<kPlain>(trial);
       TryAll<kPlain>(trial, to_rest);

@@ -49,8 +49,8 @@ class TickLabels {
   /// The fewest ticks found from `start` through steps of `steps_mm` to rest at the end
   /// of the last. `timed` gets an entry a step. The start velocity is one from which the
   /// way can be made within the limits. `near_walls`: NearWalls of the way's points.
-  /// `levels`: of each step, empty: 0. Near walls a step may take a choice of level 0
-  /// besides, so that it can always be made.
+  /// `levels`: of each step, empty: 0. Near walls a step that cannot be made with its
+  /// level takes level 0.
   void Choose(const KnotState& start, std::span<const Vec3> steps_mm, bool near_walls,
               std::span<const std::uint32_t> levels, std::vector<TimedStep>& timed);
 

@@ -22,7 +22,13 @@ constexpr double kLevelRatio = 0.75;
 std::vector<StepLimits> ChoicesOf(Limits limits, double rate_hz, int levels) {
   std::vector<StepLimits> choices;
   for (int level = 0; level < levels; ++level) {
-    const auto of_level = StepLimitsOf(limits, rate_hz);
+    auto of_level = StepLimitsOf(limits, rate_hz);
+    // With less acceleration the planned speed is greater: a step of the first level has
+    // to be able to go on behind any other.
+    for (std::size_t i = 0; level > 0 && i < of_level.size(); ++i) {
+      Vec3& speed_mm_s = of_level[i].planned.max_speed_mm_s;
+      speed_mm_s = speed_mm_s.cwiseMin(choices[i].planned.max_speed_mm_s);
+    }
     choices.insert(choices.end(), of_level.begin(), of_level.end());
     limits.max_acceleration_mm_s2 *= kLevelRatio;
     limits.max_acceleration_norm_mm_s2 *= kLevelRatio;

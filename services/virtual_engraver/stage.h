@@ -83,9 +83,9 @@ class Stage {
   void AdvanceTick(double rate_hz);
 
   /// At the present tick: a segment marked for a pulse ends here, and the stage is there.
-  /// On a clock of its own, "here" is within 0.35 ms and a quarter of a tick. There, and
-  /// with second-order mechanics, where the stage is to be is the end less its lag times
-  /// its velocity there; with control loops where its controller's model of them is.
+  /// On a clock of its own, "here" is within 0.35 ms and a quarter of a tick. There,
+  /// where the stage is to be is the end less its lag times its velocity there; with
+  /// second-order mechanics and control loops where its controller's model of them is.
   bool in_position() const { return in_position_; }
   /// As its encoders measure it.
   const Vec3& actual_mm() const { return mechanics_.actual_mm(); }

@@ -162,7 +162,7 @@ TEST_F(WrongMechanics, ThePlansMarginHolds) {
               0.1 * predicted.wrong_mechanics_max_um);
 }
 
-TEST_F(WrongMechanics, ThePlanSaysThatItsMarginWillNotHold) {
+TEST_F(WrongMechanics, ThePlanReportsThatItsMarginWillNotHold) {
   const fs::path profile =
       WriteProfile("second_order { natural_frequency_hz: 80 damping_ratio: 0.7 }");
   const double in_glass_um = InTheGlassUm(

@@ -19,10 +19,10 @@
 #include "proto/drive_report.pb.h"
 #include "services/cli/complain.h"
 #include "services/cli/drive/drive_command.h"
+#include "services/cli/drive/recorded_axis.h"
 #include "services/cli/json/print_json.h"
 #include "services/client/exit_codes.h"
 #include "services/platform/recording/mcap_reader.h"
-#include "services/replayer/cell/recorded_axis.h"
 
 namespace intaglio::cli {
 namespace {
@@ -81,8 +81,7 @@ std::size_t AxisIndex(const std::string& name) {
 Result<std::vector<drive::DriveStep>> ReadRecord(const DriveIdentifyOptions& options) {
   if (!IsRecording(options.record)) return ReadTable(options.record);
   const auto reader = INTAGLIO_TRY(recording::McapReader::Open(options.record));
-  auto axis =
-      INTAGLIO_TRY(replayer::ReadAxis(reader, AxisIndex(options.axis), kMaxTicks));
+  auto axis = INTAGLIO_TRY(ReadAxis(reader, AxisIndex(options.axis), kMaxTicks));
   return std::move(axis.steps);
 }
 

@@ -47,14 +47,11 @@ bool MechanicsOptions::first_order() const {
 
 std::optional<MechanicsOptions> Undisturbed(const MechanicsOptions& options) {
   MechanicsOptions undisturbed = options;
-  bool any = options.loop.has_value() && options.of_axis.empty();
+  if (options.first_order()) return std::nullopt;
   if (undisturbed.loop) undisturbed.loop = Undisturbed(*undisturbed.loop);
   for (MechanicsOptions& of : undisturbed.of_axis) {
-    if (!of.loop) continue;
-    of.loop = Undisturbed(*of.loop);
-    any = true;
+    if (of.loop) of.loop = Undisturbed(*of.loop);
   }
-  if (!any) return std::nullopt;
   return undisturbed;
 }
 

@@ -43,7 +43,7 @@ struct MechanicsOptions {
   bool first_order() const;
 };
 
-/// Without what disturbs its loops; absent where no axis has a loop.
+/// Without what disturbs its loops; absent where all axes are of first order.
 std::optional<MechanicsOptions> Undisturbed(const MechanicsOptions& options);
 
 class Mechanics {

@@ -68,17 +68,17 @@ TEST(Stiffness, OfArmAndTableIsThatOfTheSpringsInBothAxes) {
   const Vec2 stiffness(2e9, 5e9);  // N mm/rad
   const Vec3 axes = polar->ToAxes(Vec3(10, 120, 0), Vec3(5, 0, 0)).value();
   const double force_n = 50;
-  double most_mm = 0;
+  double largest_mm = 0;
   for (int i = 0; i < 180; ++i) {
     const double angle_rad = i * std::numbers::pi / 180;
-    most_mm = std::max(most_mm, YieldedMm(*polar, axes, stiffness, angle_rad, force_n));
+    largest_mm = std::max(largest_mm, YieldedMm(*polar, axes, stiffness, angle_rad, force_n));
   }
   // A degree beside the weakest direction loses 3e-4 of it; turns of 1e-6 bend the arc.
-  EXPECT_NEAR(force_n / most_mm, WeakestStiffness(*polar, axes, stiffness),
-              1e-3 * force_n / most_mm);
+  EXPECT_NEAR(force_n / largest_mm, WeakestStiffness(*polar, axes, stiffness),
+              1e-3 * force_n / largest_mm);
   // Either alone is stiffer than both, which the source's sum contradicts.
   const double arm = stiffness[0] / (150.0 * 150.0);
-  EXPECT_LT(force_n / most_mm, arm);
+  EXPECT_LT(force_n / largest_mm, arm);
 }
 
 // The area that a small circle of the axes becomes is r1 d sin(arm): 0 where the arm lies

@@ -158,8 +158,18 @@ TEST(CourseJob, AxesAreThoseOfTheProfile) {
   const course::AxisPair looped = AxesOf(machine).value();
   EXPECT_EQ(looped[0].product().size(), 6U);
   EXPECT_NEAR(looped[0].lag_s(), 1 / 120.0 + 0.6 / (2 * 3.14159265358979 * 25), 1e-12);
+  // A servo alone is of second order; y has the drive that it is given.
   machine.mutable_servo()->set_position_gain_per_s(100);
-  EXPECT_THAT(AxesOf(machine).error().message, HasSubstr("second_order and cascade"));
+  machine.mutable_servo()->set_velocity_time_s(0.004);
+  AxisDrive& of_y = *machine.add_axis_drives();
+  of_y.set_axis("y");
+  of_y.set_stage_lag_s(0.003);
+  const course::AxisPair mixed = AxesOf(machine).value();
+  EXPECT_NEAR(mixed[0].lag_s(), 1 / 100.0, 1e-12);
+  EXPECT_NEAR(mixed[0].parameters().natural_rad_s, std::sqrt(100 / 0.004), 1e-9);
+  EXPECT_NEAR(mixed[1].lag_s(), 0.003, 1e-12);
+  machine.mutable_servo()->set_feed_forward_ratio(1);
+  EXPECT_THAT(AxesOf(machine).error().message, HasSubstr("feed_forward_ratio 0"));
   EXPECT_EQ(FeedOf(machine), 80);
   machine.mutable_y()->set_max_acceleration_mm_s2(3000);
   machine.mutable_y()->set_max_jerk_mm_s3(1e5);

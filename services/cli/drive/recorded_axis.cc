@@ -1,4 +1,4 @@
-#include "services/replayer/cell/recorded_axis.h"
+#include "services/cli/drive/recorded_axis.h"
 
 #include <algorithm>
 #include <map>
@@ -13,7 +13,7 @@
 // A segment is cut at the ticks within it, for positions are known there: the command is
 // the cubic Hermite curve from the knot before, moved to the cut.
 
-namespace intaglio::replayer {
+namespace intaglio::cli {
 namespace {
 
 constexpr const char* kPositionColumns[] = {"x_mm", "y_mm", "z_mm"};
@@ -22,7 +22,7 @@ constexpr const char* kPositionColumns[] = {"x_mm", "y_mm", "z_mm"};
 Result<std::map<std::uint64_t, double>> PositionsOf(const recording::McapReader& reader,
                                                     std::size_t axis, std::uint32_t run) {
   std::map<std::uint64_t, double> positions;
-  RecordedValues values(reader, bus::kPositionReport.name);
+  replayer::RecordedValues values(reader, bus::kPositionReport.name);
   while (true) {
     const auto value = INTAGLIO_TRY(values.Next());
     if (!value) return positions;
@@ -30,7 +30,7 @@ Result<std::map<std::uint64_t, double>> PositionsOf(const recording::McapReader&
     std::uint64_t first_tick = 0;
     std::vector<double> column;
     std::vector<std::uint64_t> at_ns;
-    Members members(*value);
+    replayer::Members members(*value);
     members.Get("run", of_run);
     members.Get("first_tick", first_tick);
     members.Get(kPositionColumns[axis], column);
@@ -46,11 +46,12 @@ Result<std::map<std::uint64_t, double>> PositionsOf(const recording::McapReader&
 }
 
 /// The run with the most segments, and the task that it is of.
-Result<std::pair<const CellSession*, const CellRun*>> LongestRun(
-    const std::vector<CellSession>& sessions) {
-  std::pair<const CellSession*, const CellRun*> longest = {nullptr, nullptr};
-  for (const CellSession& session : sessions) {
-    for (const CellRun& run : session.messages.runs) {
+Result<std::pair<const replayer::CellSession*, const replayer::CellRun*>> LongestRun(
+    const std::vector<replayer::CellSession>& sessions) {
+  std::pair<const replayer::CellSession*, const replayer::CellRun*> longest = {nullptr,
+                                                                               nullptr};
+  for (const replayer::CellSession& session : sessions) {
+    for (const replayer::CellRun& run : session.messages.runs) {
       if (run.duration_subticks.empty()) continue;
       if (longest.second == nullptr ||
           run.duration_subticks.size() > longest.second->duration_subticks.size())
@@ -106,11 +107,10 @@ class StepCutter {
 
 Result<RecordedAxis> ReadAxis(const recording::McapReader& reader, std::size_t axis,
                               std::uint64_t max_ticks) {
-  const auto sessions = INTAGLIO_TRY(ReadCellSessions(reader));
+  const auto sessions = INTAGLIO_TRY(replayer::ReadCellSessions(reader));
   const auto [session, run] = INTAGLIO_TRY(LongestRun(sessions));
   const auto positions = INTAGLIO_TRY(PositionsOf(reader, axis, run->number));
-  const auto at_start = positions.find(run->start_tick);
-  if (at_start == positions.end()) {
+  if (positions.empty()) {
     return Fail(ErrorCode::kMissing,
                 "the recording has no positions of the motion; record PositionReport");
   }
@@ -120,7 +120,11 @@ Result<RecordedAxis> ReadAxis(const recording::McapReader& reader, std::size_t a
   StepCutter cutter(positions, run->start_tick, record.rate_hz);
   const auto i_axis = static_cast<int>(axis);
   motion::KnotState from;
-  from.position_mm[i_axis] = at_start->second;
+  // The stage rests before it begins, and latches from the first tick on.
+  const auto number = static_cast<std::size_t>(run - session->messages.runs.data());
+  from.position_mm[i_axis] = number < session->starts_mm.size()
+                                 ? session->starts_mm[number][i_axis]
+                                 : positions.begin()->second;
   for (std::size_t i = 0; i < run->duration_subticks.size(); ++i) {
     if (cutter.ticks() >= max_ticks) break;
     motion::Segment to;
@@ -140,4 +144,4 @@ Result<RecordedAxis> ReadAxis(const recording::McapReader& reader, std::size_t a
   return record;
 }
 
-}  // namespace intaglio::replayer
+}  // namespace intaglio::cli

@@ -10,7 +10,7 @@
 #include "engrave/drive/identification.h"
 #include "services/platform/recording/mcap_reader.h"
 
-namespace intaglio::replayer {
+namespace intaglio::cli {
 
 struct RecordedAxis {
   std::vector<drive::DriveStep> steps;  ///< in the axis' unit, mm or rad
@@ -25,4 +25,4 @@ struct RecordedAxis {
 Result<RecordedAxis> ReadAxis(const recording::McapReader& reader, std::size_t axis,
                               std::uint64_t max_ticks);
 
-}  // namespace intaglio::replayer
+}  // namespace intaglio::cli
