@@ -1,0 +1,134 @@
+// docs/source_coverage.md against the tree: its counts, its files and its tests.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <sstream>
+#include <vector>
+
+namespace intaglio::walls {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kRoot = INTAGLIO_SOURCE_DIR;
+
+std::string TextOfFile(const fs::path& file) {
+  std::ifstream in(file);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+/// The cells of a row of a table; "\|" is a character.
+std::vector<std::string> CellsOf(const std::string& row) {
+  std::vector<std::string> cells(1);
+  for (std::size_t i = 1; i < row.size(); ++i) {
+    if (row[i] == '|' && row[i - 1] != '\\') {
+      cells.emplace_back();
+    } else {
+      cells.back() += row[i];
+    }
+  }
+  cells.pop_back();
+  for (std::string& cell : cells) {
+    const auto begin = cell.find_first_not_of(' ');
+    cell = begin == std::string::npos
+               ? ""
+               : cell.substr(begin, cell.find_last_not_of(' ') - begin + 1);
+  }
+  return cells;
+}
+
+struct Item {
+  std::string chapter, state, files, tests, text;
+};
+
+std::vector<Item> Items() {
+  std::vector<Item> items;
+  std::istringstream document(TextOfFile(kRoot / "docs/source_coverage.md"));
+  std::string line, chapter;
+  while (std::getline(document, line)) {
+    if (line.starts_with("## ")) chapter = line.substr(3);
+    if (!line.starts_with("|") || chapter.empty()) continue;
+    const auto cells = CellsOf(line);
+    if (cells.size() != 6 || cells[0] == "place" || cells[0].starts_with("---")) continue;
+    items.push_back({chapter, cells[2], cells[3], cells[4], line});
+  }
+  return items;
+}
+
+std::vector<std::string> QuotedIn(const std::string& cell) {
+  static const std::regex kQuoted("`([^`]+)`");
+  std::vector<std::string> quoted;
+  for (auto it = std::sregex_iterator(cell.begin(), cell.end(), kQuoted);
+       it != std::sregex_iterator(); ++it)
+    quoted.push_back((*it)[1]);
+  return quoted;
+}
+
+using Counts = std::map<std::string, int>;
+
+std::string RowOf(Counts counts) {
+  const int sum =
+      counts["works"] + counts["partly"] + counts["missing"] + counts["left out"];
+  return fmt::format("| {} | {} | {} | {} | {} |", sum, counts["works"], counts["partly"],
+                     counts["missing"], counts["left out"]);
+}
+
+TEST(SourceCoverage, ItsCountsAreThoseOfItsRows) {
+  std::map<std::string, Counts> chapters;
+  Counts all;
+  for (const Item& item : Items()) {
+    ++chapters[item.chapter][item.state];
+    ++all[item.state];
+  }
+  ASSERT_EQ(all.size(), 4U) << "an item has another state than the four";
+  const std::string document = TextOfFile(kRoot / "docs/source_coverage.md");
+  for (const auto& [chapter, counts] : chapters) {
+    EXPECT_NE(document.find("| " + chapter + " " + RowOf(counts) + "\n"),
+              std::string::npos)
+        << chapter << " " << RowOf(counts);
+  }
+  const std::string sentence = fmt::format(
+      "**{} items: {} work, {} work in part, {} are missing, {} are left out.**",
+      Items().size(), all["works"], all["partly"], all["missing"], all["left out"]);
+  EXPECT_NE(document.find(sentence), std::string::npos) << sentence;
+}
+
+TEST(SourceCoverage, WhatWorksHasAFileAndATest) {
+  for (const Item& item : Items()) {
+    if (item.state != "works") continue;
+    EXPECT_FALSE(item.files.empty()) << item.text;
+    EXPECT_FALSE(item.tests.empty()) << item.text;
+  }
+}
+
+TEST(SourceCoverage, ItsFilesAndTestsExist) {
+  static const std::regex kTest("[A-Za-z0-9_]+\\.[A-Za-z0-9_]+");
+  for (const Item& item : Items()) {
+    for (const std::string& file : QuotedIn(item.files)) {
+      if (file.find('/') == std::string::npos) continue;
+      EXPECT_TRUE(fs::exists(kRoot / file)) << file << "\n" << item.text;
+    }
+    std::string tests_of, name;
+    for (const std::string& quoted : QuotedIn(item.tests)) {
+      if (quoted.find('/') != std::string::npos) {
+        EXPECT_TRUE(fs::exists(kRoot / quoted)) << quoted << "\n" << item.text;
+        name = quoted;
+        tests_of = TextOfFile(kRoot / quoted);
+      } else if (std::regex_match(quoted, kTest) && !tests_of.empty()) {
+        const std::string test = quoted.substr(quoted.find('.') + 1);
+        EXPECT_NE(tests_of.find(test), std::string::npos)
+            << quoted << " is not in " << name;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace intaglio::walls
