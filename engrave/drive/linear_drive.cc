@@ -2,7 +2,9 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <unsupported/Eigen/MatrixFunctions>
 #include <utility>
@@ -57,6 +59,34 @@ Cubic NextState(const Cubic& z, double a, const Cubic& q, double b, const Cubic&
           z.acceleration_u_s2 + a * q.velocity_u_s - b * c.velocity_u_s,
           z.jerk_u_s3 + a * q.acceleration_u_s2 - b * c.acceleration_u_s2,
           a * q.jerk_u_s3 - b * c.jerk_u_s3};
+}
+
+Matrix ExponentialOf(const Polynomial& a, std::size_t order, double duration) {
+  const auto n = static_cast<Eigen::Index>(order);
+  Matrix matrix = Matrix::Zero(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    matrix(i, 0) = -a[order - 1 - static_cast<std::size_t>(i)];
+    if (i + 1 < n) matrix(i, i + 1) = 1;
+  }
+  matrix *= duration;
+  return matrix.exp();
+}
+
+/// exp(A t). Steps of a plan last whole ticks, a few of them: the newest of each slot is
+/// kept, and what is kept has the bits of what would be computed anew.
+const Matrix& Decay(const Polynomial& a, std::size_t order, double duration) {
+  struct Kept {
+    Polynomial a = {};
+    std::size_t order = 0;
+    double duration = 0;
+    Matrix decay;
+  };
+  thread_local std::array<Kept, 32> slots;
+  const std::size_t hash = std::hash<double>()(duration) ^ std::hash<double>()(a[1]);
+  Kept& slot = slots[(hash ^ hash >> 17 ^ hash >> 41) % slots.size()];
+  if (slot.order != order || slot.duration != duration || slot.a != a)
+    slot = {a, order, duration, ExponentialOf(a, order, duration)};
+  return slot.decay;
 }
 
 }  // namespace
@@ -115,15 +145,7 @@ AxisState LinearDrive::Follow(const AxisState& state, const Cubic& command,
   for (std::size_t i = 1; i < order_; ++i)
     rest[static_cast<Eigen::Index>(i)] = state.inner[i - 1] - settled[i].position_u;
   const double duration = duration_s / unit_s_;
-  if (!rest.isZero(0)) {
-    Matrix matrix = Matrix::Zero(n, n);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      matrix(i, 0) = -a_[order_ - 1 - static_cast<std::size_t>(i)];
-      if (i + 1 < n) matrix(i, i + 1) = 1;
-    }
-    matrix *= duration;
-    rest = (matrix.exp() * rest).eval();
-  }
+  if (!rest.isZero(0)) rest = (Decay(a_, order_, duration) * rest).eval();
   AxisState next;
   next.position_u = settled[0].At(duration) + rest[0];
   const double slope = (n > 1 ? rest[1] : 0) - a_[order_ - 1] * rest[0];
