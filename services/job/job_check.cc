@@ -17,7 +17,7 @@
 #include "services/job/findings.h"
 #include "services/job/job_defaults.h"
 #include "services/job/layers_check.h"
-#include "services/job/machine/laser_setting.h"
+#include "services/job/machine/laser_check.h"
 #include "services/job/machine/lens_check.h"
 #include "services/job/machine/reach_check.h"
 #include "services/job/methods/method_table.h"
@@ -29,9 +29,6 @@ namespace intaglio {
 namespace {
 
 namespace fs = std::filesystem;
-
-// A laser line is far narrower; a profile may give 532 for 532.1.
-constexpr double kSameWavelengthNm = 0.5;
 
 void CheckFile(const std::string& file, const std::string& path, Findings& findings) {
   if (file.empty()) return findings.Missing(path, "name a file");
@@ -236,63 +233,6 @@ void CheckChannels(const JobSpec& job, Findings& findings) {
       findings);
 }
 
-// Trochimczuk 2008, table 8: E_p f < 1000 W.
-void CheckPump(const LaserOptions& laser, const LaserHead& head, Findings& findings) {
-  if (!head.has_pump()) return;
-  const double power_w = head.pump().energy_j() * laser.rate_hz();
-  const double max_w = MaxPumpPower_w(head.pump());
-  if (power_w < max_w) return;
-  findings.Wrong("laser.rate_hz", laser.rate_hz(),
-                 "takes {} W of pump power at {} J a pulse, and laser.pump allows less "
-                 "than {} W: choose a rate below {} Hz",
-                 power_w, head.pump().energy_j(), max_w, max_w / head.pump().energy_j());
-}
-
-void CheckLaser(const LaserOptions& laser, const MachineSpec& machine,
-                Findings& findings) {
-  const LaserHead& head = machine.laser();
-  const auto& rates = head.rates_hz();
-  if (std::find(rates.begin(), rates.end(), laser.rate_hz()) == rates.end()) {
-    findings.Wrong("laser.rate_hz", laser.rate_hz(), "is none of the rates of {}: {}",
-                   machine.name(), fmt::join(rates, " "));
-  }
-  if (!(std::abs(laser.wavelength_nm() - head.wavelength_nm()) < kSameWavelengthNm)) {
-    findings.Wrong("laser.wavelength_nm", laser.wavelength_nm(),
-                   "is not the wavelength of {}, {}", machine.name(),
-                   head.wavelength_nm());
-  }
-  if (laser.pulse_energy_mj() > head.pulse_energy_mj()) {
-    findings.Wrong("laser.pulse_energy_mj", laser.pulse_energy_mj(),
-                   "is above the pulse energy of {}, {}", machine.name(),
-                   head.pulse_energy_mj());
-  } else if (laser.pulse_energy_mj() < SettableEnergies(machine).min_mj &&
-             !EnergiesOf(head)) {
-    findings.Wrong("laser.pulse_energy_mj", laser.pulse_energy_mj(),
-                   "cannot be set on {}, whose controller switches the laser and no "
-                   "more: every pulse has {}; ask for that, or calibrate "
-                   "laser.energy_calibration of a controller with a power setting",
-                   machine.name(), head.pulse_energy_mj());
-  }
-  CheckPump(laser, head, findings);
-  if (const auto all = EnergiesOf(head); all && (laser.pulse_energy_mj() < all->min_mj ||
-                                                 laser.pulse_energy_mj() > all->max_mj)) {
-    findings.Wrong("laser.pulse_energy_mj", laser.pulse_energy_mj(),
-                   "is outside the calibrated energies of {}, {}..{}", machine.name(),
-                   all->min_mj, all->max_mj);
-  }
-  std::set<std::uint32_t> seen;
-  for (int i = 0; i < laser.channels_size(); ++i) {
-    const std::uint32_t channel = laser.channels(i);
-    const std::string path = fmt::format("laser.channels[{}]", i);
-    if (channel > head.channels()) {
-      findings.Wrong(path, channel, "is above the number of channels of {}, {}",
-                     machine.name(), head.channels());
-    } else if (!seen.insert(channel).second) {
-      findings.Wrong(path, channel, "occurs twice");
-    }
-  }
-}
-
 void CheckMotion(const MotionOptions& motion, double min_spacing_mm,
                  const MachineSpec& machine, Findings& findings) {
   // Numbers pass the readers of files.
@@ -368,7 +308,7 @@ std::vector<Finding> CheckJobOnMachine(const JobSpec& job, const MachineSpec& ma
   CheckMethods(whole, findings);
   CheckOrdering(job.ordering(), findings);
   CheckMotion(whole.motion(), whole.discretization().min_spacing_mm(), machine, findings);
-  CheckLaser(whole.laser(), machine, findings);
+  CheckLaserOn(whole.laser(), machine, findings);
   CheckChannels(whole, findings);
   CheckZeros(whole, machine, findings);
   return std::move(findings.found());

@@ -109,7 +109,9 @@ TEST(SourceCoverage, WhatWorksHasAFileAndATest) {
 }
 
 TEST(SourceCoverage, ItsFilesAndTestsExist) {
-  static const std::regex kTest("[A-Za-z0-9_]+\\.[A-Za-z0-9_]+");
+  // "Suite.Test", with a parameter "Test/Name".
+  static const std::regex kTest(
+      "(?:[A-Za-z0-9_]+\\.)?([A-Za-z0-9_]+)(?:/[A-Za-z0-9_]+)?");
   for (const Item& item : Items()) {
     for (const std::string& file : QuotedIn(item.files)) {
       if (file.find('/') == std::string::npos) continue;
@@ -117,13 +119,13 @@ TEST(SourceCoverage, ItsFilesAndTestsExist) {
     }
     std::string tests_of, name;
     for (const std::string& quoted : QuotedIn(item.tests)) {
-      if (quoted.find('/') != std::string::npos) {
+      if (quoted.ends_with(".cc")) {
         EXPECT_TRUE(fs::exists(kRoot / quoted)) << quoted << "\n" << item.text;
         name = quoted;
         tests_of = TextOfFile(kRoot / quoted);
-      } else if (std::regex_match(quoted, kTest) && !tests_of.empty()) {
-        const std::string test = quoted.substr(quoted.find('.') + 1);
-        EXPECT_NE(tests_of.find(test), std::string::npos)
+      } else if (std::smatch test;
+                 std::regex_match(quoted, test, kTest) && !tests_of.empty()) {
+        EXPECT_NE(tests_of.find(test[1]), std::string::npos)
             << quoted << " is not in " << name;
       }
     }

@@ -1,0 +1,15 @@
+#pragma once
+
+// Whether the laser of a machine makes the pulses that a job asks for.
+
+#include "proto/job.pb.h"
+#include "proto/machine.pb.h"
+#include "services/job/findings.h"
+
+namespace intaglio {
+
+/// Rate, wavelength, pulse energy, pump power and channels. Both with their defaults.
+void CheckLaserOn(const LaserOptions& laser, const MachineSpec& machine,
+                  Findings& findings);
+
+}  // namespace intaglio
