@@ -11,10 +11,10 @@
 
 #include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
-#include "services/platform/text_format/field_suggestion.h"
 #include "services/job/job_check.h"
 #include "services/job/json_position.h"
 #include "services/job/series.h"
+#include "services/platform/text_format/field_suggestion.h"
 
 namespace intaglio {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 
-// The allowed ranges of numbers in job.proto, course.proto and machine.proto: those of the methods come
-// from their table (methods/method_table.h), all others are listed here. The comments in
-// the schemas state the same ranges; tests/services/job compares them.
+// The allowed ranges of numbers in job.proto, course.proto and machine.proto: those of
+// the methods come from their table (methods/method_table.h), all others are listed here.
+// The comments in the schemas state the same ranges; tests/services/job compares them.
 
 #include <google/protobuf/message.h>
 

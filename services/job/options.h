@@ -49,8 +49,8 @@ optics::Lens LensOf(const JobSpec& job);
 std::string ProfileName(MotionProfile profile);
 
 /// How the axes of a job are driven, in their units. Limits: the machine's, capped by the
-/// job's, and its travel (machine_axes.h). Its error limit leaves a fifth of the machine's
-/// tolerance to what no model has.
+/// job's, and its travel (machine_axes.h). Its error limit leaves a fifth of the
+/// machine's tolerance to what no model has.
 motion::PlanOptions MotionOptionsOf(const FrozenJob& job);
 
 /// Glass frame to machine frame, focus depth included; the axes: machine_axes.h.

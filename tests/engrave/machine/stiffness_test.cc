@@ -71,7 +71,8 @@ TEST(Stiffness, OfArmAndTableIsThatOfTheSpringsInBothAxes) {
   double largest_mm = 0;
   for (int i = 0; i < 180; ++i) {
     const double angle_rad = i * std::numbers::pi / 180;
-    largest_mm = std::max(largest_mm, YieldedMm(*polar, axes, stiffness, angle_rad, force_n));
+    largest_mm =
+        std::max(largest_mm, YieldedMm(*polar, axes, stiffness, angle_rad, force_n));
   }
   // A degree beside the weakest direction loses 3e-4 of it; turns of 1e-6 bend the arc.
   EXPECT_NEAR(force_n / largest_mm, WeakestStiffness(*polar, axes, stiffness),
