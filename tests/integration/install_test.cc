@@ -130,7 +130,7 @@ TEST_F(Installation, ListsItsProfiles) {
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_THAT(unknown.output, HasSubstr("did you mean els-03?"));
   EXPECT_THAT(unknown.output,
-              HasSubstr("supplied profiles: els-03, grbl, isel, linuxcnc, polar"));
+              HasSubstr("supplied profiles: els-03, grbl, isel, linuxcnc, planar, polar"));
 }
 
 // A program alone has no supplied files: it names the folder where it expects them.
