@@ -18,7 +18,8 @@ struct AreaPaths {
   double left_mm2 = 0;                ///< of pockets: corners and necks that stay
 };
 
-/// With a step of the tool's diameter times 1 - overlap_ratio. Errors as of ClearPocket.
+/// With a step of the tool's diameter times 1 - overlap_ratio, or up to a twentieth less
+/// where passes would coincide. Errors as of ClearPocket.
 Result<AreaPaths> ClearAreas(const Course& course,
                              const std::vector<contour::Element>& areas);
 

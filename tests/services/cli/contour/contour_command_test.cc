@@ -239,7 +239,7 @@ TEST_F(ContourCommand, ErrorsNameFileAndRemedy) {
   EXPECT_THAT(errors_, HasSubstr("absent.gbr does not exist or is not a file"));
   EXPECT_EQ(Type({"contour", gerber_, "--make", "outline", "--passes", "2"}),
             client::kExitWrongInput);
-  EXPECT_THAT(errors_, HasSubstr("are of isolations"));
+  EXPECT_THAT(errors_, HasSubstr("is of isolations"));
   EXPECT_EQ(Type({"contour", excellon_, "--template", Mill("hpgl"), "--out",
                   folder_ / "a.plt"}),
             client::kExitWrongInput);
