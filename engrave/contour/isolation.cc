@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "engrave/contour/gaps.h"
+#include "engrave/contour/option_range.h"
 #include "engrave/core/try.h"
 
 namespace intaglio::contour {
@@ -11,14 +12,6 @@ namespace {
 // A gap as wide as the tool but for the rounding of coordinates is wide enough.
 constexpr double kRounding_mm = 2e-6;
 constexpr std::size_t kMaxNamed = 5;
-
-Status CheckOption(const char* name, double value, double min, double max) {
-  if (value >= min && value <= max) return {};
-  return Fail(
-      ErrorCode::kInvalidValue,
-      fmt::format("{} is {}, it has to be {} .. {}; correct it", name, value, min, max),
-      fmt::format("{}", value));
-}
 
 Status CheckOptions(const IsolationOptions& options) {
   INTAGLIO_TRY(CheckOption("the tool's diameter", options.tool_diameter_mm, 0.001, 100));

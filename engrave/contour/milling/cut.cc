@@ -10,6 +10,7 @@
 #include "engrave/contour/contour_order.h"
 #include "engrave/contour/crossings.h"
 #include "engrave/contour/milling/cut_tabs.h"
+#include "engrave/contour/option_range.h"
 #include "engrave/contour/simple_loops.h"
 #include "engrave/core/try.h"
 
@@ -20,21 +21,12 @@ namespace {
 constexpr double kEntry_mm = 1e-2;
 constexpr std::size_t kMaxEntries = 400;
 
-Status CheckCutOption(const char* name, double value, double min, double max) {
-  if (value >= min && value <= max) return {};
-  return Fail(
-      ErrorCode::kInvalidValue,
-      fmt::format("{} is {}, it has to be {} .. {}; correct it", name, value, min, max),
-      fmt::format("{}", value));
-}
-
 Status CheckCutOptions(const CutOptions& options) {
-  INTAGLIO_TRY(
-      CheckCutOption("the tool's diameter", options.tool_diameter_mm, 0.001, 100));
-  INTAGLIO_TRY(CheckCutOption("the lead", options.lead_mm, 0.01, 1000));
-  INTAGLIO_TRY(CheckCutOption("the number of tabs", options.tabs.count, 0, 1000));
-  INTAGLIO_TRY(CheckCutOption("the width of tabs", options.tabs.width_mm, 0.01, 1000));
-  return CheckCutOption("the height of tabs", options.tabs.height_mm, 0.01, 1000);
+  INTAGLIO_TRY(CheckOption("the tool's diameter", options.tool_diameter_mm, 0.001, 100));
+  INTAGLIO_TRY(CheckOption("the lead", options.lead_mm, 0.01, 1000));
+  INTAGLIO_TRY(CheckOption("the number of tabs", options.tabs.count, 0, 1000));
+  INTAGLIO_TRY(CheckOption("the width of tabs", options.tabs.width_mm, 0.01, 1000));
+  return CheckOption("the height of tabs", options.tabs.height_mm, 0.01, 1000);
 }
 
 std::string AtPlace(const Vec2& place) {

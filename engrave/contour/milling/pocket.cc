@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engrave/contour/option_range.h"
 #include "engrave/core/try.h"
 
 namespace intaglio::contour {
@@ -16,20 +17,11 @@ constexpr double kNothing_mm2 = 1e-6;
 constexpr double kDiameter_mm = 1e-3;
 constexpr std::size_t kPassesFromWall = 16;
 
-Status CheckPocketOption(const char* name, double value, double min, double max) {
-  if (value >= min && value <= max) return {};
-  return Fail(
-      ErrorCode::kInvalidValue,
-      fmt::format("{} is {}, it has to be {} .. {}; correct it", name, value, min, max),
-      fmt::format("{}", value));
-}
-
 Status CheckPocketOptions(const PocketOptions& options) {
-  INTAGLIO_TRY(
-      CheckPocketOption("the tool's diameter", options.tool_diameter_mm, 0.001, 100));
-  INTAGLIO_TRY(CheckPocketOption("the step", options.step_ratio, 0.05, 0.95));
-  INTAGLIO_TRY(CheckPocketOption("the allowance", options.allowance_mm, 0, 10));
-  return CheckPocketOption("the number of passes", options.max_pass_count, 1, 1'000'000);
+  INTAGLIO_TRY(CheckOption("the tool's diameter", options.tool_diameter_mm, 0.001, 100));
+  INTAGLIO_TRY(CheckOption("the step", options.step_ratio, 0.05, 0.95));
+  INTAGLIO_TRY(CheckOption("the allowance", options.allowance_mm, 0, 10));
+  return CheckOption("the number of passes", options.max_pass_count, 1, 1'000'000);
 }
 
 /// Halves the interval between a diameter that fits and one that does not.
