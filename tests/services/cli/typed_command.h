@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "services/cli/intaglio_program.h"
+#include "services/client/exit_codes.h"
 #include "services/platform/command_line/program.h"
 #include "tests/test_folder.h"
 
@@ -27,6 +29,20 @@ class TypedCommand : public ::testing::Test {
     const int code = program.Run();
     output_ = ::testing::internal::GetCapturedStdout();
     errors_ = ::testing::internal::GetCapturedStderr();
+    return code;
+  }
+
+  /// The same of the whole program. Words that it does not understand are wrong input, as
+  /// for a person: 2, and the error in errors_.
+  int TypeToAll(const std::vector<std::string>& words) {
+    const auto program = IntaglioProgram();
+    ::testing::internal::CaptureStdout();
+    ::testing::internal::CaptureStderr();
+    const auto parsed = program->Parse(words);
+    const int code = parsed ? program->Run() : client::kExitWrongInput;
+    output_ = ::testing::internal::GetCapturedStdout();
+    errors_ = ::testing::internal::GetCapturedStderr();
+    if (!parsed) errors_ += parsed.error().message;
     return code;
   }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "tests/services/job/finding_matcher.h"
 #include "tests/services/job/test_job.h"
 
 namespace intaglio {
@@ -21,10 +22,6 @@ using testing::UnorderedElementsAre;
 // Stage move for a focus move in N-BK7 is about 1 / n.
 constexpr double kRatio = 0.65;
 
-auto Reports(const std::string& path, const std::string& what) {
-  return Field(&Error::message, AllOf(StartsWith(path + ": "), HasSubstr(what)));
-}
-
 TEST(CheckJob, GoodJobsAreGood) {
   EXPECT_THAT(CheckAll(GoodJob(), GoodMachine(), kRatio), IsEmpty());
 }
@@ -40,13 +37,13 @@ TEST(CheckJob, SixMistakesAreReportedAllAtOnce) {
   EXPECT_THAT(
       CheckAll(job, GoodMachine(), kRatio),
       UnorderedElementsAre(
-          Reports("models[0].placement.fit_height_mm", "2000 is outside 0.1..1000"),
-          Reports("models[0].file", "/nowhere/cube.stl does not exist"),
-          Reports("glass", "is missing"),
-          Reports("discretization.min_spacing_mm", "nan is outside 0.02..10"),
-          Reports("laser.rate_hz",
-                  "60 is none of the rates of els-03: 1 2 5 10 25 50 100 200"),
-          Reports("motion.max_speed_mm_s", "100 is above the speed of els-03, 80")));
+          IsFinding("models[0].placement.fit_height_mm", "2000 is outside 0.1..1000"),
+          IsFinding("models[0].file", "/nowhere/cube.stl does not exist"),
+          IsFinding("glass", "is missing"),
+          IsFinding("discretization.min_spacing_mm", "nan is outside 0.02..10"),
+          IsFinding("laser.rate_hz",
+                    "60 is none of the rates of els-03: 1 2 5 10 25 50 100 200"),
+          IsFinding("motion.max_speed_mm_s", "100 is above the speed of els-03, 80")));
 }
 
 TEST(CheckJob, CracksMustBeDistinguishedWhateverMayBeMoved) {
@@ -56,24 +53,24 @@ TEST(CheckJob, CracksMustBeDistinguishedWhateverMayBeMoved) {
   EXPECT_THAT(CheckAll(job, GoodMachine(), kRatio), IsEmpty());
   job.mutable_motion()->set_tolerance_um(26);
   EXPECT_THAT(CheckAll(job, GoodMachine(), kRatio),
-              ElementsAre(Reports("motion.tolerance_um",
-                                  "26 is above a quarter of the minimum spacing, 25")));
+              ElementsAre(IsFinding("motion.tolerance_um",
+                                    "26 is above a quarter of the minimum spacing, 25")));
 }
 
 TEST(CheckJob, AProfileThatIsNoneIsReported) {
   JobSpec job = GoodJob();
   job.mutable_motion()->set_profile(static_cast<MotionProfile>(99));
   EXPECT_THAT(CheckAll(job, GoodMachine(), kRatio),
-              ElementsAre(Reports("motion.profile", "99 is not a profile, 0..8")));
+              ElementsAre(IsFinding("motion.profile", "99 is not a profile, 0..8")));
 }
 
 TEST(CheckJob, AnEmptyJobReportsAllThatIsRequired) {
   EXPECT_THAT(CheckJob(JobSpec()),
-              UnorderedElementsAre(Reports("models", "missing"),
-                                   Reports("block.size_mm", "missing"),
-                                   Reports("glass", "missing"),
-                                   Reports("discretization.min_spacing_mm", "missing"),
-                                   Reports("machine_file", "missing")));
+              UnorderedElementsAre(IsFinding("models", "missing"),
+                                   IsFinding("block.size_mm", "missing"),
+                                   IsFinding("glass", "missing"),
+                                   IsFinding("discretization.min_spacing_mm", "missing"),
+                                   IsFinding("machine_file", "missing")));
 }
 
 TEST(CheckJob, ErrorsCarryTheOffendingValue) {
@@ -164,7 +161,7 @@ TEST(CheckJob, EachMistakeIsFoundByItself) {
     JobSpec job = GoodJob();
     mistake.make(job);
     EXPECT_THAT(CheckAll(job, GoodMachine(), kRatio),
-                ElementsAre(Reports(mistake.path, mistake.what)));
+                ElementsAre(IsFinding(mistake.path, mistake.what)));
   }
 }
 
@@ -181,7 +178,7 @@ TEST(CheckJobOnMachine, DepthTakesAsMuchTravelAsTheGlassMakesOfIt) {
   machine.mutable_z()->set_travel_min_mm(30 - 27 * 0.65 - 0.01);
   EXPECT_THAT(CheckJobOnMachine(GoodJob(), machine, 0.65), IsEmpty());
   EXPECT_THAT(CheckJobOnMachine(GoodJob(), machine, 1.0),
-              ElementsAre(Reports("block.size_mm.z", "does not fit in the travel")));
+              ElementsAre(IsFinding("block.size_mm.z", "does not fit in the travel")));
   EXPECT_THAT(CheckJobOnMachine(GoodJob(), machine), IsEmpty());
 }
 
@@ -206,14 +203,14 @@ TEST(CheckMachine, ManyMistakesAtOnce) {
   machine.mutable_laser()->set_rates_hz(2, 5000);
   machine.mutable_lenses(1)->set_name("f43");
   machine.mutable_motion_line()->set_baud(300);
-  EXPECT_THAT(
-      CheckMachine(machine),
-      UnorderedElementsAre(Reports("name", "els 03"),
-                           Reports("x.travel_min_mm", "not below x.travel_max_mm"),
-                           Reports("y.max_jerk_mm_s3", "0 is outside 1..1000000000"),
-                           Reports("laser.rates_hz[2]", "5000 is outside 1..4000"),
-                           Reports("lenses[1].name", "earlier lens"),
-                           Reports("motion_line.baud", "300 is outside 1200..4000000")));
+  EXPECT_THAT(CheckMachine(machine),
+              UnorderedElementsAre(
+                  IsFinding("name", "els 03"),
+                  IsFinding("x.travel_min_mm", "not below x.travel_max_mm"),
+                  IsFinding("y.max_jerk_mm_s3", "0 is outside 1..1000000000"),
+                  IsFinding("laser.rates_hz[2]", "5000 is outside 1..4000"),
+                  IsFinding("lenses[1].name", "earlier lens"),
+                  IsFinding("motion_line.baud", "300 is outside 1200..4000000")));
 }
 
 TEST(CheckMachine, ATriggerIsOneOfTheEnumeration) {
@@ -222,7 +219,7 @@ TEST(CheckMachine, ATriggerIsOneOfTheEnumeration) {
   EXPECT_THAT(CheckMachine(machine), ::testing::IsEmpty());
   machine.set_pulse_trigger(static_cast<PulseTriggerKind>(7));
   EXPECT_THAT(CheckMachine(machine),
-              ElementsAre(Reports("pulse_trigger", "7 is no trigger")));
+              ElementsAre(IsFinding("pulse_trigger", "7 is no trigger")));
 }
 
 TEST(CheckMachine, AnExpectedSerialNumberIsOneThatAControllerCanReport) {
@@ -237,12 +234,12 @@ TEST(CheckMachine, AnExpectedSerialNumberIsOneThatAControllerCanReport) {
   machine.mutable_motion_line()->set_serial_number("A\n03");
   EXPECT_THAT(CheckMachine(machine),
               UnorderedElementsAre(
-                  Reports("laser_line.serial_number", "\"\" is not 1 to 64 printable"),
-                  Reports("motion_line.serial_number", "\"A\\n03\" is not 1 to 64")));
+                  IsFinding("laser_line.serial_number", "\"\" is not 1 to 64 printable"),
+                  IsFinding("motion_line.serial_number", "\"A\\n03\" is not 1 to 64")));
   machine = GoodMachine();
   machine.mutable_motion_line()->set_serial_number(std::string(65, 'x'));
   EXPECT_THAT(CheckMachine(machine),
-              ElementsAre(Reports("motion_line.serial_number", "remove the line")));
+              ElementsAre(IsFinding("motion_line.serial_number", "remove the line")));
 }
 
 TEST(CheckMachine, ADeviceIsOfAFormThatCanBeOpened) {
@@ -254,8 +251,8 @@ TEST(CheckMachine, ADeviceIsOfAFormThatCanBeOpened) {
   machine.mutable_motion_line()->set_device("usb:1");
   EXPECT_THAT(
       CheckMachine(machine),
-      UnorderedElementsAre(Reports("laser_line.device", "\"laser-box\" is neither"),
-                           Reports("motion_line.device", "\"usb:1\": it begins")));
+      UnorderedElementsAre(IsFinding("laser_line.device", "\"laser-box\" is neither"),
+                           IsFinding("motion_line.device", "\"usb:1\": it begins")));
 }
 
 TEST(JoinErrors, OneALine) {

@@ -13,6 +13,7 @@
 #include "services/job/methods/method_table.h"
 #include "services/job/options.h"
 #include "services/job/quality/focus_spread.h"
+#include "tests/services/job/finding_matcher.h"
 #include "tests/services/job/test_job.h"
 
 namespace intaglio {
@@ -26,10 +27,6 @@ using testing::IsEmpty;
 using testing::StartsWith;
 
 constexpr double kProgramRatio = 0.65;
-
-auto Finds(const std::string& path, const std::string& what) {
-  return Field(&Error::message, AllOf(StartsWith(path + ": "), HasSubstr(what)));
-}
 
 std::vector<Finding> Check(const JobSpec& job,
                            const MachineSpec& machine = GoodMachine()) {
@@ -72,8 +69,8 @@ TEST(ProgramOfJob, FieldsOfAnotherProfileAreRefused) {
   JobSpec job = GoodJob();
   job.mutable_motion()->set_parabola_height_mm(1);
   job.mutable_motion()->mutable_lq();
-  EXPECT_THAT(Check(job), ElementsAre(Finds("motion.parabola_height_mm", "PARABOLA"),
-                                      Finds("motion.lq", "MOTION_PROFILE_LQ")));
+  EXPECT_THAT(Check(job), ElementsAre(IsFinding("motion.parabola_height_mm", "PARABOLA"),
+                                      IsFinding("motion.lq", "MOTION_PROFILE_LQ")));
 }
 
 TEST(PublishedOrder, ItsAngleIsTheTangentOfBothWeights) {
@@ -85,12 +82,12 @@ TEST(PublishedOrder, ItsAngleIsTheTangentOfBothWeights) {
   EXPECT_DOUBLE_EQ(ratios.up_ratio, std::tan(std::numbers::pi / 6));
   EXPECT_EQ(ratios.down_ratio, ratios.up_ratio);
   order.set_up_ratio(1);
-  EXPECT_THAT(Check(job), ElementsAre(Finds("ordering.published_kdz.angle_deg",
-                                            "30 excludes up_ratio")));
+  EXPECT_THAT(Check(job), ElementsAre(IsFinding("ordering.published_kdz.angle_deg",
+                                                "30 excludes up_ratio")));
   order.clear_up_ratio();
   order.set_angle_deg(90);
-  EXPECT_THAT(Check(job), ElementsAre(Finds("ordering.published_kdz.angle_deg",
-                                            "90 is outside 0..89")));
+  EXPECT_THAT(Check(job), ElementsAre(IsFinding("ordering.published_kdz.angle_deg",
+                                                "90 is outside 0..89")));
 }
 
 /// Of one drawing or image that lies flat or stands, in layers 0.4 mm apart.
@@ -119,8 +116,8 @@ std::vector<Finding> CheckLayersOf(const JobSpec& job) {
 TEST(SortByLayers, IsNotThinnerThanTheLayersOfImagesAndCurves) {
   for (const char* file : {"plan.svg", "photo.png"}) {
     EXPECT_THAT(CheckLayersOf(LayeredJob(file, UP_AXIS_Z, 3)),
-                ElementsAre(Finds("ordering.layers.layer_thickness_mm",
-                                  "0.3 is less than the layer distance of the ")))
+                ElementsAre(IsFinding("ordering.layers.layer_thickness_mm",
+                                      "0.3 is less than the layer distance of the ")))
         << file;
     // One layer has no distance; upright, the layers are behind one another.
     EXPECT_THAT(CheckLayersOf(LayeredJob(file, UP_AXIS_Z, 1)), IsEmpty()) << file;
@@ -168,9 +165,9 @@ TEST(Arrangement, PiecesOfSeveralChannelsAreAtMostAsLargeAsTheProfileAllows) {
   job.mutable_laser()->add_channels(1);
   job.mutable_laser()->add_channels(3);
   EXPECT_THAT(Check(job, machine),
-              ElementsAre(Finds("block.size_mm.x",
-                                "120 is above the 100 mm of els-03 for blocks of "
-                                "several channels")));
+              ElementsAre(IsFinding("block.size_mm.x",
+                                    "120 is above the 100 mm of els-03 for blocks of "
+                                    "several channels")));
   job.mutable_block()->mutable_size_mm()->set_x(100);
   EXPECT_THAT(Check(job, machine), IsEmpty());
 }
@@ -183,7 +180,7 @@ TEST(Arrangement, ABlockFitsUnderItsLens) {
   ASSERT_GT(height_mm, 20);
   EXPECT_THAT(
       Check(job, machine),
-      ElementsAre(Finds("block.size_mm.z", "is above the 20 mm of a block under")));
+      ElementsAre(IsFinding("block.size_mm.z", "is above the 20 mm of a block under")));
   machine.mutable_lenses(0)->set_max_block_height_mm(height_mm);
   EXPECT_THAT(Check(job, machine), IsEmpty());
 }

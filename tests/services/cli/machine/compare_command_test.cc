@@ -10,6 +10,7 @@
 
 #include "proto/machine_report.pb.h"
 #include "services/cli/intaglio_program.h"
+#include "tests/services/cli/typed_command.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::cli {
@@ -20,28 +21,17 @@ using testing::HasSubstr;
 
 constexpr const char* kFolder = INTAGLIO_SOURCE_DIR "/deploy/machines/";
 
-class MachineCompare : public testing::Test {
+class MachineCompare : public TypedCommand {
  protected:
   int Run(std::vector<std::string> more) {
     std::vector<std::string> words = {"machine", "compare"};
     words.insert(words.end(), more.begin(), more.end());
     words.insert(words.end(), {"--materials", (folder_ / "materials.db").string()});
-    const auto program = IntaglioProgram();
-    testing::internal::CaptureStdout();
-    testing::internal::CaptureStderr();
-    const Status parsed = program->Parse(std::move(words));
-    const int code = parsed ? program->Run() : 2;
-    out_ = testing::internal::GetCapturedStdout();
-    errors_ = testing::internal::GetCapturedStderr();
-    if (!parsed) errors_ += parsed.error().message;
-    return code;
+    return TypeToAll(words);
   }
   static std::string Supplied(const std::string& name) {
     return kFolder + name + ".textproto";
   }
-
-  std::filesystem::path folder_ = test::FreshFolder();
-  std::string out_, errors_;
 };
 
 TEST_F(MachineCompare, RanksTheSuppliedMachines) {
@@ -50,7 +40,7 @@ TEST_F(MachineCompare, RanksTheSuppliedMachines) {
             0)
       << errors_;
   MachineComparison comparison;
-  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(out_, &comparison).ok());
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(output_, &comparison).ok());
   std::map<std::string, ComparedMachine> machines;
   for (const ComparedMachine& of : comparison.machines()) machines[of.machine()] = of;
   ASSERT_EQ(machines.size(), 3u);
@@ -85,8 +75,8 @@ TEST_F(MachineCompare, RanksTheSuppliedMachines) {
 
 TEST_F(MachineCompare, PrintsATableAndNamesTheProfileThatFails) {
   ASSERT_EQ(Run({Supplied("els-03"), Supplied("grbl")}), 0) << errors_;
-  EXPECT_THAT(out_, AllOf(HasSubstr("screw table"), HasSubstr("20 (136)"),
-                          HasSubstr("points/tick")));
+  EXPECT_THAT(output_, AllOf(HasSubstr("screw table"), HasSubstr("20 (136)"),
+                             HasSubstr("points/tick")));
   EXPECT_EQ(Run({Supplied("polar"), "--block", "400", "50", "30"}), 2);
   EXPECT_THAT(errors_, AllOf(HasSubstr("polar.textproto"), HasSubstr("the arm serves")));
 }

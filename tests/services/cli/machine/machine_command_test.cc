@@ -10,6 +10,7 @@
 #include "proto/machine_report.pb.h"
 #include "services/cli/intaglio_program.h"
 #include "services/job/job_file.h"
+#include "tests/services/cli/typed_command.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::cli {
@@ -19,26 +20,13 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
-class MachineCommand : public testing::Test {
+class MachineCommand : public TypedCommand {
  protected:
-  int Run(std::vector<std::string> words) {
-    const auto program = IntaglioProgram();
-    testing::internal::CaptureStdout();
-    testing::internal::CaptureStderr();
-    const Status parsed = program->Parse(std::move(words));
-    const int code = parsed ? program->Run() : 2;
-    out_ = testing::internal::GetCapturedStdout();
-    errors_ = testing::internal::GetCapturedStderr();
-    if (!parsed) errors_ += parsed.error().message;
-    return code;
-  }
+  int Run(std::vector<std::string> words) { return TypeToAll(words); }
   fs::path profile() const { return folder_ / "shop-1.textproto"; }
   static std::string Supplied(const std::string& name) {
     return INTAGLIO_SOURCE_DIR "/deploy/machines/" + name + ".textproto";
   }
-
-  fs::path folder_ = test::FreshFolder();
-  std::string out_, errors_;
 };
 
 TEST_F(MachineCommand, NewMakesAProfileOfAFamily) {
@@ -51,8 +39,8 @@ TEST_F(MachineCommand, NewMakesAProfileOfAFamily) {
   EXPECT_EQ(machine->name(), "shop-1");
   EXPECT_EQ(machine->x().travel_max_mm(), 300);
   EXPECT_EQ(machine->laser().channels(), 1u);
-  EXPECT_EQ(Run({"machine", "check", profile().string(), "--offline"}), 0) << out_;
-  EXPECT_THAT(out_, HasSubstr("shop-1: good"));
+  EXPECT_EQ(Run({"machine", "check", profile().string(), "--offline"}), 0) << output_;
+  EXPECT_THAT(output_, HasSubstr("shop-1: good"));
   EXPECT_EQ(Run({"machine", "new", Supplied("els-03"), "--out", profile().string()}), 2);
   EXPECT_THAT(errors_, HasSubstr("exists already"));
 }
@@ -61,8 +49,8 @@ TEST_F(MachineCommand, NewListsTheFamilies) {
   setenv("INTAGLIO_SHARE", INTAGLIO_SOURCE_DIR "/deploy", 1);
   EXPECT_EQ(Run({"machine", "new"}), 0);
   unsetenv("INTAGLIO_SHARE");
-  EXPECT_THAT(out_, HasSubstr("els-03           ELS-03, the laser engraver of Troch"));
-  EXPECT_THAT(out_, HasSubstr("proposes it in ch. 8: the table carries the block"));
+  EXPECT_THAT(output_, HasSubstr("els-03           ELS-03, the laser engraver of Troch"));
+  EXPECT_THAT(output_, HasSubstr("proposes it in ch. 8: the table carries the block"));
 }
 
 // The profile names the template and calibrates the pulse energy: half of the energy is
@@ -113,22 +101,23 @@ TEST_F(MachineCommand, CheckPrintsEverythingAtOnce) {
   machine.mutable_motion_line()->set_protocol("no-such-family");
   ASSERT_TRUE(WriteMachineFile(profile(), machine));
   EXPECT_EQ(Run({"machine", "check", profile().string()}), 2);
-  EXPECT_THAT(out_, AllOf(HasSubstr("x.travel_min_mm: 200 is not below"),
-                          HasSubstr("laser.channels: 0 is outside 1..4"),
-                          HasSubstr("lenses[1].name: \"f43\" is already"),
-                          HasSubstr("mounted_lens: \"f50\" is no lens"),
-                          HasSubstr("laser_line.device: "),
-                          HasSubstr("post: 'linuxcn' is neither a file nor"),
-                          HasSubstr("motion_line.protocol: no driver for 'no-such-"),
-                          HasSubstr("7 to correct")));
+  EXPECT_THAT(output_, AllOf(HasSubstr("x.travel_min_mm: 200 is not below"),
+                             HasSubstr("laser.channels: 0 is outside 1..4"),
+                             HasSubstr("lenses[1].name: \"f43\" is already"),
+                             HasSubstr("mounted_lens: \"f50\" is no lens"),
+                             HasSubstr("laser_line.device: "),
+                             HasSubstr("post: 'linuxcn' is neither a file nor"),
+                             HasSubstr("motion_line.protocol: no driver for 'no-such-"),
+                             HasSubstr("7 to correct")));
 }
 
 // As the message of proto/machine_report.proto, for programs.
 TEST_F(MachineCommand, CheckPrintsJson) {
   const std::string grbl = Supplied("grbl");
-  EXPECT_EQ(Run({"machine", "check", grbl, "--offline", "--json"}), 0) << out_;
+  EXPECT_EQ(Run({"machine", "check", grbl, "--offline", "--json"}), 0) << output_;
   MachineCheck check;
-  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(out_, &check).ok()) << out_;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(output_, &check).ok())
+      << output_;
   EXPECT_TRUE(check.good());
   EXPECT_EQ(check.machine(), "grbl");
   EXPECT_EQ(check.profile(), grbl);
@@ -136,7 +125,8 @@ TEST_F(MachineCommand, CheckPrintsJson) {
   machine.mutable_laser()->clear_max_unsettled_points();
   ASSERT_TRUE(WriteMachineFile(profile(), machine));
   EXPECT_EQ(Run({"machine", "check", profile().string(), "--json"}), 2);
-  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(out_, &check).ok()) << out_;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(output_, &check).ok())
+      << output_;
   EXPECT_FALSE(check.good());
   ASSERT_EQ(check.findings_size(), 1);
   EXPECT_EQ(check.findings(0).field(), "laser.max_unsettled_points");
@@ -150,10 +140,10 @@ TEST_F(MachineCommand, CheckNamesLinesThatItCannotCompare) {
   machine.mutable_laser_line()->set_device((folder_ / "none").string());
   machine.mutable_motion_line()->set_protocol("virtual-cell");
   ASSERT_TRUE(WriteMachineFile(profile(), machine));
-  EXPECT_EQ(Run({"machine", "check", profile().string()}), 0) << out_;
-  EXPECT_THAT(out_, AllOf(HasSubstr("laser_line: not compared with the device: "),
-                          HasSubstr("motion_line: not compared with the device: "
-                                    "controllers of the protocol virtual-cell")));
+  EXPECT_EQ(Run({"machine", "check", profile().string()}), 0) << output_;
+  EXPECT_THAT(output_, AllOf(HasSubstr("laser_line: not compared with the device: "),
+                             HasSubstr("motion_line: not compared with the device: "
+                                       "controllers of the protocol virtual-cell")));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "services/job/job_defaults.h"
 #include "services/job/job_file.h"
 #include "services/job/options.h"
+#include "tests/services/job/finding_matcher.h"
 #include "tests/services/job/test_job.h"
 
 namespace intaglio {
@@ -22,10 +23,6 @@ using testing::IsEmpty;
 using testing::StartsWith;
 
 constexpr double kStageRatio = 0.65;
-
-auto Names(const std::string& path, const std::string& what) {
-  return Field(&Error::message, AllOf(StartsWith(path + ": "), HasSubstr(what)));
-}
 
 MachineSpec PolarProfile() {
   return ReadMachineFile(INTAGLIO_SOURCE_DIR "/deploy/machines/polar.textproto").value();
@@ -153,22 +150,22 @@ TEST(CheckKinematics, ATableNeedsTravelOnItsOwnSide) {
   machine.mutable_block_origin_mm()->set_x(0);
   EXPECT_THAT(
       CheckJobOnMachine(GoodJob(), machine, kStageRatio),
-      ElementsAre(Names("block.size_mm.x", "would have to move from -47 to -3 mm")));
+      ElementsAre(IsFinding("block.size_mm.x", "would have to move from -47 to -3 mm")));
 }
 
 TEST(CheckKinematics, ABlockOutOfReachOfTheArmIsNamed) {
   MachineSpec machine = PolarProfile();
   machine.mutable_block_origin_mm()->set_y(30);
   EXPECT_THAT(CheckJobOnMachine(GoodJob(), machine, kStageRatio),
-              ElementsAre(Names("block.size_mm",
-                                "is not all within the reach of polar: the "
-                                "focus at (")));
+              ElementsAre(IsFinding("block.size_mm",
+                                    "is not all within the reach of polar: the "
+                                    "focus at (")));
   // An axis of the table inside the block is farther from every edge than the arm's
   // bound.
   machine.mutable_polar()->set_arm_length_mm(190);
   machine.mutable_block_origin_mm()->set_y(-25);
   EXPECT_THAT(CheckJobOnMachine(GoodJob(), machine, kStageRatio),
-              ElementsAre(Names("block.size_mm", "folded arm")));
+              ElementsAre(IsFinding("block.size_mm", "folded arm")));
 }
 
 TEST(CheckKinematics, TravelOfAnArmIsNamedInRadians) {
@@ -177,7 +174,7 @@ TEST(CheckKinematics, TravelOfAnArmIsNamedInRadians) {
   machine.mutable_polar()->mutable_table()->set_travel_max_rad(0.5);
   EXPECT_THAT(
       CheckJobOnMachine(GoodJob(), machine, kStageRatio),
-      ElementsAre(Names("block.size_mm", "the axis table would have to turn from")));
+      ElementsAre(IsFinding("block.size_mm", "the axis table would have to turn from")));
 }
 
 TEST(CheckKinematics, MistakesOfAProfileAreNamedTogether) {
@@ -195,12 +192,13 @@ TEST(CheckKinematics, MistakesOfAProfileAreNamedTogether) {
   EXPECT_THAT(
       CheckMachine(machine),
       testing::UnorderedElementsAre(
-          Names("x", "remove it"), Names("max_speed_norm_mm_s", "remove it"),
-          Names("polar.arm.travel_min_rad",
-                "3.3 is not below polar.arm.travel_max_rad, 1"),
-          Names("polar.table", "is missing"),
-          Names("polar.arm_length_mm", "0 is outside 1..10000"),
-          Names("polar.side", "7 is neither"), Names("polar.z.moves", "9 is neither")));
+          IsFinding("x", "remove it"), IsFinding("max_speed_norm_mm_s", "remove it"),
+          IsFinding("polar.arm.travel_min_rad",
+                    "3.3 is not below polar.arm.travel_max_rad, 1"),
+          IsFinding("polar.table", "is missing"),
+          IsFinding("polar.arm_length_mm", "0 is outside 1..10000"),
+          IsFinding("polar.side", "7 is neither"),
+          IsFinding("polar.z.moves", "9 is neither")));
   // Such an arm has no reach that a block could be checked against.
   EXPECT_THAT(CheckJobOnMachine(GoodJob(), machine, kStageRatio), IsEmpty());
 }
