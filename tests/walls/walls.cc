@@ -44,7 +44,8 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"engrave/contour/files",
      {"engrave/core", "engrave/io", "engrave/drawing", "engrave/contour",
       "engrave/contour/region", "engrave/contour/milling"}},
-    {"engrave/galvo", {"engrave/core"}},
+    {"engrave/mark", {"engrave/core"}},
+    {"engrave/galvo", {"engrave/core", "engrave/mark"}},
     {"engrave/galvo/files", {"engrave/core", "engrave/io", "engrave/galvo"}},
     {"engrave/post", {"engrave/core", "engrave/io", "engrave/contour"}},
     {"engrave/motion", {"engrave/core", "engrave/drive", "engrave/motion/axis"}},
@@ -98,8 +99,13 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     // Drivers of controllers, for the programs that hold a line to one: a controller may
     // move the stage and switch the laser.
     {"services/drivers",
-     {"engrave/core", "engrave/io", "engrave/motion", "idl", "proto", "services/job",
+     {"engrave/core", "engrave/io", "engrave/motion", "engrave/mark", "engrave/galvo*",
+      "engrave/contour", "engrave/course", "engrave/post", "idl", "proto", "services/job",
       "services/platform/link"}},
+    // The sibling of the synchronizer, for machines that mark.
+    {"services/marker",
+     {"engrave/*", "idl", "proto", "services/drivers", "services/job",
+      "services/platform/*"}},
     {"services/motion_bridge",
      {"engrave/*", "idl", "proto", "services/drivers", "services/job",
       "services/platform/*"}},

@@ -1,0 +1,105 @@
+#include "engrave/mark/mark.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace intaglio::mark {
+namespace {
+
+/// The way from one place to the next.
+struct Way {
+  Vec2 from_mm, to_mm;
+  double bulge;
+
+  double chord_mm() const { return (to_mm - from_mm).norm(); }
+  double sweep_rad() const { return 4 * std::atan(bulge); }
+  double radius_mm() const {
+    return chord_mm() / (2 * std::sin(std::abs(sweep_rad()) / 2));
+  }
+  double length_mm() const {
+    return bulge == 0 ? chord_mm() : radius_mm() * std::abs(sweep_rad());
+  }
+};
+
+std::vector<Way> WaysOf(const Mark& mark) {
+  std::vector<Way> ways;
+  const std::size_t count = mark.places.size();
+  for (std::size_t i = 0; i + (mark.closed ? 0 : 1) < count && count > 1; ++i) {
+    const Place& from = mark.places[i];
+    ways.push_back({from.at_mm, mark.places[(i + 1) % count].at_mm, from.bulge});
+  }
+  return ways;
+}
+
+void AppendChords(const Way& way, double tolerance_mm, std::vector<Vec2>& places) {
+  places.push_back(way.from_mm);
+  if (way.bulge == 0 || way.chord_mm() == 0) return;
+  const double radius_mm = way.radius_mm(), sweep_rad = way.sweep_rad();
+  const double largest_rad =
+      2 * std::acos(std::max(0.0, 1 - std::min(1.0, tolerance_mm / radius_mm)));
+  const int count = static_cast<int>(std::ceil(std::abs(sweep_rad) / largest_rad));
+  const Vec2 chord = way.to_mm - way.from_mm;
+  // The centre lies to the left of the chord, by the cotangent of half of the sweep.
+  const Vec2 centre = way.from_mm + chord / 2 +
+                      Vec2(-chord.y(), chord.x()) / (2 * std::tan(sweep_rad / 2));
+  const Vec2 arm = way.from_mm - centre;
+  for (int i = 1; i < count; ++i) {
+    const double turn = sweep_rad * i / count;
+    places.emplace_back(centre +
+                        Vec2(arm.x() * std::cos(turn) - arm.y() * std::sin(turn),
+                             arm.x() * std::sin(turn) + arm.y() * std::cos(turn)));
+  }
+}
+
+Status CheckPen(const Pen& pen, std::size_t number) {
+  const std::string name = "pen " + std::to_string(number);
+  if (!(pen.speed_mm_s > 0) || !std::isfinite(pen.speed_mm_s))
+    return Error{ErrorCode::kInvalidValue, name + ": its speed is not above 0"};
+  if (!(pen.power_ratio >= 0 && pen.power_ratio <= 1))
+    return Error{ErrorCode::kInvalidValue, name + ": its power is outside 0..1"};
+  if (!(pen.frequency_hz >= 0) || !std::isfinite(pen.frequency_hz))
+    return Error{ErrorCode::kInvalidValue, name + ": its frequency is below 0"};
+  if (pen.pass_count == 0)
+    return Error{ErrorCode::kInvalidValue, name + ": it makes no pass"};
+  if (!(pen.depth_mm >= 0) || !std::isfinite(pen.depth_mm))
+    return Error{ErrorCode::kInvalidValue, name + ": its depth is below 0"};
+  if (pen.depth_mm > 0 && !(pen.plunge_mm_s > 0))
+    return Error{ErrorCode::kInvalidValue, name + ": it has a depth and no plunge speed"};
+  return {};
+}
+
+}  // namespace
+
+double LengthOf(const Mark& mark) {
+  double length_mm = 0;
+  for (const Way& way : WaysOf(mark)) length_mm += way.length_mm();
+  return length_mm;
+}
+
+std::vector<Vec2> PlacesOf(const Mark& mark, double tolerance_mm) {
+  std::vector<Vec2> places;
+  for (const Way& way : WaysOf(mark)) AppendChords(way, tolerance_mm, places);
+  if (!mark.closed && !mark.places.empty()) places.push_back(mark.places.back().at_mm);
+  return places;
+}
+
+Status CheckMarks(const MarkSet& set) {
+  for (std::size_t i = 0; i < set.pens.size(); ++i)
+    if (Status status = CheckPen(set.pens[i], i); !status.ok()) return status;
+  for (std::size_t i = 0; i < set.marks.size(); ++i) {
+    const Mark& mark = set.marks[i];
+    const std::string name = "mark " + std::to_string(i);
+    if (mark.pen >= set.pens.size())
+      return Error{ErrorCode::kInvalidValue, name + ": it has no pen"};
+    if (mark.places.empty())
+      return Error{ErrorCode::kInvalidValue, name + ": it has no place"};
+    bool finite = std::isfinite(mark.web_mm);
+    for (const Place& place : mark.places)
+      finite = finite && place.at_mm.allFinite() && std::isfinite(place.bulge);
+    if (!finite) return Error{ErrorCode::kInvalidValue, name + ": a value is not finite"};
+  }
+  return {};
+}
+
+}  // namespace intaglio::mark

@@ -1,0 +1,141 @@
+#pragma once
+
+// What a controller that makes marks (engrave/mark) has to be able to do for the marker:
+// a scan head's board, or the controller of a mill or a laser that follows contours. It
+// moves and switches the beam by one line, and reports what has become of each mark.
+//
+// Marks are numbered by their place in the order of the job. A run is a row of marks that
+// are appended one behind the other; the controller makes them in that order.
+//
+// Guarantees of every driver together with its controller:
+//   M1  Nothing blocks. What cannot be taken now is refused with an error, and nothing of
+//       it is done.
+//   M2  The beam is on, or the tool turns, only within marks of a run of this session,
+//       and only while it is permitted: Permit(true) is repeated by the host; without it
+//       for 250 ms the controller (not the host) ends the beam.
+//   M3  A mark that was appended once is made at most once, whatever is repeated on the
+//       line. kBegun comes before anything of it can be made, kDone after all of it was
+//       made, each once and in order. kBroken ends a mark that was begun and not ended.
+//   M4  Stop, a withdrawn permission, an interlock, a fault and a lost line end the beam
+//       and drop what was appended. What of it was not begun is not made, and
+//       settled() is true once that is known.
+//   M5  Pause ends the run at the end of the mark in hand.
+//   M6  After a lost line or a killed host RequestPast tells what became of the newest
+//       kRememberedMarks marks of the power-up, whichever session appended them, as far
+//       as the controller remembers (remembers_marks); without a memory they are
+//       uncertain.
+//   M7  Key, door and stop button end the beam, and openings() counts each letting go.
+//   M8  A controller with another serial number than the profile's is refused.
+// Not thread-safe.
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engrave/core/result.h"
+#include "engrave/mark/mark.h"
+#include "proto/machine.pb.h"
+#include "services/platform/link/endpoint.h"
+#include "services/platform/link/steady_clock.h"
+
+namespace intaglio::drivers {
+
+inline constexpr std::size_t kRememberedMarks = 1024;
+
+/// In the order in which a mark goes through them.
+enum class MarkFate : std::uint8_t {
+  kBegun,      ///< something of it may have been made
+  kDone,       ///< all of it was made
+  kBroken,     ///< begun, and ended before its end
+  kNotBegun,   ///< dropped before its beginning: nothing of it was made
+  kUncertain,  ///< the controller does not know it (answers of RequestPast only)
+};
+
+struct MarkEvent {
+  std::uint32_t run = 0;
+  std::uint32_t mark = 0;
+  MarkFate fate = MarkFate::kBegun;
+};
+
+/// A mark on its way to the controller.
+struct NumberedMark {
+  std::uint32_t number = 0;  ///< place in the order of the job
+  mark::Mark mark;
+};
+
+/// What the controller is and says; of the newest status while the line is up.
+struct MarkDeviceState {
+  bool link_up = false;       ///< connected, identified, a status has come
+  std::string message;        ///< why it is not, or what a person should know; else empty
+  std::string refusal;        ///< why the controller that answers is refused; else empty
+  bool taken_over = false;    ///< another host has it, for good
+  std::uint64_t session = 0;  ///< grows with each, whenever what was sent may be lost
+  std::string power_up;       ///< identity of the controller's power-up; empty: unknown
+  bool remembers_marks = false;
+
+  bool key_on = false, door_closed = false, stop_released = false;
+  bool shutter_open = false;  ///< of a mill: the spindle may turn
+  bool safe_state = false;    ///< the controller ended the beam by itself
+  std::uint32_t openings = 0;
+
+  bool at_rest = true;              ///< no run, nothing moves
+  bool settled = true;              ///< nothing that was appended can still be made
+  std::string fault;                ///< of the last run, with the remedy; empty: none
+  Vec3 position_mm = Vec3::Zero();  ///< of the focus or the tool, frame of the piece
+  double web_mm_s = 0;              ///< speed of the web by its encoder
+  std::uint64_t number = 0;         ///< statuses of this session; grows with each
+};
+
+class MarkDriver {
+ public:
+  virtual ~MarkDriver() = default;
+
+  /// Moves the line's bytes and takes what came.
+  virtual void Poll() = 0;
+  /// For poll(2); -1 when there is none.
+  virtual int fd() const = 0;
+  virtual const MarkDeviceState& state() const = 0;
+  /// What has become of marks since the last call, in order.
+  virtual std::vector<MarkEvent> TakeEvents() = 0;
+
+  /// Repeated by the host at least every 50 ms while it may mark; false ends the beam.
+  virtual Status Permit(bool permitted) = 0;
+  /// A new run of the marks of these pens, `run` greater than all before. Refused while
+  /// !settled, or with a fault.
+  virtual Status Begin(std::uint32_t run, std::span<const mark::Pen> pens) = 0;
+  /// Marks that may be appended now.
+  virtual std::size_t Room() const = 0;
+  virtual Status Append(const NumberedMark& mark) = 0;
+  /// Nothing more is appended to this run: it ends behind its last mark, at rest.
+  virtual Status Finish() = 0;
+  virtual Status Pause() = 0;
+  /// At once.
+  virtual Status Stop() = 0;
+  /// After a fault or a safe state.
+  virtual Status Reset() = 0;
+  /// Marks `first` .. `first + count - 1` of `run`; answered by TakeEvents, each once.
+  virtual Status RequestPast(std::uint32_t run, std::uint32_t first,
+                             std::uint32_t count) = 0;
+};
+
+/// One row of the table of controller families.
+struct MarkDriverKind {
+  std::string_view protocol;  ///< mark_line.protocol of the profile
+  bool needs_device;          ///< it opens mark_line.device through `open`
+  std::unique_ptr<MarkDriver> (*make)(const MachineSpec& machine, link::StreamOpener open,
+                                      link::SteadyClock clock);
+  /// What it needs of a profile and does not find, each error beginning with the field.
+  std::vector<Error> (*check)(const MachineSpec& machine);
+};
+
+/// All there are.
+std::span<const MarkDriverKind> MarkDriverKinds();
+
+/// The driver that the machine's mark_line names. kUnsupported lists what there is;
+/// kMissing, kInvalidValue: its device, or what this family needs of a profile, by name.
+Result<std::unique_ptr<MarkDriver>> MakeMarkDriver(const MachineSpec& machine);
+
+}  // namespace intaglio::drivers
