@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "engrave/core/try.h"
 
 namespace intaglio::mark {
 namespace {
@@ -52,21 +53,32 @@ void AppendChords(const Way& way, double tolerance_mm, std::vector<Vec2>& places
   }
 }
 
-Status CheckPen(const Pen& pen, std::size_t number) {
-  const std::string name = "pen " + std::to_string(number);
+Status Refuse(const std::string& name, const char* what, double value) {
+  return Fail(ErrorCode::kInvalidValue, name + ": " + what, std::to_string(value));
+}
+
+Status CheckPen(const Pen& pen, const std::string& name) {
   if (!(pen.speed_mm_s > 0) || !std::isfinite(pen.speed_mm_s))
-    return Error{ErrorCode::kInvalidValue, name + ": its speed is not above 0"};
+    return Refuse(name, "its speed is not above 0", pen.speed_mm_s);
   if (!(pen.power_ratio >= 0 && pen.power_ratio <= 1))
-    return Error{ErrorCode::kInvalidValue, name + ": its power is outside 0..1"};
+    return Refuse(name, "its power is outside 0..1", pen.power_ratio);
   if (!(pen.frequency_hz >= 0) || !std::isfinite(pen.frequency_hz))
-    return Error{ErrorCode::kInvalidValue, name + ": its frequency is below 0"};
-  if (pen.pass_count == 0)
-    return Error{ErrorCode::kInvalidValue, name + ": it makes no pass"};
+    return Refuse(name, "its frequency is below 0", pen.frequency_hz);
+  if (pen.pass_count == 0) return Refuse(name, "it makes no pass", 0);
   if (!(pen.depth_mm >= 0) || !std::isfinite(pen.depth_mm))
-    return Error{ErrorCode::kInvalidValue, name + ": its depth is below 0"};
+    return Refuse(name, "its depth is below 0", pen.depth_mm);
   if (pen.depth_mm > 0 && !(pen.plunge_mm_s > 0))
-    return Error{ErrorCode::kInvalidValue, name + ": it has a depth and no plunge speed"};
+    return Refuse(name, "it has a depth and no plunge speed", pen.plunge_mm_s);
   return {};
+}
+
+Status CheckMark(const Mark& mark, std::size_t pen_count, const std::string& name) {
+  if (mark.pen >= pen_count) return Refuse(name, "it has no pen", mark.pen);
+  if (mark.places.empty()) return Refuse(name, "it has no place", 0);
+  bool finite = std::isfinite(mark.web_mm);
+  for (const Place& place : mark.places)
+    finite = finite && place.at_mm.allFinite() && std::isfinite(place.bulge);
+  return finite ? Status() : Refuse(name, "a value is not finite", mark.web_mm);
 }
 
 }  // namespace
@@ -86,19 +98,9 @@ std::vector<Vec2> PlacesOf(const Mark& mark, double tolerance_mm) {
 
 Status CheckMarks(const MarkSet& set) {
   for (std::size_t i = 0; i < set.pens.size(); ++i)
-    if (Status status = CheckPen(set.pens[i], i); !status.ok()) return status;
-  for (std::size_t i = 0; i < set.marks.size(); ++i) {
-    const Mark& mark = set.marks[i];
-    const std::string name = "mark " + std::to_string(i);
-    if (mark.pen >= set.pens.size())
-      return Error{ErrorCode::kInvalidValue, name + ": it has no pen"};
-    if (mark.places.empty())
-      return Error{ErrorCode::kInvalidValue, name + ": it has no place"};
-    bool finite = std::isfinite(mark.web_mm);
-    for (const Place& place : mark.places)
-      finite = finite && place.at_mm.allFinite() && std::isfinite(place.bulge);
-    if (!finite) return Error{ErrorCode::kInvalidValue, name + ": a value is not finite"};
-  }
+    INTAGLIO_TRY(CheckPen(set.pens[i], "pen " + std::to_string(i)));
+  for (std::size_t i = 0; i < set.marks.size(); ++i)
+    INTAGLIO_TRY(CheckMark(set.marks[i], set.pens.size(), "mark " + std::to_string(i)));
   return {};
 }
 

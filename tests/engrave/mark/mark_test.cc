@@ -40,7 +40,7 @@ TEST(Mark, AQuarterTurnsCounterclockwiseWithAPositiveBulge) {
 
 TEST(Mark, WhatCannotBeMadeIsRefusedByNumber) {
   MarkSet set{{{"red", 100, 0.5}}, {Circle(), Circle()}};
-  EXPECT_TRUE(CheckMarks(set).ok());
+  EXPECT_TRUE(CheckMarks(set));
   set.marks[1].pen = 1;
   EXPECT_EQ(CheckMarks(set).error().message, "mark 1: it has no pen");
   set.marks[1] = {0, false, 0, {}};
