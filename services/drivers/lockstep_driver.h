@@ -99,7 +99,7 @@ class LockstepDriver : public MotionDriver, public LaserController {
   // What a family says of its controller.
   virtual const ControllerLine& line() const = 0;
   virtual PieceQueue& pieces() = 0;
-  const PieceQueue& pieces() const { return const_cast<LockstepDriver*>(this)->pieces(); }
+  virtual const PieceQueue& pieces() const = 0;
   /// A status of this session has come, and lines are taken.
   virtual bool IsIdentified() const { return status_number_ > 0; }
   /// A move or a command that was sent has not been executed yet.

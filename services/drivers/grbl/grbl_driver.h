@@ -74,6 +74,7 @@ class GrblDriver final : public LockstepDriver {
 
   const ControllerLine& line() const override { return line_; }
   PieceQueue& pieces() override { return program_.pieces(); }
+  const PieceQueue& pieces() const override { return program_.pieces(); }
   bool IsIdentified() const override;
   bool HasSent() const override { return !in_flight_.empty(); }
   bool IsQuiet() const override {

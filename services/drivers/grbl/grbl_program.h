@@ -80,6 +80,7 @@ class GrblProgram {
   void Begin(std::uint64_t start_tick, const Vec3& from_mm);
   /// What the segments are appended to.
   PieceQueue& pieces() { return pieces_; }
+  const PieceQueue& pieces() const { return pieces_; }
   /// What was not given out yet is forgotten.
   void Drop();
 

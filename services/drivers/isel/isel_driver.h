@@ -55,6 +55,7 @@ class IselDriver final : public LockstepDriver {
 
   const ControllerLine& line() const override { return line_; }
   PieceQueue& pieces() override { return pieces_; }
+  const PieceQueue& pieces() const override { return pieces_; }
   bool HasSent() const override { return move_.has_value(); }
   bool IsSettled() const override { return !is_fired_; }
   bool HasPending() const override { return pulse_tick_ != 0; }
