@@ -20,6 +20,7 @@
 #include "services/job/machine/laser_check.h"
 #include "services/job/machine/lens_check.h"
 #include "services/job/machine/reach_check.h"
+#include "services/job/marks/mark_check.h"
 #include "services/job/methods/method_table.h"
 #include "services/job/model_kind.h"
 #include "services/job/placeholders.h"
@@ -322,8 +323,13 @@ std::vector<Finding> CheckAll(const JobSpec& job, const MachineSpec& machine,
     all.push_back({std::move(error), "machine"});
   }
   std::set<std::string> fields;
-  for (const auto& part :
-       {CheckJob(job), CheckJobOnMachine(job, machine, stage_per_glass_ratio)}) {
+  std::vector<std::vector<Finding>> parts;
+  if (ConcernsMarks(job, machine)) {
+    parts = {CheckMarkJob(job, machine)};
+  } else {
+    parts = {CheckJob(job), CheckJobOnMachine(job, machine, stage_per_glass_ratio)};
+  }
+  for (const auto& part : parts) {
     for (const Finding& finding : part) {
       if (fields.insert(finding.field).second) all.push_back(finding);
     }

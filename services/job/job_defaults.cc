@@ -230,6 +230,11 @@ JobSpec WithDefaults(JobSpec job, const MachineSpec& machine) {
 }
 
 MachineSpec WithMachineDefaults(MachineSpec machine) {
+  if (machine.has_mark_line()) {
+    SerialLine& line = *machine.mutable_mark_line();
+    if (!line.has_baud()) line.set_baud(kDefaultBaud);
+    return machine;
+  }
   for (SerialLine* line : {machine.mutable_laser_line(), machine.mutable_motion_line()}) {
     if (!line->has_baud()) line->set_baud(kDefaultBaud);
   }

@@ -69,8 +69,9 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
       "services/platform/link", "services/platform/host/peers", "idl"}},
     // proto has schemas alone, below everything: a stage's task and outcome are messages.
     {"services/platform/host/stage",
-     {"engrave/core", "services/platform/bus", "services/platform/host/process",
-      "services/platform/host/threads", "idl", "proto"}},
+     {"engrave/core", "engrave/mark", "services/platform/bus",
+      "services/platform/host/process", "services/platform/host/threads", "idl",
+      "proto"}},
     {"services/job/methods", {"engrave/*", "proto"}},
     // Warnings are messages of both kinds.
     {"services/job/verdict", {"engrave/core", "idl", "proto"}},
