@@ -21,6 +21,7 @@
 #include "services/job/machine/lens_check.h"
 #include "services/job/machine/reach_check.h"
 #include "services/job/marks/mark_check.h"
+#include "services/job/marks_check.h"
 #include "services/job/methods/method_table.h"
 #include "services/job/model_kind.h"
 #include "services/job/placeholders.h"
@@ -272,6 +273,7 @@ void CheckMotion(const MotionOptions& motion, double min_spacing_mm,
 }  // namespace
 
 std::vector<Finding> CheckJob(const JobSpec& job) {
+  if (job.has_marks()) return CheckMarks(job);
   if (job.has_course()) return RefuseCourse(job);
   Findings findings;
   CheckRanges(job, "", findings.found());
@@ -297,6 +299,7 @@ std::vector<Finding> CheckJob(const JobSpec& job) {
 
 std::vector<Finding> CheckJobOnMachine(const JobSpec& job, const MachineSpec& machine,
                                        std::optional<double> stage_per_glass_ratio) {
+  if (job.has_marks()) return CheckMarksOnMachine(job, machine);
   const JobSpec whole = WithDefaults(job, machine);
   Findings findings;
   if (job.block().has_size_mm()) {

@@ -6,6 +6,7 @@
 
 #include "services/job/course/course_check.h"
 #include "services/job/field_ranges.h"
+#include "services/job/marks_check.h"
 
 namespace intaglio {
 namespace {
@@ -27,14 +28,14 @@ void RefuseFieldsOfPoints(const JobSpec& job, Findings& findings) {
 
 }  // namespace
 
-bool MakesMarks(const JobSpec& job) { return job.has_course(); }
+bool MakesMarks(const JobSpec& job) { return job.has_course() || job.has_marks(); }
 
 std::vector<Finding> CheckMarkJob(const JobSpec& job, const MachineSpec& machine) {
   Findings findings;
   if (!MakesMarks(job)) {
     findings.Wrong("models", job.models_size(),
                    "are points in a block, and {} makes marks (its profile has a "
-                   "mark_line); give a course in their place, or name a machine that "
+                   "mark_line); give marks or a course in their place, or name a machine that "
                    "engraves",
                    machine.name());
     return std::move(findings.found());
@@ -54,6 +55,11 @@ std::vector<Finding> CheckMarkJob(const JobSpec& job, const MachineSpec& machine
 }
 
 JobSpec WithMarkDefaults(JobSpec job) {
+  if (job.has_marks()) {
+    const Marks marks = WithDefaults(job.marks());
+    *job.mutable_marks() = marks;
+    if (job.name().empty()) job.set_name("marks");
+  }
   if (job.has_course()) {
     const Course course = WithDefaults(job.course());
     *job.mutable_course() = course;
