@@ -20,7 +20,7 @@
 #include "services/job/machine/laser_check.h"
 #include "services/job/machine/lens_check.h"
 #include "services/job/machine/reach_check.h"
-#include "services/job/marks/mark_check.h"
+#include "services/job/machine/mark_job_check.h"
 #include "services/job/marks_check.h"
 #include "services/job/methods/method_table.h"
 #include "services/job/model_kind.h"

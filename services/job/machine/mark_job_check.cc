@@ -1,4 +1,4 @@
-#include "services/job/marks/mark_check.h"
+#include "services/job/machine/mark_job_check.h"
 
 #include <filesystem>
 #include <string>
@@ -33,11 +33,12 @@ bool MakesMarks(const JobSpec& job) { return job.has_course() || job.has_marks()
 std::vector<Finding> CheckMarkJob(const JobSpec& job, const MachineSpec& machine) {
   Findings findings;
   if (!MakesMarks(job)) {
-    findings.Wrong("models", job.models_size(),
-                   "are points in a block, and {} makes marks (its profile has a "
-                   "mark_line); give marks or a course in their place, or name a machine that "
-                   "engraves",
-                   machine.name());
+    findings.Wrong(
+        "models", job.models_size(),
+        "are points in a block, and {} makes marks (its profile has a "
+        "mark_line); give marks or a course in their place, or name a machine that "
+        "engraves",
+        machine.name());
     return std::move(findings.found());
   }
   if (job.machine_file().empty()) {
@@ -50,6 +51,9 @@ std::vector<Finding> CheckMarkJob(const JobSpec& job, const MachineSpec& machine
   RefuseFieldsOfPoints(job, findings);
   if (job.has_course()) {
     for (Finding& found : CheckCourse(job)) findings.found().push_back(std::move(found));
+  }
+  if (job.has_marks()) {
+    for (Finding& found : CheckMarks(job)) findings.found().push_back(std::move(found));
   }
   return std::move(findings.found());
 }
