@@ -4,7 +4,9 @@
 
 #include "engrave/core/try.h"
 #include "engrave/discretize/cloud.h"
+#include "services/job/marks/mark_maker.h"
 #include "services/job/models/discretize_outcome.h"
+#include "services/platform/host/stage/mark_batch.h"
 
 namespace intaglio::discretizer {
 
@@ -14,6 +16,17 @@ Result<std::shared_ptr<const PreparedJob>> PrepareJob(const FrozenJob& job,
                                                       const ProgressSink& progress) {
   auto sources = INTAGLIO_TRY(MakeSources(job.job(), std::move(files), limits, progress));
   return std::make_shared<const PreparedJob>(PreparedJob{job.job(), std::move(sources)});
+}
+
+Result<host::StageResult> MakeMarksOf(const FrozenJob& job, std::vector<FileBytes> files,
+                                      const ReadLimits& limits,
+                                      const ProgressSink& progress) {
+  host::StageResult result;
+  result.marks = INTAGLIO_TRY(
+      MakeMarks(job.job(), job.machine(), std::move(files), limits, progress));
+  INTAGLIO_TRY(host::CheckMarkRoom(*result.marks));
+  result.outcome.mutable_discretize()->set_point_count(result.size());
+  return result;
 }
 
 Result<host::StageResult> DiscretizePart(const PreparedJob& prepared,

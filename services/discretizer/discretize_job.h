@@ -25,6 +25,11 @@ Result<std::shared_ptr<const PreparedJob>> PrepareJob(const FrozenJob& job,
                                                       const ReadLimits& limits,
                                                       const ProgressSink& progress);
 
+/// The marks of a job of marks, which has no parts. Errors as of MakeMarks.
+Result<host::StageResult> MakeMarksOf(const FrozenJob& job, std::vector<FileBytes> files,
+                                      const ReadLimits& limits,
+                                      const ProgressSink& progress);
+
 /// The points of one part of the job, glass frame, mm, from the lowest up; the parts one
 /// after another are the same cloud, bit for bit, however many they are. kOutsideBlock:
 /// how many points lie outside the block and where. kMissing: the whole job has none.

@@ -3,13 +3,15 @@
 #include "services/discretizer/discretize_job.h"
 #include "services/discretizer/kept_job.h"
 #include "services/discretizer/model_intake.h"
+#include "services/job/machine/mark_job_check.h"
+#include "services/job/marks/mark_maker.h"
 #include "services/job/model_kind.h"
 #include "services/job/models/program_limits.h"
 #include "services/job/models/read_limits.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/command_line/program.h"
 #include "services/platform/host/process/service_host.h"
-#include "services/platform/host/stage/cloud_output.h"
+#include "services/platform/host/stage/stage_output.h"
 #include "services/platform/host/threads/worker_threads.h"
 
 namespace {
@@ -26,8 +28,9 @@ class ModelInput final : public host::StageInput {
   Status Open(const host::StageTask& task) override {
     kept_.Begin(task.job_uid, task.attempt);
     if (kept_.holds_job()) return {};
+    const JobSpec& job = task.job.job();
     return intake_.Open(task.job_uid, task.attempt, task.part,
-                        FilesOf(task.job.job()).size());
+                        (MakesMarks(job) ? MarkFilesOf(job) : FilesOf(job)).size());
   }
   Result<bool> Poll(TimePoint now) override {
     kept_.DropWhenOld(now);
@@ -40,6 +43,12 @@ class ModelInput final : public host::StageInput {
   }
   host::Computation<host::StageResult>::Function TakeComputation(
       const host::StageTask& task) override {
+    if (MakesMarks(task.job.job())) {
+      return [job = task.job, limits = limits_,
+              files = intake_.TakeFiles()](const ProgressSink& progress) mutable {
+        return discretizer::MakeMarksOf(job, std::move(files), limits, progress);
+      };
+    }
     return [job = task.job, part = task.part, kept = kept_.slot(), executor = executor_,
             limits = limits_, files = intake_.TakeFiles()](
                const ProgressSink& progress) mutable -> Result<host::StageResult> {
@@ -64,11 +73,12 @@ class ModelInput final : public host::StageInput {
 int Serve(host::ServiceHost& host, const ReadLimits& limits, std::size_t threads) {
   ModelInput input(host.bus(), host.instance(), limits,
                    threads == 0 ? host::AllCores() : host::OnThreads(threads));
-  host::CloudOutput<intaglio_PointBatch> output(
-      host.bus(), bus::kPointBatch, bus::RolePartition(bus::kStageWorkerRole));
+  host::CloudOrMarkOutput<intaglio_PointBatch> output(
+      host.bus(), bus::kPointBatch, bus::kMarkBatch,
+      bus::RolePartition(bus::kStageWorkerRole));
   bus::WaitSet wait(host.bus());
   wait.Attach(input.reader());
-  wait.Attach(output.reader());
+  output.AttachTo(wait);
   host::StageWorker worker(host, bus::kDiscretizeTask, intaglio_STAGE_DISCRETIZE, input,
                            output, [&wait] { wait.Wake(); });
   return host::RunStageWorker(host, wait, worker);

@@ -5,6 +5,7 @@
 #include "engrave/sort/kdz.h"
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
+#include "services/job/machine/mark_job_check.h"
 #include "services/job/material_record.h"
 #include "services/job/options.h"
 
@@ -25,7 +26,28 @@ Result<OpticalValuesRecord> OpticsOf(const JobSpec& job,
   return RecordOf(*values, wavelength_nm, numerical_aperture);
 }
 
+FrozenJob FrozenFor(const JobIdentity& identity, JobSpec whole,
+                    const MachineSpec& machine) {
+  FrozenJob frozen;
+  frozen.set_job_uid(identity.uid);
+  frozen.set_epoch(identity.epoch);
+  frozen.set_software_version(identity.software_version);
+  frozen.set_result_directory(identity.result_directory);
+  *frozen.mutable_job() = std::move(whole);
+  *frozen.mutable_machine() = machine;
+  return frozen;
+}
+
 }  // namespace
+
+Result<FrozenJob> FreezeMarkJob(const JobSpec& job, const MachineSpec& machine,
+                                const JobIdentity& identity) {
+  const MachineSpec whole_machine = WithMachineDefaults(machine);
+  const JobSpec whole = WithMarkDefaults(job);
+  const std::vector<Finding> errors = CheckAll(job, whole_machine);
+  if (!errors.empty()) return tl::unexpected(JoinErrors(errors));
+  return FrozenFor(identity, whole, whole_machine);
+}
 
 Result<FrozenJob> FreezeJob(const JobSpec& job, const MachineSpec& machine,
                             const materials_db::Material& material,
@@ -38,20 +60,14 @@ Result<FrozenJob> FreezeJob(const JobSpec& job, const MachineSpec& machine,
                optics ? std::optional(optics->stage_per_glass_ratio()) : std::nullopt);
   if (!optics) errors.push_back(optics.error());
   if (!errors.empty()) return tl::unexpected(JoinErrors(errors));
-  FrozenJob frozen;
-  frozen.set_job_uid(identity.uid);
-  frozen.set_epoch(identity.epoch);
-  *frozen.mutable_job() = std::move(whole);
+  FrozenJob frozen = FrozenFor(identity, std::move(whole), whole_machine);
   frozen.mutable_job()->set_glass(material.name);  // it may have been named otherwise
-  *frozen.mutable_machine() = whole_machine;
   *frozen.mutable_material() = RecordOf(material);
   *frozen.mutable_optics() = *optics;
   Ordering& ordering = *frozen.mutable_job()->mutable_ordering();
   if (ordering.has_kdz() && !ordering.kdz().has_up_ratio()) {
     ordering.mutable_kdz()->set_up_ratio(sort::DefaultUpRatio(BeamConeOf(frozen)));
   }
-  frozen.set_software_version(identity.software_version);
-  frozen.set_result_directory(identity.result_directory);
   return frozen;
 }
 

@@ -28,4 +28,9 @@ Result<FrozenJob> FreezeJob(const JobSpec& job, const MachineSpec& machine,
                             const materials_db::Material& material,
                             const JobIdentity& identity);
 
+/// The same of a job of marks, which has no glass. A job of points on a machine that
+/// marks, and a job of marks on one that engraves, are refused by name.
+Result<FrozenJob> FreezeMarkJob(const JobSpec& job, const MachineSpec& machine,
+                                const JobIdentity& identity);
+
 }  // namespace intaglio

@@ -20,6 +20,8 @@
 #include "services/job/machine/laser_check.h"
 #include "services/job/machine/lens_check.h"
 #include "services/job/machine/reach_check.h"
+#include "services/job/machine/mark_job_check.h"
+#include "services/job/marks_check.h"
 #include "services/job/methods/method_table.h"
 #include "services/job/model_kind.h"
 #include "services/job/placeholders.h"
@@ -271,6 +273,7 @@ void CheckMotion(const MotionOptions& motion, double min_spacing_mm,
 }  // namespace
 
 std::vector<Finding> CheckJob(const JobSpec& job) {
+  if (job.has_marks()) return CheckMarks(job);
   if (job.has_course()) return RefuseCourse(job);
   Findings findings;
   CheckRanges(job, "", findings.found());
@@ -296,6 +299,7 @@ std::vector<Finding> CheckJob(const JobSpec& job) {
 
 std::vector<Finding> CheckJobOnMachine(const JobSpec& job, const MachineSpec& machine,
                                        std::optional<double> stage_per_glass_ratio) {
+  if (job.has_marks()) return CheckMarksOnMachine(job, machine);
   const JobSpec whole = WithDefaults(job, machine);
   Findings findings;
   if (job.block().has_size_mm()) {
@@ -322,8 +326,13 @@ std::vector<Finding> CheckAll(const JobSpec& job, const MachineSpec& machine,
     all.push_back({std::move(error), "machine"});
   }
   std::set<std::string> fields;
-  for (const auto& part :
-       {CheckJob(job), CheckJobOnMachine(job, machine, stage_per_glass_ratio)}) {
+  std::vector<std::vector<Finding>> parts;
+  if (ConcernsMarks(job, machine)) {
+    parts = {CheckMarkJob(job, machine)};
+  } else {
+    parts = {CheckJob(job), CheckJobOnMachine(job, machine, stage_per_glass_ratio)};
+  }
+  for (const auto& part : parts) {
     for (const Finding& finding : part) {
       if (fields.insert(finding.field).second) all.push_back(finding);
     }

@@ -8,6 +8,7 @@
 #include "engrave/io/lower_case.h"
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/machine_axes.h"
+#include "services/job/marks_check.h"
 #include "services/job/methods/method_table.h"
 #include "services/job/model_kind.h"
 #include "services/job/placeholders.h"
@@ -217,6 +218,11 @@ const MachineLens* FindLens(const MachineSpec& machine, double focal_length_mm) 
 }
 
 JobSpec WithDefaults(JobSpec job, const MachineSpec& machine) {
+  if (job.has_marks()) {
+    *job.mutable_marks() = WithDefaults(std::move(*job.mutable_marks()));
+    if (job.name().empty()) job.set_name("marks");
+    return job;
+  }
   if (job.name().empty() && job.models_size() > 0) job.set_name(NameOf(job.models(0)));
   if (!job.block().has_margin_mm()) job.mutable_block()->set_margin_mm(kDefaultMarginMm);
   FillLens(*job.mutable_lens(), machine);
@@ -230,6 +236,11 @@ JobSpec WithDefaults(JobSpec job, const MachineSpec& machine) {
 }
 
 MachineSpec WithMachineDefaults(MachineSpec machine) {
+  if (machine.has_mark_line()) {
+    SerialLine& line = *machine.mutable_mark_line();
+    if (!line.has_baud()) line.set_baud(kDefaultBaud);
+    return machine;
+  }
   for (SerialLine* line : {machine.mutable_laser_line(), machine.mutable_motion_line()}) {
     if (!line->has_baud()) line->set_baud(kDefaultBaud);
   }

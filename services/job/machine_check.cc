@@ -265,6 +265,34 @@ void AddKinematics(const MachineSpec& machine, std::vector<Error>& errors) {
   CheckAxis(machine.has_z(), machine.z(), "z", errors);
 }
 
+void CheckNameOf(const MachineSpec& machine, std::vector<Error>& errors) {
+  if (machine.name().empty()) {
+    Missing(errors, "name", "give the machine a name of letters, digits, - and _");
+  } else if (!IsCellName(machine.name())) {
+    errors.push_back(
+        {ErrorCode::kInvalidValue,
+         fmt::format("name: \"{}\" has characters other than letters, digits, - and _",
+                     machine.name()),
+         machine.name()});
+  }
+}
+
+// What its driver needs, the driver checks when it is made.
+std::vector<Error> CheckMarkingMachine(const MachineSpec& machine) {
+  std::vector<Error> errors;
+  CheckNameOf(machine, errors);
+  CheckRanges(machine, "", errors);
+  CheckLine(true, machine.mark_line(), "mark_line", errors);
+  for (const char* field : {"laser_line", "motion_line"}) {
+    const auto* descriptor = MachineSpec::descriptor()->FindFieldByName(field);
+    if (!machine.GetReflection()->HasField(machine, descriptor)) continue;
+    Wrong(errors, field,
+          "is of a machine that engraves points, and mark_line is given: the one "
+          "controller of a machine that marks is on mark_line; remove one of them");
+  }
+  return errors;
+}
+
 }  // namespace
 
 std::vector<Error> CheckKinematics(const MachineSpec& machine) {
@@ -275,16 +303,9 @@ std::vector<Error> CheckKinematics(const MachineSpec& machine) {
 }
 
 std::vector<Error> CheckMachine(const MachineSpec& machine) {
+  if (machine.has_mark_line()) return CheckMarkingMachine(machine);
   std::vector<Error> errors;
-  if (machine.name().empty()) {
-    Missing(errors, "name", "give the machine a name of letters, digits, - and _");
-  } else if (!IsCellName(machine.name())) {
-    errors.push_back(
-        {ErrorCode::kInvalidValue,
-         fmt::format("name: \"{}\" has characters other than letters, digits, - and _",
-                     machine.name()),
-         machine.name()});
-  }
+  CheckNameOf(machine, errors);
   CheckRanges(machine, "", errors);
   AddKinematics(machine, errors);
   if (!machine.has_block_origin_mm()) {

@@ -52,18 +52,30 @@ void VisitMethod(google::protobuf::Message& holder, const std::string& path,
   }
 }
 
+void VisitFonts(Text& text, const std::string& path, const Visit& visit) {
+  visit(*text.mutable_font(), path + ".font");
+  for (int i = 0; i < text.fallback_fonts_size(); ++i) {
+    visit(*text.mutable_fallback_fonts(i), fmt::format("{}.fallback_fonts[{}]", path, i));
+  }
+}
+
 void VisitModel(Model& model, const std::string& path, const Visit& visit) {
   if (model.has_text()) {
-    Text& text = *model.mutable_text();
-    visit(*text.mutable_font(), path + ".text.font");
-    for (int i = 0; i < text.fallback_fonts_size(); ++i) {
-      visit(*text.mutable_fallback_fonts(i),
-            fmt::format("{}.text.fallback_fonts[{}]", path, i));
-    }
+    VisitFonts(*model.mutable_text(), path + ".text", visit);
   } else if (!model.file().empty() || model.points_mm_size() == 0) {
     visit(*model.mutable_file(), path + ".file");
   }
   VisitMethod(model, path + ".", visit);
+}
+
+void VisitMarkItem(MarkItem& item, const std::string& path, const Visit& visit) {
+  if (item.has_drawing()) {
+    visit(*item.mutable_drawing()->mutable_file(), path + ".drawing.file");
+  } else if (item.has_text()) {
+    VisitFonts(*item.mutable_text(), path + ".text", visit);
+  } else if (item.has_image()) {
+    visit(*item.mutable_image()->mutable_file(), path + ".image.file");
+  }
 }
 
 }  // namespace
@@ -118,6 +130,12 @@ void ForEachFile(JobSpec& job, const Visit& visit) {
   for (int i = 0; i < job.course().files_size(); ++i) {
     visit(*job.mutable_course()->mutable_files(i), fmt::format("course.files[{}]", i));
   }
+  for (int i = 0; i < job.marks().items_size(); ++i) {
+    VisitMarkItem(*job.mutable_marks()->mutable_items(i),
+                  fmt::format("marks.items[{}]", i), visit);
+  }
+  if (!job.marks().table().empty())
+    visit(*job.mutable_marks()->mutable_table(), "marks.table");
 }
 
 std::vector<std::string> FilesOf(const JobSpec& job) {

@@ -6,6 +6,8 @@
 #include <cctype>
 
 #include "proto/task.pb.h"
+#include "services/job/machine/mark_job_check.h"
+#include "services/job/marks/mark_maker.h"
 #include "services/job/model_kind.h"
 #include "services/job/verdict/warnings.h"
 #include "services/job_service/submission.h"
@@ -247,7 +249,8 @@ void JobService::Give(const TaskOrder& order, const JobRecord& job) {
 }
 
 void JobService::StartFeed(const TaskOrder& order, const JobRecord& job) {
-  feed_.Start(order.task, FilesOf(FrozenOf(job).job()));
+  const JobSpec spec = FrozenOf(job).job();
+  feed_.Start(order.task, MakesMarks(spec) ? MarkFilesOf(spec) : FilesOf(spec));
 }
 
 void JobService::StopFeed(const std::string& job_uid) { feed_.Stop(job_uid); }

@@ -9,6 +9,7 @@
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
 #include "services/job/job_file.h"
+#include "services/job/machine/mark_job_check.h"
 #include "services/job/model_kind.h"
 
 namespace intaglio::job_service {
@@ -60,6 +61,8 @@ Result<FrozenJob> FreezeSubmission(std::span<const std::uint8_t> job_bytes,
   if (!job.machine_file().empty()) {
     machine = TakeOr(ReadMachineFile(job.machine_file()), "machine_file", missing);
   }
+  if (machine && ConcernsMarks(job, *machine))
+    return FreezeMarkJob(job, *machine, {"", 0, "", software_version});
   std::optional<materials_db::Material> material;
   if (!job.glass().empty())
     material = TakeOr(find_material(job.glass()), "glass", missing);

@@ -16,9 +16,10 @@ bool Contains(const std::vector<std::string>& names, const std::string& name) {
 }
 
 recording::BulkRequest RequestOf(recording::Bulk bulk) {
-  const std::vector<std::string> batches = {bus::kPointBatch.name, bus::kPathBatch.name,
-                                            bus::kMotionSegmentBatch.name,
-                                            bus::kPositionReport.name};
+  const std::vector<std::string> batches = {
+      bus::kPointBatch.name,         bus::kPathBatch.name,
+      bus::kMarkBatch.name,          bus::kOrderedMarkBatch.name,
+      bus::kMotionSegmentBatch.name, bus::kPositionReport.name};
   // A part of a model's file is of no use.
   const std::vector<std::string> files = {bus::kModelChunk.name};
   recording::BulkRequest request;

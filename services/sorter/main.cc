@@ -1,30 +1,47 @@
 #include <atomic>
 #include <memory>
 
+#include "services/job/machine/mark_job_check.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/host/process/service_host.h"
-#include "services/platform/host/stage/cloud_output.h"
+#include "services/platform/host/stage/stage_output.h"
 #include "services/sorter/sort_job.h"
 
 namespace {
 
 using namespace intaglio;
 
-/// The discretizer's points.
-class PointInput final : public host::StageInput {
+/// The discretizer's points, or its marks.
+class PointOrMarkInput final : public host::StageInput {
  public:
-  PointInput(bus::Bus& bus, const std::string& instance)
-      : intake_(bus, instance, bus::kPointBatch) {}
+  PointOrMarkInput(bus::Bus& bus, const std::string& instance)
+      : points_(bus, instance, bus::kPointBatch),
+        marks_(bus, instance, bus::kMarkBatch) {}
 
   Status Open(const host::StageTask& task) override {
-    return intake_.Open(task.job_uid, task.attempt, task.input_part_count);
+    if (MakesMarks(task.job.job())) return marks_.Open(task.job_uid, task.attempt);
+    return points_.Open(task.job_uid, task.attempt, task.input_part_count);
   }
-  Result<bool> Poll(TimePoint) override { return intake_.Poll(); }
-  void Close(bool, TimePoint) override { intake_.Close(); }
+  Result<bool> Poll(TimePoint) override {
+    const auto points = points_.Poll();
+    const auto marks = marks_.Poll();
+    if (!points) return points;
+    if (!marks) return marks;
+    return *points || *marks;
+  }
+  void Close(bool, TimePoint) override {
+    points_.Close();
+    marks_.Close();
+  }
   host::Computation<host::StageResult>::Function TakeComputation(
       const host::StageTask& task) override {
     estimate_ticks_ = std::make_shared<std::atomic<std::uint64_t>>(0);
-    return [job = task.job, cloud = intake_.TakeCloud(),
+    if (MakesMarks(task.job.job())) {
+      return [job = task.job, marks = marks_.TakeMarks()](const ProgressSink&) mutable {
+        return sorter::SortMarks(job, std::move(marks));
+      };
+    }
+    return [job = task.job, cloud = points_.TakeCloud(),
             estimate = estimate_ticks_](const ProgressSink& progress) mutable {
       return sorter::SortJob(job, std::move(cloud), *estimate, progress);
     };
@@ -32,20 +49,25 @@ class PointInput final : public host::StageInput {
   std::uint64_t estimate_ticks() const override {
     return estimate_ticks_ == nullptr ? 0 : estimate_ticks_->load();
   }
-  bus::Reader<intaglio_PointBatch>& reader() { return intake_.reader(); }
+  template <typename WaitSet>
+  void AttachTo(WaitSet& wait) {
+    wait.Attach(points_.reader());
+    wait.Attach(marks_.reader());
+  }
 
  private:
-  host::CloudIntake<intaglio_PointBatch> intake_;
+  host::CloudIntake<intaglio_PointBatch> points_;
+  host::MarkIntake marks_;
   std::shared_ptr<std::atomic<std::uint64_t>> estimate_ticks_;  // of the newest task
 };
 
 int Serve(host::ServiceHost& host) {
-  PointInput input(host.bus(), host.instance());
-  host::CloudOutput<intaglio_PathBatch> output(host.bus(), bus::kPathBatch,
-                                               bus::AnyCellPartition());
+  PointOrMarkInput input(host.bus(), host.instance());
+  host::CloudOrMarkOutput<intaglio_PathBatch> output(
+      host.bus(), bus::kPathBatch, bus::kOrderedMarkBatch, bus::AnyCellPartition());
   bus::WaitSet wait(host.bus());
-  wait.Attach(input.reader());
-  wait.Attach(output.reader());
+  input.AttachTo(wait);
+  output.AttachTo(wait);
   host::StageWorker worker(host, bus::kSortTask, intaglio_STAGE_SORT, input, output,
                            [&wait] { wait.Wake(); });
   return host::RunStageWorker(host, wait, worker);

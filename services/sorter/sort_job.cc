@@ -1,6 +1,7 @@
 #include "services/sorter/sort_job.h"
 
 #include "engrave/core/channels.h"
+#include "engrave/core/check.h"
 #include "engrave/core/try.h"
 #include "engrave/discretize/cloud.h"
 #include "engrave/sort/order.h"
@@ -8,6 +9,7 @@
 #include "engrave/sort/travel.h"
 #include "services/job/channels.h"
 #include "services/job/machine/first_estimate.h"
+#include "services/job/marks/mark_maker.h"
 #include "services/job/options.h"
 #include "services/job/plan/ordering.h"
 #include "services/job/quality/cloud_warnings.h"
@@ -58,6 +60,15 @@ Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
       FindInCloud(job.job(), job.machine(), result.cloud, masks, host::AllCores());
   AddTo(*outcome.mutable_warnings(), FocusSpreadOf(job, result.cloud.points_mm));
   AddTo(*outcome.mutable_warnings(), found.warnings);
+  return result;
+}
+
+Result<host::StageResult> SortMarks(const FrozenJob& job, mark::MarkSet marks) {
+  const std::size_t count = marks.marks.size();
+  host::StageResult result;
+  result.marks = INTAGLIO_TRY(OrderMarks(job.job(), job.machine(), std::move(marks)));
+  Require(result.size() == count, "an order of {} marks for {}", result.size(), count);
+  result.outcome.mutable_sort()->set_point_count(count);
   return result;
 }
 

@@ -16,10 +16,14 @@ constexpr double kNothing_mm2 = 1e-6;
 // The search for the largest tool that fits ends here, mm.
 constexpr double kDiameter_mm = 1e-3;
 constexpr std::size_t kPassesFromWall = 16;
+constexpr double kMinStepRatio = 0.05;
+// Where passes of two walls meet exactly, as in a slot of whole steps, the proof of their
+// union fails: then with these parts of the step.
+constexpr double kSmallerSteps[] = {0.98, 0.95};
 
 Status CheckPocketOptions(const PocketOptions& options) {
   INTAGLIO_TRY(CheckOption("the tool's diameter", options.tool_diameter_mm, 0.001, 100));
-  INTAGLIO_TRY(CheckOption("the step", options.step_ratio, 0.05, 0.95));
+  INTAGLIO_TRY(CheckOption("the step", options.step_ratio, kMinStepRatio, 0.95));
   INTAGLIO_TRY(CheckOption("the allowance", options.allowance_mm, 0, 10));
   return CheckOption("the number of passes", options.max_pass_count, 1, 1'000'000);
 }
@@ -149,10 +153,7 @@ Result<Region> CutBy(const std::vector<PocketPass>& passes, double tool_diameter
   return Swept(paths, tool_diameter_mm);
 }
 
-}  // namespace
-
-Result<Pocket> ClearPocket(const Region& area, const PocketOptions& options) {
-  INTAGLIO_TRY(CheckPocketOptions(options));
+Result<Pocket> ClearWithStep(const Region& area, const PocketOptions& options) {
   Region first =
       INTAGLIO_TRY(Inset(area, options.tool_diameter_mm / 2 + options.allowance_mm));
   INTAGLIO_TRY(CheckParts(area, first, options));
@@ -165,6 +166,20 @@ Result<Pocket> ClearPocket(const Region& area, const PocketOptions& options) {
                                ? AreaOf(INTAGLIO_TRY(Inset(area, options.allowance_mm)))
                                : AreaOf(area);
   pocket.left_area_mm2 = std::max(whole_mm2 - pocket.cut_area_mm2, 0.0);
+  return pocket;
+}
+
+}  // namespace
+
+Result<Pocket> ClearPocket(const Region& area, const PocketOptions& options) {
+  INTAGLIO_TRY(CheckPocketOptions(options));
+  auto pocket = ClearWithStep(area, options);
+  PocketOptions smaller = options;
+  for (const double part : kSmallerSteps) {
+    if (pocket || pocket.error().code != ErrorCode::kUnsupported) break;
+    smaller.step_ratio = std::max(kMinStepRatio, part * options.step_ratio);
+    if (auto again = ClearWithStep(area, smaller)) pocket = std::move(again);
+  }
   return pocket;
 }
 

@@ -39,6 +39,7 @@ struct Pocket {
   double left_area_mm2 = 0;        ///< corners and necks, without the allowance
 };
 
+/// Where passes would coincide the step is up to a twentieth less than asked for.
 /// Errors: kInvalidValue for an option outside its range; kUnsupported when the tool fits
 /// nowhere into a part of the area (with its place and the largest diameter that would),
 /// or where a proof fails.

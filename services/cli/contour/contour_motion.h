@@ -8,7 +8,7 @@
 
 #include "engrave/course/plan.h"
 #include "proto/machine.pb.h"
-#include "services/cli/contour/contour_work.h"
+#include "services/job/course/course_work.h"
 
 namespace intaglio::cli {
 

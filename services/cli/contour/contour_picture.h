@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "services/cli/contour/contour_work.h"
+#include "services/job/course/course_work.h"
 
 namespace intaglio::cli {
 

@@ -45,7 +45,43 @@ Status WriteParts(const fs::path& first, const post::ProgramTexts& texts,
   return {};
 }
 
+void GiveIf(bool given, const char* variable, post::Cutting& cutting) {
+  if (given) cutting.given.emplace_back(variable);
+}
+
+post::Cutting CommonOf(const Course& whole, const Course& typed) {
+  post::Cutting cutting;
+  cutting.speed_mm_s = whole.speed_mm_s();
+  cutting.travel_mm_s = whole.travel_mm_s();
+  cutting.plunge_mm_s = whole.plunge_mm_s();
+  cutting.safe_mm = whole.safe_height_mm();
+  cutting.tool_diameter_mm = whole.tool_diameter_mm();
+  GiveIf(typed.has_plunge_mm_s(), "PLUNGE", cutting);
+  GiveIf(typed.has_safe_height_mm(), "SAFE", cutting);
+  return cutting;
+}
+
 }  // namespace
+
+post::Cutting MillingOf(const Course& whole, const Course& typed) {
+  post::Cutting cutting = CommonOf(whole, typed);
+  GiveIf(typed.has_speed_mm_s(), "SPEED", cutting);
+  GiveIf(typed.has_depth_mm(), "DEPTH", cutting);
+  GiveIf(typed.has_power_ratio(), "POWER", cutting);
+  if (whole.has_power_ratio()) cutting.power_ratio = whole.power_ratio();
+  cutting.depths_mm.clear();
+  for (std::uint32_t k = 1; k <= whole.repeat_count(); ++k) {
+    cutting.depths_mm.push_back(-whole.depth_mm() * k / whole.repeat_count());
+  }
+  return cutting;
+}
+
+post::Cutting DrillingOf(const Course& whole, const Course& typed) {
+  post::Cutting cutting = CommonOf(whole, typed);
+  GiveIf(typed.has_drill_depth_mm(), "DEPTH", cutting);
+  cutting.depths_mm = {-whole.drill_depth_mm()};
+  return cutting;
+}
 
 Result<post::Template> ReadMillTemplate(const std::string& name_or_file) {
   const fs::path file =

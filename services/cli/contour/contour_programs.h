@@ -7,8 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "engrave/post/cutting.h"
 #include "engrave/post/mill_program.h"
-#include "services/cli/contour/contour_work.h"
+#include "services/job/course/course_work.h"
 #include "services/platform/command_line/supplied_files.h"
 
 namespace intaglio::cli {
@@ -16,6 +17,11 @@ namespace intaglio::cli {
 inline constexpr command_line::SuppliedKind kMillTemplates{"post/mill", "mill template"};
 inline constexpr command_line::SuppliedKind kDrillTemplates{"post/drill",
                                                             "drill template"};
+
+/// Speeds, depths and power of a course; `given` by which of its fields are set in
+/// `typed`, the course without its defaults.
+post::Cutting MillingOf(const Course& whole, const Course& typed);
+post::Cutting DrillingOf(const Course& whole, const Course& typed);
 
 struct ContourProgramOptions {
   std::string mill_template;

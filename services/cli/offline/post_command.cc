@@ -21,7 +21,7 @@
 #include "services/cli/complain.h"
 #include "services/cli/contour/contour_files.h"
 #include "services/cli/contour/contour_programs.h"
-#include "services/cli/contour/contour_work.h"
+#include "services/job/course/course_work.h"
 #include "services/cli/flags/size_limits_flag.h"
 #include "services/cli/job_glass.h"
 #include "services/cli/job_options.h"

@@ -6,13 +6,24 @@
 #include <algorithm>
 #include <vector>
 
+#include "proto/task.pb.h"
+#include "services/job/machine/mark_job_check.h"
 #include "services/platform/host/stage/task_part.h"
 
 namespace intaglio::job_service {
+namespace {
+
+// Marks are made at once: their order is the job's, and no mark may be made twice.
+bool MakesMarksWhole(const JobRecord& job) {
+  FrozenJob frozen;
+  return frozen.ParseFromString(job.frozen_job) && MakesMarks(frozen.job());
+}
+
+}  // namespace
 
 void Discretizing::Cut(JobRecord& job, const std::vector<std::string>& discretizers,
                        Nanoseconds now) {
-  job.parts.Cut(discretizers.size(), now);
+  job.parts.Cut(MakesMarksWhole(job) ? 1 : discretizers.size(), now);
   const std::size_t count = std::min(discretizers.size(), job.parts.size());
   for (std::uint32_t i = 0; i < count; ++i) job.parts.Give(i, discretizers[i]);
 }

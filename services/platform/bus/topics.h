@@ -85,6 +85,13 @@ inline constexpr Topic<intaglio_PathBatch> kPathBatch{
     "PathBatch", &intaglio_PathBatch_desc, Profile::kBulk, DomainKind::kBulk,
     Scope::kShop};
 
+inline constexpr Topic<intaglio_MarkBatch> kMarkBatch{
+    "MarkBatch", &intaglio_MarkBatch_desc, Profile::kBulk, DomainKind::kBulk,
+    Scope::kShop};
+inline constexpr Topic<intaglio_MarkBatch> kOrderedMarkBatch{
+    "OrderedMarkBatch", &intaglio_MarkBatch_desc, Profile::kBulk, DomainKind::kBulk,
+    Scope::kShop};
+
 inline constexpr Topic<intaglio_MotionSegmentBatch> kMotionSegmentBatch{
     "MotionSegmentBatch", &intaglio_MotionSegmentBatch_desc, Profile::kMotion,
     DomainKind::kControl, Scope::kCell};

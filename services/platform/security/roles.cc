@@ -58,9 +58,10 @@ Role StageWorker() {
           "*",
           Join({OwnReports(),
                 {Of(bus::kPresence), Of(bus::kTaskStatus), Of(bus::kCredit),
-                 Of(bus::kPointBatch), Of(bus::kPathBatch)}}),
+                 Of(bus::kPointBatch), Of(bus::kPathBatch), Of(bus::kMarkBatch),
+                 Of(bus::kOrderedMarkBatch)}}),
           {Of(bus::kDiscretizeTask), Of(bus::kSortTask), Of(bus::kModelChunk),
-           Of(bus::kPointBatch), Of(bus::kCredit)}};
+           Of(bus::kPointBatch), Of(bus::kMarkBatch), Of(bus::kCredit)}};
 }
 
 // Health shows a second synchronizer or bridge of the same machine that the first one
@@ -74,21 +75,23 @@ Role Cell(const std::string& cell) {
                  Of(bus::kPositionReport), Of(bus::kLampSync), Of(bus::kPulseEventBatch),
                  Of(bus::kInterlock), Of(bus::kCellMove), Of(bus::kManualState)}}),
           {Of(bus::kServiceHealth), Of(bus::kEngraveTask), Of(bus::kPathBatch),
-           Of(bus::kCredit), Of(bus::kPermission), Of(bus::kEmergencyStop),
-           Of(bus::kMotionSegmentBatch), Of(bus::kMotionState), Of(bus::kPositionReport),
-           Of(bus::kPresence, bus::kJobServiceRole), Of(bus::kInterlock),
-           Of(bus::kManualCommand), Of(bus::kCellMove), Of(bus::kManualState)}};
+           Of(bus::kOrderedMarkBatch), Of(bus::kCredit), Of(bus::kPermission),
+           Of(bus::kEmergencyStop), Of(bus::kMotionSegmentBatch), Of(bus::kMotionState),
+           Of(bus::kPositionReport), Of(bus::kPresence, bus::kJobServiceRole),
+           Of(bus::kInterlock), Of(bus::kManualCommand), Of(bus::kCellMove),
+           Of(bus::kManualState)}};
 }
 
 Role Recorder() {
-  return {bus::kRecorderRole, "*", OwnReports(),
-          Join({ShopState(),
-                CellState(),
-                {Of(bus::kJobSubmission), Of(bus::kJobCommand),
-                 Of(bus::kJobCommandAnswer), Of(bus::kDiscretizeTask), Of(bus::kSortTask),
-                 Of(bus::kEngraveTask), Of(bus::kCredit), Of(bus::kMotionSegmentBatch),
-                 Of(bus::kModelChunk), Of(bus::kPointBatch), Of(bus::kPathBatch),
-                 Of(bus::kManualCommand), Of(bus::kCellMove)}})};
+  return {
+      bus::kRecorderRole, "*", OwnReports(),
+      Join({ShopState(),
+            CellState(),
+            {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kJobCommandAnswer),
+             Of(bus::kDiscretizeTask), Of(bus::kSortTask), Of(bus::kEngraveTask),
+             Of(bus::kCredit), Of(bus::kMotionSegmentBatch), Of(bus::kModelChunk),
+             Of(bus::kPointBatch), Of(bus::kPathBatch), Of(bus::kMarkBatch),
+             Of(bus::kOrderedMarkBatch), Of(bus::kManualCommand), Of(bus::kCellMove)}})};
 }
 
 Role Observer() {

@@ -54,6 +54,8 @@ TEST(FieldRanges, CommentsAndTableAgree) {
   Ranges documented = DocumentedRanges(INTAGLIO_SOURCE_DIR "/proto/job.proto");
   documented.merge(DocumentedRanges(INTAGLIO_SOURCE_DIR "/proto/machine.proto"));
   documented.merge(DocumentedRanges(INTAGLIO_SOURCE_DIR "/proto/course.proto"));
+  documented.merge(DocumentedRanges(INTAGLIO_SOURCE_DIR "/proto/mark.proto"));
+  documented.merge(DocumentedRanges(INTAGLIO_SOURCE_DIR "/proto/text.proto"));
   Ranges table;
   for (const FieldRange& range : FieldRanges()) {
     table[fmt::format("{}.{}", range.message, range.field)] = {range.min, range.max};
@@ -65,7 +67,8 @@ TEST(FieldRanges, CommentsAndTableAgree) {
 TEST(FieldRanges, EveryNumberHasOne) {
   for (const pb::FileDescriptor* file :
        {JobSpec::descriptor()->file(), MachineSpec::descriptor()->file(),
-        Course::descriptor()->file()}) {
+        Course::descriptor()->file(), Marks::descriptor()->file(),
+        Text::descriptor()->file()}) {
     for (int m = 0; m < file->message_type_count(); ++m) {
       const pb::Descriptor& type = *file->message_type(m);
       if (type.name() == "Vector3") continue;

@@ -3,9 +3,11 @@
 // The task of a worker of one stage (discretizer, sorter), and its result.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "engrave/core/geometry.h"
+#include "engrave/mark/mark.h"
 #include "proto/task.pb.h"
 #include "services/platform/host/stage/task_part.h"
 
@@ -29,9 +31,13 @@ struct StageTask {
   }
 };
 
+/// What goes to the consumer, in its order, is the cloud or, of a job of marks, these.
 struct StageResult {
-  PointCloud cloud;      ///< what goes to the consumer, in its order
+  PointCloud cloud;
+  std::optional<mark::MarkSet> marks;
   StageOutcome outcome;  ///< what goes to the job service; elapsed_s is filled in for it
+
+  std::size_t size() const { return marks ? marks->marks.size() : cloud.size(); }
 };
 
 }  // namespace intaglio::host

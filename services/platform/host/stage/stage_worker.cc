@@ -184,7 +184,7 @@ Status StageWorker::FinishComputing(Work& work) {
   input_.Close(false, now_);
   work.task.job.Clear();
   work.result = std::move(*result);
-  work.progress.done_count = work.progress.total_count = work.result.cloud.size();
+  work.progress.done_count = work.progress.total_count = work.result.size();
   work.phase = Phase::kMade;
   return {};
 }
@@ -196,7 +196,10 @@ bool StageWorker::Send(const Result<bool>& sent) {
   work.progress.elapsed_s = std::chrono::duration<double>(now_ - work.began_at).count();
   Result<bool> all_sent = sent;
   if (work.phase == Phase::kMade && !work.task.consumer.empty()) {
-    output_.Begin(work.task, std::exchange(work.result.cloud, {}), now_);
+    StageResult made;
+    made.cloud = std::exchange(work.result.cloud, {});
+    made.marks = std::exchange(work.result.marks, {});
+    output_.Begin(work.task, std::move(made), now_);
     work.phase = Phase::kSending;
     all_sent = output_.Advance(now_);
   } else if (work.phase == Phase::kMade) {
@@ -225,8 +228,8 @@ void StageWorker::End(std::size_t place, const Error* error) {
   }
   if (work.phase == Phase::kSending) output_.End();
   if (error == nullptr) {
-    LogInfo("{}: done, {} points in {:.2f} s", NameOf(work.task),
-            work.progress.done_count, work.progress.elapsed_s);
+    LogInfo("{}: done, {} made in {:.2f} s", NameOf(work.task), work.progress.done_count,
+            work.progress.elapsed_s);
     reporter_.Done(work.task, work.progress, std::move(work.result.outcome));
   } else {
     LogWarning("{}: {}: {}", NameOf(work.task), ErrorCodeName(error->code),

@@ -54,12 +54,12 @@ class StageInput {
   virtual std::uint64_t estimate_ticks() const { return 0; }
 };
 
-/// Where the points go.
+/// Where the points or marks go.
 class StageOutput {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
   virtual ~StageOutput() = default;
-  virtual void Begin(const StageTask& task, PointCloud cloud, TimePoint now) = 0;
+  virtual void Begin(const StageTask& task, StageResult result, TimePoint now) = 0;
   /// Takes the credit that has come and sends what may be sent; true when the consumer
   /// has everything, or nothing is to be sent. Once a turn. Never blocks.
   virtual Result<bool> Advance(TimePoint now) = 0;

@@ -8,7 +8,7 @@
 
 #include "services/cli/contour/contour_command.h"
 #include "services/cli/contour/contour_files.h"
-#include "services/cli/contour/contour_work.h"
+#include "services/job/course/course_work.h"
 #include "services/client/exit_codes.h"
 #include "services/job/course/course_check.h"
 #include "tests/engrave/contour/files/kicad_text.h"

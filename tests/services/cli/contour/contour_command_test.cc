@@ -11,8 +11,10 @@
 #include <regex>
 
 #include "engrave/contour/files/project_file.h"
+#include "services/cli/contour/contour_figures.h"
 #include "services/cli/contour/contour_files.h"
-#include "services/cli/contour/contour_work.h"
+#include "services/cli/contour/contour_programs.h"
+#include "services/job/course/course_work.h"
 #include "services/cli/job_options.h"
 #include "services/cli/offline/post_command.h"
 #include "services/client/exit_codes.h"
@@ -133,6 +135,7 @@ TEST_F(ContourCommand, APictureIsADrawingOfTheContours) {
   // Copper, idle ways and contours are its curves; the contours have their length.
   Course course;
   course.add_files(picture);
+  course.set_make(COURSE_MAKE_CURVES);
   Warnings warnings;
   const auto files = ReadCourseFiles(course, 1, warnings);
   ASSERT_TRUE(files) << files.error().message;
@@ -168,7 +171,7 @@ TEST_F(ContourCommand, AProjectComesBackAsItWas) {
             R"(<svg xmlns="http://www.w3.org/2000/svg" width="30mm" height="30mm" )"
             R"(viewBox="0 0 30 30"><rect x="5" y="5" width="20" height="20"/></svg>)");
   EXPECT_EQ(Type({"contour", plate, "--xml", xml}), client::kExitWrongInput);
-  EXPECT_THAT(errors_, HasSubstr("plate.svg, curve 1 is no element of a project"));
+  EXPECT_THAT(errors_, HasSubstr("plate.svg, contour 1"));
 }
 
 TEST_F(ContourCommand, APlateIsCutAroundItselfAndInItsHole) {
@@ -198,7 +201,7 @@ TEST_F(ContourCommand, OpenCurvesHaveNoOutlineButCanBeFollowed) {
       "line.svg", R"(<svg xmlns="http://www.w3.org/2000/svg" width="30mm" height="30mm" )"
                   R"(viewBox="0 0 30 30"><line x1="5" y1="5" x2="25" y2="5"/></svg>)");
   EXPECT_EQ(Type({"contour", line, "--make", "outline"}), client::kExitWrongInput);
-  EXPECT_THAT(errors_, HasSubstr("line.svg, curve 1: is open, from (5, 25) to (25, 25)"));
+  EXPECT_THAT(errors_, HasSubstr("line.svg: a contour is open at (25, 25); close it, or follow its curves with --make curves"));
   const std::string out = folder_ / "line.nc";
   ASSERT_EQ(Type({"contour", line, "--make", "curves", "--power", "0.4", "--speed", "20",
                   "--template", Mill("grbl-laser"), "--out", out}),

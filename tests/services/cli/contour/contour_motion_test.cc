@@ -12,6 +12,7 @@
 #include "engrave/image/image_file.h"
 #include "engrave/io/csv.h"
 #include "engrave/io/number_text.h"
+#include "services/cli/contour/contour_figures.h"
 #include "services/cli/contour/contour_frames.h"
 #include "services/job/course/course_check.h"
 #include "services/job/job_file.h"

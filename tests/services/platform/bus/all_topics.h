@@ -24,6 +24,8 @@ void ForEachTopic(Visit&& visit) {
   visit(bus::kModelChunk);
   visit(bus::kPointBatch);
   visit(bus::kPathBatch);
+  visit(bus::kMarkBatch);
+  visit(bus::kOrderedMarkBatch);
   visit(bus::kMotionSegmentBatch);
   visit(bus::kMotionState);
   visit(bus::kPositionReport);

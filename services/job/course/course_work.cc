@@ -1,21 +1,25 @@
-#include "services/cli/contour/contour_work.h"
+#include "services/job/course/course_work.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <iterator>
+#include <cmath>
+#include <set>
 #include <utility>
 
 #include "engrave/contour/contour_order.h"
 #include "engrave/contour/isolation.h"
 #include "engrave/contour/union.h"
 #include "engrave/core/try.h"
-#include "services/cli/contour/contour_areas.h"
-#include "services/cli/contour/contour_nets.h"
-#include "services/client/figure_text.h"
+#include "services/job/course/course_areas.h"
+#include "services/job/course/course_nets.h"
 
-namespace intaglio::cli {
+namespace intaglio {
 namespace {
+
+/// Diameters within it are those of one tool.
+constexpr double kSameDrill_mm = 0.001;
 
 struct Contours {
   std::vector<contour::Contour> all;  ///< clockwise, as the published programs
@@ -153,20 +157,24 @@ void PlanHoles(const Course& course, const std::vector<contour::Hole>& holes,
   }
 }
 
-void GiveIf(bool given, const char* variable, post::Cutting& cutting) {
-  if (given) cutting.given.emplace_back(variable);
-}
-
-post::Cutting CommonOf(const Course& whole, const Course& typed) {
-  post::Cutting cutting;
-  cutting.speed_mm_s = whole.speed_mm_s();
-  cutting.travel_mm_s = whole.travel_mm_s();
-  cutting.plunge_mm_s = whole.plunge_mm_s();
-  cutting.safe_mm = whole.safe_height_mm();
-  cutting.tool_diameter_mm = whole.tool_diameter_mm();
-  GiveIf(typed.has_plunge_mm_s(), "PLUNGE", cutting);
-  GiveIf(typed.has_safe_height_mm(), "SAFE", cutting);
-  return cutting;
+/// Holes that are made (course.drill_diameter_mm).
+Result<std::vector<contour::Hole>> HolesOf(const Course& course,
+                                           const std::vector<contour::Hole>& holes) {
+  if (!course.has_drill_diameter_mm()) return holes;
+  std::vector<contour::Hole> made;
+  std::set<double> others_mm;
+  for (const contour::Hole& hole : holes) {
+    if (std::abs(hole.diameter_mm - course.drill_diameter_mm()) < kSameDrill_mm)
+      made.push_back(hole);
+    else
+      others_mm.insert(hole.diameter_mm);
+  }
+  if (course.drill_diameter_mm() == 0 || !made.empty()) return made;
+  return Fail(ErrorCode::kInvalidValue,
+              fmt::format("course.drill_diameter_mm: no hole has {:g} mm; the files have "
+                          "holes of {:g} mm: give one of these, or 0 for the contours",
+                          course.drill_diameter_mm(), fmt::join(others_mm, ", ")),
+              fmt::format("{:g}", course.drill_diameter_mm()));
 }
 
 }  // namespace
@@ -174,8 +182,10 @@ post::Cutting CommonOf(const Course& whole, const Course& typed) {
 Result<ContourWork> MakeContourWork(const Course& course, const CourseFiles& files,
                                     const Vec2& start_mm) {
   ContourWork work;
-  work.hole_count = files.holes.size();
-  PlanHoles(course, files.holes, start_mm, work);
+  const auto holes = INTAGLIO_TRY(HolesOf(course, files.holes));
+  work.hole_count = holes.size();
+  PlanHoles(course, holes, start_mm, work);
+  if (course.drill_diameter_mm() > 0) return work;
   if (course.make() == COURSE_MAKE_CURVES) {
     if (files.curves.empty()) {
       return Fail(ErrorCode::kMissing,
@@ -186,9 +196,7 @@ Result<ContourWork> MakeContourWork(const Course& course, const CourseFiles& fil
     work.element_count = files.curves.size();
     return work;
   }
-  std::vector<contour::Element> elements = files.elements;
-  auto outlines = INTAGLIO_TRY(OutlinesOf(files.curves));
-  std::ranges::move(outlines, std::back_inserter(elements));
+  const std::vector<contour::Element>& elements = files.elements;
   work.element_count = elements.size();
   if (course.make() == COURSE_MAKE_POCKET || course.make() == COURSE_MAKE_CUT) {
     INTAGLIO_TRY(TakeAreas(course, elements, start_mm, work));
@@ -200,77 +208,4 @@ Result<ContourWork> MakeContourWork(const Course& course, const CourseFiles& fil
   return work;
 }
 
-post::Cutting MillingOf(const Course& whole, const Course& typed) {
-  post::Cutting cutting = CommonOf(whole, typed);
-  GiveIf(typed.has_speed_mm_s(), "SPEED", cutting);
-  GiveIf(typed.has_depth_mm(), "DEPTH", cutting);
-  GiveIf(typed.has_power_ratio(), "POWER", cutting);
-  if (whole.has_power_ratio()) cutting.power_ratio = whole.power_ratio();
-  cutting.depths_mm.clear();
-  for (std::uint32_t k = 1; k <= whole.repeat_count(); ++k) {
-    cutting.depths_mm.push_back(-whole.depth_mm() * k / whole.repeat_count());
-  }
-  return cutting;
-}
-
-post::Cutting DrillingOf(const Course& whole, const Course& typed) {
-  post::Cutting cutting = CommonOf(whole, typed);
-  GiveIf(typed.has_drill_depth_mm(), "DEPTH", cutting);
-  cutting.depths_mm = {-whole.drill_depth_mm()};
-  return cutting;
-}
-
-WorkTime TimeOf(const ContourWork& work, const Course& whole) {
-  const double repeats = whole.repeat_count();
-  WorkTime time;
-  time.work_s = repeats * work.work_mm / whole.speed_mm_s();
-  const double down_s = whole.safe_height_mm() / whole.travel_mm_s() +
-                        (whole.safe_height_mm() + whole.depth_mm()) / whole.plunge_mm_s();
-  const bool lifts = !whole.has_power_ratio();
-  time.idle_s = work.idle_mm / whole.travel_mm_s() +
-                (lifts ? repeats * static_cast<double>(work.paths.size()) * down_s : 0);
-  const double hole_mm = whole.safe_height_mm() + whole.drill_depth_mm();
-  time.drill_s = work.drill_idle_mm / whole.travel_mm_s() +
-                 static_cast<double>(work.hole_count) * hole_mm *
-                     (1 / whole.plunge_mm_s() + 1 / whole.travel_mm_s());
-  return time;
-}
-
-std::vector<std::string> FiguresOf(const ContourWork& work, const Course& whole) {
-  const auto saved = [](double mm, double of_mm) {
-    return of_mm > 0 ? 100 * (1 - mm / of_mm) : 0;
-  };
-  std::vector<std::string> lines{fmt::format("elements      {}, {} holes with {} tools",
-                                             client::GroupedDigits(work.element_count),
-                                             client::GroupedDigits(work.hole_count),
-                                             work.rounds.size())};
-  if (work.net_count) {
-    lines.push_back(fmt::format("isolation     {} nets, {:.3g} mm around the copper",
-                                *work.net_count, work.isolated_mm));
-  }
-  if (work.proved_net_count) {
-    lines.push_back(
-        fmt::format("copper left   {} nets as the file has them, none short or open",
-                    *work.proved_net_count));
-  }
-  if (whole.make() == COURSE_MAKE_POCKET) {
-    lines.push_back(fmt::format(
-        "left over     {:.3g} mm2 in corners and necks narrower than the tool",
-        work.left_mm2));
-  }
-  const WorkTime time = TimeOf(work, whole);
-  lines.push_back(fmt::format("contours      {}, {:.1f} mm at work, {} times",
-                              client::GroupedDigits(work.paths.size()), work.work_mm,
-                              whole.repeat_count()));
-  lines.push_back(fmt::format(
-      "idle way      {:.1f} mm, {:.1f} % less than to the nearest "
-      "contour; {:.1f} mm to the holes",
-      work.idle_mm, saved(work.idle_mm, work.nearest_idle_mm), work.drill_idle_mm));
-  lines.push_back(fmt::format(
-      "time          {}: {} at work, {} between, {} drilling; without acceleration",
-      client::ShortDuration(time.sum_s()), client::ShortDuration(time.work_s),
-      client::ShortDuration(time.idle_s), client::ShortDuration(time.drill_s)));
-  return lines;
-}
-
-}  // namespace intaglio::cli
+}  // namespace intaglio

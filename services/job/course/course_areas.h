@@ -10,7 +10,7 @@
 #include "engrave/core/result.h"
 #include "proto/course.pb.h"
 
-namespace intaglio::cli {
+namespace intaglio {
 
 struct AreaPaths {
   std::vector<contour::Edges> paths;  ///< in the order of milling, which is not changed
@@ -18,8 +18,7 @@ struct AreaPaths {
   double left_mm2 = 0;                ///< of pockets: corners and necks that stay
 };
 
-/// With a step of the tool's diameter times 1 - overlap_ratio, or up to a twentieth less
-/// where passes would coincide. Errors as of ClearPocket.
+/// With a step of the tool's diameter times 1 - overlap_ratio. Errors as of ClearPocket.
 Result<AreaPaths> ClearAreas(const Course& course,
                              const std::vector<contour::Element>& areas);
 
@@ -28,4 +27,4 @@ Result<AreaPaths> ClearAreas(const Course& course,
 Result<AreaPaths> CutAreas(const Course& course,
                            const std::vector<contour::Element>& areas);
 
-}  // namespace intaglio::cli
+}  // namespace intaglio

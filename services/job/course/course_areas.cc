@@ -1,6 +1,5 @@
-#include "services/cli/contour/contour_areas.h"
+#include "services/job/course/course_areas.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "engrave/contour/milling/cut.h"
@@ -9,26 +8,12 @@
 #include "engrave/contour/union.h"
 #include "engrave/core/try.h"
 
-namespace intaglio::cli {
+namespace intaglio {
 namespace {
 
 Result<contour::Region> AreaOfAll(const std::vector<contour::Element>& areas) {
   return contour::RegionOf(
       INTAGLIO_TRY(contour::Unite(areas, {0, contour::Corners::kRound})));
-}
-
-/// Where passes of two walls meet exactly, as in a slot of whole steps, the proof of
-/// their union fails: then with a step that is up to a twentieth smaller.
-Result<contour::Pocket> Clear(const contour::Region& area,
-                              contour::PocketOptions options) {
-  const double step_ratio = options.step_ratio;
-  auto pocket = contour::ClearPocket(area, options);
-  for (const double part : {0.98, 0.95}) {
-    if (pocket || pocket.error().code != ErrorCode::kUnsupported) break;
-    options.step_ratio = std::max(0.05, part * step_ratio);
-    if (auto again = contour::ClearPocket(area, options)) pocket = std::move(again);
-  }
-  return pocket;
 }
 
 }  // namespace
@@ -41,7 +26,7 @@ Result<AreaPaths> ClearAreas(const Course& course,
   const contour::Region region = INTAGLIO_TRY(AreaOfAll(areas));
   AreaPaths made;
   for (const contour::Region& part : contour::ConnectedParts(region)) {
-    auto pocket = INTAGLIO_TRY(Clear(part, options));
+    auto pocket = INTAGLIO_TRY(contour::ClearPocket(part, options));
     made.left_mm2 += pocket.left_area_mm2;
     int pass = 0;
     for (contour::PocketPass& row : pocket.passes) {
@@ -73,4 +58,4 @@ Result<AreaPaths> CutAreas(const Course& course,
   return made;
 }
 
-}  // namespace intaglio::cli
+}  // namespace intaglio

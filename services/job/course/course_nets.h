@@ -11,7 +11,7 @@
 #include "engrave/contour/milling/nets.h"
 #include "engrave/core/result.h"
 
-namespace intaglio::cli {
+namespace intaglio {
 
 /// A board whose nets its file has.
 struct DrawnNets {
@@ -27,4 +27,4 @@ Result<contour::NetReport> ProveNets(const DrawnNets& drawn,
                                      const contour::Isolation& isolation,
                                      double tool_diameter_mm);
 
-}  // namespace intaglio::cli
+}  // namespace intaglio

@@ -8,13 +8,12 @@
 #include <vector>
 
 #include "engrave/core/result.h"
-#include "engrave/post/cutting.h"
 #include "engrave/post/drill_program.h"
 #include "engrave/post/tool_path.h"
 #include "proto/job.pb.h"
-#include "services/cli/contour/contour_files.h"
+#include "services/job/course/course_files.h"
 
-namespace intaglio::cli {
+namespace intaglio {
 
 struct ContourWork {
   std::vector<post::ToolPath> paths;     ///< in their order
@@ -33,24 +32,8 @@ struct ContourWork {
 };
 
 /// `course` with its defaults filled in. `start_mm`: where the tool comes from. Errors as
-/// of Isolate, Unite and OutlinesOf, each with the place.
+/// of Isolate, Unite, ClearAreas and CutAreas, each with the place.
 Result<ContourWork> MakeContourWork(const Course& course, const CourseFiles& files,
                                     const Vec2& start_mm);
 
-/// Speeds, depths and power of a course; `given` by which of its fields are set in
-/// `typed`, the course without its defaults.
-post::Cutting MillingOf(const Course& whole, const Course& typed);
-post::Cutting DrillingOf(const Course& whole, const Course& typed);
-
-/// How long it takes at these speeds, without acceleration, s. Idle ways include those up
-/// and down.
-struct WorkTime {
-  double work_s = 0, idle_s = 0, drill_s = 0;
-  double sum_s() const { return work_s + idle_s + drill_s; }
-};
-WorkTime TimeOf(const ContourWork& work, const Course& whole);
-
-/// Lines of name and value.
-std::vector<std::string> FiguresOf(const ContourWork& work, const Course& whole);
-
-}  // namespace intaglio::cli
+}  // namespace intaglio

@@ -1,4 +1,4 @@
-#include "services/cli/contour/contour_nets.h"
+#include "services/job/course/course_nets.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include "engrave/core/geometry.h"
 #include "engrave/core/try.h"
 
-namespace intaglio::cli {
+namespace intaglio {
 namespace {
 
 constexpr std::size_t kMaxNamedFaults = 5;
@@ -67,4 +67,4 @@ Result<contour::NetReport> ProveNets(const DrawnNets& drawn,
   return Fail(ErrorCode::kUnsupported, why, drawn.file);
 }
 
-}  // namespace intaglio::cli
+}  // namespace intaglio

@@ -1,0 +1,62 @@
+#include "services/cli/contour/contour_figures.h"
+
+#include <fmt/format.h>
+
+#include "services/client/figure_text.h"
+
+namespace intaglio::cli {
+
+WorkTime TimeOf(const ContourWork& work, const Course& whole) {
+  const double repeats = whole.repeat_count();
+  WorkTime time;
+  time.work_s = repeats * work.work_mm / whole.speed_mm_s();
+  const double down_s = whole.safe_height_mm() / whole.travel_mm_s() +
+                        (whole.safe_height_mm() + whole.depth_mm()) / whole.plunge_mm_s();
+  const bool lifts = !whole.has_power_ratio();
+  time.idle_s = work.idle_mm / whole.travel_mm_s() +
+                (lifts ? repeats * static_cast<double>(work.paths.size()) * down_s : 0);
+  const double hole_mm = whole.safe_height_mm() + whole.drill_depth_mm();
+  time.drill_s = work.drill_idle_mm / whole.travel_mm_s() +
+                 static_cast<double>(work.hole_count) * hole_mm *
+                     (1 / whole.plunge_mm_s() + 1 / whole.travel_mm_s());
+  return time;
+}
+
+std::vector<std::string> FiguresOf(const ContourWork& work, const Course& whole) {
+  const auto saved = [](double mm, double of_mm) {
+    return of_mm > 0 ? 100 * (1 - mm / of_mm) : 0;
+  };
+  std::vector<std::string> lines{fmt::format("elements      {}, {} holes with {} tools",
+                                             client::GroupedDigits(work.element_count),
+                                             client::GroupedDigits(work.hole_count),
+                                             work.rounds.size())};
+  if (work.net_count) {
+    lines.push_back(fmt::format("isolation     {} nets, {:.3g} mm around the copper",
+                                *work.net_count, work.isolated_mm));
+  }
+  if (work.proved_net_count) {
+    lines.push_back(
+        fmt::format("copper left   {} nets as the file has them, none short or open",
+                    *work.proved_net_count));
+  }
+  if (whole.make() == COURSE_MAKE_POCKET) {
+    lines.push_back(fmt::format(
+        "left over     {:.3g} mm2 in corners and necks narrower than the tool",
+        work.left_mm2));
+  }
+  const WorkTime time = TimeOf(work, whole);
+  lines.push_back(fmt::format("contours      {}, {:.1f} mm at work, {} times",
+                              client::GroupedDigits(work.paths.size()), work.work_mm,
+                              whole.repeat_count()));
+  lines.push_back(fmt::format(
+      "idle way      {:.1f} mm, {:.1f} % less than to the nearest "
+      "contour; {:.1f} mm to the holes",
+      work.idle_mm, saved(work.idle_mm, work.nearest_idle_mm), work.drill_idle_mm));
+  lines.push_back(fmt::format(
+      "time          {}: {} at work, {} between, {} drilling; without acceleration",
+      client::ShortDuration(time.sum_s()), client::ShortDuration(time.work_s),
+      client::ShortDuration(time.idle_s), client::ShortDuration(time.drill_s)));
+  return lines;
+}
+
+}  // namespace intaglio::cli

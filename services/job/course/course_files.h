@@ -1,0 +1,45 @@
+#pragma once
+
+// The files of a course: circuit boards and drawings as elements, holes and curves.
+// Frame: the files', mm, x to the right, y up.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engrave/contour/drill_plan.h"
+#include "engrave/contour/element.h"
+#include "engrave/core/result.h"
+#include "engrave/core/warning.h"
+#include "proto/job.pb.h"
+#include "services/job/course/course_nets.h"
+#include "services/job/models/read_limits.h"
+
+namespace intaglio {
+
+/// A curve of a drawing that is followed, as lines within 1 um of it.
+struct DrawnCurve {
+  std::string name;  ///< "plate.dxf, curve 3"
+  contour::Edges edges;
+  bool closed = false;
+};
+
+struct CourseFiles {
+  std::vector<contour::Element> elements;
+  std::vector<contour::Hole> holes;
+  std::vector<DrawnCurve> curves;
+  std::vector<DrawnNets> boards;  ///< those whose file has the nets; in `elements`, too
+};
+
+/// Of `course.files`, whose contents are `texts`: drawings by their extension (.dxf,
+/// .svg, .hpgl, .plt), projects by theirs (.xml), boards of KiCad by theirs (.kicad_pcb;
+/// course.layer of them), Gerber and Excellon files by what they hold. Drawings are
+/// curves for a course along curves, else outlines of exact lines and arcs: a contour in
+/// an odd number of others is a hole of the smallest of these. What is read and not made
+/// is added to `warnings`. Errors as of the readers; kUnreadable: none of these;
+/// kInvalidValue: a contour that is open, with its place.
+Result<CourseFiles> CourseFilesOf(const Course& course,
+                                  const std::vector<std::string_view>& texts,
+                                  const ReadLimits& limits, Warnings& warnings);
+
+}  // namespace intaglio

@@ -1,0 +1,77 @@
+#include "services/job/machine/mark_job_check.h"
+
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include "services/job/course/course_check.h"
+#include "services/job/field_ranges.h"
+#include "services/job/marks_check.h"
+
+namespace intaglio {
+namespace {
+
+void RefuseFieldsOfPoints(const JobSpec& job, Findings& findings) {
+  constexpr const char* kOfPoints[] = {"block",  "glass",          "lens",
+                                       "laser",  "discretization", "ordering",
+                                       "motion", "channel_blocks"};
+  for (const char* name : kOfPoints) {
+    const auto* field = JobSpec::descriptor()->FindFieldByName(name);
+    const auto& fields = *job.GetReflection();
+    const bool given = field->is_repeated() ? fields.FieldSize(job, field) > 0
+                                            : fields.HasField(job, field);
+    if (!given) continue;
+    findings.Wrong(name, "it",
+                   "is of points in a block, and this job makes marks; remove it");
+  }
+}
+
+}  // namespace
+
+bool MakesMarks(const JobSpec& job) { return job.has_course() || job.has_marks(); }
+
+std::vector<Finding> CheckMarkJob(const JobSpec& job, const MachineSpec& machine) {
+  Findings findings;
+  if (!MakesMarks(job)) {
+    findings.Wrong(
+        "models", job.models_size(),
+        "are points in a block, and {} makes marks (its profile has a "
+        "mark_line); give marks or a course in their place, or name a machine that "
+        "engraves",
+        machine.name());
+    return std::move(findings.found());
+  }
+  if (job.machine_file().empty()) {
+    findings.Missing("machine_file", "name a machine profile with a mark_line");
+  } else if (!machine.has_mark_line()) {
+    findings.Wrong("machine_file", machine.name(),
+                   "engraves points in a block (its profile has no mark_line), and this "
+                   "job makes marks; name a machine that marks or cuts");
+  }
+  RefuseFieldsOfPoints(job, findings);
+  if (job.has_course()) {
+    for (Finding& found : CheckCourse(job)) findings.found().push_back(std::move(found));
+  }
+  if (job.has_marks()) {
+    for (Finding& found : CheckMarks(job)) findings.found().push_back(std::move(found));
+  }
+  return std::move(findings.found());
+}
+
+JobSpec WithMarkDefaults(JobSpec job) {
+  if (job.has_marks()) {
+    const Marks marks = WithDefaults(job.marks());
+    *job.mutable_marks() = marks;
+    if (job.name().empty()) job.set_name("marks");
+  }
+  if (job.has_course()) {
+    const Course course = WithDefaults(job.course());
+    *job.mutable_course() = course;
+  }
+  if (job.name().empty() && job.course().files_size() > 0) {
+    job.set_name(std::filesystem::path(job.course().files(0)).filename().string());
+  }
+  return job;
+}
+
+}  // namespace intaglio

@@ -1,0 +1,213 @@
+#include "services/job/marks/job_marks.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "engrave/core/try.h"
+#include "services/job/marks/item_place.h"
+#include "services/job/marks/mark_table.h"
+#include "services/job/marks_check.h"
+#include "services/job/model_kind.h"
+
+namespace intaglio {
+namespace {
+
+mark::Pen PenOf(const MarkItem& item, int number) {
+  mark::Pen pen;
+  pen.name = fmt::format("item {}", number + 1);
+  pen.speed_mm_s = item.pen().speed_mm_s();
+  pen.power_ratio = item.pen().power_ratio();
+  pen.frequency_hz = item.pen().frequency_hz();
+  pen.pass_count = item.pen().pass_count();
+  return pen;
+}
+
+/// Lines of a code lie alike in each of its modules.
+double LineDistance(const MarkFill& fill, double module_mm) {
+  if (module_mm <= 0) return fill.distance_mm();
+  return module_mm / std::ceil(module_mm / fill.distance_mm() - 1e-9);
+}
+
+mark::HatchOptions HatchOptionsOf(const MarkFill& fill, const MarkShapes& shapes,
+                                  const ItemPlace& place) {
+  mark::HatchOptions options;
+  options.distance_mm = LineDistance(fill, shapes.module_mm * place.scale);
+  options.angle_rad = place.angle_rad + fill.angle_deg() * std::numbers::pi / 180;
+  options.cross = fill.cross();
+  options.bidirectional = fill.bidirectional();
+  options.rule = shapes.rule;
+  if (fill.rule() == MARK_FILL_RULE_EVEN_ODD) options.rule = mark::InsideRule::kEvenOdd;
+  if (fill.rule() == MARK_FILL_RULE_NONZERO) options.rule = mark::InsideRule::kNonZero;
+  options.inset_mm = fill.inset_mm();
+  return options;
+}
+
+class JobMarks {
+ public:
+  JobMarks(Marks marks, std::vector<std::string> names, std::vector<FileBytes> files,
+           const ReadLimits& limits)
+      : marks_(std::move(marks)), files_(std::move(files)), limits_(limits) {
+    for (std::size_t i = 0; i < files_.size() && i < names.size(); ++i)
+      named_.push_back(
+          {names[i],
+           {reinterpret_cast<const char*>(files_[i].data()), files_[i].size()}});
+  }
+
+  Result<mark::MarkSet> Make(const ProgressSink& progress) {
+    INTAGLIO_TRY(DivideFiles());
+    table_.emplace(INTAGLIO_TRY(MarkTable::Make(marks_, table_file_)));
+    const std::size_t count = table_->repeat_count();
+    for (int i = 0; i < marks_.items_size(); ++i)
+      made_.pens.push_back(PenOf(marks_.items(i), i));
+    constant_.resize(item_files_.size());
+    for (std::size_t k = 0; k < count; ++k) {
+      if (progress && !progress(k, count))
+        return Fail(ErrorCode::kCancelled, "the making of marks was cancelled");
+      INTAGLIO_TRY(AddRepeat(k));
+    }
+    INTAGLIO_TRY(mark::CheckMarks(made_));
+    return std::move(made_);
+  }
+
+ private:
+  /// To each item its own, in the order of JobMarkFilesOf.
+  Status DivideFiles() {
+    std::size_t next = 0;
+    for (const MarkItem& item : marks_.items()) {
+      const std::size_t first = next;
+      if (item.has_drawing() || item.has_image()) next += 1;
+      if (item.has_text())
+        next += 1 + static_cast<std::size_t>(item.text().fallback_fonts_size());
+      if (next > named_.size()) return TooFewFiles(next);
+      item_files_.push_back(std::span(named_).subspan(first, next - first));
+    }
+    if (marks_.table().empty()) return {};
+    if (next + 1 > named_.size()) return TooFewFiles(next + 1);
+    table_file_ = named_[next];
+    return {};
+  }
+
+  Status TooFewFiles(std::size_t needed) const {
+    return Fail(ErrorCode::kMissing,
+                fmt::format("marks.items: need {} files, got {}", needed, named_.size()));
+  }
+
+  Status AddRepeat(std::size_t repeat) {
+    for (int i = 0; i < marks_.items_size(); ++i) {
+      const MarkItem& item = marks_.items(i);
+      auto& kept = constant_[static_cast<std::size_t>(i)];
+      if (kept) {
+        INTAGLIO_TRY(Append(*kept, repeat));
+        continue;
+      }
+      const auto filled =
+          INTAGLIO_TRY(table_->Fill(item, fmt::format("marks.items[{}]", i), repeat));
+      auto marks = MarksOf(filled, static_cast<std::uint32_t>(i));
+      if (!marks) return tl::unexpected(Named(std::move(marks.error()), i, repeat));
+      INTAGLIO_TRY(Append(*marks, repeat));
+      if (!MarkTable::Varies(item)) kept = std::move(*marks);
+    }
+    return {};
+  }
+
+  Error Named(Error error, int item, std::size_t repeat) const {
+    error.message = fmt::format("marks.items[{}].{}{}", item, error.message,
+                                table_->NameOf(marks_.items(item), repeat));
+    return error;
+  }
+
+  /// Of the first repeat's place.
+  Result<std::vector<mark::Mark>> MarksOf(const MarkItem& item, std::uint32_t pen) const {
+    const auto shapes = INTAGLIO_TRY(ShapesOf(item, item_files_[pen], limits_));
+    const ItemPlace place = PlaceOf(item.placement(), shapes);
+    std::vector<mark::Mark> marks;
+    std::vector<std::vector<Vec2>> closed;
+    std::vector<mark::Mark> outlines;
+    for (const MarkShape& shape : shapes.shapes) {
+      mark::Mark outline{pen, shape.closed, 0, {}};
+      for (const Vec2& p : shape.places_mm) outline.places.push_back({place(p), 0});
+      if (shape.closed) {
+        closed.emplace_back();
+        for (const mark::Place& p : outline.places) closed.back().push_back(p.at_mm);
+      }
+      outlines.push_back(std::move(outline));
+    }
+    if (item.has_fill()) {
+      auto chords = mark::Hatch(closed, HatchOptionsOf(item.fill(), shapes, place));
+      if (!chords) return tl::unexpected(OfFill(std::move(chords.error())));
+      for (const mark::Chord& chord : *chords)
+        marks.push_back({pen, false, 0, {{chord.from_mm, 0}, {chord.to_mm, 0}}});
+    }
+    for (mark::Mark& outline : outlines) {
+      // A filled shape without its contour pass.
+      if (item.has_fill() && outline.closed && !item.fill().contour()) continue;
+      marks.push_back(std::move(outline));
+    }
+    return marks;
+  }
+
+  static Error OfFill(Error error) {
+    error.message = "fill.distance_mm: " + error.message;
+    return error;
+  }
+
+  Status Append(const std::vector<mark::Mark>& marks, std::size_t repeat) {
+    if (made_.marks.size() + marks.size() > kMaxMarks) {
+      return Fail(ErrorCode::kTooLarge,
+                  fmt::format("marks.repeats.count: {} repeats make more than {} marks; "
+                              "use fewer, or a larger fill.distance_mm",
+                              table_->repeat_count(), kMaxMarks),
+                  fmt::format("{}", table_->repeat_count()));
+    }
+    const double along_mm = static_cast<double>(repeat) * marks_.repeats().pitch_mm();
+    for (mark::Mark mark : marks) {
+      if (marks_.has_web()) {
+        mark.web_mm = along_mm;
+      } else {
+        for (mark::Place& place : mark.places) place.at_mm.x() += along_mm;
+      }
+      made_.marks.push_back(std::move(mark));
+    }
+    return {};
+  }
+
+  Marks marks_;
+  std::vector<FileBytes> files_;
+  const ReadLimits& limits_;
+  std::vector<MarkFile> named_;
+  std::vector<std::span<const MarkFile>> item_files_;
+  MarkFile table_file_;
+  std::optional<MarkTable> table_;
+  std::vector<std::optional<std::vector<mark::Mark>>> constant_;  // of items that repeat
+  mark::MarkSet made_;
+};
+
+}  // namespace
+
+std::vector<std::string> JobMarkFilesOf(const JobSpec& job) {
+  JobSpec marks;
+  *marks.mutable_marks() = job.marks();
+  std::vector<std::string> files;
+  ForEachFile(marks,
+              [&](std::string& file, const std::string&) { files.push_back(file); });
+  return files;
+}
+
+Result<mark::MarkSet> MakeJobMarks(const JobSpec& job, const MachineSpec&,
+                                   std::vector<FileBytes> files, const ReadLimits& limits,
+                                   const ProgressSink& progress) {
+  return JobMarks(WithDefaults(job.marks()), JobMarkFilesOf(job), std::move(files),
+                  limits)
+      .Make(progress);
+}
+
+Result<mark::MarkSet> OrderJobMarks(const JobSpec&, const MachineSpec&,
+                                    mark::MarkSet marks) {
+  return marks;
+}
+
+}  // namespace intaglio

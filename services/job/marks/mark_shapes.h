@@ -1,0 +1,46 @@
+#pragma once
+
+// What an item of marks is made of before it is placed and filled.
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+#include "engrave/core/result.h"
+#include "engrave/mark/hatch.h"
+#include "proto/mark.pb.h"
+#include "services/job/models/read_limits.h"
+
+namespace intaglio {
+
+struct MarkShape {
+  std::vector<Vec2> places_mm;  ///< two or more; a closed one does not repeat its first
+  bool closed = false;
+};
+
+/// Frame of the item, mm, x to the right, y up.
+struct MarkShapes {
+  std::vector<MarkShape> shapes;
+  mark::InsideRule rule = mark::InsideRule::kEvenOdd;  ///< of its kind
+  double module_mm = 0;                                ///< of a code; else 0
+  /// Of an image all of it, marked or not; of others that of the shapes.
+  std::optional<Box3> extent_mm;
+  bool is_scaled = false;  ///< the placement's scale and fit are in it already
+};
+
+/// A file of an item with its bytes, which outlive it.
+struct MarkFile {
+  std::string name;
+  std::string_view bytes;
+};
+
+/// `item` with its defaults and with the text of this repeat, plain; `files` those that
+/// ForEachFile (model_kind.h) names for the item. Errors begin with the field within the
+/// item, "drawing.file: ...".
+Result<MarkShapes> ShapesOf(const MarkItem& item, std::span<const MarkFile> files,
+                            const ReadLimits& limits);
+
+}  // namespace intaglio

@@ -1,0 +1,200 @@
+#include "services/job/marks_check.h"
+
+#include <filesystem>
+#include <utility>
+
+#include "engrave/drawing/font_list.h"
+#include "services/job/field_ranges.h"
+#include "services/job/model_kind.h"
+#include "services/job/placeholders.h"
+
+namespace intaglio {
+namespace {
+
+namespace fs = std::filesystem;
+
+void CompletePen(MarkPen& pen, const MarkPen& defaults) {
+  MarkPen whole = defaults;
+  whole.MergeFrom(pen);
+  pen = std::move(whole);
+}
+
+void CompleteFill(MarkFill& fill, bool of_code) {
+  if (!fill.has_distance_mm()) fill.set_distance_mm(0.1);
+  if (!fill.has_angle_deg()) fill.set_angle_deg(0);
+  if (!fill.has_bidirectional()) fill.set_bidirectional(true);
+  if (!fill.has_contour()) fill.set_contour(!of_code);
+  if (!fill.has_inset_mm()) fill.set_inset_mm(0);
+}
+
+void CompleteContent(MarkItem& item) {
+  if (item.has_text()) {
+    Text& text = *item.mutable_text();
+    if (!text.has_height_mm()) text.set_height_mm(5);
+    if (!text.has_line_ratio()) text.set_line_ratio(1);
+  } else if (item.has_image()) {
+    MarkImage& image = *item.mutable_image();
+    if (!image.has_distance_mm()) image.set_distance_mm(0.1);
+    if (!image.has_dot_mm() && image.make() == MARK_IMAGE_MAKE_DOTS)
+      image.set_dot_mm(image.distance_mm() / 2);
+    if (!image.has_threshold_ratio()) image.set_threshold_ratio(0.5);
+  } else if (item.has_code()) {
+    MarkCode& code = *item.mutable_code();
+    if (!code.has_module_mm()) code.set_module_mm(0.5);
+    if (!code.has_correction_ratio()) code.set_correction_ratio(0.15);
+    item.mutable_fill();
+  }
+}
+
+void CompleteItem(MarkItem& item, const MarkPen& pen) {
+  CompletePen(*item.mutable_pen(), pen);
+  CompleteContent(item);
+  if (item.has_fill()) CompleteFill(*item.mutable_fill(), item.has_code());
+  MarkPlacement& placement = *item.mutable_placement();
+  if (!placement.has_scale_ratio()) placement.set_scale_ratio(1);
+  if (!placement.has_rotate_deg()) placement.set_rotate_deg(0);
+  if (!placement.has_centre()) placement.set_centre(true);
+}
+
+void CheckMarkFile(const std::string& file, const std::string& path, Findings& findings) {
+  const bool is_font = path.find(".text.") != std::string::npos;
+  if (file.empty()) return findings.Missing(path, "name a {}", is_font ? "font" : "file");
+  std::error_code error;
+  if (fs::is_regular_file(file, error)) return;
+  if (is_font && !drawing::IsFontFile(file)) {
+    return findings.Wrong(path, file,
+                          "is no font of this computer; name a file, or one that "
+                          "`intaglio fonts` lists");
+  }
+  findings.Wrong(path, file, "does not exist or is not a file");
+}
+
+void CheckMarkText(const std::string& text, const std::string& path, bool has_table,
+                   Findings& findings) {
+  if (text.empty()) return findings.Missing(path, "give the text to mark");
+  for (const std::string& name : PlaceholdersOf(text)) {
+    if (name == "n" || has_table) continue;
+    return findings.Wrong(path, "{" + name + "}",
+                          "needs a table with this column; name its file in marks.table, "
+                          "or write {{{{ and }}}} for braces");
+  }
+}
+
+void CheckTextOptions(const Text& text, const std::string& path, Findings& findings) {
+  if (text.shrink_to_fit() || text.has_max_width_mm() || text.has_max_height_mm()) {
+    findings.Wrong(path + ".shrink_to_fit", text.shrink_to_fit(),
+                   "and max_width_mm, max_height_mm are of blocks; use "
+                   "placement.fit_width_mm or fit_height_mm");
+  }
+}
+
+void CheckImageItem(const MarkItem& item, const std::string& path, Findings& findings) {
+  const MarkImage& image = item.image();
+  if (!MarkImageMake_IsValid(image.make())) {
+    findings.Wrong(path + ".image.make", static_cast<int>(image.make()), "is none, 0..{}",
+                   static_cast<int>(MarkImageMake_MAX));
+  }
+  if (item.has_fill()) {
+    findings.Wrong(path + ".fill.distance_mm", item.fill().distance_mm(),
+                   "is of closed curves, and an image has none; remove the fill");
+  }
+  if (image.make() != MARK_IMAGE_MAKE_DOTS && image.has_dot_mm()) {
+    findings.Wrong(path + ".image.dot_mm", image.dot_mm(),
+                   "is of MARK_IMAGE_MAKE_DOTS; remove it, or make dots");
+  }
+}
+
+void CheckItem(const MarkItem& item, const std::string& path, bool has_table,
+               Findings& findings) {
+  switch (item.content_case()) {
+    case MarkItem::kText:
+      CheckMarkText(item.text().text(), path + ".text.text", has_table, findings);
+      CheckTextOptions(item.text(), path + ".text", findings);
+      break;
+    case MarkItem::kCode:
+      CheckMarkText(item.code().text(), path + ".code.text", has_table, findings);
+      if (!MarkCodeKind_IsValid(item.code().kind())) {
+        findings.Wrong(path + ".code.kind", static_cast<int>(item.code().kind()),
+                       "is none, 0..{}", static_cast<int>(MarkCodeKind_MAX));
+      }
+      break;
+    case MarkItem::kImage:
+      CheckImageItem(item, path, findings);
+      break;
+    case MarkItem::kDrawing:
+      break;
+    default:
+      findings.Missing(path, "give it a drawing, a text, an image or a code");
+  }
+  if (!MarkFillRule_IsValid(item.fill().rule())) {
+    findings.Wrong(path + ".fill.rule", static_cast<int>(item.fill().rule()),
+                   "is none, 0..{}", static_cast<int>(MarkFillRule_MAX));
+  }
+}
+
+void CheckExclusions(const JobSpec& job, Findings& findings) {
+  if (!job.models().empty()) {
+    findings.Wrong("models", job.models_size(),
+                   "are given beside marks; make a job of each");
+  }
+  if (job.has_course()) {
+    findings.Wrong("course.make", static_cast<int>(job.course().make()),
+                   "is given beside marks; make a job of each");
+  }
+  const MarkRepeats& repeats = job.marks().repeats();
+  const bool several = repeats.count() > 1 || !job.marks().table().empty();
+  if (several && !repeats.has_pitch_mm()) {
+    findings.Missing("marks.repeats.pitch_mm",
+                     "give the way from one repeat to the next, 0.001..100000 mm");
+  }
+}
+
+}  // namespace
+
+Marks WithDefaults(Marks marks) {
+  MarkPen pen;
+  pen.set_speed_mm_s(1000);
+  pen.set_power_ratio(0.5);
+  pen.set_frequency_hz(20000);
+  pen.set_pass_count(1);
+  CompletePen(*marks.mutable_pen(), pen);
+  if (!marks.has_first_number()) marks.set_first_number(1);
+  if (!marks.has_number_digits()) marks.set_number_digits(1);
+  for (MarkItem& item : *marks.mutable_items()) CompleteItem(item, marks.pen());
+  return marks;
+}
+
+std::vector<Finding> CheckMarks(const JobSpec& job) {
+  Findings findings;
+  CheckRanges(job.marks(), "marks", findings.found());
+  if (job.marks().items().empty()) {
+    findings.Missing("marks.items", "give a drawing, a text, an image or a code");
+  }
+  for (int i = 0; i < job.marks().items_size(); ++i) {
+    CheckItem(job.marks().items(i), fmt::format("marks.items[{}]", i),
+              !job.marks().table().empty(), findings);
+  }
+  CheckExclusions(job, findings);
+  JobSpec marks;
+  *marks.mutable_marks() = job.marks();
+  ForEachFile(marks, [&](const std::string& file, const std::string& path) {
+    CheckMarkFile(file, path, findings);
+  });
+  if (job.machine_file().empty()) {
+    findings.Missing("machine_file", "name the profile of a machine that marks");
+  }
+  return std::move(findings.found());
+}
+
+std::vector<Finding> CheckMarksOnMachine(const JobSpec& job, const MachineSpec& machine) {
+  Findings findings;
+  if (!machine.has_mark_line()) {
+    findings.Wrong("marks.items", job.marks().items_size(),
+                   "items to mark, and {} engraves points: its profile has no mark_line; "
+                   "name the profile of a machine that marks in machine_file",
+                   machine.name());
+  }
+  return std::move(findings.found());
+}
+
+}  // namespace intaglio
