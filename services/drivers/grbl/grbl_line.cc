@@ -26,8 +26,10 @@ bool IsWithin(const Box3& box, const Vec3& place) {
 }  // namespace
 
 GrblLine::GrblLine(link::StreamOpener open, link::SteadyClock clock,
-                   link::ExpectedDevice expected)
-    : ControllerLine(std::move(open), std::move(clock)), expected_(std::move(expected)) {}
+                   link::ExpectedDevice expected, GrblTool tool)
+    : ControllerLine(std::move(open), std::move(clock)),
+      expected_(std::move(expected)),
+      tool_(tool) {}
 
 void GrblLine::Poll(std::vector<Event>& events) {
   if (!stream_) Open();
@@ -97,11 +99,15 @@ void GrblLine::Take(const GrblAnswer& answer, std::vector<Event>& events) {
 }
 
 void GrblLine::TakeSetting(const GrblSetting& setting) {
+  if (setting.number == 12) traits_.arc_tolerance_mm = setting.value;
   if (setting.number == 30) traits_.max_power = setting.value;
   if (setting.number == 22) traits_.homing = (static_cast<int>(setting.value) & 1) != 0;
   if (setting.number == 32) traits_.laser_mode = setting.value == 1;
   if (setting.number >= 100 && setting.number <= 102) {
     traits_.steps_per_mm[setting.number - 100] = setting.value;
+  }
+  if (setting.number >= 110 && setting.number <= 112) {
+    traits_.max_speed_mm_s[setting.number - 110] = setting.value / 60;
   }
 }
 
@@ -207,10 +213,14 @@ std::string GrblLine::RefusalOfTraits() const {
   if (auto why = link::RefusalOf(expected_, traits_.serial_number); !why.empty()) {
     return why;
   }
-  if (!traits_.laser_mode) {
+  if (tool_ == GrblTool::kLaser && !traits_.laser_mode) {
     return "the controller is not in laser mode, so the laser could stay lit at rest: "
            "set "
            "$32=1";
+  }
+  if (tool_ == GrblTool::kSpindle && traits_.laser_mode) {
+    return "the controller is in laser mode, in which a spindle stops in every G0: set "
+           "$32=0";
   }
   if (!(traits_.max_power > 0) || !(traits_.steps_per_mm.minCoeff() > 0)) {
     return "the controller does not report $30 and $100-$102: check its version with $$";

@@ -36,10 +36,16 @@ struct GrblTraits {
   std::string version, serial_number;
   int planner_blocks = 15, receive_bytes = 128;
   Vec3 steps_per_mm = Vec3::Zero();
-  double max_power = 0;  ///< $30: S of full power
+  Vec3 max_speed_mm_s = Vec3::Zero();  ///< $110 .. $112
+  double arc_tolerance_mm = 0.002;     ///< $12
+  double max_power = 0;                ///< $30: S of full power, or a spindle's most rpm
   bool laser_mode = false;
   bool homing = false;  ///< $22: it has switches, and is locked from power-up until $H
 };
+
+/// What its output switches. In laser mode ($32=1) the output is off at rest and in G0:
+/// so a laser needs it, and a spindle, which has to turn there, must not have it.
+enum class GrblTool { kLaser, kSpindle };
 
 struct GrblUp {};     ///< a session has begun: the controller is at rest, empty and dark
 struct GrblHomed {};  ///< what SendHome began has ended well
@@ -53,7 +59,7 @@ class GrblLine final : public ControllerLine {
       std::variant<GrblUp, GrblLost, GrblOk, GrblError, GrblAlarm, GrblStatus, GrblHomed>;
 
   GrblLine(link::StreamOpener open, link::SteadyClock clock,
-           link::ExpectedDevice expected);
+           link::ExpectedDevice expected, GrblTool tool = GrblTool::kLaser);
 
   /// Moves bytes; appends what has happened.
   void Poll(std::vector<Event>& events);
@@ -64,6 +70,8 @@ class GrblLine final : public ControllerLine {
   bool takes_lines() const { return is_ready() && set_up_; }
   /// The newest status is an alarm, or the lines of the set-up were refused.
   bool locked() const { return is_ready() && !set_up_; }
+  /// A reset was sent, and its answer has not come.
+  bool resetting() const { return phase_ == Phase::kResetting; }
   const GrblTraits& traits() const { return traits_; }
   /// How often the safety door's input was seen to open.
   std::uint32_t door_openings() const { return door_openings_; }
@@ -116,6 +124,7 @@ class GrblLine final : public ControllerLine {
   bool is_ready() const { return phase_ == Phase::kUp && !setting_up_ && !homing_; }
 
   link::ExpectedDevice expected_;
+  GrblTool tool_;
   GrblAnswerReader reader_;
   std::deque<Sent> outstanding_;
   std::size_t outstanding_bytes_ = 0;

@@ -104,13 +104,13 @@ std::unique_ptr<GrblDriver> GrblMachine::MakeDriver(const std::string& serial_nu
   MachineSpec machine = profile;
   machine.mutable_motion_line()->set_serial_number(
       serial_number.empty() ? grbl::VirtualGrblOptions().serial_number : serial_number);
-  return std::make_unique<GrblDriver>(
-      machine,
-      [this]() -> Result<std::unique_ptr<link::ByteStream>> {
-        return std::make_unique<link::FaultyEnd>(to_host_, to_grbl_, random_,
-                                                 [this] { return now_; });
-      },
-      [this] { return now_; });
+  return std::make_unique<GrblDriver>(machine, opener(), clock());
+}
+
+link::StreamOpener GrblMachine::opener() {
+  return [this]() -> Result<std::unique_ptr<link::ByteStream>> {
+    return std::make_unique<link::FaultyEnd>(to_host_, to_grbl_, random_, clock());
+  };
 }
 
 std::unique_ptr<MotionRig> MakeGrblMotionRig(const std::string& serial_number) {

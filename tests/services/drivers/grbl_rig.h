@@ -33,6 +33,11 @@ class GrblMachine {
 
   /// `serial_number` empty: the controller's.
   std::unique_ptr<GrblDriver> MakeDriver(const std::string& serial_number);
+  /// For other drivers at this line.
+  link::StreamOpener opener();
+  link::SteadyClock clock() {
+    return [this] { return now_; };
+  }
 
   grbl::VirtualGrbl grbl;
   MachineSpec profile = GrblProfile();  ///< of the drivers that are made

@@ -166,6 +166,11 @@ void VirtualGrbl::FinishWaiting(double us) {
   if (wait.reason == Waiting::For::kRoom) {
     if (motion_.is_full()) return;
     motion_.Add(wait.target, wait.speed_mm_s, wait.beam, wait.jog, wait.line);
+    if (!wait.later.empty()) {
+      wait.target = wait.later.front();
+      wait.later.pop_front();
+      return;
+    }
     if (wait.jog) state_ = State::kJog;
   } else if (wait.reason == Waiting::For::kEmpty) {
     if (!motion_.is_empty()) return;

@@ -10,8 +10,9 @@
 // Every fact that it follows is a test in virtual_grbl_test.cc, named after it; they were
 // measured on grblHAL's simulator and on the AVR code of grbl 1.1h.
 //
-// WPos = MPos - work offset; G54 only, mm only, G0 G1 G4 G10L20 G90 G91 M3 M4 M5 M62-M65
-// S F N; anything else is error:20. Not simulated: arcs, probing, overrides, G28/G30.
+// WPos = MPos - work offset; G54 only, mm only, G0 G1 G2 G3 (with I J, in XY) G4 G10L20
+// G90 G91 M3 M4 M5 M62-M65 S F N; anything else is error:20. Not simulated: probing,
+// overrides, G28/G30.
 
 #include <cstdint>
 #include <deque>
@@ -33,10 +34,11 @@ struct VirtualGrblOptions {
   double parse_us_per_byte = 0;  ///< and of each of its bytes
   MotionOptions motion;
   Vec3 travel_min_mm = Vec3::Constant(-50), travel_max_mm = Vec3::Constant(50);
-  bool laser_mode = true;    ///< $32
-  bool soft_limits = false;  ///< $20
-  bool homing = false;       ///< $22: locked from power-up until $H or $X
-  Steps home_steps{};        ///< where the switches are, counted as TrueSteps
+  bool laser_mode = true;           ///< $32
+  double arc_tolerance_mm = 0.002;  ///< $12
+  bool soft_limits = false;         ///< $20
+  bool homing = false;              ///< $22: locked from power-up until $H or $X
+  Steps home_steps{};               ///< where the switches are, counted as TrueSteps
   double home_mm_s = 25;
   bool reports_lines = true;  ///< Ln in the status
 };
@@ -87,6 +89,7 @@ class VirtualGrbl {
   struct Waiting {
     enum class For { kRoom, kEmpty, kDwell } reason = For::kEmpty;
     Steps target{};
+    std::deque<Steps> later = {};  ///< chords of an arc behind the first
     double speed_mm_s = 0;
     Beam beam = Beam::kDark;
     bool jog = false;
@@ -108,6 +111,7 @@ class VirtualGrbl {
   void PrintSettings();
   void ExecuteGcode(const std::string& line, bool jog);
   int QueueMotion(const GcodeLine& words, bool jog);
+  int AddChords(const GcodeLine& words, const Vec3& to_mm, Waiting& wait) const;
   int CheckRange(const Vec3& machine_mm, bool jog);
   bool range_is_checked() const;
   void QueueWait(const GcodeLine& words);

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kExpectedLetter = 1, kBadNumber = 2, kUnknownSystem = 3, kNotIdle = 8,
               kLocked = 9, kTooLong = 11, kTravelExceeded = 15, kUnsupported = 20,
-              kNoFeed = 22;
+              kNoFeed = 22, kBadArc = 33;
 constexpr std::size_t kMaxLineBytes = 79;
 // Any dwell lasts at least this long.
 constexpr double kMinDwell_us = 50000;
@@ -23,7 +23,7 @@ constexpr double kMinDwell_us = 50000;
 
 struct VirtualGrbl::GcodeLine {
   std::vector<int> g, m;  // times 10
-  std::optional<double> x[3], f, s, p;
+  std::optional<double> x[3], i, j, f, s, p;
   std::int64_t n = 0;
   int l = -1;
 
@@ -55,6 +55,10 @@ struct VirtualGrbl::GcodeLine {
       m.push_back(static_cast<int>(std::lround(value * 10)));
     else if (letter >= 'X' && letter <= 'Z')
       x[letter - 'X'] = value;
+    else if (letter == 'I')
+      i = value;
+    else if (letter == 'J')
+      j = value;
     else if (letter == 'F')
       f = value;
     else if (letter == 'S')
@@ -70,6 +74,7 @@ struct VirtualGrbl::GcodeLine {
     return 0;
   }
   bool has(int code) const { return std::find(g.begin(), g.end(), code) != g.end(); }
+  bool is_arc() const { return has(20) || has(30); }
   bool moves() const { return x[0] || x[1] || x[2]; }
 };
 
@@ -89,8 +94,10 @@ void VirtualGrbl::Execute(const std::string& line) {
 }
 
 void VirtualGrbl::PrintSettings() {
-  Send(fmt::format("$10=2\r\n$20={:d}\r\n$22={:d}\r\n$30=1000\r\n$31=0\r\n$32={:d}\r\n",
-                   options_.soft_limits, options_.homing, options_.laser_mode));
+  Send(fmt::format(
+      "$10=2\r\n$12={:.3f}\r\n$20={:d}\r\n$22={:d}\r\n$30=1000\r\n$31=0\r\n$32={:d}\r\n",
+      options_.arc_tolerance_mm, options_.soft_limits, options_.homing,
+      options_.laser_mode));
   const Vec3 travel = options_.travel_max_mm - options_.travel_min_mm;
   for (int i = 0; i < 3; ++i) {
     Send(
@@ -141,7 +148,7 @@ void VirtualGrbl::ExecuteGcode(const std::string& line, bool jog) {
     return;
   }
   for (const int code : words.g) {
-    for (const int known : {0, 10, 40, 100, 210, 900, 910, 940, 540, 170}) {
+    for (const int known : {0, 10, 20, 30, 40, 100, 210, 900, 910, 940, 540, 170}) {
       if (code == known) goto next;
     }
     return Answer(kUnsupported);
@@ -153,7 +160,7 @@ void VirtualGrbl::ExecuteGcode(const std::string& line, bool jog) {
   if (words.has(900)) absolute_ = true;
   if (words.has(910)) absolute_ = false;
   if (words.has(0)) rapid_ = true;
-  if (words.has(10)) rapid_ = false;
+  if (words.has(10) || words.is_arc()) rapid_ = false;
   if (!words.m.empty() || words.has(40) || words.has(100)) return QueueWait(words);
   if (!words.moves()) {
     // S alone: M3 takes it at rest, in G1.
@@ -200,11 +207,46 @@ int VirtualGrbl::QueueMotion(const GcodeLine& words, bool jog) {
     wait.target[i] = std::llround(std::clamp(steps, -2147483648.0, 2147483647.0));
   }
   if (const int bad = CheckRange(machine_mm, jog)) return bad;
+  if (words.is_arc()) {
+    if (const int bad = AddChords(words, machine_mm, wait)) return bad;
+  }
   wait.speed_mm_s = rapid ? options_.motion.max_speed_mm_s : feed / 60;
   wait.beam = BeamOf(rapid);
   wait.jog = jog;
   wait.line = words.n;
   waiting_ = wait;
+  return 0;
+}
+
+// gcode.c and motion_control.c, mc_arc: the radius is checked, then chords are made. The
+// modal state of an arc is not: every line names its own.
+int VirtualGrbl::AddChords(const GcodeLine& words, const Vec3& to_mm,
+                           Waiting& wait) const {
+  if (!words.i && !words.j) return kBadArc;
+  const double per_mm = options_.motion.steps_per_mm;
+  const Steps& end = motion_.planned_end();
+  const Vec2 from(double(end[0]) / per_mm, double(end[1]) / per_mm);
+  const Vec2 center = from + Vec2(words.i.value_or(0), words.j.value_or(0));
+  const Vec2 out = from - center, to = to_mm.head<2>() - center;
+  const double radius = out.norm(), off = std::abs(to.norm() - radius);
+  if (off > 0.005 && (off > 0.5 || off > 0.001 * radius)) return kBadArc;
+  double sweep = std::atan2(out.x() * to.y() - out.y() * to.x(), out.dot(to));
+  constexpr double kTurn = 2 * 3.14159265358979323846;
+  if (words.has(20) && sweep >= -5e-7) sweep -= kTurn;
+  if (words.has(30) && sweep <= 5e-7) sweep += kTurn;
+  const int chords = static_cast<int>(
+      std::abs(0.5 * sweep * radius) /
+      std::sqrt(options_.arc_tolerance_mm * (2 * radius - options_.arc_tolerance_mm)));
+  const Steps target = wait.target;
+  for (int k = 1; k < chords; ++k) {
+    const Vec2 place = center + Eigen::Rotation2Dd(sweep * k / chords) * out;
+    const double z = double(end[2]) + double(target[2] - end[2]) * k / chords;
+    wait.later.push_back({std::llround(place.x() * per_mm),
+                          std::llround(place.y() * per_mm), std::llround(z)});
+  }
+  wait.later.push_back(target);
+  wait.target = wait.later.front();
+  wait.later.pop_front();
   return 0;
 }
 

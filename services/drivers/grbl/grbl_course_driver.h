@@ -1,0 +1,147 @@
+#pragma once
+
+// Marks by a controller of the grbl family (grbl 1.1, grblHAL; serial or TCP): a mill or
+// a laser that follows contours. Protocol "grbl-course" of mark_line; course_tool of the
+// profile says what its output switches. docs/machines/grbl.md has wiring and settings.
+//
+//   marks --GrblCourseProgram--> lines --GrblLine--> controller
+//                                  |                     |
+//                                  v                     v
+//             kBegun: before its first line    "ok" of its barrier: kDone
+//
+// One mark is in hand at a time. It begins when its kBegun was taken, and ends with a
+// barrier: "G4P0" is acknowledged when all motion before it was made. Its lines are sent
+// by character counting, never more than kAhead_s of motion ahead of what the controller
+// is known to have executed (Bf of its status, and the blocks of each line).
+//
+// Frame: G54 of the controller, whose zero a person sets; z up, 0 on the work.
+//
+// What this family does not keep by itself of the guarantees of mark_driver.h:
+//  - M2: there is no watchdog: a controller whose host is gone runs out what it holds. So
+//    that is kAhead_s of motion at the speed that was asked for, and one line; a
+//    controller that reaches less takes as much longer. Then a laser is dark (M4 mode),
+//    and a spindle still turns (M3) until the line comes back: an external gate has to
+//    end it. A permission that is withdrawn or runs out while the host lives is a Stop.
+//  - M4, Stop: feed hold, and the reset (0x18, which ends beam and spindle) when it is at
+//    rest, or after kBraking. A reset in motion may lose the position (ALARM:3).
+//  - M6: it remembers no mark. What this object has seen is answered, else kUncertain:
+//    one mark at most.
+//  - M7: key, door and stop button are one chain on the door's input; of openings without
+//    a host one is seen.
+// Nothing is sent after a door, a hold or an alarm before Reset, and '~' never is. Reset
+// unlocks a controller that is locked ($X): home it before, if it has switches.
+
+#include <chrono>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "services/drivers/grbl/grbl_course_program.h"
+#include "services/drivers/grbl/grbl_line.h"
+#include "services/drivers/mark_driver.h"
+
+namespace intaglio::drivers {
+
+class GrblCourseDriver final : public MarkDriver {
+ public:
+  static constexpr double kAhead_s = 0.15;
+  static constexpr std::size_t kQueuedMarks = 64;
+  static constexpr std::chrono::milliseconds kPermission{250};
+  static constexpr std::chrono::milliseconds kBraking{200};
+
+  GrblCourseDriver(const MachineSpec& machine, link::StreamOpener open,
+                   link::SteadyClock clock);
+
+  void Poll() override;
+  int fd() const override { return line_.fd(); }
+  const MarkDeviceState& state() const override { return state_; }
+  std::vector<MarkEvent> TakeEvents() override;
+  Status Permit(bool permitted) override;
+  Status Begin(std::uint32_t run, std::span<const mark::Pen> pens) override;
+  std::size_t Room() const override;
+  Status Append(const NumberedMark& mark) override;
+  Status Finish() override;
+  Status Pause() override;
+  Status Stop() override;
+  Status Reset() override;
+  Status RequestPast(std::uint32_t run, std::uint32_t first,
+                     std::uint32_t count) override;
+
+ private:
+  struct InFlight {
+    double seconds = 0;
+    int blocks = 0;
+    bool waits = false;  ///< it is acknowledged when all before it was made
+    bool ends_mark = false, ends_run = false;
+    bool acknowledged = false;
+  };
+  enum class Hand { kNone, kAnnounced, kSending, kEnding };
+
+  void Take(const GrblLine::Event& event);
+  void TakeUp();
+  void TakeLost();
+  void TakeOk();
+  void TakeStatus(const GrblStatus& status);
+  void TakeAlarm(const GrblAlarm& alarm);
+  void TakeProgress();
+  void EndMark(MarkFate fate);
+  void EndRun();
+  void Executed(int blocks);
+
+  void CheckPermission();
+  bool permitted() const;
+  void Feed();
+  void FeedMark();
+  bool Send(const CourseLine& line, InFlight kind);
+  double AheadSeconds() const;
+
+  void DropQueue();
+  void BeginStop();
+  void FeedStop();
+  void EndStop();
+  void FeedRecovery();
+  void Fault(std::string why);
+  void AddEvent(std::uint32_t mark, MarkFate fate);
+  void Report();
+  bool spindle() const { return options_.tool == GrblTool::kSpindle; }
+  std::chrono::nanoseconds now() const { return clock_(); }
+
+  link::SteadyClock clock_;
+  CourseTool tool_;
+  CourseToolOptions options_;
+  GrblLine line_;
+  GrblCourseProgram program_;
+  GrblStatus grbl_;
+  MarkDeviceState state_;
+  bool has_status_ = false;
+  std::vector<MarkEvent> events_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, MarkFate> fates_;
+
+  std::optional<std::uint32_t> run_;
+  std::uint32_t newest_run_ = 0;
+  std::vector<mark::Pen> pens_;
+  bool finishes_ = false;
+  std::deque<NumberedMark> queue_;
+  std::optional<NumberedMark> hand_;
+  Hand stage_ = Hand::kNone;
+  std::optional<CourseLine> pending_;
+  std::deque<InFlight> in_flight_;
+  bool turns_ = false;      ///< M3 was sent
+  bool run_ends_ = false;   ///< M5 was sent behind its last mark
+  bool unsettled_ = false;  ///< the line was lost: what the controller holds is made
+
+  std::optional<std::chrono::nanoseconds> permit_at_;
+  bool stopping_ = false, stop_reset_ = false, recovers_ = false;
+  std::chrono::nanoseconds stop_at_{0}, status_at_{0};
+};
+
+std::unique_ptr<MarkDriver> MakeGrblCourseDriver(const MachineSpec& machine,
+                                                 link::StreamOpener open,
+                                                 link::SteadyClock clock);
+
+/// mark_line.device, course_tool.kind; spindle_rpm of a spindle, and none of a laser.
+std::vector<Error> CheckGrblCourseProfile(const MachineSpec& machine);
+
+}  // namespace intaglio::drivers
