@@ -35,7 +35,10 @@
 #include <cstdint>
 #include <string>
 
+#include "services/cell/journal_writer.h"
+#include "services/cell/permission_chain.h"
 #include "services/drivers/laser_controller.h"
+#include "services/synchronizer/cell_names.h"
 #include "services/synchronizer/engraving/consent.h"
 #include "services/synchronizer/engraving/engraving_job.h"
 #include "services/synchronizer/engraving/engraving_run.h"
@@ -46,8 +49,6 @@
 #include "services/synchronizer/engraving/shutters.h"
 #include "services/synchronizer/engraving_inputs.h"
 #include "services/synchronizer/motion_feed.h"
-#include "services/synchronizer/permission/permission_chain.h"
-#include "services/synchronizer/pulses/journal_writer.h"
 #include "services/synchronizer/pulses/pulse_record.h"
 #include "services/synchronizer/pulses/pulse_schedule.h"
 #include "services/synchronizer/pulses/tick_horizon.h"

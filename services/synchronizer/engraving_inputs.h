@@ -9,9 +9,11 @@
 #include "engrave/core/channels.h"
 #include "engrave/core/geometry.h"
 #include "idl/motion.h"
+#include "services/cell/grant_inputs.h"
+#include "services/cell/permission_chain.h"
 #include "services/drivers/laser_controller.h"
+#include "services/synchronizer/cell_names.h"
 #include "services/synchronizer/motion_clock.h"
-#include "services/synchronizer/permission/permission_chain.h"
 
 namespace intaglio::synchronizer {
 
@@ -37,16 +39,7 @@ struct MotionView {
 };
 
 /// The state of the world outside, of one turn.
-struct EngravingInputs {
-  std::chrono::nanoseconds now{0};  ///< monotonic
-  bool permission_fresh = false;
-  bool permission_granted = false;
-  Grant grant;  ///< of this job; granted or withdrawn
-  bool stop_pressed = false;
-  std::uint32_t speed_percent = 100;  ///< override, 10..100
-  std::uint32_t first_point = 0;      ///< open points before it are left out
-  /// With the grant: a person's consent to fire uncertain points again (consent.h).
-  bool fire_uncertain = false;
+struct EngravingInputs : GrantInputs {
   MotionView motion;
   /// Of a controller with a clock of its own; lives as long as the Engraving.
   MotionClock* motion_clock = nullptr;

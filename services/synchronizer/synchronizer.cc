@@ -6,13 +6,14 @@
 #include <filesystem>
 #include <utility>
 
+#include "services/cell/pause_reason.h"
 #include "services/job/job_file.h"
 #include "services/platform/bus/error_code.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/process/log.h"
+#include "services/synchronizer/cell_names.h"
 #include "services/synchronizer/job_folder.h"
-#include "services/synchronizer/permission/pause_reason.h"
 #include "services/synchronizer/task_check.h"
 
 namespace intaglio::synchronizer {

@@ -3,9 +3,10 @@
 
 #include <algorithm>
 
+#include "services/cell/pause_reason.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/process/log.h"
-#include "services/synchronizer/permission/pause_reason.h"
+#include "services/synchronizer/cell_names.h"
 #include "services/synchronizer/synchronizer.h"
 
 namespace intaglio::synchronizer {

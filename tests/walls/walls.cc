@@ -105,23 +105,27 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
       "services/replayer", "services/virtual_engraver/truth"}},
     {"services/*",
      {"engrave/*", "materials_db", "proto", "idl", "services/job", "services/job/course",
-      "services/job/models", "services/job/verdict", "services/platform/*",
-      "services/history"}},
+      "services/job/marks", "services/job/models", "services/job/verdict",
+      "services/platform/*", "services/history"}},
     // Drivers of controllers, for the programs that hold a line to one: a controller may
     // move the stage and switch the laser.
     {"services/drivers",
      {"engrave/core", "engrave/io", "engrave/motion", "engrave/mark", "engrave/galvo*",
       "engrave/contour", "engrave/course", "engrave/post", "idl", "proto", "services/job",
       "services/platform/link"}},
+    // What the synchronizer and the marker have in common.
+    {"services/cell",
+     {"engrave/core", "engrave/formats", "idl", "services/platform/bus",
+      "services/platform/host/safety"}},
     // The sibling of the synchronizer, for machines that mark.
     {"services/marker",
-     {"engrave/*", "idl", "proto", "services/drivers", "services/job",
+     {"engrave/*", "idl", "proto", "services/cell", "services/drivers", "services/job",
       "services/platform/*"}},
     {"services/motion_bridge",
      {"engrave/*", "idl", "proto", "services/drivers", "services/job",
       "services/platform/*"}},
     {"services/synchronizer",
-     {"engrave/*", "idl", "proto", "services/drivers", "services/job",
+     {"engrave/*", "idl", "proto", "services/cell", "services/drivers", "services/job",
       "services/platform/*"}},
     // The stand-in of a cell's laser is the laser of the virtual engraver, whose pulses
     // end as they did in the recording: a second model of it could not prove the first.

@@ -10,7 +10,8 @@
 #include "engrave/core/geometry.h"
 #include "engrave/machine/axes_from_glass.h"
 #include "engrave/motion/planner.h"
-#include "services/synchronizer/pulses/earlier_work.h"
+#include "services/cell/earlier_work.h"
+#include "services/synchronizer/cell_names.h"
 #include "services/synchronizer/pulses/pulse_trigger.h"
 
 namespace intaglio::synchronizer {

@@ -4,7 +4,8 @@
 
 #include <string>
 
-#include "services/synchronizer/permission/permission_chain.h"
+#include "services/cell/permission_chain.h"
+#include "services/synchronizer/cell_names.h"
 
 namespace intaglio::synchronizer {
 

@@ -5,7 +5,8 @@
 
 #include <algorithm>
 
-#include "services/synchronizer/permission/permission_chain.h"
+#include "services/cell/permission_chain.h"
+#include "services/synchronizer/cell_names.h"
 
 namespace intaglio::synchronizer {
 namespace {

@@ -11,7 +11,8 @@
 
 #include "engrave/core/channels.h"
 #include "engrave/core/geometry.h"
-#include "services/synchronizer/pulses/point_ledger.h"
+#include "services/cell/point_ledger.h"
+#include "services/synchronizer/cell_names.h"
 
 namespace intaglio::synchronizer {
 

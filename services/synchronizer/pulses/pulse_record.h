@@ -23,15 +23,17 @@
 #include <utility>
 #include <vector>
 
+#include "services/cell/consent.h"
+#include "services/cell/earlier_work.h"
+#include "services/cell/journal_writer.h"
+#include "services/cell/point_ledger.h"
 #include "services/drivers/laser_controller.h"
-#include "services/synchronizer/pulses/earlier_work.h"
-#include "services/synchronizer/pulses/journal_writer.h"
-#include "services/synchronizer/pulses/point_ledger.h"
+#include "services/synchronizer/cell_names.h"
 #include "services/synchronizer/pulses/pulse_schedule.h"
 
 namespace intaglio::synchronizer {
 
-class PulseRecord {
+class PulseRecord final : public cell::UncertainPoints {
  public:
   /// `photosensor_feedback`: false when nothing sees cracks; then what was fired counts
   /// as made. `results` gets what became of each point, after ledger and journal.
@@ -43,7 +45,7 @@ class PulseRecord {
   /// them.
   std::vector<PulseResult> TakeUp(const EarlierWork& earlier);
 
-  const PointLedger& ledger() const { return ledger_; }
+  const PointLedger& ledger() const override { return ledger_; }
   /// Made or missed so far.
   std::uint64_t fired_point_count() const {
     return ledger_.count(PointState::kMade) + ledger_.count(PointState::kMissed);
@@ -67,9 +69,9 @@ class PulseRecord {
   /// Every open point before `point`, for good: each later life reads it in the journal.
   bool LeaveOutBefore(std::uint32_t point);
   /// A person's consent to fire uncertain points again, by the number of its grant.
-  bool KeepConsent(std::uint64_t grant_number);
+  bool KeepConsent(std::uint64_t grant_number) override;
   /// An uncertain point may be fired again, by that consent.
-  bool Reopen(std::uint32_t point, std::uint64_t grant_number);
+  bool Reopen(std::uint32_t point, std::uint64_t grant_number) override;
 
   /// The controller's power-up that the account is of; 0: none yet.
   std::uint32_t power_up() const { return power_up_; }

@@ -10,12 +10,13 @@
 #include <thread>
 
 #include "engrave/formats/point_file.h"
+#include "services/cell/journal_writer.h"
 #include "services/job/job_file.h"
 #include "services/platform/bus/bus.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/safety/stop_latch.h"
+#include "services/synchronizer/cell_names.h"
 #include "services/synchronizer/job_folder.h"
-#include "services/synchronizer/pulses/journal_writer.h"
 #include "tests/services/platform/bus/private_bus.h"
 #include "tests/services/platform/host/stage/stage_shop.h"
 #include "tests/services/virtual_engraver/engraver_process.h"

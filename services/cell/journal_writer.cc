@@ -1,4 +1,4 @@
-#include "services/synchronizer/pulses/journal_writer.h"
+#include "services/cell/journal_writer.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 
 #include "engrave/core/check.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::cell {
 namespace {
 
 constexpr std::chrono::milliseconds kTryAgain{500};
@@ -162,4 +162,4 @@ bool JournalWriter::WriteOut(std::uint64_t from, std::uint64_t to) {
   return true;
 }
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::cell

@@ -12,7 +12,7 @@
 #include <chrono>
 #include <cstdint>
 
-namespace intaglio::synchronizer {
+namespace intaglio::cell {
 
 /// Of the laser controller.
 struct MachineCounters {
@@ -62,4 +62,4 @@ class MachineWatch {
   Silence laser_, motion_;
 };
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::cell

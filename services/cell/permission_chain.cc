@@ -1,4 +1,4 @@
-#include "services/synchronizer/permission/permission_chain.h"
+#include "services/cell/permission_chain.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 
 #include "services/platform/host/safety/absence_limit.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::cell {
 namespace {
 
 constexpr std::uint64_t kEveryRenewal = std::numeric_limits<std::uint64_t>::max();
@@ -229,4 +229,4 @@ bool PermissionChain::may_reset(const ChainLinks& links) const {
   return state_ != State::kLatched && IsNewestGranted(links) && links.grant > spent_;
 }
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::cell

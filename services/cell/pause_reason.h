@@ -4,9 +4,9 @@
 // sentence for people is in the message beside it.
 
 #include "idl/job.h"
-#include "services/synchronizer/permission/permission_chain.h"
+#include "services/cell/permission_chain.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::cell {
 
 /// Of a grant that was spent by this; kNothing: by a fault of a run.
 constexpr intaglio_PauseReason PauseReasonOf(Missing spent_by) {
@@ -41,4 +41,4 @@ constexpr intaglio_PauseReason PauseReasonOf(const PausedEngraving& paused) {
   return PauseReasonOf(paused.spent_by);
 }
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::cell

@@ -1,4 +1,4 @@
-#include "services/synchronizer/permission/permission_chain.h"
+#include "services/cell/permission_chain.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace intaglio::synchronizer {
+namespace intaglio::cell {
 namespace {
 
 using State = PermissionChain::State;
@@ -430,4 +430,4 @@ TEST(PermissionChain, AnArmAtAPressedButtonIsSpent) {
 }
 
 }  // namespace
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::cell

@@ -49,9 +49,9 @@
 #include <cstdint>
 #include <string>
 
-#include "services/synchronizer/permission/machine_watch.h"
+#include "services/cell/machine_watch.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::cell {
 
 /// Ordered by number, then by renewal.
 struct Grant {
@@ -162,4 +162,4 @@ class PermissionChain {
   std::chrono::nanoseconds resetting_since_{0};
 };
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::cell

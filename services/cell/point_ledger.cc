@@ -1,10 +1,10 @@
-#include "services/synchronizer/pulses/point_ledger.h"
+#include "services/cell/point_ledger.h"
 
 #include <algorithm>
 
 #include "engrave/core/check.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::cell {
 namespace {
 
 PointState StateAfter(formats::PointOutcome outcome) {
@@ -83,4 +83,4 @@ void PointLedger::Move(std::uint32_t point, PointState to) {
   ++counts_[static_cast<std::size_t>(to)];
 }
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::cell

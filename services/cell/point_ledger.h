@@ -18,7 +18,7 @@
 
 #include "engrave/formats/journal_file.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::cell {
 
 enum class PointState : std::uint8_t {
   kPlanned,
@@ -75,4 +75,4 @@ class PointLedger {
   std::uint32_t ended_below_ = 0;
 };
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::cell

@@ -1,4 +1,4 @@
-#include "services/synchronizer/permission/machine_watch.h"
+#include "services/cell/machine_watch.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "services/platform/host/safety/absence_limit.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::cell {
 namespace {
 
 using namespace std::chrono_literals;
@@ -96,4 +96,4 @@ TEST(MachineWatch, NothingThatHappensOutOfSightIsMissed) {
 }
 
 }  // namespace
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::cell

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "engrave/formats/journal_file.h"
-#include "services/synchronizer/pulses/journal_writer.h"
+#include "services/cell/journal_writer.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::cell {
 
 struct EarlierWork {
   /// By place in the order; empty: no run ever began.
@@ -44,4 +44,4 @@ enum class JobBegun : std::uint8_t { kNo, kItsPathIsThere };
 Result<OpenedJournal> OpenJournal(const std::filesystem::path& file,
                                   const formats::JournalHeader& header, JobBegun begun);
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::cell

@@ -1,10 +1,10 @@
-#include "services/synchronizer/pulses/point_ledger.h"
+#include "services/cell/point_ledger.h"
 
 #include <gtest/gtest.h>
 
 #include "engrave/core/check.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::cell {
 namespace {
 
 using formats::PointOutcome;
@@ -101,4 +101,4 @@ TEST(PointLedger, ResolvesOnlyWhatIsArmed) {
 }
 
 }  // namespace
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::cell

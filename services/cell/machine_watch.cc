@@ -1,10 +1,10 @@
-#include "services/synchronizer/permission/machine_watch.h"
+#include "services/cell/machine_watch.h"
 
 #include <utility>
 
 #include "services/platform/host/safety/absence_limit.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::cell {
 
 using namespace std::chrono_literals;
 
@@ -36,4 +36,4 @@ UnseenEvent MachineWatch::Update(const Sight& sight, std::chrono::nanoseconds no
   return motion_away ? UnseenEvent::kMotionAway : UnseenEvent::kNone;
 }
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::cell

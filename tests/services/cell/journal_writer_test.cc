@@ -1,4 +1,4 @@
-#include "services/synchronizer/pulses/journal_writer.h"
+#include "services/cell/journal_writer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 
 #include "tests/test_folder.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::cell {
 namespace {
 
 namespace fs = std::filesystem;
@@ -116,4 +116,4 @@ TEST(JournalWriter, GoesOnWhenTheDiskHasRoomAgain) {
 }
 
 }  // namespace
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::cell

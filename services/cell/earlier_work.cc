@@ -1,4 +1,4 @@
-#include "services/synchronizer/pulses/earlier_work.h"
+#include "services/cell/earlier_work.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 
 #include "engrave/core/try.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::cell {
 namespace {
 
 namespace fs = std::filesystem;
@@ -93,4 +93,4 @@ Result<OpenedJournal> OpenJournal(const fs::path& file,
   return OpenedJournal{std::move(writer), EarlierWorkOf(journal)};
 }
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::cell

@@ -1,4 +1,4 @@
-#include "services/synchronizer/pulses/earlier_work.h"
+#include "services/cell/earlier_work.h"
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace intaglio::synchronizer {
+namespace intaglio::cell {
 namespace {
 
 using formats::JournalKind;
@@ -167,4 +167,4 @@ TEST_F(OpenJournalTest, ADamagedHeaderIsRefused) {
 }
 
 }  // namespace
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::cell

@@ -22,7 +22,7 @@
 #include "engrave/core/result.h"
 #include "engrave/formats/journal_file.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::cell {
 
 class JournalWriter {
  public:
@@ -74,4 +74,4 @@ class JournalWriter {
   std::jthread thread_;
 };
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::cell

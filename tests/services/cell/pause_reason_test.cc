@@ -1,8 +1,8 @@
-#include "services/synchronizer/permission/pause_reason.h"
+#include "services/cell/pause_reason.h"
 
 #include <gtest/gtest.h>
 
-namespace intaglio::synchronizer {
+namespace intaglio::cell {
 namespace {
 
 TEST(PauseReason, OfWhatSpentAGrant) {
@@ -35,4 +35,4 @@ TEST(PauseReason, OnlyALostLineGoesOnByItself) {
 }
 
 }  // namespace
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::cell
