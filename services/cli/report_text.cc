@@ -5,6 +5,7 @@
 #include "services/client/figure_text.h"
 #include "services/client/proof/proof_figures.h"
 #include "services/client/proof_verdict.h"
+#include "services/job/machine/stations.h"
 
 namespace intaglio::cli {
 
@@ -55,7 +56,12 @@ std::string PulsesText(const JobReport& report) {
 }  // namespace
 
 std::string SummaryOf(const JobReport& report) {
-  std::string text = PointsText(report);
+  std::string text;
+  if (report.station() > 0) {
+    text += fmt::format("station     {} of {}\n", report.station(),
+                        StationCountOf(report.machine()));
+  }
+  text += PointsText(report);
   text += fmt::format(
       "order       {} points fired through an earlier crack\n"
       "spacing     {:.4f} mm minimum, {:.4f} mm required\n"
