@@ -94,7 +94,8 @@ Result<PreparedJob> PrepareJob(PreparationTask task, const ProgressSink& progres
   job.earlier = std::move(journal.earlier);
   PlanInput plan{job.machine_points_mm, job.plan, job.masks,
                  ScaleBoundsOf(task.job).any_mm};
-  return PreparedJob{std::move(job), std::move(journal.writer), std::move(plan)};
+  return PreparedJob{std::move(job), std::move(journal.writer), std::move(task.job),
+                     std::move(plan)};
 }
 
 }  // namespace intaglio::synchronizer
