@@ -55,7 +55,7 @@ void AppendGlassCrack(const GlassCrack& crack, std::vector<std::byte>& out) {
   PutAt(at, crack.tick);
   for (int axis = 0; axis < 3; ++axis) PutAt(at + 8 + 8 * axis, crack.position_mm[axis]);
   PutAt(at + 32, crack.pulse_energy_mj);
-  PutAt(at + 40, crack.channel);
+  PutAt(at + 40, static_cast<std::uint8_t>(crack.channel + 4 * (crack.station - 1)));
   PutAt(at + 41, static_cast<std::uint8_t>(crack.in_glass ? 1 : 0));
   const double length_um = std::clamp(std::round(1000 * crack.length_mm), 0.0, 65535.0);
   PutAt(at + 42, static_cast<std::uint16_t>(length_um));
@@ -93,7 +93,9 @@ Result<GlassRecord> ParseGlassRecord(std::span<const std::byte> bytes) {
       crack.position_mm[axis] = GetAt<double>(at + 8 + 8 * axis);
     }
     crack.pulse_energy_mj = GetAt<double>(at + 32);
-    crack.channel = GetAt<std::uint8_t>(at + 40);
+    const auto place = GetAt<std::uint8_t>(at + 40);
+    crack.channel = place % 4;
+    crack.station = static_cast<std::uint8_t>(1 + place / 4);
     crack.in_glass = GetAt<std::uint8_t>(at + 41) != 0;
     crack.length_mm = GetAt<std::uint16_t>(at + 42) / 1000.0;
     record.cracks.push_back(crack);

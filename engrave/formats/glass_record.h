@@ -7,7 +7,8 @@
 //        0     8  "INTGLAS1"                     0     8  tick
 //        8     4  version, 1                     8    24  x, y, z: glass frame, mm
 //       12     4  record size, 48               32     8  pulse energy, mJ
-//       16    24  block size x, y, z, mm        40     1  channel, 0..3
+//       16    24  block size x, y, z, mm        40     1  channel, 0..3, plus 4
+//                                                     times (station - 1)
 //       40     8  refractive index              41     1  1: in the glass, 0: beside it
 //       48     8  numerical aperture            42     2  length of the crack, um; 0: not
 //       known 56     4  power-up of the laser,        44     4  CRC-32 of bytes 0..43
@@ -41,6 +42,9 @@ struct GlassCrack {
   std::uint8_t channel = 0;
   bool in_glass = true;  ///< false: the pulse went into the air
   double length_mm = 0;  ///< along the beam, in whole um; 0: not known
+  /// In which of the blocks on the table, 1..64; the position is in the frame of this
+  /// one.
+  std::uint8_t station = 1;
 };
 
 struct GlassRecord {

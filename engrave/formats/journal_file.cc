@@ -81,6 +81,7 @@ std::array<std::byte, kJournalHeaderSize> EncodeJournalHeader(
   Put<std::uint64_t>(bytes, 16, header.point_count);
   Put<std::uint64_t>(bytes, 24, header.epoch);
   Put<std::uint32_t>(bytes, 32, header.path_crc);
+  Put<std::uint32_t>(bytes, 36, header.station);
   Put<std::uint32_t>(bytes, 60, io::Crc32(std::span(bytes).first(60)));
   return bytes;
 }
@@ -121,6 +122,7 @@ Result<Journal> ParseJournal(std::span<const std::byte> bytes) {
   journal.header.point_count = Get<std::uint64_t>(bytes, 16);
   journal.header.epoch = Get<std::uint64_t>(bytes, 24);
   journal.header.path_crc = Get<std::uint32_t>(bytes, 32);
+  journal.header.station = Get<std::uint32_t>(bytes, 36);
   if (journal.header.point_count > kMaxPoints) {
     return Fail(ErrorCode::kTooLarge, "the journal has too many points",
                 fmt::format("{}", journal.header.point_count));

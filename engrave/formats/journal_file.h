@@ -13,7 +13,8 @@
 //       16     8  points of the job
 //       24     8  epoch of the job
 //       32     4  CRC-32 of the path: x, y, z of each point in the order, doubles, mm
-//       36    24  zero
+//       36     4  station of the machine's loading, from 1; 0: its table takes one block
+//       40    20  zero
 //       60     4  CRC-32 of bytes 0..59
 //
 //   offset  size  record (32 bytes)
@@ -93,6 +94,7 @@ struct JournalHeader {
   std::uint64_t point_count = 0;
   std::uint64_t epoch = 0;
   std::uint32_t path_crc = 0;  ///< PathCrc of what is engraved
+  std::uint32_t station = 0;   ///< which block of the table; 0: there is one
   bool operator==(const JournalHeader&) const = default;
 };
 

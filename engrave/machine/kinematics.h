@@ -110,6 +110,9 @@ struct PolarOptions {
   /// 0.01..1 rad: there a small move across the arm's circle takes a large turn. At the
   /// default 0.1 the arm's axis is 10 times as sensitive as at best.
   double singular_margin_rad = 0.1;
+  /// How far the frame of the places is turned on the table, counterclockwise: of a block
+  /// at another station, -1000..1000.
+  double frame_turn_rad = 0;
 };
 
 using KinematicsOptions = std::variant<CartesianOptions, PolarOptions>;

@@ -20,8 +20,9 @@
 // r1 cos arm), and the table is turned back by t:
 //   u = bx cos t + by sin t,  v = by cos t - bx sin t;
 // d(u, v)/dt = (v, -u), and d(bx, by)/d arm = r1 (cos arm, sin arm) is turned back as
-// well. The determinant of both columns is r1 d sin(arm): singular where the arm lies on
-// the line O1 O2, folded (r = |d - r1|) or stretched (r = d + r1).
+// well. A frame that is turned on the table by f is at t + f when the table is at t. The
+// determinant of both columns is r1 d sin(arm): singular where the arm lies on the line
+// O1 O2, folded (r = |d - r1|) or stretched (r = d + r1).
 
 namespace intaglio::machine {
 namespace {
@@ -39,12 +40,15 @@ class Polar final : public Kinematics {
         r1_mm_(options.arm_length_mm),
         left_(options.side == ArmSide::kLeft),
         z_mm_(options.z.per_unit_mm()),
-        margin_rad_(options.singular_margin_rad) {
+        margin_rad_(options.singular_margin_rad),
+        turn_rad_(options.frame_turn_rad) {
     Require(d_mm_ > 0 && r1_mm_ > 0 && std::isfinite(d_mm_ + r1_mm_),
             "axis_distance_mm and arm_length_mm must be positive, are {} and {}", d_mm_,
             r1_mm_);
     Require(margin_rad_ >= 0.01 && margin_rad_ <= 1,
             "singular_margin_rad must be in 0.01..1, is {}", margin_rad_);
+    Require(std::abs(turn_rad_) <= 1000, "frame_turn_rad must be in -1000..1000, is {}",
+            turn_rad_);
   }
 
   std::array<Axis, 3> axes() const override {
@@ -64,20 +68,20 @@ class Polar final : public Kinematics {
         (r_mm * r_mm + d_mm_ * d_mm_ - r1_mm_ * r1_mm_) / (2 * r_mm * d_mm_), -1.0, 1.0));
     const double beta = std::atan2(place_mm.x(), place_mm.y());
     const double arm = left_ ? 2 * pi - theta1 : theta1;
-    const double table = left_ ? theta2 + beta : beta - theta2;
+    const double table = (left_ ? theta2 + beta : beta - theta2) - turn_rad_;
     return Vec3(NearestTurn(arm, near.x()), NearestTurn(table, near.y()),
                 place_mm.z() / z_mm_);
   }
 
   Vec3 ToPlace(const Vec3& axes) const override {
     const Vec2 beam(r1_mm_ * std::sin(axes.x()), d_mm_ - r1_mm_ * std::cos(axes.x()));
-    const Vec2 place = TurnedBack(beam, axes.y());
+    const Vec2 place = TurnedBack(beam, axes.y() + turn_rad_);
     return {place.x(), place.y(), z_mm_ * axes.z()};
   }
 
   Mat3 ScaleAt(const Vec3& axes) const override {
-    const Vec2 arm =
-        TurnedBack(r1_mm_ * Vec2(std::cos(axes.x()), std::sin(axes.x())), axes.y());
+    const Vec2 arm = TurnedBack(r1_mm_ * Vec2(std::cos(axes.x()), std::sin(axes.x())),
+                                axes.y() + turn_rad_);
     const Vec3 place = ToPlace(axes);
     Mat3 scale = Mat3::Zero();
     scale.col(0).head<2>() = arm;
@@ -126,7 +130,7 @@ class Polar final : public Kinematics {
 
   double d_mm_, r1_mm_;
   bool left_;
-  double z_mm_, margin_rad_;
+  double z_mm_, margin_rad_, turn_rad_;
 };
 
 }  // namespace

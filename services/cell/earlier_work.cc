@@ -77,11 +77,12 @@ Result<OpenedJournal> OpenJournal(const fs::path& file,
   }
   const auto journal = INTAGLIO_TRY(formats::ReadJournal(file));
   const bool same_path = journal.header.point_count == header.point_count &&
-                         journal.header.path_crc == header.path_crc;
+                         journal.header.path_crc == header.path_crc &&
+                         journal.header.station == header.station;
   if (!same_path && !HasNoPointRecords(journal)) {
     return Fail(ErrorCode::kRefused,
-                fmt::format("{} has pulses of another path of {} points: take "
-                            "the block out and cancel the job",
+                fmt::format("{} has pulses of another path or station, of {} points: "
+                            "take the block out and cancel the job",
                             file.string(), journal.header.point_count),
                 file.string());
   }

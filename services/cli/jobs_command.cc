@@ -9,61 +9,25 @@
 #include <optional>
 
 #include "services/cli/complain.h"
-#include "services/cli/flags/accept_flag.h"
-#include "services/cli/flags/bus_flags.h"
 #include "services/cli/flags/event_flag.h"
-#include "services/cli/job_options.h"
-#include "services/cli/job_series.h"
 #include "services/cli/json/job_record.h"
 #include "services/cli/json/print_json.h"
 #include "services/cli/status/command_effect.h"
 #include "services/cli/status/job_text.h"
-#include "services/cli/watch_job.h"
-#include "services/client/arm_once.h"
-#include "services/client/event_lines.h"
+#include "services/cli/submit_jobs.h"
 #include "services/client/exit_codes.h"
 #include "services/client/job_client.h"
 #include "services/client/known_jobs.h"
 #include "services/client/warning_text.h"
-#include "services/history/job_history.h"
 
 namespace intaglio::cli {
 namespace {
 
 using namespace std::chrono_literals;
 
-struct JobsOptions {
-  bus::BusOptions bus;
-  JobFlags job;
-  std::string uid;
-  std::string percent;
-  std::string series;
-  std::string materials_db;
-  std::string folder = "intaglio-shop";
-  std::string database;
-  std::uint32_t from_point = 0;
-  bool fire_uncertain = false;
-  AcceptFlag accept;
-  bool arm = false;
-  bool watch = false;
-  bool events = false, json = false;
-
-  /// Where text for people goes.
-  std::ostream& human() const { return events ? std::cerr : std::cout; }
-};
-
 void PrintWarnings(const client::JobView& job, std::ostream& out) {
   for (const Warning& warning : job.warnings) out << client::WarningLine(warning) << "\n";
 }
-
-/// There is no such shop or job, or there is one that cannot work.
-int ComplainOfShop(const Error& error) {
-  return Complain(error, error.code == ErrorCode::kFault ? client::kExitMachine
-                                                         : client::kExitWrongInput);
-}
-
-/// Exit codes of a command that got no answer, or not the one that was asked for.
-int ComplainOf(const Error& error) { return Complain(error, client::kExitMachine); }
 
 /// Nothing, or what there is to complain of a job that takes no command any more.
 std::optional<Error> WhyEnded(const client::JobView& job) {
@@ -79,87 +43,6 @@ int CommandJob(client::JobClient& client, const client::JobView& job,
   if (order.kind == intaglio_COMMAND_ARM) PrintWarnings(job, std::cerr);
   if (auto taken = client.Command(job, order); !taken) return ComplainOf(taken.error());
   return AwaitEffect(client, job, order.kind, std::cout);
-}
-
-/// Gives the job to the job service.
-Result<client::JobView> SubmitOne(client::JobClient& client, const JobSpec& job,
-                                  const JobsOptions& options) {
-  auto submitted = client.Submit(job, 15s);
-  if (submitted) {
-    if (options.events) client::EventLines(std::cout).Submitted(*submitted);
-    options.human() << "job " << submitted->number << " (" << submitted->uid << ") is "
-                    << client::NameOf(submitted->state) << "\n";
-  }
-  return submitted;
-}
-
-int Watch(client::JobClient& client, const std::string& uid, const JobsOptions& options) {
-  client::EventLines events(std::cout);
-  return WatchJob(client, uid, options.events ? &events : nullptr);
-}
-
-int SubmitSeries(const JobsOptions& options) {
-  if (options.arm || options.watch) {
-    return Complain({ErrorCode::kInvalidValue,
-                     "--arm and --watch apply to one job: arm every piece of a series "
-                     "when its block is in the machine (intaglio arm JOB)",
-                     ""},
-                    client::kExitWrongInput);
-  }
-  const auto series = BuildSeries(options.job, options.series, options.materials_db);
-  if (!series) return Complain(series.error(), client::kExitWrongInput);
-  for (const JobAndMachine& piece : *series) PrintTextWarnings(piece.warnings);
-  bus::Bus bus(options.bus);
-  client::JobClient client(bus);
-  client.PollUntil([&] { return !client.services().empty(); }, bus.discovery_time());
-  for (const JobAndMachine& piece : *series) {
-    const auto submitted = SubmitOne(client, piece.job, options);
-    if (!submitted) return ComplainOfShop(submitted.error());
-  }
-  options.human() << series->size() << " jobs submitted; list them with intaglio list\n";
-  client.Poll(500ms);
-  return client::kExitGood;
-}
-
-int SubmitJob(const JobSpec& spec, const JobsOptions& options) {
-  bus::Bus bus(options.bus);
-  client::JobClient client(bus);
-  client.PollUntil([&] { return !client.services().empty(); }, bus.discovery_time());
-  const auto submitted = SubmitOne(client, spec, options);
-  if (!submitted) return ComplainOfShop(submitted.error());
-  if (options.arm) {
-    auto armed = client::ArmWhenTaken(client, *submitted, options.accept.breakage());
-    if (!armed) return ComplainOf(armed.error());
-    const int effect =
-        AwaitEffect(client, *submitted, intaglio_COMMAND_ARM, options.human());
-    if (effect != client::kExitGood && !options.watch) return effect;
-  }
-  if (options.watch) return Watch(client, submitted->uid, options);
-  if (!options.arm)
-    options.human() << "intaglio arm " << submitted->number << " arms it\n";
-  client.Poll(500ms);
-  const client::JobView& job = client.jobs().at(submitted->uid);
-  const bool asks = options.arm && job.open_consent() != nullptr;
-  return asks || (job.ended() && job.state != intaglio_JOB_DONE) ? client::kExitMachine
-                                                                 : client::kExitGood;
-}
-
-int Submit(const JobsOptions& options) {
-  if (!options.series.empty()) return SubmitSeries(options);
-  const auto job = BuildJobToEngrave(options.job);
-  if (!job) return Complain(job.error(), client::kExitWrongInput);
-  for (const std::string& note : job->notes) std::cerr << note << "\n";
-  PrintTextWarnings(job->warnings);
-  return SubmitJob(job->job, options);
-}
-
-/// The next piece of a job: the same once more, on a new block.
-int Again(const JobsOptions& options) {
-  const auto job = history::ReadJob(
-      options.database.empty() ? options.folder + "/jobs.db" : options.database,
-      options.uid);
-  if (!job) return Complain(job.error(), client::kExitWrongInput);
-  return SubmitJob(*job, options);
 }
 
 /// What was printed is what the job service has published last; a fault of it may hide
@@ -296,9 +179,14 @@ void AddJobsCommands(command_line::Command app) {
   AddJobFlags(submit, options->job);
   AddBusFlags(submit, options->bus);
   AddArmAndWatch(submit, *options);
-  submit.AddOption("--series", options->series,
-                   "CSV file: a job for each row; {column} in texts and file names of "
-                   "the job file becomes the row's field");
+  const auto series = submit.AddOption(
+      "--series", options->series,
+      "CSV file: a job for each row; {column} in texts and file names of "
+      "the job file becomes the row's field");
+  submit
+      .AddOption("--stations", options->stations,
+                 "1,2,4: a job for each of these blocks on the machine's table")
+      .Exclude(series);
   submit.AddOption("--materials", options->materials_db,
                    "material base for the checks of a series, default the user's");
   submit.SetFooter(

@@ -5,6 +5,7 @@
 #include "services/client/figure_text.h"
 #include "services/client/proof/proof_figures.h"
 #include "services/client/proof_verdict.h"
+#include "services/job/machine/stations.h"
 
 namespace intaglio::cli {
 
@@ -33,6 +34,19 @@ std::string PointsText(const JobReport& report) {
                     errors.rms_um(), errors.max_um(), errors.tolerance_um());
 }
 
+/// As `intaglio plan` prints it.
+std::string PredictionText(const JobReport& report) {
+  const EngraveOutcome& engrave = report.engrave();
+  if (!engrave.has_predicted_max_error_um()) return "";
+  const double margin_um = engrave.wrong_mechanics_max_error_um();
+  const double tolerance_um = report.position_errors().tolerance_um();
+  return fmt::format(
+      "predicted   {:.2f} um rms, {:.2f} um max; with mechanics 5 % off in frequency or "
+      "20 % in damping {:.2f} um, {} the tolerance\n",
+      engrave.predicted_rms_error_um(), engrave.predicted_max_error_um(), margin_um,
+      margin_um <= tolerance_um ? "within" : "BEYOND");
+}
+
 std::string PulsesText(const JobReport& report) {
   const PulseEnergyReport& energy = report.pulse_energy();
   std::string text = fmt::format("energy      {:g} mJ commanded", energy.commanded_mj());
@@ -55,7 +69,12 @@ std::string PulsesText(const JobReport& report) {
 }  // namespace
 
 std::string SummaryOf(const JobReport& report) {
-  std::string text = PointsText(report);
+  std::string text;
+  if (report.station() > 0) {
+    text += fmt::format("station     {} of {}\n", report.station(),
+                        StationCountOf(report.machine()));
+  }
+  text += PointsText(report);
   text += fmt::format(
       "order       {} points fired through an earlier crack\n"
       "spacing     {:.4f} mm minimum, {:.4f} mm required\n"
@@ -76,6 +95,7 @@ std::string SummaryOf(const JobReport& report) {
         report.position_errors().allowed_move_um(),
         report.engrave().planned_max_move_um(), report.engrave().planned_rms_move_um());
   }
+  text += PredictionText(report);
   text += "verdict     " + client::VerdictTitle(report.verdict(), "GOOD");
   for (const std::string& reason : report.verdict().reasons()) text += "\n  - " + reason;
   return text;

@@ -29,16 +29,19 @@ constexpr const char* kGlassFile = "glass.ply";
 Status WriteGlass(const std::vector<formats::GlassCrack>& cracks, const fs::path& file) {
   formats::PointTable table;
   std::vector<double> tick;
-  std::vector<std::uint8_t> channel;
+  std::vector<std::uint8_t> channel, station;
   for (const formats::GlassCrack& crack : cracks) {
     if (!crack.in_glass) continue;
     table.points_mm.push_back(crack.position_mm);
     tick.push_back(static_cast<double>(crack.tick));
     channel.push_back(static_cast<std::uint8_t>(crack.channel));
+    station.push_back(crack.station);
   }
   table.comments = {
       "cracks as recorded by the virtual engraver's glass, glass frame, mm"};
-  table.columns = {{"tick", std::move(tick)}, {"channel", std::move(channel)}};
+  table.columns = {{"tick", std::move(tick)},
+                   {"channel", std::move(channel)},
+                   {"station", std::move(station)}};
   return formats::WritePly(file, table);
 }
 

@@ -8,6 +8,7 @@
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/laser_setting.h"
 #include "services/job/machine/machine_axes.h"
+#include "services/job/machine/stations.h"
 #include "services/job/options.h"
 
 namespace intaglio::client {
@@ -141,6 +142,17 @@ void SetLaser(const MachineSpec& machine, TruthLaser& laser) {
     laser.set_serial_number(machine.laser_line().serial_number());
 }
 
+/// Blocks at all stations.
+void SetStations(const MachineSpec& machine, TruthBlock& block) {
+  for (std::uint32_t number = 2; number <= StationCountOf(machine); ++number) {
+    const StationPlace place = StationPlaceOf(machine, number);
+    TruthStation& station = *block.add_stations();
+    *station.mutable_offset_mm() =
+        Vector(place.offset_mm.x(), place.offset_mm.y(), place.offset_mm.z());
+    station.set_turn_rad(place.turn_rad);
+  }
+}
+
 }  // namespace
 
 MachineTruth TruthOf(const MachineSpec& machine, const MountedDescription& mounted) {
@@ -159,6 +171,7 @@ MachineTruth TruthOf(const MachineSpec& machine, const MountedDescription& mount
   block.set_numerical_aperture(mounted.lens.value().numerical_aperture);
   if (lens != nullptr && lens->crack_length_mm() > 0)
     block.set_crack_length_mm(lens->crack_length_mm());
+  SetStations(machine, block);
   return truth;
 }
 

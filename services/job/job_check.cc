@@ -19,8 +19,9 @@
 #include "services/job/layers_check.h"
 #include "services/job/machine/laser_check.h"
 #include "services/job/machine/lens_check.h"
-#include "services/job/machine/reach_check.h"
 #include "services/job/machine/mark_job_check.h"
+#include "services/job/machine/reach_check.h"
+#include "services/job/machine/stations.h"
 #include "services/job/marks_check.h"
 #include "services/job/methods/method_table.h"
 #include "services/job/model_kind.h"
@@ -305,6 +306,7 @@ std::vector<Finding> CheckJobOnMachine(const JobSpec& job, const MachineSpec& ma
   if (job.block().has_size_mm()) {
     CheckRoom(whole, findings);
     CheckReach(whole, machine, stage_per_glass_ratio, findings);
+    CheckStation(whole, machine, findings);
   }
   CheckLens(whole, machine, findings);
   CheckDividedBlock(whole, machine, findings);

@@ -232,6 +232,7 @@ JobSpec WithDefaults(JobSpec job, const MachineSpec& machine) {
   FillMotion(*job.mutable_motion(), machine);
   FillLaser(*job.mutable_laser(), machine.laser());
   FillChannels(job);
+  if (machine.has_loading() && !job.has_station()) job.set_station(1);
   return job;
 }
 

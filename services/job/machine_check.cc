@@ -9,6 +9,7 @@
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/laser_setting.h"
 #include "services/job/machine/machine_drives.h"
+#include "services/job/machine/stations.h"
 #include "services/job/teach/taught_check.h"
 #include "services/platform/link/endpoint.h"
 
@@ -340,6 +341,7 @@ std::vector<Error> CheckMachine(const MachineSpec& machine) {
   CheckLine(machine.has_laser_line(), machine.laser_line(), "laser_line", errors);
   CheckLine(machine.has_motion_line(), machine.motion_line(), "motion_line", errors);
   if (errors.empty()) CheckDrives(machine, errors);
+  if (errors.empty()) CheckLoading(machine, errors);
   if (errors.empty()) CheckTaught(machine, errors);
   return errors;
 }

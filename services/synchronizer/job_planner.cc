@@ -56,8 +56,9 @@ std::optional<Result<PreparedJob>> JobPlanner::TakePrepared() {
   preparation_.reset();
   if (prepared) {
     summary_ = std::make_unique<Summary>(
-        [plan = std::move(prepared->plan)](const ProgressSink& progress) {
-          return Summarize(plan, progress);
+        [job = std::move(prepared->job),
+         plan = std::move(prepared->plan)](const ProgressSink& progress) mutable {
+          return Summarize(job, std::move(plan), progress);
         },
         kNoWake);
   }

@@ -68,10 +68,10 @@ Result<OpenedJournal> OpenFolder(const PreparationTask& task, const PointCloud& 
   const std::filesystem::path folder = task.job.result_directory();
   INTAGLIO_TRY(MakeJobFolder(folder));
   // Before the plan is written over: it may be refused for another's pulses.
-  auto journal =
-      OpenJournal(folder / kJournalFile,
-                  {path.size(), task.job.epoch(), formats::PathCrc(path.points_mm)},
-                  on_disk ? JobBegun::kItsPathIsThere : JobBegun::kNo);
+  auto journal = OpenJournal(folder / kJournalFile,
+                             {path.size(), task.job.epoch(),
+                              formats::PathCrc(path.points_mm), task.job.job().station()},
+                             on_disk ? JobBegun::kItsPathIsThere : JobBegun::kNo);
   if (!journal || on_disk) return journal;
   INTAGLIO_TRY(WritePlan(folder, task.job, path));
   return journal;
@@ -94,7 +94,8 @@ Result<PreparedJob> PrepareJob(PreparationTask task, const ProgressSink& progres
   job.earlier = std::move(journal.earlier);
   PlanInput plan{job.machine_points_mm, job.plan, job.masks,
                  ScaleBoundsOf(task.job).any_mm};
-  return PreparedJob{std::move(job), std::move(journal.writer), std::move(plan)};
+  return PreparedJob{std::move(job), std::move(journal.writer), std::move(task.job),
+                     std::move(plan)};
 }
 
 }  // namespace intaglio::synchronizer

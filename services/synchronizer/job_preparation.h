@@ -29,6 +29,7 @@ struct PreparedJob {
   EngravingJob engraving;
   std::unique_ptr<JournalWriter> journal;
   /// Of the whole path: what Summarize takes.
+  FrozenJob job;
   PlanInput plan;
 };
 

@@ -312,6 +312,11 @@ EngraveOutcome Synchronizer::Outcome() const {
   outcome.set_plan_checksum(plan_.checksum);
   outcome.set_planned_max_move_um(1e3 * plan_.moves.max_mm);
   outcome.set_planned_rms_move_um(1e3 * plan_.moves.rms_mm());
+  if (plan_.predicted) {
+    outcome.set_predicted_rms_error_um(plan_.predicted->rms_um);
+    outcome.set_predicted_max_error_um(plan_.predicted->max_um);
+    outcome.set_wrong_mechanics_max_error_um(plan_.predicted->wrong_mechanics_max_um);
+  }
   outcome.set_min_speed_percent(engraving_->min_speed_percent());
   outcome.set_speed_changes(engraving_->speed_changes());
   return outcome;

@@ -234,13 +234,13 @@ void Machine::Fire(std::uint8_t channels, const Vec3& place_mm) {
       missed |= 1u << channel;
       continue;
     }
-    const Focus focus = TraceFocus(
+    const auto [station, focus] = TraceFocus(
         FocusAt(options_.positioner, place_mm) + options_.channel_offset_mm[channel],
-        options_.block);
+        options_.block, options_.further_stations);
     const double length_mm =
         CrackLengthMm(options_.crack_length_mm, energy_mj / options_.laser.max_energy_mj);
     glass_.Add({laser_.tick(), focus.position_mm, energy_mj, channel, focus.in_glass,
-                focus.in_glass ? length_mm : 0});
+                focus.in_glass ? length_mm : 0, station});
     if (!focus.in_glass || !laser_.CountsFlashAt(focus.position_mm.z()))
       missed |= 1u << channel;
   }

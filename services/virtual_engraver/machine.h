@@ -27,6 +27,7 @@
 #include "services/virtual_engraver/laser.h"
 #include "services/virtual_engraver/positioner.h"
 #include "services/virtual_engraver/stage.h"
+#include "services/virtual_engraver/stations.h"
 
 namespace intaglio::virtual_engraver {
 
@@ -34,6 +35,7 @@ struct MachineOptions {
   StageOptions stage;
   LaserOptions laser;
   BlockInMachine block;
+  std::vector<StationInMachine> further_stations;
   PositionerOptions positioner;
   double crack_length_mm = 0.2;  ///< of the laser's largest pulse, along the beam
   /// How far beside that of channel 1 the beam of each channel meets.

@@ -142,6 +142,13 @@ void SetBlock(const TruthBlock& truth, BlockInMachine& block) {
     block.numerical_aperture = truth.numerical_aperture();
 }
 
+std::vector<StationInMachine> StationsOf(const TruthBlock& truth) {
+  std::vector<StationInMachine> stations;
+  for (const TruthStation& station : truth.stations())
+    stations.push_back({Vec3Of(station.offset_mm()), station.turn_rad()});
+  return stations;
+}
+
 }  // namespace
 
 MachineOptions OptionsOf(const MachineTruth& truth) {
@@ -149,6 +156,7 @@ MachineOptions OptionsOf(const MachineTruth& truth) {
   SetStage(truth.stage(), options.stage);
   SetLaser(truth.laser(), options);
   SetBlock(truth.block(), options.block);
+  options.further_stations = StationsOf(truth.block());
   options.positioner = PositionerOf(truth.stage().positioner());
   const BlockInMachine& block = options.block;
   options.stage.focus_per_axis_unit_mm = FocusPerAxisUnitMm(

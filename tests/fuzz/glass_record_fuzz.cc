@@ -51,7 +51,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     std::memcpy(&crack.tick, bytes + at, 8);
     std::memcpy(crack.position_mm.data(), bytes + at + 8, 24);
     std::memcpy(&crack.pulse_energy_mj, bytes + at + 32, 8);
-    crack.channel = bytes[at + 40];
+    crack.channel = bytes[at + 40] % 4;
+    crack.station = static_cast<std::uint8_t>(1 + bytes[at + 40] / 4);
     crack.in_glass = (bytes[at + 41] & 1) != 0;
     crack.length_mm = bytes[at + 41] / 10.0;
     cracks.push_back(crack);

@@ -25,7 +25,8 @@ Result<std::vector<calibrate::PassedMark>> PlannedMarksOf(const Evidence& eviden
       INTAGLIO_TRY(machine::AxesAlong(AxesFromGlassOf(evidence.job), evidence.plan_mm,
                                       AxisLimitsOf(evidence.job.machine()).travel_mm));
   const auto approaches = calibrate::ApproachesOf(MotionOptionsOf(evidence.job), axes);
-  const Mat3 focus_per_axis = KinematicsOf(evidence.job.machine())->ScaleAt(axes[0]);
+  const Mat3 focus_per_axis =
+      KinematicsOf(evidence.job.machine(), evidence.job.job())->ScaleAt(axes[0]);
   std::vector<calibrate::PassedMark> marks(axes.size());
   for (std::size_t i = 0; i < marks.size(); ++i) {
     marks[i].place_mm = evidence.plan_mm[i].head<2>();

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <google/protobuf/util/json_util.h>
 
+#include <algorithm>
+
 #include "engrave/core/try.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/io/whole_file.h"
@@ -40,11 +42,14 @@ Result<const std::vector<Value>*> ColumnOf(const formats::PointTable& table,
   return column;
 }
 
-Result<std::vector<proof::Crack>> ReadCracks(const fs::path& file) {
+/// Cracks and cracks_elsewhere_count of the evidence.
+Status ReadCracks(const fs::path& file, Evidence& evidence) {
   const auto glass = INTAGLIO_TRY(formats::ReadPly(file));
   const auto tick = INTAGLIO_TRY(ColumnOf<double>(glass, "tick", file));
   const auto channel = INTAGLIO_TRY(ColumnOf<std::uint8_t>(glass, "channel", file));
-  std::vector<proof::Crack> cracks;
+  // Of a folder that was completed before there were stations: none.
+  const auto* station = glass.Find<std::uint8_t>("station");
+  const std::uint32_t own = std::max(1u, evidence.job.job().station());
   for (std::size_t i = 0; i < glass.points_mm.size(); ++i) {
     const std::uint8_t number = (*channel)[i];
     if (number >= kMaxChannels) {
@@ -52,10 +57,14 @@ Result<std::vector<proof::Crack>> ReadCracks(const fs::path& file) {
                   fmt::format("{}: crack {} is in channel {}, of 0..{}", file.string(), i,
                               number, kMaxChannels - 1));
     }
-    cracks.push_back({glass.points_mm[i], static_cast<std::uint64_t>((*tick)[i]),
-                      MaskOfChannel(number + 1u)});
+    if (station != nullptr && (*station)[i] != own) {
+      ++evidence.cracks_elsewhere_count;
+      continue;
+    }
+    evidence.cracks.push_back({glass.points_mm[i], static_cast<std::uint64_t>((*tick)[i]),
+                               MaskOfChannel(number + 1u)});
   }
-  return cracks;
+  return {};
 }
 
 }  // namespace
@@ -71,8 +80,7 @@ Result<Evidence> ReadEvidence(const fs::path& folder) {
   evidence.masks = std::move(masks);
   evidence.plan_mm = std::move(plan.points_mm);
   if (fs::exists(folder / "glass.ply")) {
-    auto cracks = INTAGLIO_TRY(ReadCracks(folder / "glass.ply"));
-    evidence.cracks = std::move(cracks);
+    INTAGLIO_TRY(ReadCracks(folder / "glass.ply", evidence));
     evidence.has_glass = true;
   }
   const auto journal = INTAGLIO_TRY(formats::ReadJournal(folder / "journal.bin"));

@@ -20,7 +20,9 @@ struct Evidence {
   PointList plan_mm;
   std::vector<ChannelMask> masks;  ///< of the plan's points
   bool has_glass = false;          ///< A real machine has no record of its glass.
-  std::vector<proof::Crack> cracks;
+  std::vector<proof::Crack> cracks;  ///< in the block of the job's station
+  /// In blocks at other stations, where none of the job's may be.
+  std::uint64_t cracks_elsewhere_count = 0;
   std::vector<formats::PointHistory> history;
   std::vector<std::uint32_t> power_ups;  ///< of the journal, in their order
 };

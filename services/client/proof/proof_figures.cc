@@ -29,7 +29,7 @@ void Count(const Evidence& evidence, const proof::GlassComparison& glass,
   counts.set_planned(glass.planned_count);
   counts.set_made(glass.made_count);
   counts.set_doubled(glass.doubled_count);
-  counts.set_stray(glass.stray_count);
+  counts.set_stray(glass.stray_count + evidence.cracks_elsewhere_count);
   std::uint64_t skipped = 0, missed = 0, unaccounted = 0;
   for (std::size_t i = 0; i < evidence.plan_mm.size(); ++i) {
     const PointHistory& journaled = evidence.history[i];
@@ -181,6 +181,7 @@ JobReport FiguresOf(const Evidence& evidence) {
   report.set_software_version(frozen.software_version());
   *report.mutable_job() = frozen.job();
   *report.mutable_machine() = frozen.machine();
+  report.set_station(frozen.job().station());
   *report.mutable_material() = frozen.material();
   *report.mutable_optics() = frozen.optics();
   report.set_evidence(evidence.has_glass ? kGlassEvidence : kControllerEvidence);

@@ -4,6 +4,7 @@
 
 #include "services/job/job_defaults.h"
 #include "services/job/machine/focus_offset.h"
+#include "services/job/machine/stations.h"
 #include "services/job/options.h"
 
 namespace intaglio {
@@ -33,7 +34,8 @@ Vec3 BlockOriginOf(const MachineSpec& machine, std::uint32_t channel,
 
 Vec3 BlockOriginOf(const MachineSpec& machine, const JobSpec& job,
                    std::uint32_t channel) {
-  return BlockOriginOf(machine, channel, LensNameOf(machine, job));
+  return BlockOriginOf(machine, channel, LensNameOf(machine, job)) +
+         StationPlaceOf(machine, job).offset_mm;
 }
 
 Vec3 BlockOriginOf(const MachineSpec& machine, const JobSpec& job) {
@@ -41,15 +43,14 @@ Vec3 BlockOriginOf(const MachineSpec& machine, const JobSpec& job) {
 }
 
 std::vector<Vec3> BlockOriginsOf(const MachineSpec& machine, const JobSpec& job) {
-  const std::string lens = LensNameOf(machine, job);
   std::vector<Vec3> origins_mm;
   for (const std::uint32_t channel : job.laser().channels()) {
-    const Vec3 origin_mm = BlockOriginOf(machine, channel, lens);
+    const Vec3 origin_mm = BlockOriginOf(machine, job, channel);
     if (std::find(origins_mm.begin(), origins_mm.end(), origin_mm) == origins_mm.end()) {
       origins_mm.push_back(origin_mm);
     }
   }
-  if (origins_mm.empty()) origins_mm.push_back(BlockOriginOf(machine, 1, lens));
+  if (origins_mm.empty()) origins_mm.push_back(BlockOriginOf(machine, job, 1));
   return origins_mm;
 }
 

@@ -21,7 +21,7 @@ const TaughtZero* FindZero(const MachineSpec& machine, std::uint32_t channel,
 
 Vec3 BlockOriginOf(const MachineSpec& machine, std::uint32_t channel,
                    const std::string& lens);
-/// With the job's lens.
+/// With the job's lens, at the job's station.
 Vec3 BlockOriginOf(const MachineSpec& machine, const JobSpec& job, std::uint32_t channel);
 /// In the first of the job's channels: what estimates are made with.
 Vec3 BlockOriginOf(const MachineSpec& machine, const JobSpec& job);

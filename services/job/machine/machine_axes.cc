@@ -6,6 +6,7 @@
 #include "engrave/core/check.h"
 #include "services/job/channels.h"
 #include "services/job/machine/block_origin.h"
+#include "services/job/machine/stations.h"
 #include "services/job/options.h"
 
 namespace intaglio {
@@ -70,6 +71,14 @@ std::shared_ptr<const machine::Kinematics> KinematicsOf(const MachineSpec& machi
   return machine::MakeKinematics(KinematicsOptionsOf(machine));
 }
 
+std::shared_ptr<const machine::Kinematics> KinematicsOf(const MachineSpec& machine,
+                                                        const JobSpec& job) {
+  machine::KinematicsOptions options = KinematicsOptionsOf(machine);
+  if (auto* polar = std::get_if<machine::PolarOptions>(&options))
+    polar->frame_turn_rad = StationPlaceOf(machine, job).turn_rad;
+  return machine::MakeKinematics(options);
+}
+
 bool AreHeadCoordinates(const MachineSpec& machine) {
   const auto kinematics = KinematicsOptionsOf(machine);
   const auto* linear = std::get_if<machine::CartesianOptions>(&kinematics);
@@ -115,11 +124,11 @@ FocusLimits FocusLimitsOf(const MachineSpec& machine) {
 }
 
 machine::AxesFromGlass AxesFromGlassOf(const FrozenJob& job) {
-  return {MachineFromGlassOf(job), KinematicsOf(job.machine())};
+  return {MachineFromGlassOf(job), KinematicsOf(job.machine(), job.job())};
 }
 
 std::vector<machine::AxesFromGlass> AxesFromGlassOfModels(const FrozenJob& job) {
-  const auto kinematics = KinematicsOf(job.machine());
+  const auto kinematics = KinematicsOf(job.machine(), job.job());
   std::vector<machine::AxesFromGlass> all;
   for (const ChannelMask mask : ChannelsOfModels(job.job())) {
     optics::MachineFromGlass frame = MachineFromGlassOf(job);

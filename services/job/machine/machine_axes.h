@@ -17,7 +17,12 @@ namespace intaglio {
 
 /// What MachineSpec.kinematics chooses; absent: three linear axes that move the head.
 machine::KinematicsOptions KinematicsOptionsOf(const MachineSpec& machine);
+/// Of the block at the first station.
 std::shared_ptr<const machine::Kinematics> KinematicsOf(const MachineSpec& machine);
+/// Of the block at the job's station, in whose frame the places are: that of the machine,
+/// turned with the block.
+std::shared_ptr<const machine::Kinematics> KinematicsOf(const MachineSpec& machine,
+                                                        const JobSpec& job);
 
 /// Whether the axes are the focus' own coordinates: linear, the head moves, all count up,
 /// no corrections.

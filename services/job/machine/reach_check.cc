@@ -39,7 +39,8 @@ void CheckReachFrom(const Vec3& origin_mm, const JobSpec& job, const MachineSpec
   const Vec3 size_mm = BlockSizeOf(job);
   const Vec3 margin_mm = Vec3::Constant(job.block().margin_mm());
   const machine::AxesFromGlass axes_from_glass(
-      {origin_mm, size_mm, stage_per_glass_ratio.value_or(1)}, KinematicsOf(machine));
+      {origin_mm, size_mm, stage_per_glass_ratio.value_or(1)},
+      KinematicsOf(machine, job));
   Box3 permitted_mm{margin_mm, size_mm - margin_mm};
   if (!stage_per_glass_ratio) permitted_mm.min_mm.z() = permitted_mm.max_mm.z();
   const auto needed =
@@ -62,9 +63,15 @@ void CheckReach(const JobSpec& job, const MachineSpec& machine,
                 std::optional<double> stage_per_glass_ratio, Findings& findings) {
   if (machine.has_polar() && !CheckKinematics(machine).empty()) return;
   if (!OutOfRange(machine.cartesian(), "").empty()) return;
+  Findings found;
   for (const Vec3& origin_mm : BlockOriginsOf(machine, job)) {
-    CheckReachFrom(origin_mm, job, machine, stage_per_glass_ratio, findings);
+    CheckReachFrom(origin_mm, job, machine, stage_per_glass_ratio, found);
   }
+  if (job.station() > 1 && !found.found().empty()) {
+    return findings.Wrong("station", job.station(), "is beyond the reach of {}: {}",
+                          machine.name(), found.found().front().message);
+  }
+  for (Finding& finding : found.found()) findings.found().push_back(std::move(finding));
 }
 
 }  // namespace intaglio

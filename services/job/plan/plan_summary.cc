@@ -6,7 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "engrave/core/try.h"
 #include "engrave/io/crc32.h"
+#include "services/job/plan/predicted_errors.h"
 
 namespace intaglio {
 namespace {
@@ -31,6 +33,7 @@ Result<PlanSummary> Summarize(const PlanInput& plan, const ProgressSink& progres
   point_ticks.reserve(points_mm.size());
   const auto take = [&] {
     for (const motion::Segment& segment : segments) {
+      if (plan.follow) plan.follow(segment);
       for (int axis = 0; axis < 3; ++axis) {
         Mix(crc, segment.end_position_mm[axis]);
         Mix(crc, segment.end_velocity_mm_s[axis]);
@@ -65,6 +68,20 @@ Result<PlanSummary> Summarize(const PlanInput& plan, const ProgressSink& progres
   moves.square_mm2 *= plan.focus_mm_per_axis_unit * plan.focus_mm_per_axis_unit;
   return PlanSummary{subticks_of_last_point / motion::kSubticksPerTick,
                      fmt::format("{:08x}", crc), moves, std::move(point_ticks)};
+}
+
+Result<PlanSummary> Summarize(const FrozenJob& job, PlanInput plan,
+                              const ProgressSink& progress) {
+  PredictedErrors errors(job, plan.machine_points_mm);
+  plan.follow = [&](const motion::Segment& commanded) {
+    errors.AppendCommand(commanded);
+  };
+  auto summary = INTAGLIO_TRY(Summarize(plan, progress));
+  if (errors.predicts()) {
+    summary.predicted = PredictedSummary{errors.rms_um(), errors.max_um(),
+                                         errors.wrong_mechanics_max_um()};
+  }
+  return summary;
 }
 
 }  // namespace intaglio

@@ -4,6 +4,8 @@
 // runs of one job.
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +13,7 @@
 #include "engrave/core/progress.h"
 #include "engrave/core/result.h"
 #include "engrave/motion/planner.h"
+#include "proto/task.pb.h"
 
 namespace intaglio {
 
@@ -23,6 +26,15 @@ struct PlanInput {
   /// The move of the focus, mm, for a move of the axes by one unit: for the moves of
   /// points, which the planner knows on the axes.
   double focus_mm_per_axis_unit = 1;
+  /// Takes each segment, as commanded; default: nobody.
+  std::function<void(const motion::Segment&)> follow = {};
+};
+
+/// How far from its points the focus will be, by the profile's drives
+/// (predicted_errors.h).
+struct PredictedSummary {
+  double rms_um = 0, max_um = 0;
+  double wrong_mechanics_max_um = 0;  ///< max_um with wrong mechanics
 };
 
 struct PlanSummary {
@@ -30,10 +42,16 @@ struct PlanSummary {
   std::string checksum;     ///< CRC-32 of all segments, hexadecimal
   motion::PointMoves moves;
   std::vector<std::uint32_t> point_ticks = {};  ///< of each point, from the start
+  std::optional<PredictedSummary> predicted = {};
 };
 
 /// A million points with limits of the jerk take seconds. `progress`: every 256 points,
 /// done and total; kCancelled when it returns false.
 Result<PlanSummary> Summarize(const PlanInput& plan, const ProgressSink& progress);
+
+/// The same with the predicted errors; none of a job whose pulses fire at the place.
+/// `plan`: of that job.
+Result<PlanSummary> Summarize(const FrozenJob& job, PlanInput plan,
+                              const ProgressSink& progress);
 
 }  // namespace intaglio

@@ -34,6 +34,12 @@ void PredictedErrors::Append(const motion::Segment& planned) {
   Follow();
 }
 
+void PredictedErrors::AppendCommand(const motion::Segment& commanded) {
+  if (!predicts()) return;
+  commands_.push_back(commanded);
+  Follow();
+}
+
 void PredictedErrors::Finish() {
   if (compensation_) compensation_->Finish(commands_);
   Follow();

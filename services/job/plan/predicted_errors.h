@@ -25,8 +25,10 @@ class PredictedErrors {
   /// The next segment of the plan, not compensated.
   void Append(const motion::Segment& planned);
   void Finish();
+  /// In place of Append and Finish: the next segment as commanded, compensated already.
+  void AppendCommand(const motion::Segment& commanded);
 
-  /// After Finish: distance from each point of the path in the glass, um.
+  /// At the end: distance from each point of the path in the glass, um.
   const std::vector<double>& errors_um() const { return errors_um_; }
   double rms_um() const;
   double max_um() const;

@@ -15,6 +15,8 @@ namespace pb = google::protobuf;
 constexpr int kMaxRates = 32;
 // What a controller's identity can report.
 constexpr std::size_t kMaxSerialNumber = 64;
+// What a glass record can number (engrave/formats/glass_record.h), less the first.
+constexpr int kMaxFurtherStations = 63;
 
 constexpr TruthRange kRanges[] = {
     {"TruthSecondOrder", "natural_frequency_hz", 1, 10000},
@@ -73,6 +75,8 @@ constexpr TruthRange kRanges[] = {
     {"TruthLaser", "min_pulse_energy_mj", 0.001, 10000},
     {"TruthLaser", "energy_spread_ratio", 0, 0.5},
     {"TruthLaser", "energy_error_ratio", -0.5, 0.5},
+    {"TruthStation", "offset_mm", -10000, 10000},
+    {"TruthStation", "turn_rad", -6.3, 6.3},
     {"TruthBlock", "size_mm", 0.1, 10000},
     {"TruthBlock", "origin_mm", -10000, 10000},
     {"TruthBlock", "refractive_index", 1, 4},
@@ -132,6 +136,12 @@ class Checker {
     Add("laser.channel_offset_mm",
         fmt::format("{} places", laser.channel_offset_mm_size()),
         "are more than 3, of channels 2 to 4");
+  }
+
+  void CheckStations(const TruthBlock& block) {
+    if (block.stations_size() <= kMaxFurtherStations) return;
+    Add("block.stations", fmt::format("{} stations", block.stations_size()),
+        fmt::format("are more than {}", kMaxFurtherStations));
   }
 
   void CheckAxisDrives(const TruthStage& stage) {
@@ -219,6 +229,7 @@ std::vector<Error> CheckTruth(const MachineTruth& truth) {
   checker.CheckSerialNumber(truth.stage().serial_number(), "stage.serial_number");
   checker.CheckRates(truth.laser());
   checker.CheckOffsets(truth.laser());
+  checker.CheckStations(truth.block());
   checker.CheckSerialNumber(truth.laser().serial_number(), "laser.serial_number");
   return checker.Take();
 }

@@ -45,6 +45,7 @@ void Replace(const MachineTruth& changes, MachineTruth& truth) {
   if (changes.laser().channel_offset_mm_size() > 0) {
     truth.mutable_laser()->clear_channel_offset_mm();
   }
+  if (changes.block().stations_size() > 0) truth.mutable_block()->clear_stations();
   truth.MergeFrom(changes);
 }
 

@@ -23,7 +23,7 @@ Result<MachineTruth> ReadTruthFile(const std::filesystem::path& file);
 Result<MachineTruth> ParseTruth(std::string_view text, const std::string& name);
 
 /// What `changes` sets replaces the value in `truth`; of messages field by field, of the
-/// rates and of the channels' places all.
+/// rates, of the channels' places and of the stations all.
 void Replace(const MachineTruth& changes, MachineTruth& truth);
 
 /// The file is there whole or not at all.

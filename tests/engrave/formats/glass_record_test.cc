@@ -9,7 +9,8 @@ std::vector<std::byte> Sample(int count) {
   auto bytes = EncodeGlassHeader({Vec3(50, 60, 70), 1.5195, 0.2, 0xABCD1234});
   for (int i = 0; i < count; ++i) {
     AppendGlassCrack({100u + static_cast<unsigned>(i), Vec3(i, 0.1 * i, -i / 3.0), 30.0,
-                      static_cast<std::uint8_t>(i % 4), i % 5 != 0},
+                      static_cast<std::uint8_t>(i % 4), i % 5 != 0, 0,
+                      static_cast<std::uint8_t>(1 + 7 * i % 64)},
                      bytes);
   }
   return bytes;
@@ -26,6 +27,10 @@ TEST(GlassRecord, RoundTripIsExact) {
   EXPECT_EQ(record->cracks[7].tick, 107u);
   EXPECT_EQ(record->cracks[7].channel, 3);
   EXPECT_FALSE(record->cracks[5].in_glass);
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_EQ(record->cracks[static_cast<std::size_t>(i)].channel, i % 4);
+    EXPECT_EQ(record->cracks[static_cast<std::size_t>(i)].station, 1 + 7 * i % 64);
+  }
 }
 
 TEST(GlassRecord, CutAnywhereKeepsEveryWholeRecord) {

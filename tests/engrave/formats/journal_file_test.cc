@@ -30,11 +30,12 @@ const std::vector<JournalRecord> kRecords = {
     {JournalKind::kIntent, PointOutcome::kNone, 0, 2, 1ull << 40, 1, 1}};
 
 TEST(JournalFile, ReadsBackWhatWasWritten) {
-  const auto journal = ParseJournal(BytesOf({3, 77, 0xcafe}, kRecords));
+  const auto journal = ParseJournal(BytesOf({3, 77, 0xcafe, 4}, kRecords));
   ASSERT_TRUE(journal.has_value());
   EXPECT_EQ(journal->header.point_count, 3u);
   EXPECT_EQ(journal->header.epoch, 77u);
   EXPECT_EQ(journal->header.path_crc, 0xcafeu);
+  EXPECT_EQ(journal->header.station, 4u);
   EXPECT_EQ(journal->damaged_records, 0u);
   EXPECT_EQ(journal->records, kRecords);
   EXPECT_EQ(journal->torn_bytes, 0u);

@@ -48,6 +48,8 @@ std::vector<Sample> Samples() {
   polar.side = ArmSide::kRight;
   polar.z = {true, false, 0.98};
   samples.push_back({"polar_right", polar, piece, around, "block_origin_mm"});
+  polar.frame_turn_rad = -2.5;
+  samples.push_back({"polar_station", polar, piece, around, "block_origin_mm"});
   polar.arm_length_mm = 230;
   samples.push_back({"long_arm", polar, piece, {Vec3(1, 20, 0)}, "block_origin_mm"});
   return samples;

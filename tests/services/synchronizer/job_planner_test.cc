@@ -5,6 +5,7 @@
 
 #include <thread>
 
+#include "services/job/plan/predicted_errors.h"
 #include "services/synchronizer/job_folder.h"
 #include "tests/sanitizers.h"
 #include "tests/services/synchronizer/good_task.h"
@@ -115,6 +116,33 @@ TEST_F(JobPlannerTest, TheSummaryIsThatOfThePlanMadeAtOnce) {
   ASSERT_TRUE(TurnUntil([&] { return (summary = planner_.summary()) != nullptr; }));
   EXPECT_EQ((*summary)->checksum, at_once->checksum);
   EXPECT_EQ((*summary)->ticks, at_once->ticks);
+}
+
+// From the commands that the machine gets, and as `intaglio plan` does it from the motion
+// before its compensation.
+TEST_F(JobPlannerTest, TheSummaryHasTheErrorsThatThePlannedMotionWillHave) {
+  const PreparationTask task = TaskOf(PathOf(500));
+  planner_.Begin(task);
+  ASSERT_TRUE(Prepares());
+  ASSERT_TRUE(*prepared_);
+  const EngravingJob job = (*prepared_)->engraving;
+  PredictedErrors expected(task.job, job.machine_points_mm);
+  motion::PlanOptions options = job.plan;
+  options.compensated = false;
+  PlanInput plan{job.machine_points_mm, options, job.masks};
+  plan.follow = [&](const motion::Segment& planned) { expected.Append(planned); };
+  ASSERT_TRUE(Summarize(plan, [](std::uint64_t, std::uint64_t) { return true; }));
+  expected.Finish();
+  const Result<PlanSummary>* summary = nullptr;
+  ASSERT_TRUE(TurnUntil([&] { return (summary = planner_.summary()) != nullptr; }));
+  ASSERT_TRUE(*summary && (*summary)->predicted);
+  const PredictedSummary& predicted = *(*summary)->predicted;
+  EXPECT_GT(predicted.max_um, 0);
+  EXPECT_GT(predicted.wrong_mechanics_max_um, predicted.max_um / 2);
+  EXPECT_NEAR(predicted.max_um, expected.max_um(), 1e-6 * expected.max_um());
+  EXPECT_NEAR(predicted.rms_um, expected.rms_um(), 1e-6 * expected.rms_um());
+  EXPECT_NEAR(predicted.wrong_mechanics_max_um, expected.wrong_mechanics_max_um(),
+              1e-6 * expected.wrong_mechanics_max_um());
 }
 
 TEST_F(JobPlannerTest, WhatIsPreparedLiesInTheFolderAndIsTakenUpFromThere) {

@@ -1,0 +1,157 @@
+#include "services/cli/submit_jobs.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+#include <vector>
+
+#include "services/cli/batch/station_jobs.h"
+#include "services/cli/complain.h"
+#include "services/cli/job_series.h"
+#include "services/cli/status/command_effect.h"
+#include "services/cli/watch_job.h"
+#include "services/client/arm_once.h"
+#include "services/client/event_lines.h"
+#include "services/client/exit_codes.h"
+#include "services/client/warning_text.h"
+#include "services/history/job_history.h"
+
+namespace intaglio::cli {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Gives the job to the job service.
+Result<client::JobView> SubmitOne(client::JobClient& client, const JobSpec& job,
+                                  const JobsOptions& options) {
+  auto submitted = client.Submit(job, 15s);
+  if (submitted) {
+    if (options.events) client::EventLines(std::cout).Submitted(*submitted);
+    options.human() << "job " << submitted->number << " (" << submitted->uid << ") is "
+                    << client::NameOf(submitted->state) << "\n";
+  }
+  return submitted;
+}
+
+/// All of them, in this order.
+Result<std::vector<client::JobView>> SubmitAll(client::JobClient& client, bus::Bus& bus,
+                                               const std::vector<JobAndMachine>& jobs,
+                                               const JobsOptions& options) {
+  for (const JobAndMachine& piece : jobs) PrintTextWarnings(piece.warnings);
+  client.PollUntil([&] { return !client.services().empty(); }, bus.discovery_time());
+  std::vector<client::JobView> submitted;
+  for (const JobAndMachine& piece : jobs) {
+    auto job = SubmitOne(client, piece.job, options);
+    if (!job) return tl::unexpected(job.error());
+    submitted.push_back(std::move(*job));
+  }
+  options.human() << jobs.size() << " jobs submitted; list them with intaglio list\n";
+  client.Poll(500ms);
+  return submitted;
+}
+
+int SubmitSeries(const JobsOptions& options) {
+  if (options.arm || options.watch) {
+    return Complain({ErrorCode::kInvalidValue,
+                     "--arm and --watch apply to one job: arm every piece of a series "
+                     "when its block is in the machine (intaglio arm JOB)",
+                     ""},
+                    client::kExitWrongInput);
+  }
+  const auto series = BuildSeries(options.job, options.series, options.materials_db);
+  if (!series) return Complain(series.error(), client::kExitWrongInput);
+  bus::Bus bus(options.bus);
+  client::JobClient client(bus);
+  const auto submitted = SubmitAll(client, bus, *series, options);
+  return submitted ? client::kExitGood : ComplainOfShop(submitted.error());
+}
+
+/// One after the other, each armed when it has the machine. The first that is not good
+/// ends it, and those behind it stay in the queue, not armed.
+int ArmAndWatchAll(client::JobClient& client, const std::vector<client::JobView>& jobs,
+                   const JobsOptions& options) {
+  for (const client::JobView& job : jobs) {
+    const auto armed = client::ArmWhenTaken(client, job, options.accept.breakage());
+    if (!armed) return ComplainOf(armed.error());
+    const int end = Watch(client, job.uid, options);
+    if (end != client::kExitGood) return end;
+  }
+  return client::kExitGood;
+}
+
+int SubmitAtStations(const JobsOptions& options) {
+  if (options.arm != options.watch) {
+    return Complain({ErrorCode::kInvalidValue,
+                     "--stations: give --arm and --watch both, for each job is armed "
+                     "when the one before has ended, or neither",
+                     ""},
+                    client::kExitWrongInput);
+  }
+  const auto stations = ParseStations(options.stations);
+  if (!stations) return Complain(stations.error(), client::kExitWrongInput);
+  const auto jobs = BuildStationJobs(options.job, *stations);
+  if (!jobs) return Complain(jobs.error(), client::kExitWrongInput);
+  for (const std::string& note : jobs->front().notes) std::cerr << note << "\n";
+  bus::Bus bus(options.bus);
+  client::JobClient client(bus);
+  const auto submitted = SubmitAll(client, bus, *jobs, options);
+  if (!submitted) return ComplainOfShop(submitted.error());
+  return options.arm ? ArmAndWatchAll(client, *submitted, options) : client::kExitGood;
+}
+
+int SubmitJob(const JobSpec& spec, const JobsOptions& options) {
+  bus::Bus bus(options.bus);
+  client::JobClient client(bus);
+  client.PollUntil([&] { return !client.services().empty(); }, bus.discovery_time());
+  const auto submitted = SubmitOne(client, spec, options);
+  if (!submitted) return ComplainOfShop(submitted.error());
+  if (options.arm) {
+    auto armed = client::ArmWhenTaken(client, *submitted, options.accept.breakage());
+    if (!armed) return ComplainOf(armed.error());
+    const int effect =
+        AwaitEffect(client, *submitted, intaglio_COMMAND_ARM, options.human());
+    if (effect != client::kExitGood && !options.watch) return effect;
+  }
+  if (options.watch) return Watch(client, submitted->uid, options);
+  if (!options.arm)
+    options.human() << "intaglio arm " << submitted->number << " arms it\n";
+  client.Poll(500ms);
+  const client::JobView& job = client.jobs().at(submitted->uid);
+  const bool asks = options.arm && job.open_consent() != nullptr;
+  return asks || (job.ended() && job.state != intaglio_JOB_DONE) ? client::kExitMachine
+                                                                 : client::kExitGood;
+}
+
+}  // namespace
+
+int Watch(client::JobClient& client, const std::string& uid, const JobsOptions& options) {
+  client::EventLines events(std::cout);
+  return WatchJob(client, uid, options.events ? &events : nullptr);
+}
+
+int ComplainOfShop(const Error& error) {
+  return Complain(error, error.code == ErrorCode::kFault ? client::kExitMachine
+                                                         : client::kExitWrongInput);
+}
+
+int ComplainOf(const Error& error) { return Complain(error, client::kExitMachine); }
+
+int Submit(const JobsOptions& options) {
+  if (!options.series.empty()) return SubmitSeries(options);
+  if (!options.stations.empty()) return SubmitAtStations(options);
+  const auto job = BuildJobToEngrave(options.job);
+  if (!job) return Complain(job.error(), client::kExitWrongInput);
+  for (const std::string& note : job->notes) std::cerr << note << "\n";
+  PrintTextWarnings(job->warnings);
+  return SubmitJob(job->job, options);
+}
+
+int Again(const JobsOptions& options) {
+  const auto job = history::ReadJob(
+      options.database.empty() ? options.folder + "/jobs.db" : options.database,
+      options.uid);
+  if (!job) return Complain(job.error(), client::kExitWrongInput);
+  return SubmitJob(*job, options);
+}
+
+}  // namespace intaglio::cli
