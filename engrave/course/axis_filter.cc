@@ -1,6 +1,7 @@
 #include "engrave/course/axis_filter.h"
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 
 #include "engrave/core/check.h"
@@ -59,30 +60,49 @@ AxisFilter::AxisFilter(std::span<const double> denominator, double period_s)
   }
 }
 
-void AxisFilter::Run(std::span<const double> setpoints, std::span<double> actual) const {
-  const std::size_t count = setpoints.size();
-  if (count == 0) return;
-  if (order_ == 0) {
-    std::copy(setpoints.begin(), setpoints.end(), actual.begin());
-    return;
-  }
+// The order is a constant of the loops, which are the most that a plan computes.
+template <int kOrder>
+void AxisFilter::RunOf(std::span<const double> setpoints,
+                       std::span<double> actual) const {
   // Of the difference to the line of the first two setpoints, from rest.
+  const std::size_t count = setpoints.size();
   const double slope = count > 1 ? setpoints[1] - setpoints[0] : 0;
   const double lag = lag_s_ / period_s_ * slope;
-  double z[kMaxOrder] = {}, changed[kMaxOrder];
+  double z[kOrder] = {}, changed[kOrder];
   double line = setpoints[0], u = 0;
   actual[0] = line - lag;
   for (std::size_t i = 1; i < count; ++i) {
     line = setpoints[0] + slope * static_cast<double>(i);
     const double u_next = setpoints[i] - line;
-    for (int r = 0; r < order_; ++r) {
+    for (int r = 0; r < kOrder; ++r) {
       double sum = now_[r] * u + next_[r] * u_next;
-      for (int k = 0; k < order_; ++k) sum += step_[r][k] * z[k];
+      for (int k = 0; k < kOrder; ++k) sum += step_[r][k] * z[k];
       changed[r] = sum;
     }
-    for (int r = 0; r < order_; ++r) z[r] = changed[r];
+    for (int r = 0; r < kOrder; ++r) z[r] = changed[r];
     u = u_next;
     actual[i] = line - lag + z[0];
+  }
+}
+
+void AxisFilter::Run(std::span<const double> setpoints, std::span<double> actual) const {
+  if (setpoints.empty()) return;
+  static_assert(kMaxOrder == 6);
+  switch (order_) {
+    case 1:
+      return RunOf<1>(setpoints, actual);
+    case 2:
+      return RunOf<2>(setpoints, actual);
+    case 3:
+      return RunOf<3>(setpoints, actual);
+    case 4:
+      return RunOf<4>(setpoints, actual);
+    case 5:
+      return RunOf<5>(setpoints, actual);
+    case 6:
+      return RunOf<6>(setpoints, actual);
+    default:
+      std::copy(setpoints.begin(), setpoints.end(), actual.begin());
   }
 }
 

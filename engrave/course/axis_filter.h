@@ -22,6 +22,9 @@ class AxisFilter {
   void Run(std::span<const double> setpoints, std::span<double> actual) const;
 
  private:
+  template <int kOrder>
+  void RunOf(std::span<const double> setpoints, std::span<double> actual) const;
+
   int order_ = 0;
   double lag_s_ = 0;
   double period_s_ = 0;

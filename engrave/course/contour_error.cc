@@ -9,6 +9,9 @@
 namespace intaglio::course {
 namespace {
 
+/// Far above what the distances are rounded by.
+constexpr double kRoundingMm = 1e-6;
+
 struct Place {
   double distance_mm = std::numeric_limits<double>::infinity();
   double s_mm = 0;
@@ -32,7 +35,11 @@ class Searcher {
     Place best;
     for (std::size_t i = first_;
          i < path_.segment_count() && (i == first_ || s[i] <= to_mm_); ++i) {
-      const Foot foot = NearestOn(path_.segments()[i], point_mm);
+      const Segment& segment = path_.segments()[i];
+      // No place of a segment is farther from its begin than its length.
+      const double reach_mm = best.distance_mm + segment.length_mm + kRoundingMm;
+      if ((point_mm - segment.begin_mm).squaredNorm() > reach_mm * reach_mm) continue;
+      const Foot foot = NearestOn(segment, point_mm);
       if (foot.distance_mm < best.distance_mm) {
         best = {foot.distance_mm, s[i] + foot.at_mm, i};
       }
