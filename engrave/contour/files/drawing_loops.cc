@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "engrave/contour/region/loose_edges.h"
+#include "engrave/contour/region/region_index.h"
 #include "engrave/core/try.h"
 #include "engrave/drawing/flatten.h"
 
@@ -17,6 +20,7 @@ using std::numbers::pi;
 // An ellipse whose axes differ by less, relatively, is a circle.
 constexpr double kCircle = 1e-9;
 constexpr double kSameLoop_mm = 1e-3;
+constexpr double kSamePlace_mm = 1e-6;
 
 Vec2 Flat(const Vec3& p) { return {p.x(), p.y()}; }
 
@@ -121,7 +125,161 @@ std::vector<Edges> WithoutRepeated(std::vector<Edges> loops) {
   return kept;
 }
 
+/// A curve, or several that were joined.
+struct Chain {
+  Edges edges;
+  std::uint32_t layer = 0;
+  bool closed = false;
+
+  Vec2 EndMm(int side) const {
+    return side == 0 ? edges.front().begin_mm : edges.back().end_mm;
+  }
+};
+
+/// The two ends of open chains, and of each the one other end that it meets.
+class ChainEnds {
+ public:
+  ChainEnds(const std::vector<Chain>& chains, double joint_mm)
+      : chains_(chains), joint_mm_(joint_mm), partners_(2 * chains.size()) {
+    for (std::size_t end = 0; end < partners_.size(); ++end) {
+      if (!chains[end / 2].closed) cells_[CellOf(Place(end), 0, 0)].push_back(end);
+    }
+    for (std::size_t end = 0; end < partners_.size(); ++end) {
+      if (!chains[end / 2].closed) partners_[end] = OnlyOneNear(end);
+    }
+  }
+
+  /// Both agree.
+  std::optional<std::size_t> PartnerOf(std::size_t end) const {
+    const auto other = partners_[end];
+    return other && partners_[*other] == end ? other : std::nullopt;
+  }
+
+ private:
+  using Cell = std::pair<std::int64_t, std::int64_t>;
+
+  Vec2 Place(std::size_t end) const {
+    return chains_[end / 2].EndMm(static_cast<int>(end % 2));
+  }
+  Cell CellOf(const Vec2& place, int dx, int dy) const {
+    return {static_cast<std::int64_t>(std::floor(place.x() / joint_mm_)) + dx,
+            static_cast<std::int64_t>(std::floor(place.y() / joint_mm_)) + dy};
+  }
+  std::optional<std::size_t> OnlyOneNear(std::size_t end) const {
+    std::optional<std::size_t> near;
+    for (int k = 0; k < 9; ++k) {
+      const auto cell = cells_.find(CellOf(Place(end), k % 3 - 1, k / 3 - 1));
+      if (cell == cells_.end()) continue;
+      for (const std::size_t other : cell->second) {
+        if (other == end || chains_[other / 2].layer != chains_[end / 2].layer ||
+            (Place(other) - Place(end)).norm() >= joint_mm_)
+          continue;
+        if (near) return std::nullopt;
+        near = other;
+      }
+    }
+    return near;
+  }
+
+  const std::vector<Chain>& chains_;
+  double joint_mm_;
+  std::map<Cell, std::vector<std::size_t>> cells_;
+  std::vector<std::optional<std::size_t>> partners_;
+};
+
+Edges Backwards(const Edges& edges) {
+  Edges turned;
+  for (auto edge = edges.rbegin(); edge != edges.rend(); ++edge)
+    turned.push_back(Reversed(*edge));
+  return turned;
+}
+
+void LineToClose(const Vec2& to_mm, Edges& edges) {
+  Edge& last = edges.back();
+  if ((last.end_mm - to_mm).norm() < kSamePlace_mm)
+    last.end_mm = to_mm;
+  else
+    edges.push_back(MakeLine(last.end_mm, to_mm));
+}
+
+/// From the chain of the end `first`, along the partners, until there is none or the
+/// first is met again.
+FollowedCurve JoinedFrom(std::size_t first, const std::vector<Chain>& chains,
+                         const ChainEnds& ends, std::vector<char>& used) {
+  FollowedCurve curve;
+  std::optional<std::size_t> entry = first;
+  while (entry && used[*entry / 2] == 0) {
+    used[*entry / 2] = 1;
+    const Edges& next = chains[*entry / 2].edges;
+    const Edges part = *entry % 2 == 0 ? next : Backwards(next);
+    if (!curve.edges.empty()) LineToClose(part.front().begin_mm, curve.edges);
+    curve.edges.insert(curve.edges.end(), part.begin(), part.end());
+    entry = ends.PartnerOf(*entry ^ 1U);
+  }
+  curve.closed = entry == first;
+  if (curve.closed) LineToClose(curve.edges.front().begin_mm, curve.edges);
+  return curve;
+}
+
+std::vector<FollowedCurve> JoinedChains(std::vector<Chain> chains, double joint_mm) {
+  const ChainEnds ends(chains, joint_mm);
+  std::vector<char> used(chains.size(), 0);
+  std::vector<std::pair<std::size_t, FollowedCurve>> joined;
+  const auto take = [&](std::size_t i, std::size_t end) {
+    joined.emplace_back(i, JoinedFrom(end, chains, ends, used));
+  };
+  for (std::size_t i = 0; i < chains.size(); ++i) {
+    if (chains[i].closed) {
+      used[i] = 1;
+      joined.emplace_back(i, FollowedCurve{std::move(chains[i].edges), true});
+    } else if (used[i] == 0) {
+      // From a free end, so that the row is taken whole; of a ring from anywhere.
+      std::size_t end = 2 * i;
+      for (auto at = ends.PartnerOf(end); at && *at / 2 != i; at = ends.PartnerOf(end))
+        end = *at ^ 1U;
+      const bool ring = ends.PartnerOf(end).has_value();
+      take(i, ring ? 2 * i : end);
+    }
+  }
+  std::vector<FollowedCurve> curves;
+  for (auto& [first, curve] : joined) curves.push_back(std::move(curve));
+  return curves;
+}
+
+std::vector<FollowedCurve> WithoutRepeatedCurves(std::vector<FollowedCurve> curves) {
+  std::vector<FollowedCurve> kept;
+  std::multimap<double, std::size_t> by_left_mm;
+  for (FollowedCurve& curve : curves) {
+    const double left_mm = BoxOfEdges(curve.edges).min_mm.x();
+    bool seen = false;
+    const auto last = by_left_mm.upper_bound(left_mm + kSameLoop_mm);
+    for (auto one = by_left_mm.lower_bound(left_mm - kSameLoop_mm);
+         curve.closed && one != last && !seen; ++one)
+      seen = AreSameLoop(curve.edges, kept[one->second].edges);
+    if (seen) continue;
+    if (curve.closed) by_left_mm.emplace(left_mm, kept.size());
+    kept.push_back(std::move(curve));
+  }
+  return kept;
+}
+
 }  // namespace
+
+Result<std::vector<FollowedCurve>> CurvesOfDrawing(const drawing::Drawing& drawing,
+                                                   const LoopOptions& options) {
+  INTAGLIO_TRY(CheckLoopOption("the chord tolerance", options.chord_tolerance_mm, 1e-6));
+  INTAGLIO_TRY(CheckLoopOption("the joint", options.joint_mm, 1e-5));
+  std::vector<Chain> chains;
+  for (const drawing::Curve& curve : drawing.curves) {
+    CurveEdges reader(options);
+    INTAGLIO_TRY(reader.Append(curve));
+    Chain chain{reader.Take(), curve.layer, false};
+    if (chain.edges.empty() || LengthOf(chain.edges) == 0) continue;
+    chain.closed = (chain.EndMm(0) - chain.EndMm(1)).norm() < kSamePlace_mm;
+    chains.push_back(std::move(chain));
+  }
+  return WithoutRepeatedCurves(JoinedChains(std::move(chains), options.joint_mm));
+}
 
 Result<std::vector<Edges>> LoopsOfDrawing(const drawing::Drawing& drawing,
                                           const LoopOptions& options) {

@@ -5,7 +5,7 @@
 //
 // Circles and arcs of circles stay arcs, exactly; splines and ellipses become chords.
 // Open curves that meet are one loop: CAD programs write an outline as single lines and
-// arcs.
+// arcs. What is only followed may stay open.
 
 #include <vector>
 
@@ -25,6 +25,19 @@ struct LoopOptions {
 /// cut wrongly or not at all), or a drawing without a curve; kTooLarge as of Flatten.
 Result<std::vector<Edges>> LoopsOfDrawing(const drawing::Drawing& drawing,
                                           const LoopOptions& options = {});
+
+/// A curve that is followed as it is.
+struct FollowedCurve {
+  Edges edges;  ///< each begins where the one before ends
+  bool closed = false;
+};
+
+/// Open curves as well. Those of the same layer are joined where exactly two of their
+/// ends meet, by a line where there is a gap; closed ones that coincide with another one
+/// are left out. In the order of their first parts; points of the drawing are left out.
+/// Errors: kInvalidValue for an option outside its range; kTooLarge as of Flatten.
+Result<std::vector<FollowedCurve>> CurvesOfDrawing(const drawing::Drawing& drawing,
+                                                   const LoopOptions& options = {});
 
 /// The same as an area: inside is what an odd number of loops encloses.
 Result<Region> RegionOfDrawing(const drawing::Drawing& drawing,

@@ -157,6 +157,7 @@ Status GrblCourseDriver::Stop() {
 Status GrblCourseDriver::Reset() {
   if (!state_.link_up) return RefuseCourse("the line to the controller is down");
   if (line_.door_is_open()) return RefuseCourse("the door is open: close it");
+  if (run_ && !stopping_) return RefuseCourse("a run is under way: stop it before");
   recovers_ = true;
   return {};
 }
@@ -189,8 +190,9 @@ void GrblCourseDriver::Report() {
   state_.session = line_.sessions();
   state_.key_on = state_.door_closed = state_.stop_released = state_.link_up && !open;
   state_.openings = line_.door_openings();
-  const bool sends = stage_ == Hand::kSending || stage_ == Hand::kEnding;
-  state_.shutter_open = spindle() ? turns_ : sends && !in_flight_.empty();
+  // There is no shutter: the permission is what lets beam and spindle on.
+  state_.shutter_open =
+      state_.link_up && permitted() && !stopping_ && state_.fault.empty();
   state_.at_rest = !run_ && in_flight_.empty() && grbl_.at_rest();
   const bool ready = line_.takes_lines() || !state_.fault.empty();
   state_.settled = state_.link_up && ready && !run_ && !stopping_ && !unsettled_;

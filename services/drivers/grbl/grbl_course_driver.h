@@ -28,6 +28,7 @@
 //    one mark at most.
 //  - M7: key, door and stop button are one chain on the door's input; of openings without
 //    a host one is seen.
+// shutter_open is that it is permitted: there is no shutter.
 // Nothing is sent after a door, a hold or an alarm before Reset, and '~' never is. Reset
 // unlocks a controller that is locked ($X): home it before, if it has switches.
 

@@ -14,6 +14,8 @@ using std::numbers::pi;
 constexpr double kSlowestFeed_mm_min = 0.1;
 /// Of the coordinates of a line.
 constexpr double kPrinted_mm = 1e-4;
+/// Of a way, whatever its speed.
+constexpr double kMaxPieces = 1e9;
 /// An arc that bends less than it is printed is a line.
 constexpr double kFlat_mm = kPrinted_mm;
 
@@ -162,7 +164,8 @@ void GrblCourseProgram::Divide(Leg& leg) const {
           std::max(pieces, std::abs(leg.edge.sweep_rad) / (2 * std::acos(1 - ratio)));
     }
   }
-  leg.piece_count = static_cast<std::uint64_t>(std::max(1.0, std::ceil(pieces - 1e-9)));
+  leg.piece_count =
+      static_cast<std::uint64_t>(std::clamp(std::ceil(pieces - 1e-9), 1.0, kMaxPieces));
 }
 
 void GrblCourseProgram::AddPass() {

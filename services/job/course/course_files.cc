@@ -15,7 +15,6 @@
 #include "engrave/contour/region/region_index.h"
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
-#include "engrave/drawing/flatten.h"
 #include "engrave/io/lower_case.h"
 #include "services/job/model_kind.h"
 #include "services/job/models/flat_models.h"
@@ -35,32 +34,15 @@ std::string FileName(const std::string& file) {
   return fs::path(file).filename().string();
 }
 
-DrawnCurve EdgesOfCurve(const drawing::FlatCurve& flat, std::string name) {
-  DrawnCurve curve{std::move(name), {}, flat.closed};
-  const auto place = [&](std::size_t i) {
-    return Vec2(flat.points_mm[i % flat.points_mm.size()].head<2>());
-  };
-  const std::size_t count = flat.points_mm.size() - (flat.closed ? 0 : 1);
-  for (std::size_t i = 0; i < count; ++i) {
-    if ((place(i + 1) - place(i)).norm() < 1e-6) continue;
-    curve.edges.push_back(contour::MakeLine(place(i), place(i + 1)));
-  }
-  return curve;
-}
-
 /// Along the curves as they are drawn, open ones among them.
 Status AddCurves(const std::string& file, const drawing::Drawing& drawing,
                  CourseFiles& files) {
-  auto flat = INTAGLIO_TRY(drawing::Flatten(drawing));
-  drawing::JoinOpenCurves(kJoinedEndsMm, flat);
-  drawing::RemoveRepeatedContours(kJoinedEndsMm, flat);
+  auto curves =
+      INTAGLIO_TRY(contour::CurvesOfDrawing(drawing, {kChordsMm, kJoinedEndsMm}));
   int number = 0;
-  for (const drawing::FlatCurve& curve : flat.curves) {
-    ++number;
-    if (curve.points_mm.size() < 2) continue;  // a point of the drawing
-    DrawnCurve drawn =
-        EdgesOfCurve(curve, fmt::format("{}, curve {}", FileName(file), number));
-    if (!drawn.edges.empty()) files.curves.push_back(std::move(drawn));
+  for (contour::FollowedCurve& curve : curves) {
+    files.curves.push_back({fmt::format("{}, curve {}", FileName(file), ++number),
+                            std::move(curve.edges), curve.closed});
   }
   return {};
 }

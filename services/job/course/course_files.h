@@ -17,7 +17,7 @@
 
 namespace intaglio {
 
-/// A curve of a drawing that is followed, as lines within 1 um of it.
+/// A curve of a drawing that is followed, lines and arcs.
 struct DrawnCurve {
   std::string name;  ///< "plate.dxf, curve 3"
   contour::Edges edges;
@@ -34,10 +34,10 @@ struct CourseFiles {
 /// Of `course.files`, whose contents are `texts`: drawings by their extension (.dxf,
 /// .svg, .hpgl, .plt), projects by theirs (.xml), boards of KiCad by theirs (.kicad_pcb;
 /// course.layer of them), Gerber and Excellon files by what they hold. Drawings are
-/// curves for a course along curves, else outlines of exact lines and arcs: a contour in
-/// an odd number of others is a hole of the smallest of these. What is read and not made
-/// is added to `warnings`. Errors as of the readers; kUnreadable: none of these;
-/// kInvalidValue: a contour that is open, with its place.
+/// curves for a course along curves, else outlines, of exact lines and arcs both: a
+/// contour in an odd number of others is a hole of the smallest of these. What is read
+/// and not made is added to `warnings`. Errors as of the readers; kUnreadable: none of
+/// these; kInvalidValue: a contour that is open, with its place.
 Result<CourseFiles> CourseFilesOf(const Course& course,
                                   const std::vector<std::string_view>& texts,
                                   const ReadLimits& limits, Warnings& warnings);

@@ -35,6 +35,7 @@ struct VirtualGrblOptions {
   MotionOptions motion;
   Vec3 travel_min_mm = Vec3::Constant(-50), travel_max_mm = Vec3::Constant(50);
   bool laser_mode = true;           ///< $32
+  double max_power = 1000;          ///< $30
   double arc_tolerance_mm = 0.002;  ///< $12
   bool soft_limits = false;         ///< $20
   bool homing = false;              ///< $22: locked from power-up until $H or $X

@@ -95,9 +95,9 @@ void VirtualGrbl::Execute(const std::string& line) {
 
 void VirtualGrbl::PrintSettings() {
   Send(fmt::format(
-      "$10=2\r\n$12={:.3f}\r\n$20={:d}\r\n$22={:d}\r\n$30=1000\r\n$31=0\r\n$32={:d}\r\n",
+      "$10=2\r\n$12={:.3f}\r\n$20={:d}\r\n$22={:d}\r\n$30={:g}\r\n$31=0\r\n$32={:d}\r\n",
       options_.arc_tolerance_mm, options_.soft_limits, options_.homing,
-      options_.laser_mode));
+      options_.max_power, options_.laser_mode));
   const Vec3 travel = options_.travel_max_mm - options_.travel_min_mm;
   for (int i = 0; i < 3; ++i) {
     Send(

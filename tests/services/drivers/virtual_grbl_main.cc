@@ -72,11 +72,12 @@ void Serve(virtual_engraver::MachineLine& line, const grbl::VirtualGrblOptions& 
 
 int main(int argc, char** argv) {
   std::string device, record_file;
-  bool hal = false;
+  bool hal = false, spindle = false;
   CLI::App app("A grbl for tests.");
   app.add_option("--line", device)->required();
   app.add_option("--record", record_file)->required();
   app.add_flag("--hal", hal);
+  app.add_flag("--spindle", spindle, "a mill: $32=0, $30=24000");
   CLI11_PARSE(app, argc, argv);
   signal(SIGTERM, [](int) { ends = 1; });
   auto line = virtual_engraver::OpenMachineLine(device, "virtual grbl");
@@ -87,6 +88,10 @@ int main(int argc, char** argv) {
   grbl::VirtualGrblOptions options = hal ? grbl::GrblHal() : grbl::Grbl11();
   options.travel_min_mm = Vec3::Constant(-2);
   options.travel_max_mm = Vec3::Constant(172);
+  if (spindle) {
+    options.laser_mode = false;
+    options.max_power = 24000;
+  }
   std::cout << "ready " << (*line)->device() << std::endl;
   Serve(**line, options, record_file);
   return 0;

@@ -3,10 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
+#include <random>
 
 #include "engrave/contour/milling/cut.h"
 #include "engrave/drawing/dxf/dxf_read.h"
+#include "engrave/drawing/flatten.h"
 #include "engrave/drawing/hpgl_read.h"
 #include "engrave/drawing/svg/svg_read.h"
 
@@ -89,6 +92,91 @@ TEST(DrawingLoops, RepeatedLoopsAreKeptOnce) {
   const Region region = RegionOf(drawing::ReadHpgl(
       "IN;SP1;PU0,0;PD400,0,400,800,0,800,0,0;PU400,800;PD400,0,0,0,0,800,400,800;PU;"));
   EXPECT_EQ(region.loops.size(), 1U);
+}
+
+drawing::Curve ArcOfCircle(const Vec3& center, double radius, double begin,
+                           double sweep) {
+  drawing::EllipticArc arc;
+  arc.center_mm = center;
+  arc.axis_u_mm = Vec3(radius, 0, 0);
+  arc.axis_v_mm = Vec3(0, radius, 0);
+  arc.begin_rad = begin;
+  arc.sweep_rad = sweep;
+  return {{arc}};
+}
+
+drawing::Curve LineOf(const Vec3& from, const Vec3& to) {
+  return {{drawing::Polyline{{from, to}}}};
+}
+
+// A slot of two lines and two arcs in any order and direction, a circle twice, and an
+// open row of two lines.
+TEST(DrawingCurves, AreJoinedAndKeepTheirArcs) {
+  drawing::Drawing drawing;
+  drawing.curves = {
+      LineOf({10, 2, 0}, {0, 2, 0}),           ArcOfCircle({20, 20, 0}, 3, 0, 2 * pi),
+      ArcOfCircle({10, 0, 0}, 2, pi / 2, -pi), LineOf({0, -10, 0}, {5, -10, 0}),
+      ArcOfCircle({0, 0, 0}, 2, pi / 2, pi),   ArcOfCircle({20, 20, 0}, 3, 1, -2 * pi),
+      LineOf({0, -2, 0}, {10, -2, 0}),         LineOf({5, -15, 0}, {5.004, -10, 0})};
+  const auto curves = CurvesOfDrawing(drawing);
+  ASSERT_TRUE(curves) << curves.error().message;
+  ASSERT_EQ(curves->size(), 3U);
+  EXPECT_TRUE((*curves)[0].closed);
+  EXPECT_EQ((*curves)[0].edges.size(), 4U);
+  EXPECT_NEAR(std::abs(AreaOf((*curves)[0].edges)), 40 + 4 * pi, 1e-9);
+  EXPECT_TRUE((*curves)[1].closed);
+  EXPECT_NEAR(LengthOf((*curves)[1].edges), 6 * pi, 1e-9);
+  EXPECT_FALSE((*curves)[2].closed);
+  // A line closes the gap of 4 um.
+  EXPECT_EQ((*curves)[2].edges.size(), 3U);
+  EXPECT_NEAR(LengthOf((*curves)[2].edges), 10, 0.005);
+}
+
+TEST(DrawingCurves, ThreeEndsAndOtherLayersAreNotJoined) {
+  drawing::Drawing drawing;
+  drawing.curves = {LineOf({0, 0, 0}, {5, 0, 0}), LineOf({5, 0, 0}, {9, 3, 0}),
+                    LineOf({5, 0, 0}, {9, -3, 0}), LineOf({9, 3, 0}, {12, 3, 0})};
+  drawing.curves[3].layer = 1;
+  const auto curves = CurvesOfDrawing(drawing);
+  ASSERT_TRUE(curves);
+  EXPECT_EQ(curves->size(), 4U);
+}
+
+// Against the joining of chords (drawing::JoinOpenCurves): as many curves, as long.
+TEST(DrawingCurves, AreThoseOfChords) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> place(-50, 50);
+  for (int trial = 0; trial < 40; ++trial) {
+    drawing::Drawing drawing;
+    for (int row = 0; row < 6; ++row) {
+      const Vec3 begin(place(random), place(random), 0);
+      Vec3 at = begin;
+      const int parts = 1 + static_cast<int>(random() % 5);
+      for (int k = 0; k < parts; ++k) {
+        const bool back = k + 1 == parts && row % 2 == 0 && parts > 2;
+        const Vec3 to = back ? begin : Vec3(place(random), place(random), 0);
+        drawing.curves.push_back(random() % 2 == 0 ? LineOf(at, to) : LineOf(to, at));
+        at = to;
+      }
+    }
+    std::shuffle(drawing.curves.begin(), drawing.curves.end(), random);
+    const auto curves = CurvesOfDrawing(drawing);
+    ASSERT_TRUE(curves);
+    auto flat = drawing::Flatten(drawing).value();
+    drawing::JoinOpenCurves(0.01, flat);
+    ASSERT_EQ(curves->size(), flat.curves.size());
+    for (std::size_t i = 0; i < curves->size(); ++i) {
+      const auto& points = flat.curves[i].points_mm;
+      double length_mm = 0;
+      for (std::size_t k = 0; k + (flat.curves[i].closed ? 0 : 1) < points.size(); ++k)
+        length_mm += (points[(k + 1) % points.size()] - points[k]).norm();
+      const Edges& edges = (*curves)[i].edges;
+      EXPECT_EQ((*curves)[i].closed, flat.curves[i].closed);
+      EXPECT_NEAR(LengthOf(edges), length_mm, 1e-6);
+      for (std::size_t k = 1; k < edges.size(); ++k)
+        ASSERT_EQ(edges[k].begin_mm, edges[k - 1].end_mm);
+    }
+  }
 }
 
 }  // namespace

@@ -182,7 +182,11 @@ TEST(GrblCourse, NothingMovesBeforeItIsPermitted) {
   ASSERT_TRUE(rig.driver->Finish());
   rig.StepFor(500ms);
   EXPECT_TRUE(rig.events.empty());
+  EXPECT_FALSE(rig.driver->state().shutter_open);
+  EXPECT_FALSE(rig.driver->Reset()) << "a run is under way";
   rig.permits = true;
+  rig.Step();
+  EXPECT_TRUE(rig.driver->state().shutter_open);
   ASSERT_TRUE(rig.StepUntil([&] { return rig.driver->state().settled; }));
   EXPECT_EQ(rig.LastOf(0), MarkFate::kDone);
 }

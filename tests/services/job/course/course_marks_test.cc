@@ -120,7 +120,7 @@ TEST(CourseMarks, PocketsOutlinesAndCurvesAreMarks) {
   const auto curves = MarksOf(CourseOf(COURSE_MAKE_CURVES, 0.2), {{"plate.svg", kPlate}});
   ASSERT_TRUE(curves) << curves.error().message;
   ASSERT_EQ(curves->marks.size(), 2U);
-  EXPECT_NEAR(SumOf(*curves), 100 + 8 * pi, 0.01);
+  EXPECT_NEAR(SumOf(*curves), 100 + 8 * pi, 1e-6);
 }
 
 TEST(CourseMarks, ASpindleMakesTheWorkOfOneTool) {
