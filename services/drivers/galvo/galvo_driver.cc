@@ -62,7 +62,7 @@ class GalvoDriver final : public MarkDriver {
   Status Permit(bool permitted) override;
   Status Begin(std::uint32_t run, std::span<const mark::Pen> pens) override;
   std::size_t Room() const override {
-    return active_ && !ending_ ? kMaxWaitingMarks - waiting_.size() : 0;
+    return active_ && !ending_ && !pausing_ ? kMaxWaitingMarks - waiting_.size() : 0;
   }
   Status Append(const NumberedMark& mark) override;
   Status Finish() override;
@@ -112,7 +112,8 @@ class GalvoDriver final : public MarkDriver {
   bool active_ = false;     // a run was begun and has not ended
   bool finishing_ = false;  // Finish was called
   bool finish_sent_ = false;
-  bool ending_ = false;  // Pause, Stop, or a fault of its own
+  bool ending_ = false;   // Stop, or a fault of its own
+  bool pausing_ = false;  // the ticks of the mark in hand are still sent
   std::uint32_t run_ = 0;
   std::deque<NumberedMark> waiting_;  // the first announced_ of them with kBegun
   std::size_t announced_ = 0, taken_ = 0;
@@ -255,7 +256,7 @@ void GalvoDriver::EndRun(const std::string& fault) {
   open_.clear();
   waiting_.clear();
   announced_ = taken_ = 0;
-  active_ = finishing_ = finish_sent_ = ending_ = false;
+  active_ = finishing_ = finish_sent_ = ending_ = pausing_ = false;
   if (fault_.empty()) fault_ = fault;
 }
 
@@ -306,7 +307,7 @@ Status GalvoDriver::Begin(std::uint32_t run, std::span<const mark::Pen> pens) {
   INTAGLIO_TRY(SendFrame(HeadFrame::kHeadBegin, Encode(link::HeadBegin{run})));
   run_ = run;
   active_ = true;
-  finishing_ = finish_sent_ = ending_ = false;
+  finishing_ = finish_sent_ = ending_ = pausing_ = false;
   next_tick_ = 0;
   player_.Begin(pens, state_.position_mm.head<2>());
   UpdateState();
@@ -314,7 +315,7 @@ Status GalvoDriver::Begin(std::uint32_t run, std::span<const mark::Pen> pens) {
 }
 
 Status GalvoDriver::Append(const NumberedMark& mark) {
-  if (!active_ || ending_ || finishing_)
+  if (!active_ || ending_ || pausing_ || finishing_)
     return Fail(ErrorCode::kRefused, "there is no run that takes marks; begin one");
   if (Room() == 0) return Fail(ErrorCode::kRefused, "no room for a mark; wait");
   if (open_.contains(mark.number))
@@ -335,7 +336,7 @@ Status GalvoDriver::Finish() {
 Status GalvoDriver::Pause() {
   if (!active_) return {};
   INTAGLIO_TRY(SendDrop(HeadFrame::kHeadPause));
-  ending_ = true;
+  pausing_ = true;
   return {};
 }
 
@@ -363,9 +364,14 @@ Status GalvoDriver::RequestPast(std::uint32_t run, std::uint32_t first,
   return {};
 }
 
+// Marks that were sent before it are still made.
 void GalvoDriver::StopFor(const std::string& fault) {
   fault_ = fault;
-  (void)Stop();
+  if (player_.placed()) {
+    (void)Stop();
+  } else {
+    ending_ = SendFrame(HeadFrame::kHeadFinish).has_value();
+  }
 }
 
 void GalvoDriver::Announce() {
@@ -384,10 +390,11 @@ std::uint64_t GalvoDriver::TickNow() const {
 }
 
 void GalvoDriver::Pump() {
-  if (!ending_) Announce();
+  if (!ending_ && !pausing_) Announce();
   while (!ending_ && SendNext()) {
   }
-  if (ending_ || !finishing_ || finish_sent_ || !waiting_.empty() || player_.playing())
+  if (ending_ || pausing_ || !finishing_ || finish_sent_ || !waiting_.empty() ||
+      player_.playing())
     return;
   finish_sent_ = SendFrame(HeadFrame::kHeadFinish).has_value();
 }
@@ -405,7 +412,8 @@ bool GalvoDriver::SendNext() {
       std::max(next_tick_, now + 1 + (identity_.lockstep ? 0 : ahead / 2));
   if (web ? first >= now + ahead : identity_.queue_ticks - credit_ > ahead) return false;
   if (!player_.playing()) {
-    if (taken_ == 0) return false;
+    // With a closed shutter the controller would break it.
+    if (pausing_ || taken_ == 0 || !state_.shutter_open) return false;
     const Status loaded = player_.Load(waiting_.front());
     if (!loaded) {
       StopFor(loaded.error().message);

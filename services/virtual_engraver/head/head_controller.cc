@@ -64,8 +64,7 @@ void HeadController::Take(link::HeadBlock block) {
       if (edge.begins) memory_.Note(block.run, edge.mark, HeadMarkFate::kNotBegun);
   };
   const auto size = static_cast<std::uint32_t>(block.ticks.size());
-  if (run_state_ != HeadRunState::kOpen || block.run != run_ || pausing_)
-    return note_dropped();
+  if (run_state_ != HeadRunState::kOpen || block.run != run_) return note_dropped();
   if (size > options_.queue_ticks - queued_ticks_) {
     note_dropped();
     return EnterSafeState(HeadRunState::kBadBlock);
