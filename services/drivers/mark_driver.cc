@@ -1,17 +1,23 @@
 #include "services/drivers/mark_driver.h"
 
 #include "engrave/core/try.h"
+#include "services/drivers/galvo/galvo_driver.h"
+#include "services/drivers/galvo/head_profile.h"
 #include "services/drivers/grbl/grbl_course_driver.h"
 #include "services/platform/link/driver_table.h"
 
 namespace intaglio::drivers {
 
-std::span<const MarkDriverKind> MarkDriverKinds() {
-  static constexpr MarkDriverKind kKinds[] = {
-      {"grbl-course", true, MakeGrblCourseDriver, CheckGrblCourseProfile},
-  };
-  return kKinds;
-}
+namespace {
+
+constexpr MarkDriverKind kMarkKinds[] = {
+    {"grbl-course", true, MakeGrblCourseDriver, CheckGrblCourseProfile},
+    {"scan-head", true, MakeGalvoDriver, CheckScanHead},
+};
+
+}  // namespace
+
+std::span<const MarkDriverKind> MarkDriverKinds() { return kMarkKinds; }
 
 Result<std::unique_ptr<MarkDriver>> MakeMarkDriver(const MachineSpec& machine) {
   const SerialLine& line = machine.mark_line();
