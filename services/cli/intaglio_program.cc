@@ -9,6 +9,7 @@
 #include "services/cli/history_command.h"
 #include "services/cli/jobs_command.h"
 #include "services/cli/machine/machine_command.h"
+#include "services/cli/marks/marks_command.h"
 #include "services/cli/materials/materials_command.h"
 #include "services/cli/offline/measure_command.h"
 #include "services/cli/offline/offline_command.h"
@@ -65,6 +66,7 @@ std::unique_ptr<command_line::Program> IntaglioProgram() {
   AddMachineCommand(root);
   AddDriveCommand(root);
   AddGalvoCommand(root);
+  AddMarksCommand(root);
   AddMaterialsCommand(root);
   AddFontsCommand(root);
   AddRecordCommand(root);

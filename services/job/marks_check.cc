@@ -193,6 +193,11 @@ std::vector<Finding> CheckMarksOnMachine(const JobSpec& job, const MachineSpec& 
                    "items to mark, and {} engraves points: its profile has no mark_line; "
                    "name the profile of a machine that marks in machine_file",
                    machine.name());
+  } else if (!machine.has_scan_head()) {
+    findings.Wrong("marks.items", job.marks().items_size(),
+                   "items to mark, and {} has no scan head: its profile has no "
+                   "scan_head; name the profile of one in machine_file",
+                   machine.name());
   }
   return std::move(findings.found());
 }

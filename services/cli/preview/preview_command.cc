@@ -118,6 +118,12 @@ struct JobToPreview {
 
 Result<JobToPreview> FreezeNamed(const PreviewCommandOptions& options) {
   auto job = INTAGLIO_TRY(FindJob(options));
+  if (job.job.has_marks()) {
+    return Fail(
+        ErrorCode::kUnsupported,
+        fmt::format("{}: is a job of marks; use intaglio marks preview", job.job.name()),
+        job.job.name());
+  }
   const auto material = INTAGLIO_TRY(FindGlass(job, options.materials_db));
   auto frozen = INTAGLIO_TRY(
       FreezeJob(job.job, job.machine, material, {"", 0, "", host::SoftwareVersion()}));

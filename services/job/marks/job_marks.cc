@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
 #include <utility>
 
 #include "engrave/core/try.h"
+#include "engrave/io/whole_file.h"
+#include "engrave/mark/jump_order.h"
 #include "services/job/marks/item_place.h"
 #include "services/job/marks/mark_table.h"
 #include "services/job/marks_check.h"
@@ -15,6 +18,8 @@
 
 namespace intaglio {
 namespace {
+
+constexpr double kDefaultRunInS = 0.0006;  // as machine.proto
 
 mark::Pen PenOf(const MarkItem& item, int number) {
   mark::Pen pen;
@@ -109,7 +114,10 @@ class JobMarks {
       auto marks = MarksOf(filled, static_cast<std::uint32_t>(i));
       if (!marks) return tl::unexpected(Named(std::move(marks.error()), i, repeat));
       INTAGLIO_TRY(Append(*marks, repeat));
-      if (!MarkTable::Varies(item)) kept = std::move(*marks);
+      if (MarkTable::Varies(item)) continue;
+      // Before all of them take their time.
+      if (marks->size() > kMaxMarks / table_->repeat_count()) return TooManyMarks();
+      kept = std::move(*marks);
     }
     return {};
   }
@@ -155,14 +163,16 @@ class JobMarks {
     return error;
   }
 
+  Status TooManyMarks() const {
+    return Fail(ErrorCode::kTooLarge,
+                fmt::format("marks.repeats.count: {} repeats make more than {} marks; "
+                            "use fewer, or a larger fill.distance_mm",
+                            table_->repeat_count(), kMaxMarks),
+                fmt::format("{}", table_->repeat_count()));
+  }
+
   Status Append(const std::vector<mark::Mark>& marks, std::size_t repeat) {
-    if (made_.marks.size() + marks.size() > kMaxMarks) {
-      return Fail(ErrorCode::kTooLarge,
-                  fmt::format("marks.repeats.count: {} repeats make more than {} marks; "
-                              "use fewer, or a larger fill.distance_mm",
-                              table_->repeat_count(), kMaxMarks),
-                  fmt::format("{}", table_->repeat_count()));
-    }
+    if (made_.marks.size() + marks.size() > kMaxMarks) return TooManyMarks();
     const double along_mm = static_cast<double>(repeat) * marks_.repeats().pitch_mm();
     for (mark::Mark mark : marks) {
       if (marks_.has_web()) {
@@ -197,6 +207,18 @@ std::vector<std::string> JobMarkFilesOf(const JobSpec& job) {
   return files;
 }
 
+Result<std::vector<FileBytes>> ReadJobMarkFiles(const JobSpec& job,
+                                                const ReadLimits& limits) {
+  std::vector<FileBytes> files;
+  for (const std::string& name : JobMarkFilesOf(job)) {
+    const auto text = io::ReadWholeFile(name, limits.max_file_bytes);
+    if (!text) return tl::unexpected(WithRemedy(text.error(), limits));
+    const auto bytes = std::as_bytes(std::span(*text));
+    files.emplace_back(bytes.begin(), bytes.end());
+  }
+  return files;
+}
+
 Result<mark::MarkSet> MakeJobMarks(const JobSpec& job, const MachineSpec&,
                                    std::vector<FileBytes> files, const ReadLimits& limits,
                                    const ProgressSink& progress) {
@@ -205,8 +227,27 @@ Result<mark::MarkSet> MakeJobMarks(const JobSpec& job, const MachineSpec&,
       .Make(progress);
 }
 
-Result<mark::MarkSet> OrderJobMarks(const JobSpec&, const MachineSpec&,
+HeadFigures HeadFiguresOf(const MachineSpec& machine) {
+  const ScanHead& head = machine.scan_head();
+  HeadFigures figures;
+  if (head.field_mm() > 0) figures.field_mm = head.field_mm();
+  if (head.jump_mm_s() > 0) figures.jump_mm_s = head.jump_mm_s();
+  figures.mark_s = 2 * (head.has_run_in_s() ? head.run_in_s() : kDefaultRunInS) +
+                   head.jump_delay_s() + head.mark_delay_s();
+  return figures;
+}
+
+Result<mark::MarkSet> OrderJobMarks(const JobSpec& job, const MachineSpec& machine,
                                     mark::MarkSet marks) {
+  const HeadFigures head = HeadFiguresOf(machine);
+  const bool may_reverse =
+      std::ranges::none_of(job.marks().items(), [](const MarkItem& item) {
+        return item.has_fill() && item.fill().has_bidirectional() &&
+               !item.fill().bidirectional();
+      });
+  if (job.marks().has_web()) return OrderForWeb(std::move(marks), head, may_reverse);
+  INTAGLIO_TRY(CheckField(marks, false, head.field_mm));
+  marks.marks = mark::OrderByJumps(std::move(marks.marks), {Vec2::Zero(), may_reverse});
   return marks;
 }
 

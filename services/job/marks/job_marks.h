@@ -15,6 +15,7 @@
 #include "engrave/mark/mark.h"
 #include "proto/job.pb.h"
 #include "proto/machine.pb.h"
+#include "services/job/marks/mark_times.h"
 #include "services/job/models/model_sources.h"
 #include "services/job/models/read_limits.h"
 
@@ -26,6 +27,10 @@ inline constexpr std::size_t kMaxMarks = 5'000'000;
 /// The files that the marks are made from, in the order in which they are taken.
 std::vector<std::string> JobMarkFilesOf(const JobSpec& job);
 
+/// Their bytes, from this machine's disks.
+Result<std::vector<FileBytes>> ReadJobMarkFiles(const JobSpec& job,
+                                                const ReadLimits& limits);
+
 /// All repeats, item by item, in the order of the job; of a filled shape its lines before
 /// its contours. `files` as JobMarkFilesOf names them. Errors begin with the field; of a
 /// repeat they name its number and its line of the table. kCancelled when `progress`
@@ -34,8 +39,12 @@ Result<mark::MarkSet> MakeJobMarks(const JobSpec& job, const MachineSpec& machin
                                    std::vector<FileBytes> files, const ReadLimits& limits,
                                    const ProgressSink& progress);
 
+/// Of the machine's scan_head; a value that is absent is the default.
+HeadFigures HeadFiguresOf(const MachineSpec& machine);
+
 /// The order in which they are made: on a piece at rest with short jumps, on a web so
-/// that it may run fast.
+/// that it may run fast. Lines keep their direction where a fill is not bidirectional.
+/// kOutsideBlock: a mark that does not fit into the field of the machine, by its item.
 Result<mark::MarkSet> OrderJobMarks(const JobSpec& job, const MachineSpec& machine,
                                     mark::MarkSet marks);
 

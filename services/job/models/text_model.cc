@@ -156,6 +156,20 @@ bool FontIsThere(const Text& text) {
   return fs::is_regular_file(text.font(), ignored);
 }
 
+void ResolveFontsOf(Text& text, const std::string& path, Findings& findings) {
+  if (auto file = FontFileOf(text.font())) text.set_font(std::move(*file));
+  if (!FontIsThere(text)) return;  // the check of the job reports it
+  auto files = FallbacksOf(text, findings, path);
+  if (files) {
+    text.mutable_fallback_fonts()->Assign(files->begin(), files->end());
+    return;
+  }
+  findings.found().push_back(
+      {Error{files.error().code, fmt::format("{}.text: {}", path, files.error().message),
+             ""},
+       path + ".text"});
+}
+
 }  // namespace
 
 bool IsNumbered(const Text& text) {
@@ -182,19 +196,13 @@ std::vector<Finding> ResolveFonts(JobSpec& job) {
   Findings findings;
   for (int i = 0; i < job.models_size(); ++i) {
     if (!job.models(i).has_text()) continue;
-    Text& text = *job.mutable_models(i)->mutable_text();
-    if (auto file = FontFileOf(text.font())) text.set_font(std::move(*file));
-    if (!FontIsThere(text)) continue;  // the check of the job reports it
-    const std::string path = fmt::format("models[{}].text", i);
-    auto files = FallbacksOf(text, findings, path);
-    if (!files) {
-      findings.found().push_back(
-          {Error{files.error().code,
-                 fmt::format("{}.text: {}", path, files.error().message), ""},
-           path + ".text"});
-      continue;
-    }
-    text.mutable_fallback_fonts()->Assign(files->begin(), files->end());
+    ResolveFontsOf(*job.mutable_models(i)->mutable_text(),
+                   fmt::format("models[{}].text", i), findings);
+  }
+  for (int i = 0; i < job.marks().items_size(); ++i) {
+    if (!job.marks().items(i).has_text()) continue;
+    ResolveFontsOf(*job.mutable_marks()->mutable_items(i)->mutable_text(),
+                   fmt::format("marks.items[{}].text", i), findings);
   }
   return std::move(findings.found());
 }

@@ -1,0 +1,261 @@
+// A mark is an edge that has to be passed from one end to the other; of a closed one both
+// ends are its first place. Reversing a part i..j of the order, each mark of it turned,
+// changes the two ways at its ends alone.
+
+#include "engrave/mark/jump_order.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+namespace intaglio::mark {
+namespace {
+
+constexpr std::size_t kWindow = 50;
+constexpr int kMaxRounds = 30;
+
+/// A mark and the direction in which it is made.
+struct Visit {
+  std::uint32_t mark;
+  bool back;
+};
+
+class Ends {
+ public:
+  explicit Ends(const std::vector<Mark>& marks) {
+    for (const Mark& mark : marks) {
+      const Vec2 first = mark.places.front().at_mm;
+      ends_.emplace_back(first, mark.closed ? first : mark.places.back().at_mm);
+    }
+  }
+  std::size_t size() const { return ends_.size(); }
+  const Vec2& Begin(const Visit& v) const {
+    return v.back ? ends_[v.mark].second : ends_[v.mark].first;
+  }
+  const Vec2& End(const Visit& v) const {
+    return v.back ? ends_[v.mark].first : ends_[v.mark].second;
+  }
+
+ private:
+  std::vector<std::pair<Vec2, Vec2>> ends_;
+};
+
+/// The ends that are left, in square cells.
+class EndGrid {
+ public:
+  EndGrid(const Ends& ends, bool may_reverse) : ends_(ends), taken_(ends.size(), false) {
+    Vec2 high = Vec2::Constant(-std::numeric_limits<double>::infinity());
+    low_ = -high;
+    for (std::uint32_t i = 0; i < ends.size(); ++i) {
+      for (const bool back : {false, true}) {
+        low_ = low_.cwiseMin(ends.Begin({i, back}));
+        high = high.cwiseMax(ends.Begin({i, back}));
+      }
+    }
+    const Vec2 size = high - low_;
+    cell_ = std::max({std::sqrt(size.x() * size.y() / static_cast<double>(ends.size())),
+                      std::max(size.x(), size.y()) / 4000, 1e-9});
+    columns_ = static_cast<int>(size.x() / cell_) + 1;
+    rows_ = static_cast<int>(size.y() / cell_) + 1;
+    cells_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
+    for (std::uint32_t i = 0; i < ends.size(); ++i) {
+      Add({i, false});
+      if (may_reverse) Add({i, true});
+    }
+  }
+
+  /// The nearest one; of equally near ones that with the lowest number. There is one.
+  Visit TakeNearest(const Vec2& from) {
+    const int cx = Column(from.x()), cy = Row(from.y());
+    std::optional<Visit> best;
+    double best_mm = std::numeric_limits<double>::infinity();
+    for (int ring = 0; ring <= std::max(columns_, rows_); ++ring) {
+      // All of the next ring is at least this far.
+      if (best && best_mm < (ring - 1) * cell_) break;
+      for (int y = cy - ring; y <= cy + ring; ++y) {
+        const int step = std::abs(y - cy) == ring ? 1 : std::max(1, 2 * ring);
+        for (int x = cx - ring; x <= cx + ring; x += step)
+          Search(x, y, from, best, best_mm);
+      }
+    }
+    taken_[best->mark] = true;
+    return *best;
+  }
+
+ private:
+  int Column(double x) const {
+    return std::clamp(static_cast<int>((x - low_.x()) / cell_), 0, columns_ - 1);
+  }
+  int Row(double y) const {
+    return std::clamp(static_cast<int>((y - low_.y()) / cell_), 0, rows_ - 1);
+  }
+  std::vector<Visit>& CellAt(int x, int y) {
+    return cells_[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) +
+                  static_cast<std::size_t>(x)];
+  }
+  void Add(const Visit& visit) {
+    const Vec2& p = ends_.Begin(visit);
+    CellAt(Column(p.x()), Row(p.y())).push_back(visit);
+  }
+
+  void Search(int x, int y, const Vec2& from, std::optional<Visit>& best,
+              double& best_mm) {
+    if (x < 0 || y < 0 || x >= columns_ || y >= rows_) return;
+    std::vector<Visit>& cell = CellAt(x, y);
+    std::erase_if(cell, [&](const Visit& v) { return taken_[v.mark]; });
+    for (const Visit& v : cell) {
+      const double d = (ends_.Begin(v) - from).norm();
+      const bool nearer = d < best_mm || (d == best_mm && best && v.mark < best->mark);
+      if (nearer) best = v, best_mm = d;
+    }
+  }
+
+  const Ends& ends_;
+  std::vector<bool> taken_;
+  Vec2 low_ = Vec2::Zero();
+  double cell_ = 1;
+  int columns_ = 1, rows_ = 1;
+  std::vector<std::vector<Visit>> cells_;
+};
+
+class Improver {
+ public:
+  Improver(const Ends& ends, const Vec2& start, std::vector<Visit>& order)
+      : ends_(ends), start_(start), order_(order) {}
+
+  void Run(bool may_reverse) {
+    for (int round = 0; round < kMaxRounds; ++round) {
+      bool better = false;
+      for (std::size_t i = 0; i < order_.size(); ++i) {
+        if (may_reverse) better = ReverseFrom(i) || better;
+        better = MoveAway(i) || better;
+      }
+      if (!better) return;
+    }
+  }
+
+ private:
+  static constexpr double kGainMm = 1e-9;
+
+  const Vec2& Before(std::size_t i) const {
+    return i == 0 ? start_ : ends_.End(order_[i - 1]);
+  }
+  /// From `from` to the mark at i; behind the last one nothing.
+  double WayTo(const Vec2& from, std::size_t i) const {
+    return i < order_.size() ? (ends_.Begin(order_[i]) - from).norm() : 0;
+  }
+
+  bool ReverseFrom(std::size_t i) {
+    bool better = false;
+    const std::size_t last = std::min(order_.size(), i + kWindow);
+    for (std::size_t j = i; j < last; ++j) {
+      const Vec2 &first = ends_.Begin(order_[i]), &end = ends_.End(order_[j]);
+      const double is = (first - Before(i)).norm() + WayTo(end, j + 1);
+      const double would_be = (end - Before(i)).norm() + WayTo(first, j + 1);
+      if (would_be > is - kGainMm) continue;
+      std::reverse(order_.begin() + static_cast<std::ptrdiff_t>(i),
+                   order_.begin() + static_cast<std::ptrdiff_t>(j + 1));
+      for (std::size_t k = i; k <= j; ++k) order_[k].back = !order_[k].back;
+      better = true;
+    }
+    return better;
+  }
+
+  /// The mark at i, behind a later one or before an earlier one.
+  bool MoveAway(std::size_t i) {
+    const Vec2 &begin = ends_.Begin(order_[i]), &end = ends_.End(order_[i]);
+    const double saved =
+        (begin - Before(i)).norm() + WayTo(end, i + 1) - WayTo(Before(i), i + 1);
+    const auto cost = [&](std::size_t k) {  // between k - 1 and k
+      return (begin - Before(k)).norm() + WayTo(end, k) - WayTo(Before(k), k);
+    };
+    std::size_t best = i;
+    double least = saved - kGainMm;
+    for (std::size_t k = i < kWindow ? 0 : i - kWindow;
+         k <= std::min(order_.size(), i + kWindow); ++k) {
+      if (k == i || k == i + 1) continue;
+      if (const double c = cost(k); c < least) least = c, best = k;
+    }
+    if (best == i) return false;
+    const auto at = [&](std::size_t k) {
+      return order_.begin() + static_cast<std::ptrdiff_t>(k);
+    };
+    if (best > i) {
+      std::rotate(at(i), at(i + 1), at(best));
+    } else {
+      std::rotate(at(best), at(i), at(i + 1));
+    }
+    return true;
+  }
+
+  const Ends& ends_;
+  const Vec2 start_;
+  std::vector<Visit>& order_;
+};
+
+/// The same way from its end to its beginning.
+void TurnMarkBack(Mark& mark) {
+  if (mark.closed) return;
+  std::reverse(mark.places.begin(), mark.places.end());
+  for (std::size_t i = 0; i + 1 < mark.places.size(); ++i)
+    mark.places[i].bulge = -mark.places[i + 1].bulge;
+  mark.places.back().bulge = 0;
+}
+
+/// Closed marks begin nearest to where the beam comes from; kept where that is shorter.
+void BeginNearest(std::vector<Mark>& marks, const Vec2& start_mm) {
+  Vec2 from = start_mm;
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    Mark& mark = marks[i];
+    if (mark.closed) {
+      const auto way = [&](const Place& p) {
+        const double on = i + 1 < marks.size()
+                              ? (marks[i + 1].places.front().at_mm - p.at_mm).norm()
+                              : 0;
+        return (p.at_mm - from).norm() + on;
+      };
+      std::ranges::rotate(mark.places, std::ranges::min_element(mark.places, {}, way));
+    }
+    from = mark.closed ? mark.places.front().at_mm : mark.places.back().at_mm;
+  }
+}
+
+}  // namespace
+
+double JumpLength(const std::vector<Mark>& marks, const Vec2& start_mm) {
+  Vec2 from = start_mm;
+  double length_mm = 0;
+  for (const Mark& mark : marks) {
+    length_mm += (mark.places.front().at_mm - from).norm();
+    from = mark.closed ? mark.places.front().at_mm : mark.places.back().at_mm;
+  }
+  return length_mm;
+}
+
+std::vector<Mark> OrderByJumps(std::vector<Mark> marks, const JumpOrderOptions& options) {
+  if (marks.empty()) return marks;
+  const Ends ends(marks);
+  std::vector<Visit> order;
+  {
+    EndGrid grid(ends, options.may_reverse);
+    Vec2 from = options.start_mm;
+    while (order.size() < marks.size()) {
+      order.push_back(grid.TakeNearest(from));
+      from = ends.End(order.back());
+    }
+  }
+  Improver(ends, options.start_mm, order).Run(options.may_reverse);
+  std::vector<Mark> ordered;
+  for (const Visit& visit : order) {
+    ordered.push_back(marks[visit.mark]);
+    if (visit.back) TurnMarkBack(ordered.back());
+  }
+  if (JumpLength(ordered, options.start_mm) > JumpLength(marks, options.start_mm))
+    ordered = std::move(marks);
+  BeginNearest(ordered, options.start_mm);
+  return ordered;
+}
+
+}  // namespace intaglio::mark

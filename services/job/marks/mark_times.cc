@@ -1,0 +1,201 @@
+// The web moves along +x: a place x of a mark of web_mm enters the field later the larger
+// web_mm - x is, which is its coordinate along the web.
+
+#include "services/job/marks/mark_times.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "engrave/core/try.h"
+#include "engrave/galvo/web_order.h"
+#include "engrave/mark/jump_order.h"
+
+namespace intaglio {
+namespace {
+
+constexpr double kArcToleranceMm = 0.001;
+constexpr double kUnitsPerField = 16;
+constexpr std::size_t kMaxUnits = 100'000;  // a look-ahead of some seconds
+
+Box3 ExtentOf(const mark::Mark& mark) {
+  Box3 box;
+  for (const Vec2& p : mark::PlacesOf(mark, kArcToleranceMm))
+    box.Extend(Vec3(p.x() - mark.web_mm, p.y(), 0));
+  return box;
+}
+
+/// Of the web, along it and across.
+Vec2 OnWeb(const mark::Mark& mark, const mark::Place& place) {
+  return {mark.web_mm - place.at_mm.x(), place.at_mm.y()};
+}
+Vec2 BeginOnWeb(const mark::Mark& mark) { return OnWeb(mark, mark.places.front()); }
+Vec2 EndOnWeb(const mark::Mark& mark) {
+  return OnWeb(mark, mark.closed ? mark.places.front() : mark.places.back());
+}
+
+/// Marks made one behind the other.
+struct Unit {
+  std::size_t first = 0, count = 0;
+  galvo::WebMark mark;
+};
+
+class WebOrderer {
+ public:
+  WebOrderer(mark::MarkSet set, const HeadFigures& head, bool may_reverse)
+      : set_(std::move(set)), head_(head), may_reverse_(may_reverse) {}
+
+  Result<mark::MarkSet> Order() {
+    if (set_.marks.empty()) return std::move(set_);
+    OrderRepeats();
+    for (double share = kUnitsPerField; share >= 2; share /= 2) {
+      DivideByExtent(head_.field_mm / share);
+      if (units_.size() <= kMaxUnits) break;
+    }
+    std::vector<galvo::WebMark> marks;
+    for (const Unit& unit : units_) marks.push_back(unit.mark);
+    const galvo::WebHead head{head_.field_mm, head_.jump_mm_s};
+    const auto order = units_.size() <= kMaxUnits
+                           ? INTAGLIO_TRY(galvo::FastestOrder(marks, head))
+                           : INTAGLIO_TRY(galvo::ArrivalOrder(marks, head));
+    mark::MarkSet ordered;
+    for (const std::size_t k : order.order) {
+      const auto from = set_.marks.begin() + static_cast<std::ptrdiff_t>(units_[k].first);
+      const auto to = from + static_cast<std::ptrdiff_t>(units_[k].count);
+      std::move(from, to, std::back_inserter(ordered.marks));
+    }
+    ordered.pens = std::move(set_.pens);
+    return ordered;
+  }
+
+ private:
+  void OrderRepeats() {
+    std::ranges::stable_sort(set_.marks, {}, &mark::Mark::web_mm);
+    auto from = set_.marks.begin();
+    while (from != set_.marks.end()) {
+      const auto to = std::find_if(from, set_.marks.end(), [&](const mark::Mark& mark) {
+        return mark.web_mm != from->web_mm;
+      });
+      std::vector<mark::Mark> repeat(from, to);
+      // What lies at the right arrives first.
+      double right_mm = -std::numeric_limits<double>::infinity();
+      for (const mark::Mark& mark : repeat)
+        for (const mark::Place& place : mark.places)
+          right_mm = std::max(right_mm, place.at_mm.x());
+      repeat = mark::OrderByJumps(std::move(repeat), {{right_mm, 0}, may_reverse_});
+      std::move(repeat.begin(), repeat.end(), from);
+      from = to;
+    }
+  }
+
+  void DivideByExtent(double limit_mm) {
+    units_.clear();
+    Box3 box;
+    double web_mm = 0;
+    for (std::size_t i = 0; i < set_.marks.size(); ++i) {
+      const mark::Mark& mark = set_.marks[i];
+      Box3 with = box;
+      with.Extend(ExtentOf(mark));
+      const bool same = !units_.empty() && web_mm == mark.web_mm &&
+                        std::max(with.size_mm().x(), with.size_mm().y()) <= limit_mm;
+      if (!same) {
+        with = ExtentOf(mark);
+        units_.push_back({i, 0, {}});
+        web_mm = mark.web_mm;
+      }
+      box = with;
+      AddToUnit(mark, i, box, units_.back());
+    }
+  }
+
+  void AddToUnit(const mark::Mark& mark, std::size_t number, const Box3& box,
+                 Unit& unit) const {
+    if (unit.count > 0) {
+      const Vec2 way = BeginOnWeb(mark) - EndOnWeb(set_.marks[number - 1]);
+      unit.mark.mark_s += way.norm() / head_.jump_mm_s;
+    }
+    ++unit.count;
+    unit.mark.mark_s += SecondsOf(mark, set_.pens[mark.pen], head_);
+    unit.mark.centre_mm = {-box.center_mm().x(), box.center_mm().y()};
+    unit.mark.extent_mm = box.size_mm().x();
+  }
+
+  mark::MarkSet set_;
+  const HeadFigures head_;
+  const bool may_reverse_;
+  std::vector<Unit> units_;
+};
+
+}  // namespace
+
+double SecondsOf(const mark::Mark& mark, const mark::Pen& pen, const HeadFigures& head) {
+  const double back_mm =
+      mark.closed ? 0 : (mark.places.back().at_mm - mark.places.front().at_mm).norm();
+  return pen.pass_count * (mark::LengthOf(mark) / pen.speed_mm_s + head.mark_s) +
+         (pen.pass_count - 1) * back_mm / head.jump_mm_s;
+}
+
+MarkTimes TimesOf(const mark::MarkSet& set, const HeadFigures& head) {
+  MarkTimes times;
+  const mark::Mark* before = nullptr;
+  for (const mark::Mark& mark : set.marks) {
+    const mark::Pen& pen = set.pens[mark.pen];
+    times.mark_mm += pen.pass_count * mark::LengthOf(mark);
+    times.time_s += SecondsOf(mark, pen, head);
+    const Vec2 from = before == nullptr ? BeginOnWeb(mark) : EndOnWeb(*before);
+    const double jump_mm = std::min((BeginOnWeb(mark) - from).norm(), head.field_mm);
+    times.jump_mm += jump_mm;
+    times.time_s += jump_mm / head.jump_mm_s;
+    before = &mark;
+  }
+  return times;
+}
+
+std::vector<galvo::TimedMark> TimedMarksOf(const mark::MarkSet& set,
+                                           const HeadFigures& head) {
+  std::vector<galvo::TimedMark> timed;
+  const mark::Mark* before = nullptr;
+  for (const mark::Mark& mark : set.marks) {
+    const Box3 box = ExtentOf(mark);
+    double time_s = SecondsOf(mark, set.pens[mark.pen], head);
+    if (before != nullptr)
+      time_s += std::min((BeginOnWeb(mark) - EndOnWeb(*before)).norm(), head.field_mm) /
+                head.jump_mm_s;
+    timed.push_back({-box.center_mm().x(), box.size_mm().x(), time_s});
+    before = &mark;
+  }
+  return timed;
+}
+
+Status CheckField(const mark::MarkSet& set, bool on_web, double field_mm) {
+  for (std::size_t i = 0; i < set.marks.size(); ++i) {
+    const mark::Mark& mark = set.marks[i];
+    const Box3 box = ExtentOf(mark);
+    const double across = std::max(box.max_mm.y(), -box.min_mm.y());
+    const double left = box.min_mm.x() + mark.web_mm,
+                 right = box.max_mm.x() + mark.web_mm;
+    const bool fits =
+        across <= field_mm / 2 &&
+        (on_web ? right - left < field_mm : std::max(right, -left) <= field_mm / 2);
+    if (fits) continue;
+    return Fail(
+        ErrorCode::kOutsideBlock,
+        fmt::format("marks.{}: mark {} lies in x {:.4g}..{:.4g}, y {:.4g}..{:.4g} "
+                    "mm and does not fit into the field of {:.4g} mm; move it, "
+                    "make it smaller or use a larger field",
+                    set.pens[mark.pen].name, i + 1, left, right, box.min_mm.y(),
+                    box.max_mm.y(), field_mm),
+        fmt::format("{}", field_mm));
+  }
+  return {};
+}
+
+Result<mark::MarkSet> OrderForWeb(mark::MarkSet set, const HeadFigures& head,
+                                  bool may_reverse) {
+  INTAGLIO_TRY(CheckField(set, true, head.field_mm));
+  return WebOrderer(std::move(set), head, may_reverse).Order();
+}
+
+}  // namespace intaglio

@@ -1,0 +1,47 @@
+#pragma once
+
+// How long a head needs for marks, and how fast a web may run under it.
+
+#include <cstdint>
+#include <vector>
+
+#include "engrave/core/result.h"
+#include "engrave/galvo/web_speed.h"
+#include "engrave/mark/mark.h"
+
+namespace intaglio {
+
+/// What of a scan head decides times.
+struct HeadFigures {
+  double field_mm = 100;    ///< width of the square field, > 0
+  double jump_mm_s = 5000;  ///< between marks, > 0
+  double mark_s = 0.0006;   ///< delays and run-in of each pass, >= 0
+};
+
+struct MarkTimes {
+  double mark_mm = 0;  ///< of all passes
+  double jump_mm = 0;
+  double time_s = 0;  ///< of all, one behind the other
+};
+
+/// All passes of a mark, with the way back between them.
+double SecondsOf(const mark::Mark& mark, const mark::Pen& pen, const HeadFigures& head);
+
+/// In their order, from the origin; jumps along a web are those within the field.
+MarkTimes TimesOf(const mark::MarkSet& set, const HeadFigures& head);
+
+/// As marks of a web, in their order, with the jumps to them.
+std::vector<galvo::TimedMark> TimedMarksOf(const mark::MarkSet& set,
+                                           const HeadFigures& head);
+
+/// kOutsideBlock: a mark that no place of the web brings into the field wholly, by its
+/// number, place and size; on a piece at rest, one that lies outside the field.
+Status CheckField(const mark::MarkSet& set, bool on_web, double field_mm);
+
+/// The order in which the web may run fastest (engrave/galvo/web_order.h): of each repeat
+/// the marks are ordered by their jumps, parts of that order become units of a sixteenth
+/// of the field, and the units are ordered. Errors as of CheckField.
+Result<mark::MarkSet> OrderForWeb(mark::MarkSet set, const HeadFigures& head,
+                                  bool may_reverse);
+
+}  // namespace intaglio

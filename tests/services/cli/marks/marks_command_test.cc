@@ -1,0 +1,107 @@
+#include "services/cli/marks/marks_command.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/services/cli/typed_command.h"
+
+namespace intaglio::cli {
+namespace {
+
+using testing::HasSubstr;
+
+class MarksCommand : public TypedCommand {
+ protected:
+  void SetUp() override {
+    Write("head.textproto",
+          "name: \"head\" mark_line { protocol: \"scan-head\" device: \"unix:/none\" "
+          "baud: 115200 } scan_head { field_mm: 60 jump_mm_s: 5000 servo_lag_s: 0.0002 "
+          "encoder_count_um: 23 }");
+    Write("rows.csv", "serial\nA1\nA2\nA3\n");
+    Write("job.textproto",
+          "machine_file: \"head.textproto\" marks { table: \"rows.csv\" items { code { "
+          "text: \"{serial}\" } } repeats { pitch_mm: 20 } web {} }");
+  }
+
+  void Write(const std::string& name, const std::string& text) {
+    std::ofstream(folder_ / name) << text;
+  }
+
+  int Preview(std::vector<std::string> more = {}) {
+    std::vector<std::string> words = {"marks", "preview",
+                                      (folder_ / "job.textproto").string()};
+    words.insert(words.end(), more.begin(), more.end());
+    return TypeTo(AddMarksCommand, words);
+  }
+};
+
+TEST_F(MarksCommand, ShowsTheLargestSpeedOfTheWeb) {
+  EXPECT_EQ(Preview(), 0) << errors_;
+  EXPECT_THAT(output_, HasSubstr("item 1      "));
+  EXPECT_THAT(output_, HasSubstr("web         at most "));
+  EXPECT_THAT(output_, HasSubstr("verdict     good: the web runs as fast"));
+}
+
+TEST_F(MarksCommand, NamesWhatAFasterWebWouldMiss) {
+  EXPECT_EQ(Preview({"--set", "marks.web.speed_mm_s=1"}), 0) << errors_;
+  EXPECT_THAT(output_, HasSubstr("good: all marks are made at 1 mm/s"));
+  EXPECT_EQ(Preview({"--set", "marks.web.speed_mm_s=20000"}), 3) << errors_;
+  EXPECT_THAT(output_, HasSubstr("would be missed: item 1 of repeat "));
+  EXPECT_THAT(output_, HasSubstr("reduce marks.web.speed_mm_s to "));
+}
+
+TEST_F(MarksCommand, WritesMarksAndPicture) {
+  const auto csv = folder_ / "marks.csv", picture = folder_ / "marks.png";
+  EXPECT_EQ(Preview({"--csv", csv.string(), "--picture", picture.string()}), 0)
+      << errors_;
+  std::string header, first;
+  std::ifstream in(csv);
+  std::getline(in, header), std::getline(in, first);
+  EXPECT_EQ(header, "mark,item,web_mm,closed,x_mm,y_mm");
+  EXPECT_EQ(first.substr(0, 8), "1,1,0,0,");
+  EXPECT_GT(std::filesystem::file_size(picture), 1000U);
+}
+
+TEST_F(MarksCommand, NamesEveryMistakeByItsField) {
+  Write("job.textproto",
+        "machine_file: \"head.textproto\" marks { items { text { text: \"{a}\" font: "
+        "\"DejaVu Sans\" } } items { } items { drawing { file: \"none.dxf\" } fill { "
+        "distance_mm: 20 } } repeats { count: 3 } }");
+  EXPECT_EQ(Preview(), 2);
+  for (const char* field :
+       {"marks.items[0].text.text: {a} needs a table", "marks.items[1]: is missing",
+        "none.dxf does not exist", "marks.items[2].fill.distance_mm: 20 is outside",
+        "marks.repeats.pitch_mm: is missing"})
+    EXPECT_THAT(errors_, HasSubstr(field));
+}
+
+TEST_F(MarksCommand, RefusesAMachineWithoutAHeadAndAJobOfPoints) {
+  EXPECT_EQ(Preview({"--machine", "els-03"}), 2);
+  EXPECT_THAT(errors_, HasSubstr("its profile has no mark_line"));
+  Write("job.textproto", "models { file: \"a.stl\" }");
+  EXPECT_EQ(Preview(), 2);
+  EXPECT_THAT(errors_, HasSubstr("has no marks"));
+}
+
+TEST_F(MarksCommand, NamesWhatLiesOutsideTheField) {
+  Write("job.textproto",
+        "machine_file: \"head.textproto\" marks { items { code { text: \"A\" } placement "
+        "{ move_y_mm: 40 } } }");
+  EXPECT_EQ(Preview(), 2);
+  EXPECT_THAT(errors_, HasSubstr("does not fit into the field of 60 mm"));
+}
+
+TEST_F(MarksCommand, ThePublishedExampleIsRight) {
+  EXPECT_EQ(TypeTo(AddMarksCommand,
+                   {"marks", "preview",
+                    INTAGLIO_SOURCE_DIR "/deploy/examples/label.textproto", "--machine",
+                    (folder_ / "head.textproto").string()}),
+            0)
+      << errors_;
+  EXPECT_THAT(output_, HasSubstr("item 3 "));
+}
+
+}  // namespace
+}  // namespace intaglio::cli

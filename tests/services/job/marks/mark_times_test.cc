@@ -1,0 +1,98 @@
+#include "services/job/marks/mark_times.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace intaglio {
+namespace {
+
+mark::MarkSet RandomSet(std::size_t repeats, std::mt19937& random) {
+  std::uniform_real_distribution<double> place(-20, 20);
+  mark::MarkSet set;
+  set.pens.push_back({"item 1", 1000, 0.5, 20000, 2});
+  for (std::size_t k = 0; k < repeats; ++k) {
+    for (int i = 0; i < 30; ++i) {
+      const Vec2 a(place(random), place(random));
+      set.marks.push_back({0,
+                           i % 2 == 0,
+                           50.0 * static_cast<double>(k),
+                           {{a, 0}, {a + Vec2(1, 0), 0}, {a + Vec2(1, 2), 0}}});
+    }
+  }
+  return set;
+}
+
+TEST(MarkTimes, AddUpMarksJumpsAndDelays) {
+  mark::MarkSet set;
+  set.pens.push_back({"pen", 100, 0.5, 20000, 3});
+  set.marks.push_back({0, false, 0, {{{0, 0}, 0}, {{10, 0}, 0}}});
+  set.marks.push_back({0, true, 0, {{{10, 5}, 0}, {{10, 10}, 0}, {{10, 7}, 0}}});
+  const HeadFigures head{100, 1000, 0.001};
+  const MarkTimes times = TimesOf(set, head);
+  EXPECT_NEAR(times.mark_mm, 30 + 30, 1e-12);
+  EXPECT_NEAR(times.jump_mm, 5, 1e-12);
+  // Three passes of 0.1 s with a delay each and two ways back of 10 mm, a jump, and three
+  // rounds of 0.1 s.
+  EXPECT_NEAR(times.time_s, 0.3 + 0.003 + 0.02 + 0.005 + 0.3 + 0.003, 1e-12);
+}
+
+TEST(MarkTimes, TheOrderForAWebIsAtLeastAsFastAsThatOfTheJob) {
+  std::mt19937 random(3);
+  const HeadFigures head{60, 5000, 0.0006};
+  const mark::MarkSet set = RandomSet(8, random);
+  const auto ordered = OrderForWeb(set, head, true);
+  ASSERT_TRUE(ordered) << ordered.error().message;
+  ASSERT_EQ(ordered->marks.size(), set.marks.size());
+  const auto fast = galvo::MaxSpeed(TimedMarksOf(*ordered, head), head.field_mm);
+  ASSERT_TRUE(fast) << fast.error().message;
+  const auto as_given = galvo::MaxSpeed(TimedMarksOf(set, head), head.field_mm);
+  EXPECT_TRUE(!as_given || *fast > *as_given);
+  EXPECT_TRUE(
+      galvo::MissedMarks(TimedMarksOf(*ordered, head), head.field_mm, 0.999 * *fast)
+          .empty());
+  EXPECT_FALSE(
+      galvo::MissedMarks(TimedMarksOf(*ordered, head), head.field_mm, 1.02 * *fast)
+          .empty());
+}
+
+// Places of a web that runs at the speed: all of a mark is in the field while it is made.
+TEST(MarkTimes, EveryMarkLiesInTheFieldWhileItIsMade) {
+  std::mt19937 random(4);
+  const HeadFigures head{60, 5000, 0.0006};
+  const auto ordered = OrderForWeb(RandomSet(6, random), head, true);
+  ASSERT_TRUE(ordered);
+  const auto timed = TimedMarksOf(*ordered, head);
+  const double speed = 0.98 * galvo::MaxSpeed(timed, head.field_mm).value();
+  double now_s = 0;
+  for (std::size_t i = 0; i < timed.size(); ++i) {
+    double low = 1e9, high = -1e9;
+    for (const mark::Place& p : ordered->marks[i].places) {
+      low = std::min(low, p.at_mm.x() - ordered->marks[i].web_mm);
+      high = std::max(high, p.at_mm.x() - ordered->marks[i].web_mm);
+    }
+    // The web has run by speed * now_s since its first frame was in the middle; it waits
+    // for none.
+    const double enters_s = (-head.field_mm / 2 - low) / speed;
+    now_s = i == 0 ? enters_s : std::max(now_s, enters_s);
+    now_s += timed[i].time_s;
+    EXPECT_LE(high + speed * now_s, head.field_mm / 2 + 1e-6) << i;
+  }
+}
+
+TEST(MarkTimes, WhatDoesNotFitIntoTheFieldIsNamed) {
+  mark::MarkSet set;
+  set.pens.push_back({"item 2", 100, 0.5, 20000, 1});
+  set.marks.push_back({0, false, 700, {{{0, 0}, 0}, {{40, 0}, 0}}});
+  EXPECT_TRUE(CheckField(set, true, 60));
+  const auto outside = CheckField(set, false, 60);
+  ASSERT_FALSE(outside);
+  EXPECT_EQ(outside.error().code, ErrorCode::kOutsideBlock);
+  EXPECT_EQ(outside.error().message,
+            "marks.item 2: mark 1 lies in x 0..40, y 0..0 mm and does not fit into the "
+            "field of 60 mm; move it, make it smaller or use a larger field");
+  EXPECT_FALSE(CheckField(set, true, 30));
+}
+
+}  // namespace
+}  // namespace intaglio
