@@ -8,38 +8,22 @@
 #include <string>
 #include <vector>
 
-#include "proto/task.pb.h"
+#include "services/cell/task_publisher.h"
 #include "services/drivers/laser_controller.h"
 #include "services/platform/bus/bus.h"
 #include "services/platform/host/safety/stop_latch.h"
-#include "services/platform/host/stage/kept_tasks.h"
+#include "services/synchronizer/cell_names.h"
 #include "services/synchronizer/pulses/pulse_schedule.h"
 
 namespace intaglio::synchronizer {
 
-/// TaskStatus of the task in hand, without the fields that Publisher knows by itself.
-struct TaskReport {
-  std::string job_uid = {};
-  std::uint32_t attempt = 0;
-  intaglio_TaskState state = intaglio_TASK_ACCEPTED;
-  std::uint64_t done_count = 0;
-  std::uint64_t total_count = 0;
-  double elapsed_s = 0;
-  std::uint64_t estimate_ticks = 0;
-  intaglio_ErrorCode error_code = intaglio_ERROR_NONE;
-  intaglio_PauseReason pause_reason = intaglio_PAUSE_NONE;
-  std::string message = {};
-  intaglio_PointCounts counts = {};
-  std::string alarm = {};
-  std::string outcome = {};  ///< serialized StageOutcome
-};
-
 class Publisher {
  public:
-  Publisher(bus::Bus& bus, std::string cell, std::string worker);
+  Publisher(bus::Bus& bus, std::string cell, const std::string& worker);
 
-  /// At most ten times a second, unless the state or the message changed.
-  void PublishTask(const TaskReport& report, std::chrono::nanoseconds now);
+  void PublishTask(const TaskReport& report, std::chrono::nanoseconds now) {
+    tasks_.Publish(report, now);
+  }
   /// Pulse results are gathered; a batch goes out when it is full or 20 ms old.
   void BeginJob(const std::string& job_uid);
   void Add(const PulseResult& result);
@@ -55,15 +39,11 @@ class Publisher {
                         const host::StopLatch& stop);
 
   std::string cell_;
-  std::string worker_;
-  bus::Writer<intaglio_TaskStatus> tasks_;
-  host::KeptTasks kept_tasks_;
+  cell::TaskPublisher tasks_;
   bus::Writer<intaglio_PulseEventBatch> pulses_;
   bus::Writer<intaglio_LampSync> lamp_;
   bus::Writer<intaglio_Interlock> interlocks_;
 
-  TaskReport published_;
-  std::chrono::nanoseconds next_task_{0};
   std::string job_uid_;
   std::uint64_t pulse_number_ = 0;
   std::vector<std::uint64_t> tick_;

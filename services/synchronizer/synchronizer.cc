@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "services/cell/pause_reason.h"
+#include "services/cell/point_counts.h"
 #include "services/job/job_file.h"
 #include "services/platform/bus/error_code.h"
 #include "services/platform/bus/role_names.h"
@@ -20,19 +21,6 @@ namespace intaglio::synchronizer {
 namespace {
 
 using bus::View;
-
-intaglio_PointCounts CountsOf(const PointLedger& ledger) {
-  intaglio_PointCounts counts{};
-  counts.planned = ledger.size();
-  counts.made = ledger.count(PointState::kMade);
-  counts.missed = ledger.count(PointState::kMissed);
-  counts.skipped = ledger.count(PointState::kSkipped) +
-                   ledger.count(PointState::kPlanned) +
-                   ledger.count(PointState::kLeftOut) - ledger.unknown_count();
-  counts.uncertain = ledger.count(PointState::kUncertain) +
-                     ledger.count(PointState::kArmed) + ledger.unknown_count();
-  return counts;
-}
 
 double LowestRate(const MachineSpec& machine) {
   const auto& rates_hz = machine.laser().rates_hz();

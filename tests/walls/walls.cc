@@ -44,7 +44,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"engrave/contour/files",
      {"engrave/core", "engrave/io", "engrave/drawing", "engrave/contour",
       "engrave/contour/region", "engrave/contour/milling"}},
-    {"engrave/mark", {"engrave/core"}},
+    {"engrave/mark", {"engrave/core", "engrave/io"}},
     {"engrave/matrix_code", {"engrave/core"}},
     {"engrave/galvo", {"engrave/core", "engrave/mark"}},
     {"engrave/galvo/files", {"engrave/core", "engrave/io", "engrave/galvo"}},
@@ -116,7 +116,8 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     // What the synchronizer and the marker have in common.
     {"services/cell",
      {"engrave/core", "engrave/formats", "idl", "services/platform/bus",
-      "services/platform/host/safety"}},
+      "services/platform/host/process", "services/platform/host/safety",
+      "services/platform/host/stage"}},
     // The sibling of the synchronizer, for machines that mark.
     {"services/marker",
      {"engrave/*", "idl", "proto", "services/cell", "services/drivers", "services/job",

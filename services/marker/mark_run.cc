@@ -1,0 +1,143 @@
+#include "services/marker/mark_run.h"
+
+#include <utility>
+
+#include "engrave/core/check.h"
+#include "engrave/core/try.h"
+
+namespace intaglio::marker {
+
+using drivers::MarkFate;
+using formats::PointOutcome;
+
+void MarkRun::TakeUp(const std::vector<ArmedMark>& armed) {
+  for (const ArmedMark& one : armed) armed_[one.mark] = {one.run, 0, true};
+}
+
+bool MarkRun::Take(const drivers::MarkEvent& event) {
+  const auto found = armed_.find(event.mark);
+  if (found == armed_.end() || found->second.run != event.run || !found->second.handed)
+    return false;
+  PointOutcome outcome = PointOutcome::kNone;
+  switch (event.fate) {
+    case MarkFate::kBegun:
+      return false;
+    case MarkFate::kDone:
+      outcome = PointOutcome::kMade;
+      break;
+    case MarkFate::kNotBegun:
+      outcome = PointOutcome::kSkipped;
+      break;
+    // A part of a mark is there: to make it again is a person's choice.
+    case MarkFate::kBroken:
+    case MarkFate::kUncertain:
+      outcome = PointOutcome::kUncertain;
+      break;
+  }
+  if (questions_ > 0 && outcome == PointOutcome::kMade) ++by_memory_;
+  armed_.erase(found);
+  record_.Resolve(event.mark, outcome);
+  return outcome == PointOutcome::kUncertain;
+}
+
+Status MarkRun::Begin() {
+  Require(armed_.empty(), "a run begins with {} marks armed", armed_.size());
+  const std::uint32_t run = record_.BeginRun();
+  INTAGLIO_TRY(driver_.Begin(run, set_.pens));
+  ++count_;
+  session_ = driver_.state().session;
+  next_ = next_handed_ = 0;
+  finished_ = false;
+  questions_ = 0;
+  asked_session_ = 0;
+  return {};
+}
+
+Status MarkRun::Turn() {
+  ArmMore();
+  record_.FlushAppended();
+  INTAGLIO_TRY(HandOver());
+  const bool all_handed = armed_.lower_bound(next_handed_) == armed_.end();
+  if (finished_ || !all_handed || record_.ledger().NextOpen(next_)) return {};
+  INTAGLIO_TRY(driver_.Finish());
+  finished_ = true;
+  return {};
+}
+
+void MarkRun::ArmMore() {
+  if (finished_) return;
+  while (armed_.size() < kMaxArmed) {
+    const auto open = record_.ledger().NextOpen(next_);
+    if (!open || !record_.Arm(*open)) return;
+    armed_[*open] = {record_.run(), record_.appended(), false};
+    next_ = *open + 1;
+  }
+}
+
+Status MarkRun::HandOver() {
+  for (auto next = armed_.lower_bound(next_handed_);
+       next != armed_.end() && next->second.journaled_at <= record_.durable() &&
+       driver_.Room() > 0;
+       ++next) {
+    const auto sent = driver_.Append({next->first, set_.marks[next->first]});
+    if (!sent) return sent;
+    next->second.handed = true;
+    next_handed_ = next->first + 1;
+  }
+  return {};
+}
+
+void MarkRun::End() {
+  for (auto next = armed_.begin(); next != armed_.end();) {
+    if (next->second.handed) {
+      ++next;
+      continue;
+    }
+    record_.Resolve(next->first, PointOutcome::kSkipped);
+    next = armed_.erase(next);
+  }
+  finished_ = true;
+  questions_ = 0;
+  asked_session_ = 0;
+}
+
+std::uint64_t MarkRun::Settle(std::chrono::nanoseconds now) {
+  const drivers::MarkDeviceState& state = driver_.state();
+  if (asked_session_ != state.session) {
+    // Its own events come first, if there are any.
+    asked_session_ = state.session;
+    questions_ = 0;
+    ask_again_at_ = now + kAnswerTime / 4;
+  }
+  if (now < ask_again_at_) return 0;
+  const bool remembers = state.remembers_marks && !state.power_up.empty() &&
+                         PowerUpNumber(state.power_up) == record_.power_up();
+  if (!remembers || questions_ >= kMaxQuestions) return GiveUp();
+  ++questions_;
+  ask_again_at_ = now + kAnswerTime;
+  Ask();
+  return 0;
+}
+
+// Row by row of numbers without a gap. What the driver refuses is asked again.
+void MarkRun::Ask() {
+  for (auto next = armed_.begin(); next != armed_.end();) {
+    const auto first = next;
+    std::uint32_t count = 0;
+    while (next != armed_.end() && next->first == first->first + count &&
+           next->second.run == first->second.run) {
+      ++count;
+      ++next;
+    }
+    (void)driver_.RequestPast(first->second.run, first->first, count);
+  }
+}
+
+std::uint64_t MarkRun::GiveUp() {
+  const std::uint64_t count = armed_.size();
+  for (const auto& [mark, armed] : std::exchange(armed_, {}))
+    record_.Resolve(mark, PointOutcome::kUncertain);
+  return count;
+}
+
+}  // namespace intaglio::marker

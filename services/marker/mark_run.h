@@ -1,0 +1,82 @@
+#pragma once
+
+// The marks that are on their way: journaled, then handed to the driver within its room,
+// and settled by its events. Also settles what a halt or an earlier life left open.
+// Used from one thread; nothing waits.
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "engrave/mark/mark.h"
+#include "services/drivers/mark_driver.h"
+#include "services/marker/mark_record.h"
+
+namespace intaglio::marker {
+
+class MarkRun {
+ public:
+  /// Intents ahead of the controller: a disk that takes 50 ms for each sync keeps up with
+  /// marks of a fifth of a millisecond.
+  static constexpr std::size_t kMaxArmed = 256;
+  /// For the answer of a controller that was asked, and how often it is.
+  static constexpr std::chrono::milliseconds kAnswerTime{1000};
+  static constexpr int kMaxQuestions = 3;
+
+  /// All outlive this.
+  MarkRun(const mark::MarkSet& set, drivers::MarkDriver& driver, MarkRecord& record)
+      : set_(set), driver_(driver), record_(record) {}
+
+  /// Marks of an earlier life, armed in the record: they may have been handed over.
+  void TakeUp(const std::vector<ArmedMark>& armed);
+  /// True when the mark has become uncertain by it.
+  bool Take(const drivers::MarkEvent& event);
+
+  /// A run from the first open mark on. With nothing armed.
+  Status Begin();
+  /// Arms and hands over what there is room for, and finishes the run behind the last
+  /// open mark. An error of the driver: it refuses a mark that it has room for.
+  Status Turn();
+  /// Of a run that was finished: all that was handed over has ended.
+  bool is_over() const { return finished_ && armed_.empty(); }
+  std::uint32_t count() const { return count_; }
+  std::uint64_t session() const { return session_; }
+
+  /// Nothing more is handed over: what was not is skipped, for it cannot be made.
+  void End();
+  bool all_settled() const { return armed_.empty(); }
+  /// Of a controller that is up and settled: asks it about what is armed, or gives up,
+  /// and then it is uncertain. Returns the number of marks that became uncertain.
+  std::uint64_t Settle(std::chrono::nanoseconds now);
+  /// Of marks made, known only by the controller's memory.
+  std::uint64_t settled_by_memory_count() const { return by_memory_; }
+
+ private:
+  struct Armed {
+    std::uint32_t run = 0;
+    std::uint64_t journaled_at = 0;  ///< durable when so many records are
+    bool handed = false;
+  };
+  void ArmMore();
+  Status HandOver();
+  void Ask();
+  std::uint64_t GiveUp();
+
+  const mark::MarkSet& set_;
+  drivers::MarkDriver& driver_;
+  MarkRecord& record_;
+  std::map<std::uint32_t, Armed> armed_;  // by mark
+  std::uint32_t next_ = 0;                // mark to arm
+  std::uint32_t next_handed_ = 0;
+  bool finished_ = false;
+  std::uint32_t count_ = 0;
+  std::uint64_t session_ = 0;
+  // Of settling.
+  std::uint64_t asked_session_ = 0;
+  int questions_ = 0;
+  std::chrono::nanoseconds ask_again_at_{0};
+  std::uint64_t by_memory_ = 0;
+};
+
+}  // namespace intaglio::marker

@@ -1,0 +1,348 @@
+#include "services/marker/marking.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace intaglio::marker {
+
+using cell::ChainLinks;
+using cell::GrantInputs;
+using cell::Missing;
+using cell::PointState;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr auto kStopPeriod = 500ms;
+
+double LongestMarkS(const mark::MarkSet& set) {
+  double longest_s = 0;
+  for (const mark::Mark& mark : set.marks) {
+    const mark::Pen& pen = set.pens[mark.pen];
+    longest_s =
+        std::max(longest_s, mark::LengthOf(mark) * pen.pass_count / pen.speed_mm_s);
+  }
+  return longest_s;
+}
+
+}  // namespace
+
+Marking::Marking(MarkingJob job, drivers::MarkDriver& driver,
+                 cell::JournalWriter& journal, cell::PermissionChain& chain)
+    : job_(std::move(job)),
+      driver_(driver),
+      chain_(chain),
+      record_(job_.marks.marks.size(), journal),
+      run_(job_.marks, driver, record_),
+      consent_({job_.asks_when_uncertain, job_.earlier.uncertain_unanswered,
+                job_.earlier.consent_grant},
+               record_, chain),
+      longest_mark_s_(LongestMarkS(job_.marks)) {
+  // Armed before there was a path, and spent before it came.
+  if (chain_.has_spent()) message_ = TextOf(chain_.spent_by());
+  if (job_.earlier.points.empty()) return;
+  taken_up_ = true;
+  phase_ = Phase::kHalting;
+  message_ = "the job continues: requesting from the controller what became of its marks";
+  run_.TakeUp(record_.TakeUp(job_.earlier));
+  consent_.TakeUp();
+}
+
+ChainLinks LinksOf(const drivers::MarkDeviceState& state, const GrantInputs& inputs) {
+  ChainLinks links;
+  links.permission_fresh = inputs.permission_fresh;
+  links.permission_granted = inputs.permission_granted;
+  links.grant = inputs.grant;
+  links.stop_not_pressed = !inputs.stop_pressed;
+  links.laser_line_up = state.link_up;
+  links.key_on = state.key_on;
+  links.door_closed = state.door_closed;
+  links.stop_released = state.stop_released;
+  links.no_safe_state = !state.safe_state;
+  links.lamp_sync_counted = links.lamp_warm = true;
+  links.motion_fresh = state.link_up;
+  links.motion_without_fault = state.fault.empty();
+  links.shutters_open = state.shutter_open;
+  // Of a controller that gives none, its openings alone are compared.
+  links.counters = {std::max(1u, PowerUpNumber(state.power_up)), state.openings};
+  return links;
+}
+
+void Marking::Turn(const GrantInputs& inputs) {
+  TakeEvents(inputs.now);
+  TurnChain(inputs);
+  if (!driver_.state().refusal.empty() && !stopping_) {
+    chain_.Latch(false);
+    lost_a_line_ = false;
+    message_ = driver_.state().refusal + ", then resume";
+  }
+  if (!stopping_) consent_.TakeConsent(inputs, phase_ == Phase::kHalting);
+  AskOverUncertain(inputs);
+  switch (phase_) {
+    case Phase::kWaiting:
+      Wait(inputs);
+      break;
+    case Phase::kOpening:
+      Open(inputs);
+      break;
+    case Phase::kRunning:
+      Run(inputs);
+      break;
+    case Phase::kPausing:
+      Pause(inputs);
+      break;
+    case Phase::kHalting:
+      Settle(inputs);
+      break;
+    case Phase::kDone:
+      break;
+  }
+  SendPermit(inputs.now);
+  WatchProgress(inputs.now);
+  record_.FlushAppended();
+}
+
+void Marking::TakeEvents(std::chrono::nanoseconds now) {
+  for (const drivers::MarkEvent& event : driver_.TakeEvents()) {
+    moved_at_ = now;
+    if (run_.Take(event)) consent_.NoteUncertain();
+  }
+}
+
+// Key, door and stop latch also before and between runs.
+void Marking::TurnChain(const GrantInputs& inputs) {
+  ChainLinks links = LinksOf(driver_.state(), inputs);
+  // A new arm counts when it can be acted on: a Reset is sent between runs.
+  if (phase_ == Phase::kHalting) links.permission_fresh = false;
+  const Missing spent_by = chain_.Turn(links, inputs.now);
+  if (spent_by == Missing::kNothing || stopping_) return;
+  if (phase_ == Phase::kRunning || phase_ == Phase::kOpening ||
+      phase_ == Phase::kPausing) {
+    // An interlock that is open now halts it by itself.
+    if (IsUnseen(spent_by)) Halt(spent_by, TextOf(spent_by), true, inputs.now);
+    return;
+  }
+  lost_a_line_ = false;
+  message_ = TextOf(spent_by);
+  if (consent_.was_asked()) message_ += "; " + Question();
+}
+
+// Also when nothing is open any more: the question spends the grant, as a fault does, and
+// the answer is a newer grant.
+void Marking::AskOverUncertain(const GrantInputs& inputs) {
+  if (stopping_ || phase_ != Phase::kWaiting || !consent_.MustAsk(inputs)) return;
+  const std::string why = faulted() && !lost_a_line_ ? message_ + "; " : "";
+  Explain(Missing::kNothing, why + Question(), true);
+  consent_.NoteAsked();
+}
+
+std::string Marking::Question() const {
+  const auto [first, last] = consent_.UncertainRange();
+  const Vec2 at_mm = job_.marks.marks[first].places.front().at_mm;
+  return fmt::format(
+      "marks that are begun, or of which nobody knows: {}, at places {}..{} of the order "
+      "(from 0), the first begins at {:.3f}, {:.3f} mm; check the piece; `intaglio "
+      "resume "
+      "JOB` leaves them as they are, `intaglio resume JOB --fire-uncertain` makes them "
+      "again from their beginning",
+      record_.ledger().count(PointState::kUncertain), first, last, at_mm.x(), at_mm.y());
+}
+
+void Marking::SendPermit(std::chrono::nanoseconds now) {
+  const bool may =
+      phase_ == Phase::kOpening || phase_ == Phase::kRunning || phase_ == Phase::kPausing;
+  if (may == permitted_ && (!may || now < permit_at_)) return;
+  if (!driver_.state().link_up || !driver_.Permit(may)) return;
+  permitted_ = may;
+  permit_at_ = now + kPermitPeriod;
+}
+
+void Marking::WatchProgress(std::chrono::nanoseconds now) {
+  if (phase_ != Phase::kRunning) {
+    moved_at_ = now;
+    alarm_.clear();
+    return;
+  }
+  const std::chrono::duration<double> limit = kStallTime + 2s * longest_mark_s_;
+  alarm_ = now - moved_at_ < limit
+               ? ""
+               : fmt::format(
+                     "no mark was begun or ended for {:.0f} s: check whether the "
+                     "machine moves, and the web, if there is one",
+                     std::chrono::duration<double>(now - moved_at_).count());
+}
+
+void Marking::Wait(const GrantInputs& inputs) {
+  const auto nothing_is_left = [&] {
+    return !consent_.KeepsJobOpen(inputs) && !record_.ledger().NextOpen(0);
+  };
+  if (stopping_ || nothing_is_left()) {
+    if (stopping_ || record_.is_durable()) phase_ = Phase::kDone;
+    if (record_.disk_failed()) message_ = record_.disk_error();
+    return;
+  }
+  const drivers::MarkDeviceState& state = driver_.state();
+  const bool latched = state.safe_state || !state.stop_released || !state.fault.empty();
+  if (state.link_up && latched && chain_.may_reset(LinksOf(driver_.state(), inputs)) &&
+      inputs.now >= stop_again_at_) {
+    stop_again_at_ = inputs.now + 100ms;
+    (void)driver_.Reset();
+  }
+  if (!MayMark(inputs)) return;
+  if (!state.settled || !state.at_rest) {
+    message_ = "the machine comes to rest";
+    return;
+  }
+  bool reopened_any = false;
+  const bool all_open =
+      record_.LeaveOutBefore(inputs.first_point) &&
+      consent_.Reopen(inputs, reopened_any) &&
+      record_.KeepSession(PowerUpNumber(state.power_up), chain_.counters().openings);
+  if (record_.disk_failed()) message_ = record_.disk_error();
+  if (!all_open || !record_.is_durable() || !record_.ledger().NextOpen(0)) return;
+  phase_ = Phase::kOpening;
+  opening_since_ = inputs.now;
+}
+
+bool Marking::MayMark(const GrantInputs& inputs) {
+  const Missing missing = WhatIsMissing(inputs, true);
+  if (missing == Missing::kNothing) return true;
+  if (!faulted()) message_ = TextFor(missing);
+  return false;
+}
+
+Missing Marking::WhatIsMissing(const GrantInputs& inputs, bool with_permission) const {
+  ChainLinks links = LinksOf(driver_.state(), inputs);
+  if (!with_permission) links.permission_granted = true;
+  const bool with_shutter = phase_ == Phase::kRunning || phase_ == Phase::kPausing;
+  return chain_.WhatIsMissing(links, with_shutter);
+}
+
+std::string Marking::TextFor(Missing missing) const {
+  const drivers::MarkDeviceState& state = driver_.state();
+  switch (missing) {
+    case Missing::kMotionFault:
+      return state.fault;
+    case Missing::kLaserLine:
+      return "the line to the controller is down: " +
+             (state.message.empty() ? "check the cable and the controller, then resume"
+                                    : state.message);
+    case Missing::kSafeState:
+      return "the controller is in its safe state: resume to reset it";
+    default:
+      return TextOf(missing);
+  }
+}
+
+void Marking::Open(const GrantInputs& inputs) {
+  if (stopping_) return Halt(Missing::kNothing, message_, false, inputs.now);
+  const Missing missing = WhatIsMissing(inputs, true);
+  if (missing != Missing::kNothing) {
+    return Halt(missing, TextFor(missing), missing != Missing::kPermission, inputs.now);
+  }
+  if (!driver_.state().shutter_open) {
+    if (inputs.now - opening_since_ < kShutterTime) return;
+    return Halt(Missing::kShutter, TextOf(Missing::kShutter), true, inputs.now);
+  }
+  if (const auto begun = run_.Begin(); !begun) {
+    return Halt(Missing::kMotionFault, begun.error().message, true, inputs.now);
+  }
+  consent_.BeginRun();
+  message_.clear();
+  phase_ = Phase::kRunning;
+  pause_sent_ = false;
+}
+
+void Marking::Run(const GrantInputs& inputs) {
+  if (stopping_) return Halt(Missing::kNothing, message_, false, inputs.now);
+  if (driver_.state().session != run_.session()) {
+    return Halt(Missing::kLaserLine, TextFor(Missing::kLaserLine), true, inputs.now);
+  }
+  const bool withdrawn = inputs.permission_fresh && !inputs.permission_granted;
+  const Missing missing = WhatIsMissing(inputs, !withdrawn);
+  if (missing != Missing::kNothing) {
+    return Halt(missing, TextFor(missing), missing != Missing::kPermission, inputs.now);
+  }
+  if (withdrawn) {
+    message_ = TextOf(Missing::kPermission);
+    run_.End();
+    phase_ = Phase::kPausing;
+    return Pause(inputs);
+  }
+  if (record_.disk_failed()) {
+    message_ = record_.disk_error();
+  } else if (!message_.empty()) {
+    message_.clear();
+  }
+  if (const auto sent = run_.Turn(); !sent) {
+    return Halt(Missing::kMotionFault, sent.error().message, true, inputs.now);
+  }
+  if (!run_.is_over() || !driver_.state().at_rest) return;
+  phase_ = Phase::kWaiting;
+}
+
+// The mark in hand is ended; the beam ends at once when anything but the permission is
+// missing.
+void Marking::Pause(const GrantInputs& inputs) {
+  if (stopping_) return Halt(Missing::kNothing, message_, false, inputs.now);
+  if (driver_.state().session != run_.session()) {
+    return Halt(Missing::kLaserLine, TextFor(Missing::kLaserLine), true, inputs.now);
+  }
+  if (!inputs.permission_fresh) {
+    return Halt(Missing::kPermission, TextOf(Missing::kPermission), false, inputs.now);
+  }
+  const Missing missing = WhatIsMissing(inputs, false);
+  if (missing != Missing::kNothing)
+    return Halt(missing, TextFor(missing), true, inputs.now);
+  if (!pause_sent_) pause_sent_ = driver_.Pause().has_value();
+  const drivers::MarkDeviceState& state = driver_.state();
+  if (!pause_sent_ || !state.at_rest || !state.settled) return;
+  phase_ = Phase::kHalting;
+}
+
+void Marking::Halt(Missing missing, const std::string& text, bool fault,
+                   std::chrono::nanoseconds now) {
+  (void)driver_.Stop();
+  stop_again_at_ = now + kStopPeriod;
+  run_.End();
+  Explain(missing, text, fault);
+  phase_ = Phase::kHalting;
+}
+
+void Marking::Explain(Missing missing, const std::string& text, bool fault) {
+  message_ = text;
+  lost_a_line_ = missing == Missing::kLaserLine || missing == Missing::kSafeState;
+  if (fault) chain_.Latch(lost_a_line_);
+}
+
+void Marking::Settle(const GrantInputs& inputs) {
+  if (stopping_ && stopping_since_.count() < 0) stopping_since_ = inputs.now;
+  const bool late = stopping_ && inputs.now - stopping_since_ > kStopTime;
+  const drivers::MarkDeviceState& state = driver_.state();
+  if (late || (stopping_ && run_.all_settled() && (state.settled || !state.link_up))) {
+    phase_ = Phase::kDone;
+    return;
+  }
+  if (!state.link_up) return;
+  if (!state.settled) {
+    if (inputs.now < stop_again_at_) return;
+    stop_again_at_ = inputs.now + kStopPeriod;
+    (void)driver_.Stop();
+    return;
+  }
+  if (!run_.all_settled()) {
+    if (run_.Settle(inputs.now) > 0) consent_.NoteUncertain();
+    return;
+  }
+  if (inputs.grant.number == 0 && taken_up_ && run_.count() == 0) return;
+  phase_ = Phase::kWaiting;
+}
+
+void Marking::Stop(const std::string& why) {
+  stopping_ = true;
+  message_ = why;
+}
+
+}  // namespace intaglio::marker

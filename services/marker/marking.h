@@ -1,0 +1,126 @@
+#pragma once
+
+// The states of a job at a machine that marks.
+//
+//   kWaiting --all links hold, settled, journal on disk--> kOpening --shutter--> kRunning
+//      ^  ^                                                   |                    |  |
+//      |  +---- settled: made, open again, or uncertain -- kHalting <--------------+  |
+//      |                                                      ^   link lost, stop,    |
+//      |                                                      |   fault, line         |
+//      +--- the run has ended ------------------- kPausing <--+-----------------------+
+//                                                   permission withdrawn: the mark in
+//                                                   hand is ended first
+//   kDone: nothing is open, or it was stopped
+//
+// Nothing is handed to the driver whose intent is not on disk, and none while a link of
+// the permission chain is missing. A mark that was begun and not ended is uncertain, as
+// is one of which neither event nor memory tells: neither is made again without a
+// person's consent (services/cell/consent.h). Used from one thread; no waits.
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "services/cell/consent.h"
+#include "services/cell/earlier_work.h"
+#include "services/cell/grant_inputs.h"
+#include "services/cell/permission_chain.h"
+#include "services/drivers/mark_driver.h"
+#include "services/marker/mark_record.h"
+#include "services/marker/mark_run.h"
+
+namespace intaglio::marker {
+
+struct MarkingJob {
+  std::string uid;
+  mark::MarkSet marks;  ///< in their order
+  bool asks_when_uncertain = false;
+  cell::EarlierWork earlier = {};
+};
+
+/// The links of the permission chain as the inputs and the controller have them.
+cell::ChainLinks LinksOf(const drivers::MarkDeviceState& state,
+                         const cell::GrantInputs& inputs);
+
+class Marking {
+ public:
+  enum class Phase { kWaiting, kOpening, kRunning, kPausing, kHalting, kDone };
+
+  /// The controller is told that it may mark so often while it may.
+  static constexpr std::chrono::milliseconds kPermitPeriod{20};
+  static constexpr std::chrono::milliseconds kShutterTime{3000};
+  /// A process that ends does not wait longer for what is open: the next one settles it.
+  static constexpr std::chrono::milliseconds kStopTime{2000};
+  /// Without any event; longer than twice the longest mark is added.
+  static constexpr std::chrono::seconds kStallTime{30};
+
+  /// All outlive this. `chain` has begun the job, and is turned by this from now on. The
+  /// caller polls the driver.
+  Marking(MarkingJob job, drivers::MarkDriver& driver, cell::JournalWriter& journal,
+          cell::PermissionChain& chain);
+
+  void Turn(const cell::GrantInputs& inputs);
+  /// The beam ends at once; what is open is settled over the next turns, or left open in
+  /// the journal when the line stays down. For cancelled jobs and the process's end.
+  void Stop(const std::string& why);
+
+  Phase phase() const { return phase_; }
+  const cell::PointLedger& ledger() const { return record_.ledger(); }
+  /// What it waits for or why it halted; empty while all is well.
+  const std::string& message() const { return message_; }
+  /// Why it makes no progress, though nothing halts it; empty: it does.
+  const std::string& alarm() const { return alarm_; }
+  bool faulted() const { return chain_.has_spent(); }
+  bool lost_a_line() const { return lost_a_line_; }
+  bool asks() const { return consent_.asks(); }
+  /// Makes nothing until a person or an event outside allows it.
+  bool waits() const {
+    return (started() || faulted()) && phase_ != Phase::kRunning &&
+           phase_ != Phase::kOpening && !message_.empty();
+  }
+  bool started() const { return run_.count() > 0 || taken_up_; }
+  std::uint32_t run_count() const { return run_.count(); }
+  std::uint64_t settled_by_memory_count() const { return run_.settled_by_memory_count(); }
+
+ private:
+  void TakeEvents(std::chrono::nanoseconds now);
+  void TurnChain(const cell::GrantInputs& inputs);
+  void AskOverUncertain(const cell::GrantInputs& inputs);
+  void SendPermit(std::chrono::nanoseconds now);
+  void WatchProgress(std::chrono::nanoseconds now);
+
+  void Wait(const cell::GrantInputs& inputs);
+  bool MayMark(const cell::GrantInputs& inputs);
+  void Open(const cell::GrantInputs& inputs);
+  void Run(const cell::GrantInputs& inputs);
+  void Pause(const cell::GrantInputs& inputs);
+  void Settle(const cell::GrantInputs& inputs);
+
+  cell::Missing WhatIsMissing(const cell::GrantInputs& inputs,
+                              bool with_permission) const;
+  std::string TextFor(cell::Missing missing) const;
+  void Halt(cell::Missing missing, const std::string& text, bool fault,
+            std::chrono::nanoseconds now);
+  void Explain(cell::Missing missing, const std::string& text, bool fault);
+  std::string Question() const;
+
+  MarkingJob job_;
+  drivers::MarkDriver& driver_;
+  cell::PermissionChain& chain_;
+  MarkRecord record_;
+  MarkRun run_;
+  cell::Consent consent_;
+  double longest_mark_s_ = 0;
+
+  Phase phase_ = Phase::kWaiting;
+  std::string message_, alarm_;
+  bool lost_a_line_ = false;
+  bool stopping_ = false;
+  bool taken_up_ = false;  // from an earlier life
+  bool permitted_ = false;
+  bool pause_sent_ = false;
+  std::chrono::nanoseconds permit_at_{0}, opening_since_{0}, stop_again_at_{0},
+      stopping_since_{-1}, moved_at_{0};
+};
+
+}  // namespace intaglio::marker
