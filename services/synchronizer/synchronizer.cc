@@ -312,6 +312,7 @@ EngraveOutcome Synchronizer::Outcome() const {
   outcome.set_planned_max_move_um(1e3 * plan_.moves.max_mm);
   outcome.set_planned_rms_move_um(1e3 * plan_.moves.rms_mm());
   outcome.set_min_speed_percent(engraving_->min_speed_percent());
+  outcome.set_max_speed_percent(engraving_->max_speed_percent());
   outcome.set_speed_changes(engraving_->speed_changes());
   return outcome;
 }
