@@ -1,9 +1,8 @@
 #pragma once
 
-// Text as closed curves in a given font. TrueType, OpenType and Type 1 outlines; kerning
-// by the font's kern table. Letters are placed one after another from left to right:
-// scripts whose letters join or run the other way (Arabic, Devanagari) need a shaper
-// first.
+// Text as closed curves in a given font. TrueType, OpenType and Type 1 outlines; letters
+// are placed and joined by HarfBuzz, kerned by the font's GPOS or kern table. A line has
+// one direction: one that mixes scripts of both directions is to be divided.
 
 #include <string_view>
 #include <vector>

@@ -4,6 +4,8 @@
 
 #include <optional>
 
+#include "engrave/drawing/drawing_builder.h"
+
 namespace intaglio::drawing {
 namespace {
 

@@ -8,7 +8,8 @@
 // their number: so density has to follow linear light, not the bytes of the file.
 // Brightness is the relative luminance of ITU-R BT.709 (0.2126 R + 0.7152 G + 0.0722 B,
 // linear), the transfer curve that of sRGB (IEC 61966-2-1) unless a PNG gives another
-// gamma. Embedded ICC profiles are not read.
+// gamma. The ICC profile in a PNG or JPEG decides instead where there is one; it has no
+// effect on values as stored.
 
 #include <cstdint>
 #include <string_view>
@@ -41,8 +42,8 @@ struct ImageOptions {
 };
 
 /// The picture, turned upright by the EXIF orientation of a JPEG. Errors name the place
-/// and the remedy: kUnreadable (none of the three formats, damaged or cut off),
-/// kUnsupported (a kind of theirs that is not read), kTooLarge.
+/// and the remedy: kUnreadable (none of the three formats, damaged or cut off, a profile
+/// that is damaged), kUnsupported (a kind of theirs that is not read), kTooLarge.
 Result<GreyImage> ParseImage(std::string_view bytes, const ImageOptions& options = {});
 
 }  // namespace intaglio::image

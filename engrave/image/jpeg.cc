@@ -4,10 +4,13 @@
 
 #include <csetjmp>
 #include <cstdio>
+#include <cstdlib>
+#include <optional>
 
 #include "engrave/core/try.h"
 #include "engrave/image/decoders.h"
 #include "engrave/image/exif.h"
+#include "engrave/image/icc_light.h"
 #include "engrave/image/luminance.h"
 
 // libjpeg reports an error by a call that must not return: a longjmp to the place of
@@ -28,11 +31,16 @@ struct JpegReader {
   char message[JMSG_LENGTH_MAX] = "";
   bool out_of_memory = false;
   std::vector<JSAMPLE> row;
+  JOCTET* profile = nullptr;  // embedded; of malloc
+  unsigned profile_size = 0;
 
   JpegReader() = default;
   JpegReader(const JpegReader&) = delete;
   JpegReader& operator=(const JpegReader&) = delete;
-  ~JpegReader() { jpeg_destroy_decompress(&jpeg); }
+  ~JpegReader() {
+    jpeg_destroy_decompress(&jpeg);
+    std::free(profile);
+  }
 };
 
 extern "C" {
@@ -73,7 +81,9 @@ bool ReadHeader(JpegReader& r, std::string_view bytes) {
   jpeg_mem_src(&r.jpeg, reinterpret_cast<const unsigned char*>(bytes.data()),
                static_cast<unsigned long>(bytes.size()));
   jpeg_save_markers(&r.jpeg, JPEG_APP0 + 1, 0xFFFF);
+  jpeg_save_markers(&r.jpeg, JPEG_APP0 + 2, 0xFFFF);
   jpeg_read_header(&r.jpeg, TRUE);
+  jpeg_read_icc_profile(&r.jpeg, &r.profile, &r.profile_size);
   return true;
 }
 
@@ -129,6 +139,23 @@ void AppendRow(const JpegReader& r, const Luminance& luminance, GreyImage& image
   }
 }
 
+/// Null: the picture has no profile, or the values as stored are asked for.
+Result<std::optional<IccLight>> ProfileOf(const JpegReader& r,
+                                          const ImageOptions& options) {
+  if (options.samples != Samples::kLinearLight || r.profile == nullptr) {
+    return std::nullopt;
+  }
+  PixelKind kind;
+  if (r.jpeg.out_color_space == JCS_GRAYSCALE) kind.colours = PixelKind::Colours::kGrey;
+  if (r.jpeg.out_color_space == JCS_CMYK) {
+    kind.colours = r.jpeg.saw_Adobe_marker ? PixelKind::Colours::kInverseCmyk
+                                           : PixelKind::Colours::kCmyk;
+  }
+  auto light = INTAGLIO_TRY(
+      IccLight::Open({reinterpret_cast<const char*>(r.profile), r.profile_size}, kind));
+  return std::optional<IccLight>(std::move(light));
+}
+
 int OrientationIn(const JpegReader& r) {
   for (const jpeg_marker_struct* m = r.jpeg.marker_list; m; m = m->next) {
     const std::string_view body(reinterpret_cast<const char*>(m->data), m->data_length);
@@ -172,11 +199,16 @@ Result<GreyImage> ParseJpeg(std::string_view bytes, const ImageOptions& options)
   const int orientation = OrientationIn(r);  // libjpeg clears the list of markers at the
                                              // end of the file
   const Luminance luminance(options, false);
+  const auto icc = INTAGLIO_TRY(ProfileOf(r, options));
   GreyImage image{
       static_cast<int>(r.jpeg.output_width), static_cast<int>(r.jpeg.output_height), {}};
   while (r.jpeg.output_scanline < r.jpeg.output_height) {
     if (!ReadRow(r)) return Refused(r, options.limits);
-    AppendRow(r, luminance, image);
+    if (icc) {
+      icc->Row(r.row.data(), r.jpeg.output_width, AddRow(image));
+    } else {
+      AppendRow(r, luminance, image);
+    }
   }
   if (!ReadEnd(r)) return Refused(r, options.limits);
   return Upright(std::move(image), orientation);

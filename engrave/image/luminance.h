@@ -24,9 +24,12 @@ class Luminance {
     return static_cast<std::uint16_t>((red_[r] + green_[g] + blue_[b] + kHalf) >> 16);
   }
   std::uint16_t Of(unsigned r, unsigned g, unsigned b, unsigned alpha) const {
-    const std::uint64_t above = Of(r, g, b);
+    return Over(Of(r, g, b), alpha);
+  }
+  /// A sample in front of the background.
+  std::uint16_t Over(std::uint64_t sample, unsigned alpha) const {
     return static_cast<std::uint16_t>(
-        (above * alpha + background_ * (top_ - alpha) + top_ / 2) / top_);
+        (sample * alpha + background_ * (top_ - alpha) + top_ / 2) / top_);
   }
 
  private:

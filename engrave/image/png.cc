@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <csetjmp>
 #include <cstring>
+#include <optional>
 #include <string>
 
 #include "engrave/core/try.h"
 #include "engrave/image/decoders.h"
+#include "engrave/image/icc_light.h"
 #include "engrave/image/luminance.h"
 
 // libpng reports an error by a longjmp to the place of setjmp. So the functions that call
@@ -25,7 +27,10 @@ struct PngReader {
   png_infop info = nullptr;
   png_uint_32 width = 0, height = 0, y = 0;
   int depth = 0, channels = 0, passes = 1;
-  double gamma = 0;              // 0: the curve of sRGB
+  double gamma = 0;             // 0: the curve of sRGB
+  png_bytep profile = nullptr;  // embedded; of libpng
+  png_uint_32 profile_size = 0;
+  bool profile_refused = false;  // by libpng, for `message`
   std::vector<png_byte> pixels;  // one row, or all of an interlaced picture
 
   explicit PngReader(std::string_view file) : bytes(file) {}
@@ -40,7 +45,13 @@ static void OnPngError(png_structp png, png_const_charp text) {
   std::strncpy(reader->message, text, sizeof(reader->message) - 1);
   png_longjmp(png, 1);
 }
-static void OnPngWarning(png_structp, png_const_charp) {}
+/// Of a profile that libpng refuses it only warns.
+static void OnPngWarning(png_structp png, png_const_charp text) {
+  auto* reader = static_cast<PngReader*>(png_get_error_ptr(png));
+  if (std::strncmp(text, "iCCP", 4) != 0) return;
+  reader->profile_refused = true;
+  std::strncpy(reader->message, text, sizeof(reader->message) - 1);
+}
 
 static void ReadPngBytes(png_structp png, png_bytep to, std::size_t count) {
   auto* reader = static_cast<PngReader*>(png_get_io_ptr(png));
@@ -67,6 +78,9 @@ bool ReadHeader(PngReader& r, const ImageLimits& limits) {
     constexpr double kSrgbGamma = 0.45455;  // as an approximation of the sRGB curve
     if (std::abs(file_gamma - kSrgbGamma) > 0.005) r.gamma = 1 / file_gamma;
   }
+  png_charp name = nullptr;
+  int compression = 0;
+  png_get_iCCP(r.png, r.info, &name, &compression, &r.profile, &r.profile_size);
   png_read_update_info(r.png, r.info);
   r.width = png_get_image_width(r.png, r.info);
   r.height = png_get_image_height(r.png, r.info);
@@ -90,6 +104,42 @@ bool ReadEarlierPasses(PngReader& r, std::size_t row_bytes) {
     }
   }
   return true;
+}
+
+void AppendIccRow(const png_byte* row, const PngReader& r, const IccLight& icc,
+                  const Luminance& luminance, GreyImage& image) {
+  std::uint16_t* sample = AddRow(image);
+  icc.Row(row, r.width, sample);
+  if (r.channels % 2 != 0) return;
+  const auto channels = static_cast<std::size_t>(r.channels);
+  for (std::size_t x = 0; x < r.width; ++x) {
+    const std::size_t alpha_at = channels * x + channels - 1;
+    std::uint16_t wide = 0;
+    if (r.depth == 16) std::memcpy(&wide, row + 2 * alpha_at, 2);
+    const unsigned alpha = r.depth == 16 ? wide : row[alpha_at];
+    sample[x] = luminance.Over(sample[x], alpha);
+  }
+}
+
+/// Null: the picture has no profile, or the values as stored are asked for.
+Result<std::optional<IccLight>> ProfileOf(const PngReader& r,
+                                          const ImageOptions& options) {
+  if (options.samples != Samples::kLinearLight) return std::nullopt;
+  if (r.profile == nullptr) {
+    if (!r.profile_refused) return std::nullopt;
+    return Fail(
+        ErrorCode::kUnreadable,
+        fmt::format("the ICC profile in the PNG is damaged ({}): save the picture "
+                    "as sRGB, or without a profile",
+                    r.message));
+  }
+  PixelKind kind;
+  kind.colours = r.channels < 3 ? PixelKind::Colours::kGrey : PixelKind::Colours::kRgb;
+  kind.alpha = r.channels % 2 == 0;
+  kind.wide = r.depth == 16;
+  auto light = INTAGLIO_TRY(
+      IccLight::Open({reinterpret_cast<const char*>(r.profile), r.profile_size}, kind));
+  return std::optional<IccLight>(std::move(light));
 }
 
 /// What follows the pixels is read too: a file without its end is damaged.
@@ -132,6 +182,7 @@ Result<GreyImage> ParsePng(std::string_view bytes, const ImageOptions& options) 
   if (!r.info) return Fail(ErrorCode::kTooLarge, "not enough memory for the PNG reader");
   if (!ReadHeader(r, options.limits)) return Damaged(r);
   INTAGLIO_TRY(CheckSize(r.width, r.height, options.limits));
+  const auto icc = INTAGLIO_TRY(ProfileOf(r, options));
   const std::size_t row_bytes = std::size_t{r.width} *
                                 static_cast<std::size_t>(r.channels) *
                                 static_cast<std::size_t>(r.depth / 8);
@@ -145,7 +196,9 @@ Result<GreyImage> ParsePng(std::string_view bytes, const ImageOptions& options) 
   for (r.y = 0; r.y < r.height; ++r.y) {
     png_byte* row = r.pixels.data() + (whole ? r.y * row_bytes : 0);
     if (!ReadRow(r, row)) return Damaged(r);
-    if (r.depth == 16) {
+    if (icc) {
+      AppendIccRow(row, r, *icc, luminance, image);
+    } else if (r.depth == 16) {
       AppendRow<std::uint16_t>(row, r, luminance, image);
     } else {
       AppendRow<std::uint8_t>(row, r, luminance, image);

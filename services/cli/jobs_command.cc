@@ -117,16 +117,16 @@ int SetSpeed(client::JobClient& client, const client::JobView& job,
   return client::kExitGood;
 }
 
-/// 10..100.
+/// 1..140.
 Result<std::uint32_t> PercentOf(const std::string& text) {
   std::uint32_t percent = 0;
   const char* end = text.data() + text.size();
   const auto [read, error] = std::from_chars(text.data(), end, percent);
-  if (error == std::errc() && read == end && percent >= 10 && percent <= 100) {
+  if (error == std::errc() && read == end && percent >= 1 && percent <= 140) {
     return percent;
   }
   return Fail(ErrorCode::kInvalidValue,
-              fmt::format("PERCENT '{}': give a whole number from 10 to 100; to stop the "
+              fmt::format("PERCENT '{}': give a whole number from 1 to 140; to stop the "
                           "job, intaglio pause JOB",
                           text),
               text);
@@ -254,7 +254,7 @@ void AddJobsCommands(command_line::Command app) {
   speed.AddOption("JOB", options->uid, "number or uid (intaglio list)").Require();
   speed
       .AddOption("PERCENT", options->percent,
-                 "percent of the job's speed limits, 10..100")
+                 "percent of the job's speed limits, 1..140, never above the machine's")
       .Require();
   AddBusFlags(speed, options->bus);
   speed.SetFooter("Example: intaglio speed 1 30; then intaglio speed 1 100");

@@ -83,7 +83,7 @@ struct JobOrder {
   intaglio_JobCommandKind kind = intaglio_COMMAND_ARM;
   std::uint32_t from_point = 0;  ///< resume: open points before that place are left out
   bool fire_uncertain = false;   ///< resume: uncertain points are fired again
-  std::uint32_t speed_percent = 100;  ///< speed: 10..100
+  std::uint32_t speed_percent = 100;  ///< speed: 1..140
   bool accept_breakage = false;       ///< arm, resume: the glass may break
 };
 

@@ -41,7 +41,10 @@ std::uint64_t UndisturbedTicks(SQLite::Database& database, const std::string& jo
   const bool whole =
       outcome.planned_count() > 0 &&
       outcome.made_count() + outcome.missed_count() == outcome.planned_count();
-  if (!whole || outcome.run_count() != 1 || outcome.min_speed_percent() != 100) return 0;
+  // Reports of earlier versions have no max_speed_percent: 100 was the greatest.
+  const bool at_full_speed =
+      outcome.min_speed_percent() == 100 && outcome.max_speed_percent() <= 100;
+  if (!whole || outcome.run_count() != 1 || !at_full_speed) return 0;
   SQLite::Statement given(database,
                           "SELECT count(*) FROM tasks WHERE job_uid = ? AND stage = ?");
   given.bind(1, job_uid);

@@ -103,8 +103,9 @@ class Engraving {
   std::uint32_t run_count() const { return run_.count(); }
   std::uint64_t first_fired_tick() const { return record_.first_fired_tick(); }
   std::uint64_t last_fired_tick() const { return record_.last_fired_tick(); }
-  /// Lowest speed override that motion was planned with, and how often it changed.
+  /// Speed overrides that motion was planned with, and how often they changed.
   std::uint32_t min_speed_percent() const { return run_.min_speed_percent(); }
+  std::uint32_t max_speed_percent() const { return run_.max_speed_percent(); }
   std::uint32_t speed_changes() const { return run_.speed_changes(); }
   /// Points made that are known from the controller's memory, not from a report.
   std::uint64_t settled_by_memory_count() const {

@@ -29,6 +29,7 @@ Result<EngravingJob> EngravingOf(const PreparationTask& task, const PointCloud& 
   EngravingJob job;
   job.uid = frozen.job_uid();
   job.plan = MotionOptionsOf(frozen);
+  job.machine_limits = AxisLimitsOf(frozen.machine());
   job.trigger = FindPulseTrigger(frozen.machine().pulse_trigger());
   if (job.trigger == nullptr) {
     return Fail(ErrorCode::kUnsupported,

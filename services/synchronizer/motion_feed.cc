@@ -23,7 +23,8 @@ MotionFeed::MotionFeed(BatchWriter write, GrantLookup grant_of)
 
 void MotionFeed::Begin(const std::string& job_uid, std::uint32_t run,
                        std::uint64_t start_tick, const Vec3& start_mm,
-                       const motion::PlanOptions& plan, const MotionClock* clock) {
+                       const motion::PlanOptions& plan, const motion::Limits& machine,
+                       const MotionClock* clock) {
   job_uid_ = job_uid;
   run_ = run;
   stream_ = bus::StreamName(job_uid, run, bus::kMotionSegmentBatch.name);
@@ -34,6 +35,7 @@ void MotionFeed::Begin(const std::string& job_uid, std::uint32_t run,
   scheduled_ = 0;
   scheduled_subticks_ = 0;
   plan_ = plan;
+  machine_ = machine;
   ticks_before_planner_ = 0;
   planner_ = PlannerFrom(start_mm);
   clock_ = clock;
@@ -103,12 +105,7 @@ void MotionFeed::Advance(std::uint64_t horizon_tick, const NextTarget& next,
 
 std::unique_ptr<motion::Planner> MotionFeed::PlannerFrom(const Vec3& start_mm) const {
   motion::PlanOptions plan = plan_;
-  const double p = speed_ratio_;
-  plan.limits.max_speed_mm_s *= p;
-  plan.limits.max_speed_norm_mm_s *= p;
-  plan.limits.max_acceleration_mm_s2 *= p * p;
-  plan.limits.max_acceleration_norm_mm_s2 *= p * p;
-  plan.limits.max_jerk_mm_s3 *= p * p * p;
+  plan.limits = motion::LimitsAtSpeed(plan_.limits, machine_, speed_ratio_);
   return motion::MakePlanner(plan, start_mm);
 }
 

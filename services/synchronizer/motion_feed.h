@@ -33,18 +33,21 @@ class MotionFeed {
 
   MotionFeed(BatchWriter write, GrantLookup grant_of);
 
-  /// A run from rest at `start_mm`, beginning at `start_tick`. `clock` is that of a
-  /// controller with a clock of its own, read with every batch; null: it has none.
+  /// A run from rest at `start_mm`, beginning at `start_tick`. The limits of `plan` are
+  /// those of the job, `machine` has those that no speed override exceeds. `clock` is
+  /// that of a controller with a clock of its own, read with every batch; null: it has
+  /// none.
   void Begin(const std::string& job_uid, std::uint32_t run, std::uint64_t start_tick,
              const Vec3& start_mm, const motion::PlanOptions& plan,
-             const MotionClock* clock = nullptr);
+             const motion::Limits& machine, const MotionClock* clock = nullptr);
   /// Plans towards `horizon_tick`, one window of the planner a call, and sends what the
   /// bridge has room for; every pulse planned is added to the schedule.
   void Advance(std::uint64_t horizon_tick, const NextTarget& next,
                PulseSchedule& schedule);
   /// The share of the job's speed limits that holds from the next motion planned on,
-  /// 0.1..1: all the way is taken more slowly, so accelerations go with its square and
-  /// jerks with its cube. What is planned already stays, and comes to rest first.
+  /// 0.01..1.4: all the way is taken more slowly, so accelerations go with its square and
+  /// jerks with its cube, or, above 1, faster as far as the machine's limits allow. What
+  /// is planned already stays, and comes to rest first.
   void SetSpeed(double ratio, PulseSchedule& schedule);
   /// Commands the bridge to brake to rest and forget its run, ours or, of an earlier
   /// life, one up to `run`.
@@ -78,6 +81,7 @@ class MotionFeed {
   bool planned_all_ = false;
   bool sent_all_ = true;
   motion::PlanOptions plan_;
+  motion::Limits machine_;
   double speed_ratio_ = 1;
   std::unique_ptr<motion::Planner> planner_;
   std::uint64_t ticks_before_planner_ = 0;  ///< of the run, by earlier planners

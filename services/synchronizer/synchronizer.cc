@@ -306,6 +306,7 @@ EngraveOutcome Synchronizer::Outcome() const {
     outcome.set_wrong_mechanics_max_error_um(plan_.predicted->wrong_mechanics_max_um);
   }
   outcome.set_min_speed_percent(engraving_->min_speed_percent());
+  outcome.set_max_speed_percent(engraving_->max_speed_percent());
   outcome.set_speed_changes(engraving_->speed_changes());
   return outcome;
 }

@@ -36,7 +36,7 @@ void Synchronizer::TakePermission(std::chrono::nanoseconds now) {
         first_point_ = sample.first_point;
         fire_uncertain_ = sample.fire_uncertain;
         permission_job_ = View(sample.job_uid);
-        speed_percent_ = std::clamp(sample.speed_percent, 10u, 100u);
+        speed_percent_ = std::clamp(sample.speed_percent, 1u, 140u);
         if (stop_.TakeHeld("job service", View(sample.bus_stops)))
           NoteStop("job service", "it holds a press");
       });

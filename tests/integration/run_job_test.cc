@@ -109,15 +109,15 @@ TEST_F(RunJob, ASpeedOverrideInMidJobCostsTimeAndNoPoint) {
       Arguments({"--speed", "5", "--warm-up", "0", "--spacing", "1.2", "--tag", tag}),
       folder_ / "output.txt");
   ASSERT_TRUE(AwaitCracks(50));
-  for (const char* wrong : {"9", "101", "-30", "30.5", "fast"}) {
+  for (const char* wrong : {"0", "141", "-30", "30.5", "fast"}) {
     const Ended refused = type(wrong);
     EXPECT_EQ(refused.exit_code, 2);
     EXPECT_THAT(refused.output, HasSubstr(wrong));
   }
-  EXPECT_THAT(type("9").output, HasSubstr("'9': give a whole number from 10 to 100"));
+  EXPECT_THAT(type("0").output, HasSubstr("'0': give a whole number from 1 to 140"));
   const Ended slower = type("30");
   EXPECT_EQ(slower.exit_code, 0) << slower.output;
-  EXPECT_EQ(type("100").exit_code, 0);
+  EXPECT_EQ(type("140").exit_code, 0);
   const Ended ended = run.WaitForEnd(kBound);
   ASSERT_TRUE(ended.in_time);
   ASSERT_EQ(ended.exit_code, 0) << ended.output;
@@ -125,6 +125,7 @@ TEST_F(RunJob, ASpeedOverrideInMidJobCostsTimeAndNoPoint) {
   EXPECT_EQ(report.points().made(), report.points().planned());
   EXPECT_EQ(report.points().doubled() + report.points().stray(), 0u);
   EXPECT_EQ(report.engrave().min_speed_percent(), 30u);
+  EXPECT_EQ(report.engrave().max_speed_percent(), 140u);
   EXPECT_EQ(report.engrave().speed_changes(), 2u);
 }
 

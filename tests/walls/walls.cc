@@ -152,6 +152,8 @@ struct Kept {
 };
 const std::vector<Kept> kKept = {
     {"CLI/", false, {"services/platform/command_line"}},
+    {"hb", false, {"engrave/drawing"}},
+    {"lcms2", false, {"engrave/image"}},
     {"dds/", false, {"services/platform/bus"}},
     {"SQLiteCpp", false, {"materials_db", "services/history", "services/job_service"}},
     {"sqlite3", false, {"materials_db", "services/history", "services/job_service"}},

@@ -35,6 +35,11 @@ Result<PlaneStack> StackOver(double low_mm, double high_mm,
     planes.origin_mm = first_mm;
     // Rounding of the division must not lose the last plane that fits.
     count = std::floor((last_mm - first_mm) / options.layer_distance_mm + 1e-9) + 1;
+    // What is left over is shared by all layers, so that the last plane is as far from
+    // its end as the first one from its own.
+    if (count > 1) {
+      planes.pitch_mm = std::max(planes.pitch_mm, (last_mm - first_mm) / (count - 1));
+    }
   }
   INTAGLIO_TRY(CheckCandidateCount(count));
   planes.count = static_cast<std::uint32_t>(std::max(count, 0.0));

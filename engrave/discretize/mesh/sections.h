@@ -33,8 +33,10 @@ enum class ParallelFaces {
 struct SectionOptions {
   double layer_distance_mm = 1;   ///< 0.01..100
   double vertex_distance_mm = 1;  ///< 0.01..100, along a contour
-  /// First and last plane lie at least this share of the layer distance within the
-  /// object's extent, 0..1.
+  /// First and last plane lie this share of the layer distance within the object's
+  /// extent, 0..1 (Trochimczuk 2008 annex B). Of kObject both exactly: layers that do not
+  /// fill the extent lie evenly further apart, each by less than a layer distance over
+  /// their number. Of kWorld at least.
   double first_last_distance_ratio = 0.1;
   /// Each next layer begins shifted by this share of the vertex distance, 0..1.
   double twist_phase_ratio = 0;

@@ -1,5 +1,6 @@
 #include "engrave/motion/axis/limits.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "engrave/core/check.h"
@@ -24,6 +25,27 @@ void RequireUsable(const Limits& limits) {
           "max_acceleration_norm_mm_s2 must be positive, is {}",
           limits.max_acceleration_norm_mm_s2);
   Require(!limits.travel_mm.empty(), "travel_mm is empty");
+}
+
+Limits LimitsAtSpeed(const Limits& limits, const Limits& ceiling, double ratio) {
+  Require(ratio > 0.0, "the ratio of the speed must be positive, is {}", ratio);
+  Limits result = limits;
+  const double p = ratio;
+  result.max_speed_mm_s *= p;
+  result.max_speed_norm_mm_s *= p;
+  result.max_acceleration_mm_s2 *= p * p;
+  result.max_acceleration_norm_mm_s2 *= p * p;
+  result.max_jerk_mm_s3 *= p * p * p;
+  if (p <= 1) return result;
+  result.max_speed_mm_s = result.max_speed_mm_s.cwiseMin(ceiling.max_speed_mm_s);
+  result.max_speed_norm_mm_s =
+      std::min(result.max_speed_norm_mm_s, ceiling.max_speed_norm_mm_s);
+  result.max_acceleration_mm_s2 =
+      result.max_acceleration_mm_s2.cwiseMin(ceiling.max_acceleration_mm_s2);
+  result.max_acceleration_norm_mm_s2 =
+      std::min(result.max_acceleration_norm_mm_s2, ceiling.max_acceleration_norm_mm_s2);
+  result.max_jerk_mm_s3 = result.max_jerk_mm_s3.cwiseMin(ceiling.max_jerk_mm_s3);
+  return result;
 }
 
 }  // namespace intaglio::motion

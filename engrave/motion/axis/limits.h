@@ -30,4 +30,9 @@ struct Limits {
 /// acceleration per axis are finite.
 void RequireUsable(const Limits& limits);
 
+/// The limits at which the whole motion runs `ratio` times as fast, > 0: speeds times the
+/// ratio, accelerations times its square, jerks times its cube; above 1 none beyond that
+/// of `ceiling`, which is at least `limits`. travel_mm stays.
+Limits LimitsAtSpeed(const Limits& limits, const Limits& ceiling, double ratio);
+
 }  // namespace intaglio::motion

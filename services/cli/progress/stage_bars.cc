@@ -1,5 +1,7 @@
 #include "services/cli/progress/stage_bars.h"
 
+#include <algorithm>
+
 #include "services/client/figure_text.h"
 
 namespace intaglio::cli {
@@ -15,8 +17,9 @@ std::string EstimateNote(const client::JobView& job) {
 
 double StageBars::ExpectedSeconds(const client::JobView& job) const {
   if (speed_ <= 0 || job.rate_hz <= 0 || job.speed_percent == 0) return 0;
+  // Above 100 % the machine's limits and the lamp decide how much is gained.
   return static_cast<double>(job.estimate_ticks) / job.rate_hz / speed_ * 100 /
-         job.speed_percent;
+         std::min(job.speed_percent, 100u);
 }
 
 void StageBars::Show(const client::JobView& job, const std::string& note) {

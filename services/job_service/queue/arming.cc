@@ -22,12 +22,14 @@ CommandAnswer Arming::Check(const JobRecord& job, const CommandView& command) co
     case intaglio_COMMAND_RESUME:
       return CheckArm(job, command);
     case intaglio_COMMAND_SPEED:
-      if (command.speed_percent >= kMinSpeedPercent && command.speed_percent <= 100) {
+      if (command.speed_percent >= kMinSpeedPercent &&
+          command.speed_percent <= kMaxSpeedPercent) {
         return {};
       }
       return {intaglio_ANSWER_OUT_OF_RANGE,
-              fmt::format("speed_percent {} of job {} is outside {}..100",
-                          command.speed_percent, job.number, kMinSpeedPercent)};
+              fmt::format("speed_percent {} of job {} is outside {}..{}",
+                          command.speed_percent, job.number, kMinSpeedPercent,
+                          kMaxSpeedPercent)};
     case intaglio_COMMAND_PAUSE:
     case intaglio_COMMAND_CANCEL:
       return {};

@@ -63,7 +63,7 @@ struct JobRecord {
   std::uint64_t revision = 0;
 
   // Not kept over a restart.
-  std::uint32_t speed_percent = 100;  ///< override, 10..100
+  std::uint32_t speed_percent = 100;  ///< override, 1..140
   std::string last_loss;              ///< why the attempt before this one broke
   std::string arm_loss;               ///< why its arm was spent before it had a path
   intaglio_PointCounts counts{};      ///< of the newest engraving

@@ -39,7 +39,8 @@ struct CommandView {
   std::uint32_t speed_percent = 100;
   bool accept_breakage = false;
 };
-inline constexpr std::uint32_t kMinSpeedPercent = 10;
+/// Of the speed override, per cent of the job's speed limits (Trochimczuk 2008, 6.4.2).
+inline constexpr std::uint32_t kMinSpeedPercent = 1, kMaxSpeedPercent = 140;
 
 /// JobCommandAnswer.
 struct CommandAnswer {

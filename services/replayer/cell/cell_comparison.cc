@@ -122,6 +122,7 @@ EngraveOutcome OutcomeOf(const StatusMessage& messages, bool disturbed) {
     outcome.clear_settled_by_memory_count();
     outcome.clear_speed_changes();
     outcome.clear_min_speed_percent();
+    outcome.clear_max_speed_percent();
   }
   return outcome;
 }

@@ -26,6 +26,7 @@ struct EngravingJob {
   PointList places_mm = {};
   double cone_tangent = 0;  ///< half angle of the beam above a point, machine frame
   motion::PlanOptions plan;
+  motion::Limits machine_limits = {};  ///< of the axes; >= those of `plan`
   const PulseTrigger* trigger = &TriggerAtTick();
   ChannelMask shutter_mask = 1;  ///< of all points
   double pulse_energy_mj = 0;    ///< of each pulse, in front of the lens

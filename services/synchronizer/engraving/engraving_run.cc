@@ -49,7 +49,8 @@ void EngravingRun::Begin(const EngravingInputs& inputs) {
       horizon_.lockstep() ? kLockstepLeadTicks : horizon_.AheadTicks() << late_starts_;
   TakeSpeed(inputs);
   feed_.Begin(job_.uid, record_.run(), ticks_.decided() + lead_ticks,
-              inputs.motion.position_mm, job_.plan, inputs.motion_clock);
+              inputs.motion.position_mm, job_.plan, job_.machine_limits,
+              inputs.motion_clock);
   if (horizon_.has_own_clock()) clock_steps_ = inputs.motion_clock->steps();
 }
 
@@ -138,6 +139,7 @@ void EngravingRun::TakeSpeed(const EngravingInputs& inputs) {
   if (inputs.speed_percent == speed_percent_) return;
   speed_percent_ = inputs.speed_percent;
   min_speed_percent_ = std::min(min_speed_percent_, speed_percent_);
+  max_speed_percent_ = std::max(max_speed_percent_, speed_percent_);
   ++speed_changes_;
   feed_.SetSpeed(speed_percent_ / 100.0, ticks_.schedule());
 }

@@ -65,8 +65,9 @@ class EngravingRun {
   void ForgetFruitless() { idle_runs_ = 0; }
   /// Tick of the first point that was passed by; 0: none was.
   std::uint64_t passed_by_tick() const { return passed_by_tick_; }
-  /// Lowest speed override that motion was planned with, and how often it changed.
+  /// Speed overrides that motion was planned with, and how often they changed.
   std::uint32_t min_speed_percent() const { return min_speed_percent_; }
+  std::uint32_t max_speed_percent() const { return max_speed_percent_; }
   std::uint32_t speed_changes() const { return speed_changes_; }
 
  private:
@@ -97,7 +98,7 @@ class EngravingRun {
   int late_starts_ = 0;                    // in a row
   std::uint32_t clock_steps_ = 0;          // of the stage's clock, when the run began
   std::uint32_t speed_percent_ = 100;      // of the motion planned last
-  std::uint32_t min_speed_percent_ = 100;
+  std::uint32_t min_speed_percent_ = 100, max_speed_percent_ = 100;
   std::uint32_t speed_changes_ = 0;
 };
 

@@ -47,7 +47,8 @@ void ProgressWatch::Update(const WorkSight& sight) {
   if (continues) {
     const auto ticks = static_cast<double>(sight.tick - now_.sight.tick);
     now_.working_ticks += ticks;
-    now_.planned_ticks += ticks * sight.speed_percent / 100;
+    // What is gained above 100 % is not known; less than planned is never expected.
+    now_.planned_ticks += ticks * std::min(sight.speed_percent, 100u) / 100;
   }
   // The place in the order jumps: what was expected at the old one says nothing.
   const bool jumps = began_ && sight.left_out_count != now_.sight.left_out_count;

@@ -1,13 +1,16 @@
 #include "engrave/drawing/font_outline.h"
 
+#include <ft2build.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include FT_FREETYPE_H
 
 #include <algorithm>
 #include <cmath>
 
 #include "engrave/core/check.h"
 #include "engrave/drawing/font_list.h"
+#include "engrave/io/whole_file.h"
 #include "tests/engrave/drawing/lengths.h"
 
 namespace intaglio::drawing {
@@ -76,6 +79,51 @@ TEST_F(FontOutline, KerningDrawsPairsTogether) {
   const double kerned = ExtentOf(Flat("AVAVAV")).size_mm().x();
   options_.kerning = false;
   EXPECT_LT(kerned, ExtentOf(Flat("AVAVAV")).size_mm().x() - 0.1);
+}
+
+/// The font with its table renamed, so that no reader finds it.
+std::string WithoutTable(std::string font, std::string_view tag) {
+  const auto tables = static_cast<std::size_t>(static_cast<unsigned char>(font[5]));
+  for (std::size_t i = 0; i < tables; ++i) {
+    const std::size_t at = 12 + 16 * i;
+    if (font.compare(at, 4, tag) == 0) font[at] = 'x';
+  }
+  return font;
+}
+
+// DejaVu Sans has its pairs twice, as kern and as GPOS; the oracle is FreeType, which
+// reads kern alone.
+TEST_F(FontOutline, KerningIsThatOfGposAndOfKern) {
+  const std::string file = FindFontFile(options_.font.name).value();
+  const std::string font = io::ReadWholeFile(file, 1 << 24).value();
+  FT_Library library = nullptr;
+  FT_Face face = nullptr;
+  ASSERT_EQ(FT_Init_FreeType(&library), 0);
+  ASSERT_EQ(FT_New_Face(library, file.c_str(), 0, &face), 0);
+  const auto glyph = [&](char letter) {
+    return FT_Get_Char_Index(face, static_cast<FT_ULong>(letter));
+  };
+  FT_Vector pair{};
+  ASSERT_EQ(FT_Load_Glyph(face, glyph('H'), FT_LOAD_NO_SCALE), 0);
+  const double cap_height = static_cast<double>(face->glyph->metrics.horiBearingY);
+  for (const std::string_view letters : {"AV", "To", "Ta", "LT", "HH"}) {
+    FT_Get_Kerning(face, glyph(letters[0]), glyph(letters[1]), FT_KERNING_UNSCALED,
+                   &pair);
+    const auto width = [&](const std::string& bytes, bool kerning) {
+      options_.font = {"test.ttf", bytes};
+      options_.kerning = kerning;
+      return ExtentOf(Flat(std::string(letters))).size_mm().x();
+    };
+    const double mm = options_.cap_height_mm / cap_height * static_cast<double>(pair.x);
+    const std::string gpos = WithoutTable(font, "kern"),
+                      kern = WithoutTable(font, "GPOS");
+    EXPECT_NEAR(width(gpos, true) - width(gpos, false), mm, 1e-9) << letters;
+    EXPECT_NEAR(width(kern, true) - width(kern, false), mm, 1e-9) << letters;
+    const std::string neither = WithoutTable(gpos, "GPOS");
+    EXPECT_NEAR(width(neither, true), width(neither, false), 1e-9) << letters;
+  }
+  EXPECT_EQ(pair.x, 0) << "HH";
+  FT_Done_FreeType(library);
 }
 
 TEST_F(FontOutline, Utf8AndMissingCharacters) {

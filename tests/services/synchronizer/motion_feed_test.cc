@@ -2,114 +2,17 @@
 
 #include <gmock/gmock.h>
 
-#include <cmath>
-#include <map>
-#include <random>
-
-#include "services/platform/bus/samples.h"
-#include "services/synchronizer/engraving.h"
+#include "tests/services/synchronizer/motion_feed_bench.h"
 
 namespace intaglio::synchronizer {
 namespace {
-
-using bus::View;
-constexpr std::uint32_t kSubticks = 65536;
-constexpr std::uint64_t kStart = 1000;
-constexpr std::uint64_t kNever = 1ull << 60;
-
-struct SentSegment {
-  Vec3 end_mm, velocity_mm_s;
-  std::uint32_t duration_subticks;
-  bool pulse;
-  bool operator==(const SentSegment&) const = default;
-};
-
-struct SentBatch {
-  std::uint32_t run;
-  std::uint64_t number, start_tick;
-  bool abort, last;
-  std::vector<SentSegment> segments;
-  std::uint64_t start_controller_ns;
-  std::vector<std::uint64_t> controller_ns;
-};
-
-class MotionFeedTest : public testing::Test {
- protected:
-  MotionFeedTest() {
-    std::mt19937_64 random(3);
-    for (int i = 0; i < 300; ++i) {
-      points_mm_.push_back(Vec3(0.1 * i, 0.001 * static_cast<double>(random() % 500), 5));
-    }
-    Begin();
-  }
-
-  void Begin(const MotionClock* clock = nullptr) {
-    decltype(EngravingJob::plan) plan;
-    plan.rate_hz = 100;
-    plan.profile = motion::Profile::kMix;
-    feed_.Begin("job", 7, kStart, Vec3(-3, 0, 5), plan, clock);
-  }
-
-  void Advance(std::uint64_t horizon) {
-    feed_.Advance(
-        horizon,
-        [this]() -> std::optional<MotionFeed::Target> {
-          if (next_ == points_mm_.size()) return std::nullopt;
-          const auto point = static_cast<std::uint32_t>(next_++);
-          return MotionFeed::Target{point, points_mm_[point]};
-        },
-        schedule_);
-  }
-
-  Status Take(const intaglio_MotionSegmentBatch& batch) {
-    if (refuse_) return Fail(ErrorCode::kTimedOut, "the test refuses it");
-    const auto times = View(batch.controller_ns);
-    SentBatch sent{batch.run,
-                   batch.sequence_number,
-                   batch.start_tick,
-                   batch.abort,
-                   batch.last,
-                   {},
-                   batch.start_controller_ns,
-                   {times.begin(), times.end()}};
-    const auto x = View(batch.x_mm), y = View(batch.y_mm), z = View(batch.z_mm);
-    const auto vx = View(batch.vx_mm_s), vy = View(batch.vy_mm_s),
-               vz = View(batch.vz_mm_s);
-    for (std::size_t i = 0; i < View(batch.duration_subticks).size(); ++i) {
-      sent.segments.push_back({Vec3(x[i], y[i], z[i]), Vec3(vx[i], vy[i], vz[i]),
-                               View(batch.duration_subticks)[i],
-                               View(batch.pulse)[i] != 0});
-    }
-    sent_.push_back(std::move(sent));
-    return {};
-  }
-
-  std::vector<SentSegment> Segments() const {
-    std::vector<SentSegment> all;
-    for (const SentBatch& batch : sent_) {
-      all.insert(all.end(), batch.segments.begin(), batch.segments.end());
-    }
-    return all;
-  }
-
-  std::uint64_t CoveredThrough() const {
-    std::uint64_t subticks = 0;
-    for (const SentSegment& segment : Segments()) subticks += segment.duration_subticks;
-    return kStart + subticks / kSubticks;
-  }
-
-  PointList points_mm_;
-  std::size_t next_ = 0;
-  std::vector<SentBatch> sent_;
-  bool refuse_ = false;
-  bus::CreditBook::Grant grant_{true, false, {}, 0, kNever};
-  std::string asked_for_;
-  PulseSchedule schedule_;
-  MotionFeed feed_{[this](const intaglio_MotionSegmentBatch& b) { return Take(b); },
-                   [this](const std::string& stream) {
-                     asked_for_ = stream;
-                     return grant_;
-                   }};
+std::string asked_for_;
+PulseSchedule schedule_;
+MotionFeed feed_{[this](const intaglio_MotionSegmentBatch& b) { return Take(b); },
+                 [this](const std::string& stream) {
+                   asked_for_ = stream;
+                   return grant_;
+                 }};
 };
 
 // A controller with a clock of its own that is `drift_ppm` fast and was at 5 s at tick 0.
@@ -225,53 +128,6 @@ TEST_F(MotionFeedTest, SendsTheWholeRunAndSchedulesEveryPulseAtItsSegmentsEnd) {
         [](std::uint32_t point) { ADD_FAILURE() << "point " << point << " is late"; });
   }
   EXPECT_EQ(armed, points_mm_.size());
-}
-
-TEST_F(MotionFeedTest, ChangesItsSpeedFromTheNextPlannedMotionOnAndLosesNoPoint) {
-  Advance(kStart + 200);
-  const std::size_t fast = Segments().size();
-  feed_.SetSpeed(0.3, schedule_);
-  Advance(kStart + 400);
-  const std::size_t slow_end = Segments().size();
-  feed_.SetSpeed(1, schedule_);
-  while (!feed_.sent_all()) Advance(kNever);
-  const auto segments = Segments();
-  std::vector<double> fastest(3, 0);
-  std::uint64_t subticks = 0;
-  std::size_t point = 0;
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    const int part = i < fast + 8 ? 0 : i < slow_end ? 1 : 2;
-    fastest[part] =
-        std::max(fastest[part], segments[i].velocity_mm_s.cwiseAbs().maxCoeff());
-    subticks += segments[i].duration_subticks;
-    if (!segments[i].pulse) continue;
-    ASSERT_LT(point, points_mm_.size());
-    EXPECT_LT((segments[i].end_mm - points_mm_[point++]).norm(), 1e-9) << "in its order";
-    EXPECT_EQ(subticks % kSubticks, 0u);
-  }
-  EXPECT_EQ(point, points_mm_.size());
-  // A step of 0.1 to 0.5 mm at 7 m/s^2 reaches 27 to 60 mm/s; at 0.63 m/s^2 8 to 18.
-  EXPECT_GT(fastest[0], 25);
-  EXPECT_LT(fastest[1], 20);
-  EXPECT_GT(fastest[2], 25);
-  std::size_t scheduled = 0;
-  schedule_.Decide(
-      kStart, kStart + 1, [](std::uint64_t, std::uint32_t) {}, [](std::uint32_t) {});
-  for (std::uint64_t first = kStart + 2; first < kStart + 8000; first += 1000) {
-    schedule_.Decide(
-        first, first + 999, [&](std::uint64_t, std::uint32_t) { ++scheduled; },
-        [](std::uint32_t late) { ADD_FAILURE() << late; });
-  }
-  EXPECT_EQ(scheduled, points_mm_.size());
-}
-
-TEST_F(MotionFeedTest, BeginsALaterRunAtTheSpeedThatIsSet) {
-  feed_.SetSpeed(0.3, schedule_);
-  Begin();
-  Advance(kStart + 400);
-  for (const SentSegment& segment : Segments()) {
-    EXPECT_LT(segment.velocity_mm_s.cwiseAbs().maxCoeff(), 0.3 * 80 + 1e-9);
-  }
 }
 
 TEST_F(MotionFeedTest, StaysAheadOfTheTicksAndNoFarther) {

@@ -70,10 +70,35 @@ TEST(Sections, PlanesLieWhereTheyShould) {
   SectionOptions options = Fine(0.3);
   options.first_last_distance_ratio = 0.5;
   Cut(Sphere(Vec3(5, 5, 5), 4, 40, 60), options, cloud);
+  // From 1.15 to 8.85 mm: 25.7 layer distances, so 25 layers of 0.308 mm.
   for (const Vec3& p : cloud.points_mm) {
-    const double k = (p.z() - 1 - 0.15) / 0.3;
+    const double k = (p.z() - 1 - 0.15) / 0.308;
     // The product guarantees 1 um; the arithmetic is far more accurate.
-    EXPECT_NEAR(p.z(), 1 + 0.15 + std::round(k) * 0.3, 1e-6);
+    EXPECT_NEAR(p.z(), 1 + 0.15 + std::round(k) * 0.308, 1e-6);
+  }
+}
+
+// Annex B: First/Last Distance is that of both ends, 0.1 by default.
+TEST(Sections, FirstAndLastDistanceAreKeptAtBothEnds) {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> height_mm(2, 12), ratio(0, 1);
+  for (int i = 0; i < 50; ++i) {
+    SectionOptions options = Fine(0.7);
+    options.first_last_distance_ratio = i == 0 ? 0.1 : ratio(random);
+    const double inset_mm = 0.7 * options.first_last_distance_ratio;
+    const double top_mm = 3 + height_mm(random);
+    SpacedCloud cloud;
+    Cut(Cuboid(Vec3(0, 0, 3), Vec3(5, 5, top_mm)), options, cloud);
+    std::set<double> heights;
+    for (const Vec3& p : cloud.points_mm) heights.insert(p.z());
+    heights.erase(3);  // both faces are covered
+    heights.erase(top_mm);
+    ASSERT_GE(heights.size(), 2u);
+    EXPECT_NEAR(*heights.begin(), 3 + inset_mm, 1e-9);
+    EXPECT_NEAR(*heights.rbegin(), top_mm - inset_mm, 1e-9);
+    const double layer_mm = (*std::next(heights.begin()) - *heights.begin());
+    EXPECT_GE(layer_mm, 0.7);
+    EXPECT_LT(layer_mm, 0.7 * (1 + 1.0 / static_cast<double>(heights.size() - 1)) + 1e-9);
   }
 }
 
@@ -178,11 +203,10 @@ TEST(Sections, PointCountsOfASphereAreThoseOfItsCircles) {
   const auto statistics = Cut(Icosphere(radius, 5, Vec3(0, 0, 0)), Fine(0.2), cloud);
   EXPECT_EQ(statistics.closed_contour_count, statistics.plane_count);
   std::map<long, std::size_t> count;
-  for (const Vec3& p : cloud.points_mm)
-    ++count[std::lround((p.z() + radius - 0.02) / 0.2)];
+  for (const Vec3& p : cloud.points_mm) ++count[std::lround(1e6 * p.z())];
   EXPECT_EQ(count.size(), statistics.plane_count);
-  for (const auto& [plane, points] : count) {
-    const double z = 0.02 + 0.2 * static_cast<double>(plane) - radius;
+  for (const auto& [z_nm, points] : count) {
+    const double z = 1e-6 * static_cast<double>(z_nm);
     const double length = 2 * std::numbers::pi * std::sqrt(radius * radius - z * z);
     // 0.4 % allowance for chords, 0.3 % for the facets of 2 degrees, one point rounded
     // off.

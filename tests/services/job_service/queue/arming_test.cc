@@ -55,9 +55,9 @@ TEST_F(ArmingTest, WhatIsRefused) {
   EXPECT_EQ(CodeOf(command), intaglio_ANSWER_WRONG_EPOCH);
   command = Of(intaglio_COMMAND_SPEED);
   for (const auto& [percent, code] :
-       {std::pair{9u, intaglio_ANSWER_OUT_OF_RANGE},
-        std::pair{10u, intaglio_ANSWER_TAKEN}, std::pair{100u, intaglio_ANSWER_TAKEN},
-        std::pair{101u, intaglio_ANSWER_OUT_OF_RANGE}}) {
+       {std::pair{0u, intaglio_ANSWER_OUT_OF_RANGE}, std::pair{1u, intaglio_ANSWER_TAKEN},
+        std::pair{140u, intaglio_ANSWER_TAKEN},
+        std::pair{141u, intaglio_ANSWER_OUT_OF_RANGE}}) {
     command.speed_percent = percent;
     EXPECT_EQ(CodeOf(command), code) << percent;
   }

@@ -341,13 +341,15 @@ TEST_F(JobQueueTest, TakesASpeedWithinItsRangeAndSendsItToTheCell) {
   EXPECT_TRUE(speed(30).taken());
   EXPECT_EQ(speed_percent(), 30u);
   EXPECT_EQ(job().speed_percent, 30u);
-  EXPECT_EQ(speed(9).code, intaglio_ANSWER_OUT_OF_RANGE);
-  EXPECT_THAT(speed(101).message, HasSubstr("101 of job 1 is outside 10..100"));
+  EXPECT_EQ(speed(0).code, intaglio_ANSWER_OUT_OF_RANGE);
+  EXPECT_THAT(speed(141).message, HasSubstr("141 of job 1 is outside 1..140"));
   EXPECT_EQ(speed_percent(), 30u);
   EXPECT_TRUE(Command(intaglio_COMMAND_PAUSE));
   EXPECT_EQ(speed_percent(), 30u);
-  EXPECT_TRUE(speed(10).taken());
-  EXPECT_EQ(speed_percent(), 10u);
+  EXPECT_TRUE(speed(1).taken());
+  EXPECT_EQ(speed_percent(), 1u);
+  EXPECT_TRUE(speed(140).taken());
+  EXPECT_EQ(speed_percent(), 140u);
 }
 
 TEST_F(JobQueueTest, PauseAndResume) {

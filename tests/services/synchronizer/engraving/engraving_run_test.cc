@@ -214,6 +214,7 @@ TEST_F(EngravingRunTest, CountsItsChangesOfSpeed) {
   parts_->run.Finish();
   BeginAgain();
   EXPECT_EQ(parts_->run.min_speed_percent(), 40u);
+  EXPECT_EQ(parts_->run.max_speed_percent(), 100u);
   EXPECT_EQ(parts_->run.speed_changes(), 2u);
 }
 
