@@ -15,7 +15,7 @@ struct GrantInputs {
   bool permission_granted = false;
   Grant grant;  ///< of this job; granted or withdrawn
   bool stop_pressed = false;
-  std::uint32_t speed_percent = 100;  ///< override, 10..100
+  std::uint32_t speed_percent = 100;  ///< override, 1..140
   std::uint32_t first_point = 0;      ///< open points before it are left out
   /// With the grant: a person's consent to make uncertain points again (consent.h).
   bool fire_uncertain = false;
