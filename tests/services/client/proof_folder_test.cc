@@ -95,6 +95,7 @@ class ProofFolderTest : public ::testing::Test {
     std::vector<std::uint8_t> channels = channels_;
     channels.resize(cracks_mm_.size(), 0);
     glass.columns = {{"tick", ticks_}, {"channel", channels}};
+    if (!stations_.empty()) glass.columns.push_back({"station", stations_});
     ASSERT_TRUE(formats::WritePly(folder_ / "glass.ply", glass));
   }
   JobReport Verified() const {
@@ -121,10 +122,26 @@ class ProofFolderTest : public ::testing::Test {
   PointList plan_mm_, cracks_mm_;
   std::vector<std::uint32_t> source_;
   std::vector<std::uint8_t> channels_;
+  std::vector<std::uint8_t> stations_;  ///< of the cracks; empty: not in the file
   std::vector<double> ticks_;
   std::vector<PointOutcome> outcomes_;
   std::vector<std::uint32_t> reopened_;  ///< after their outcomes
 };
+
+// At the right place of a block that another job is for.
+TEST_F(ProofFolderTest, ACrackInTheBlockOfAnotherStationIsStrayAndMakesNoPoint) {
+  frozen_.mutable_job()->set_station(2);
+  stations_.assign(cracks_mm_.size(), 2);
+  JobReport report = Verified();
+  EXPECT_TRUE(report.verdict().good());
+  EXPECT_EQ(report.station(), 2u);
+  EXPECT_EQ(report.points().stray(), 0u);
+  stations_[1] = 3;
+  report = Verified();
+  EXPECT_FALSE(report.verdict().good());
+  EXPECT_EQ(report.points().stray(), 1u);
+  EXPECT_EQ(report.points().made(), report.points().planned() - 1);
+}
 
 TEST_F(ProofFolderTest, ABlockAsPlannedIsGood) {
   const JobReport report = Verified();
