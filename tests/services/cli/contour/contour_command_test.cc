@@ -14,11 +14,11 @@
 #include "services/cli/contour/contour_figures.h"
 #include "services/cli/contour/contour_files.h"
 #include "services/cli/contour/contour_programs.h"
-#include "services/job/course/course_work.h"
 #include "services/cli/job_options.h"
 #include "services/cli/offline/post_command.h"
 #include "services/client/exit_codes.h"
 #include "services/job/course/course_check.h"
+#include "services/job/course/course_work.h"
 #include "services/job/job_check.h"
 #include "tests/services/cli/typed_command.h"
 #include "tests/test_folder.h"
@@ -201,7 +201,8 @@ TEST_F(ContourCommand, OpenCurvesHaveNoOutlineButCanBeFollowed) {
       "line.svg", R"(<svg xmlns="http://www.w3.org/2000/svg" width="30mm" height="30mm" )"
                   R"(viewBox="0 0 30 30"><line x1="5" y1="5" x2="25" y2="5"/></svg>)");
   EXPECT_EQ(Type({"contour", line, "--make", "outline"}), client::kExitWrongInput);
-  EXPECT_THAT(errors_, HasSubstr("line.svg: a contour is open at (25, 25); close it, or follow its curves with --make curves"));
+  EXPECT_THAT(errors_, HasSubstr("line.svg: a contour is open at (25, 25); close it, or "
+                                 "follow its curves with --make curves"));
   const std::string out = folder_ / "line.nc";
   ASSERT_EQ(Type({"contour", line, "--make", "curves", "--power", "0.4", "--speed", "20",
                   "--template", Mill("grbl-laser"), "--out", out}),
