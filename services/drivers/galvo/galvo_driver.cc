@@ -2,13 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <map>
 #include <utility>
 
 #include "engrave/core/try.h"
-#include "services/drivers/galvo/mark_player.h"
-#include "services/platform/link/expected_device.h"
-#include "services/platform/link/line_session.h"
 
 namespace intaglio::drivers {
 namespace {
@@ -18,12 +14,7 @@ using link::HeadRunState;
 
 // Marks that wait here.
 constexpr std::size_t kMaxWaitingMarks = 256;
-// Marks whose beginning was announced and whose ticks were not all sent.
-constexpr std::size_t kMaxAnnounced = 64;
-// That a status does not count yet: a window of the line, and a block more.
-constexpr std::uint32_t kTicksUnderWay = 33 * link::kMaxHeadTicks;
-// On a piece at rest nothing is predicted, so more can be sent ahead.
-constexpr double kRestAheadSeconds = 0.2;
+constexpr std::chrono::milliseconds kPermitPeriod{20};
 
 std::string FaultOf(HeadRunState state) {
   switch (state) {
@@ -42,84 +33,7 @@ std::string FaultOf(HeadRunState state) {
   }
 }
 
-class GalvoDriver final : public MarkDriver {
- public:
-  GalvoDriver(const MachineSpec& machine,
-              std::optional<galvo::CorrectionTable> correction, std::string broken,
-              link::StreamOpener open, link::SteadyClock clock)
-      : head_(machine.scan_head()),
-        expected_{machine.mark_line().serial_number(), "scan head", machine.name(),
-                  machine.mark_line().device(), "mark_line"},
-        broken_(std::move(broken)),
-        clock_(clock),
-        session_(std::move(open), std::move(clock)),
-        player_(machine.scan_head(), std::move(correction)) {}
-
-  void Poll() override;
-  int fd() const override { return session_.fd(); }
-  const MarkDeviceState& state() const override { return state_; }
-  std::vector<MarkEvent> TakeEvents() override;
-  Status Permit(bool permitted) override;
-  Status Begin(std::uint32_t run, std::span<const mark::Pen> pens) override;
-  std::size_t Room() const override {
-    return active_ && !ending_ && !pausing_ ? kMaxWaitingMarks - waiting_.size() : 0;
-  }
-  Status Append(const NumberedMark& mark) override;
-  Status Finish() override;
-  Status Pause() override;
-  Status Stop() override;
-  Status Reset() override;
-  Status RequestPast(std::uint32_t run, std::uint32_t first,
-                     std::uint32_t count) override;
-
- private:
-  void Handle(HeadFrame type, std::span<const std::byte> payload);
-  void Identify(std::span<const std::byte> payload);
-  void Refuse(const std::string& why);
-  void TakeStatus(const link::HeadStatus& status);
-  void TakeMarks(const link::HeadMarks& marks);
-  void TakePast(const link::HeadPast& past);
-  void BeginSession();
-  void EndRun(const std::string& fault);
-  void DropWaiting();
-  void Announce();
-  void Pump();
-  bool SendNext();
-  void StopFor(const std::string& fault);
-  std::uint64_t TickNow() const;
-  Status SendFrame(HeadFrame type, const link::Bytes& payload = {});
-  Status SendDrop(HeadFrame type, const link::Bytes& payload = {});
-  void UpdateState();
-
-  ScanHead head_;
-  link::ExpectedDevice expected_;
-  std::string broken_;  // of the profile: nothing is sent
-  link::SteadyClock clock_;
-  link::LineSession session_;
-  MarkPlayer player_;
-  MarkDeviceState state_;
-  std::string refusal_, fault_;
-  bool identified_ = false, identified_now_ = false;
-  std::uint32_t polled_sessions_ = 0;
-  link::HeadIdentity identity_;
-  link::HeadStatus status_;
-  std::uint64_t statuses_ = 0;
-  std::chrono::nanoseconds status_at_{0};
-  std::uint32_t drops_sent_ = 0;
-  std::uint32_t credit_ = 0;  // ticks, of the newest status
-  std::vector<MarkEvent> events_;
-
-  bool active_ = false;     // a run was begun and has not ended
-  bool finishing_ = false;  // Finish was called
-  bool finish_sent_ = false;
-  bool ending_ = false;   // Stop, or a fault of its own
-  bool pausing_ = false;  // the ticks of the mark in hand are still sent
-  std::uint32_t run_ = 0;
-  std::deque<NumberedMark> waiting_;  // the first announced_ of them with kBegun
-  std::size_t announced_ = 0, taken_ = 0;
-  std::map<std::uint32_t, bool> open_;  // marks that are not ended; begun here
-  std::uint64_t next_tick_ = 0;         // of a web
-};
+}  // namespace
 
 void GalvoDriver::Poll() {
   session_.Poll([this](std::uint8_t type, std::span<const std::byte> payload) {
@@ -289,8 +203,14 @@ Status GalvoDriver::SendDrop(HeadFrame type, const link::Bytes& payload) {
 
 Status GalvoDriver::Permit(bool permitted) {
   const link::Bytes payload = Encode(link::HeadPermit{permitted});
-  if (permitted) return SendFrame(HeadFrame::kHeadPermit, payload);
+  if (permitted) {
+    // The line is for blocks, however often the host repeats it.
+    if (state_.shutter_open && clock_() - permitted_at_ < kPermitPeriod) return {};
+    permitted_at_ = clock_();
+    return SendFrame(HeadFrame::kHeadPermit, payload);
+  }
   ending_ = active_;
+  permitted_at_ = {};
   return SendDrop(HeadFrame::kHeadPermit, payload);
 }
 
@@ -312,6 +232,10 @@ Status GalvoDriver::Begin(std::uint32_t run, std::span<const mark::Pen> pens) {
   player_.Begin(pens, state_.position_mm.head<2>());
   UpdateState();
   return {};
+}
+
+std::size_t GalvoDriver::Room() const {
+  return active_ && !ending_ && !pausing_ ? kMaxWaitingMarks - waiting_.size() : 0;
 }
 
 Status GalvoDriver::Append(const NumberedMark& mark) {
@@ -363,83 +287,6 @@ Status GalvoDriver::RequestPast(std::uint32_t run, std::uint32_t first,
   }
   return {};
 }
-
-// Marks that were sent before it are still made.
-void GalvoDriver::StopFor(const std::string& fault) {
-  fault_ = fault;
-  if (player_.placed()) {
-    (void)Stop();
-  } else {
-    ending_ = SendFrame(HeadFrame::kHeadFinish).has_value();
-  }
-}
-
-void GalvoDriver::Announce() {
-  while (announced_ < waiting_.size() && announced_ < kMaxAnnounced) {
-    events_.push_back({run_, waiting_[announced_].number, MarkFate::kBegun});
-    open_[waiting_[announced_].number] = true;
-    ++announced_;
-  }
-}
-
-/// In real time it goes on since the newest status.
-std::uint64_t GalvoDriver::TickNow() const {
-  if (identity_.lockstep) return status_.tick;
-  const double since_s = std::chrono::duration<double>(clock_() - status_at_).count();
-  return status_.tick + static_cast<std::uint64_t>(since_s * identity_.rate_hz);
-}
-
-void GalvoDriver::Pump() {
-  if (!ending_ && !pausing_) Announce();
-  while (!ending_ && SendNext()) {
-  }
-  if (ending_ || pausing_ || !finishing_ || finish_sent_ || !waiting_.empty() ||
-      player_.playing())
-    return;
-  finish_sent_ = SendFrame(HeadFrame::kHeadFinish).has_value();
-}
-
-/// False: nothing more for now.
-bool GalvoDriver::SendNext() {
-  if (!session_.CanSend() || credit_ < kTicksUnderWay) return false;
-  const bool web = player_.tracker().follows();
-  double ahead_s = 1e-3 * (head_.has_ahead_ms() ? head_.ahead_ms() : kDefaultAheadMs);
-  if (!web) ahead_s = std::max(ahead_s, kRestAheadSeconds);
-  const auto ahead = static_cast<std::uint64_t>(ahead_s * identity_.rate_hz);
-  // Time for the line, of a web; in lockstep time waits.
-  const std::uint64_t now = TickNow();
-  const std::uint64_t first =
-      std::max(next_tick_, now + 1 + (identity_.lockstep ? 0 : ahead / 2));
-  if (web ? first >= now + ahead : identity_.queue_ticks - credit_ > ahead) return false;
-  if (!player_.playing()) {
-    // With a closed shutter the controller would break it.
-    if (pausing_ || taken_ == 0 || !state_.shutter_open) return false;
-    const Status loaded = player_.Load(waiting_.front());
-    if (!loaded) {
-      StopFor(loaded.error().message);
-      return false;
-    }
-    waiting_.pop_front();
-    --announced_;
-    --taken_;
-  }
-  auto next = player_.NextBlock(player_.placed() ? next_tick_ : first);
-  if (!next) {
-    StopFor(next.error().message);
-    return false;
-  }
-  const bool holds = !next->has_value();
-  if (holds && !identity_.lockstep) return false;
-  link::HeadBlock block = holds ? player_.Hold(first) : std::move(**next);
-  block.run = run_;
-  if (!SendFrame(HeadFrame::kHeadBlock, Encode(block))) return false;
-  credit_ -= static_cast<std::uint32_t>(block.ticks.size());
-  if (web) next_tick_ = block.first_tick + block.ticks.size();
-  if (!holds) player_.Took(block);
-  return true;
-}
-
-}  // namespace
 
 std::unique_ptr<MarkDriver> MakeGalvoDriver(const MachineSpec& machine,
                                             link::StreamOpener open,

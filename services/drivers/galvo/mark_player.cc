@@ -12,8 +12,10 @@ namespace {
 
 // Arcs as chords: far below a step of the outputs.
 constexpr double kChordTolerance_mm = 1e-4;
-// Of one mark, with all its passes: 100 s.
-constexpr double kMaxTicksOfMark = 1e7;
+// Of one mark, with all its passes: 50 s.
+constexpr double kMaxTicksOfMark = 5e6;
+// Those of more are made aside: they take longer than a host may be silent.
+constexpr double kTicksMadeAtOnce = 1e5;
 // A place of a web is predicted, so it keeps away from the border.
 constexpr double kWebBorder_mm = 0.2;
 
@@ -74,6 +76,12 @@ Status MarkPlayer::Check(const NumberedMark& mark) const {
                             "scale the drawing",
                             at.x(), at.y(), head_.field_mm()));
   }
+  if (tracker_.follows() && seconds * rate_hz_ > kTicksMadeAtOnce) {
+    return fail(ErrorCode::kTooLarge,
+                fmt::format("takes {:.1f} s, on a web 1 s at most; divide it or mark "
+                            "faster (pen {})",
+                            seconds, pen.name));
+  }
   if (tracker_.follows() && max_x - min_x > head_.field_mm() - 2 * kWebBorder_mm) {
     return fail(ErrorCode::kInvalidValue,
                 fmt::format("is {:.3f} mm long, the field {} mm; divide it",
@@ -88,9 +96,22 @@ Status MarkPlayer::MakeTicks(const Vec2& from_mm) {
                            mark_.mark.closed};
   if (tracker_.follows())
     for (Vec2& place : stroke.points_mm) place.x() -= mark_.mark.web_mm;
-  const std::vector<galvo::MarkStroke> strokes(pen.pass_count, stroke);
-  auto ticks =
-      galvo::MakeMarkTicks(strokes, from_mm, TickOptionsOf(head_, pen, rate_hz_));
+  std::vector<galvo::MarkStroke> strokes(pen.pass_count, stroke);
+  const auto options = TickOptionsOf(head_, pen, rate_hz_);
+  const double count =
+      pen.pass_count * mark::LengthOf(mark_.mark) / pen.speed_mm_s * rate_hz_;
+  if (count <= kTicksMadeAtOnce)
+    return TakeTicks(galvo::MakeMarkTicks(strokes, from_mm, options));
+  ticks_.clear();
+  next_ = 0;
+  made_aside_ =
+      std::async(std::launch::async, [strokes = std::move(strokes), from_mm, options] {
+        return galvo::MakeMarkTicks(strokes, from_mm, options);
+      });
+  return {};
+}
+
+Status MarkPlayer::TakeTicks(Result<std::vector<galvo::MarkTick>> ticks) {
   if (!ticks)
     return tl::make_unexpected(
         MarkError(ticks.error().code, mark_, ticks.error().message));
@@ -107,6 +128,7 @@ Status MarkPlayer::MakeTicks(const Vec2& from_mm) {
 Status MarkPlayer::Load(const NumberedMark& mark) {
   mark_ = mark;
   placed_ = false;
+  made_aside_ = {};
   retry_tick_ = 0;
   if (!tracker_.follows()) {
     INTAGLIO_TRY(MakeTicks(mirrors_mm_));
@@ -152,6 +174,11 @@ Result<std::optional<link::HeadBlock>> MarkPlayer::NextBlock(std::uint64_t first
   if (!placed_) {
     INTAGLIO_TRY(Place(first_tick));
     if (!placed_) return std::nullopt;
+  }
+  if (made_aside_.valid()) {
+    if (made_aside_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+      return std::nullopt;
+    INTAGLIO_TRY(TakeTicks(made_aside_.get()));
   }
   link::HeadBlock block;
   const mark::Pen& pen = pens_[mark_.mark.pen];

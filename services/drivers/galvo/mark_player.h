@@ -4,6 +4,7 @@
 // engrave/galvo, moved with the web, corrected, within the field.
 
 #include <deque>
+#include <future>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -34,8 +35,9 @@ class MarkPlayer {
   bool placed() const { return placed_ && next_ > 0; }
 
   /// The ticks that come next, played from `first_tick` on; of a piece at rest behind
-  /// those before, and `first_tick` is not used. Nothing: its place is not in the field
-  /// yet. kRefused: it has left it. They are counted as sent by Took.
+  /// those before, and `first_tick` is not used. Nothing yet: its place is not in the
+  /// field, or its ticks are being made. kRefused: it has left it. They are counted as
+  /// sent by Took.
   Result<std::optional<link::HeadBlock>> NextBlock(std::uint64_t first_tick);
   void Took(const link::HeadBlock& block);
   /// Mirrors that rest, of a web whose samples are waited for.
@@ -43,6 +45,7 @@ class MarkPlayer {
 
  private:
   Status MakeTicks(const Vec2& from_mm);
+  Status TakeTicks(Result<std::vector<galvo::MarkTick>> ticks);
   /// Of a web: makes the ticks when the mark can begin at that tick.
   Status Place(std::uint64_t first_tick);
   Vec2 DisplacementAt(std::uint64_t tick);
@@ -57,6 +60,7 @@ class MarkPlayer {
   bool loaded_ = false;
   bool placed_ = false;  // its ticks are made for the moment of its beginning
   std::vector<galvo::MarkTick> ticks_;
+  std::future<Result<std::vector<galvo::MarkTick>>> made_aside_;  // of a long mark
   std::size_t next_ = 0, first_lit_ = 0, behind_lit_ = 0;
   std::uint64_t retry_tick_ = 0;    // it cannot begin before
   Vec2 mirrors_mm_ = Vec2::Zero();  // field, as commanded last, before the correction

@@ -171,8 +171,8 @@ Status HeadMachine::Flush() {
 std::string HeadMachine::StatusLine() const {
   const link::HeadStatus s = controller_.Status();
   return fmt::format(
-      R"({{"tick":{},"interlocks":{},"run":{},"run_state":{},"queued_ticks":{},)"
-      R"("burnt_ticks":{},"openings":{}}})",
+      R"({{"tick": {}, "interlocks": {}, "run": {}, "run_state": {}, )"
+      R"("queued_ticks": {}, "burnt_ticks": {}, "openings": {}}})",
       s.tick, s.interlocks, s.run, static_cast<int>(s.run_state), s.queued_ticks,
       burnt_ticks_, s.openings);
 }

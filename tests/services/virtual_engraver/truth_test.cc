@@ -292,8 +292,11 @@ TEST(Truth, WhatIsWrittenReadsBackTheSame) {
 }
 
 TEST(Truth, TheSuppliedFilesAreGood) {
-  const auto truth = ReadTruthFile(INTAGLIO_SOURCE_DIR "/deploy/truth/els-03.textproto");
-  EXPECT_TRUE(truth.has_value()) << truth.error().message;
+  for (const std::string name : {"els-03", "galvo"}) {
+    const auto truth =
+        ReadTruthFile(INTAGLIO_SOURCE_DIR "/deploy/truth/" + name + ".textproto");
+    EXPECT_TRUE(truth.has_value()) << truth.error().message;
+  }
 }
 
 }  // namespace

@@ -181,7 +181,7 @@ TEST_F(GalvoDriver, PausesBehindTheMarkInHand) {  // M5
   EXPECT_NEAR(way_mm, 10, 0.01);
 }
 
-TEST_F(GalvoDriver, TellsAfterALostLineOrAKilledHostWhatBecameOfMarks) {  // M6
+TEST_F(GalvoDriver, RemembersForAnotherHostWhatBecameOfMarks) {  // M6
   ASSERT_TRUE(bench_.Connect());
   EXPECT_TRUE(bench_.state().remembers_marks);
   const std::string power_up = bench_.state().power_up;
