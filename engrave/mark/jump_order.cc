@@ -172,11 +172,11 @@ class Improver {
       return (begin - Before(k)).norm() + WayTo(end, k) - WayTo(Before(k), k);
     };
     std::size_t best = i;
-    double least = saved - kGainMm;
+    double lowest_mm = saved - kGainMm;
     for (std::size_t k = i < kWindow ? 0 : i - kWindow;
          k <= std::min(order_.size(), i + kWindow); ++k) {
       if (k == i || k == i + 1) continue;
-      if (const double c = cost(k); c < least) least = c, best = k;
+      if (const double c = cost(k); c < lowest_mm) lowest_mm = c, best = k;
     }
     if (best == i) return false;
     const auto at = [&](std::size_t k) {

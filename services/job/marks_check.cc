@@ -19,12 +19,12 @@ void CompletePen(MarkPen& pen, const MarkPen& defaults) {
   pen = std::move(whole);
 }
 
-void CompleteFill(MarkFill& fill, bool of_code) {
-  if (!fill.has_distance_mm()) fill.set_distance_mm(0.1);
-  if (!fill.has_angle_deg()) fill.set_angle_deg(0);
-  if (!fill.has_bidirectional()) fill.set_bidirectional(true);
-  if (!fill.has_contour()) fill.set_contour(!of_code);
-  if (!fill.has_inset_mm()) fill.set_inset_mm(0);
+void CompleteHatch(MarkHatch& hatch, bool of_code) {
+  if (!hatch.has_distance_mm()) hatch.set_distance_mm(0.1);
+  if (!hatch.has_angle_deg()) hatch.set_angle_deg(0);
+  if (!hatch.has_bidirectional()) hatch.set_bidirectional(true);
+  if (!hatch.has_contour()) hatch.set_contour(!of_code);
+  if (!hatch.has_inset_mm()) hatch.set_inset_mm(0);
 }
 
 void CompleteContent(MarkItem& item) {
@@ -42,14 +42,14 @@ void CompleteContent(MarkItem& item) {
     MarkCode& code = *item.mutable_code();
     if (!code.has_module_mm()) code.set_module_mm(0.5);
     if (!code.has_correction_ratio()) code.set_correction_ratio(0.15);
-    item.mutable_fill();
+    item.mutable_hatch();
   }
 }
 
 void CompleteItem(MarkItem& item, const MarkPen& pen) {
   CompletePen(*item.mutable_pen(), pen);
   CompleteContent(item);
-  if (item.has_fill()) CompleteFill(*item.mutable_fill(), item.has_code());
+  if (item.has_hatch()) CompleteHatch(*item.mutable_hatch(), item.has_code());
   MarkPlacement& placement = *item.mutable_placement();
   if (!placement.has_scale_ratio()) placement.set_scale_ratio(1);
   if (!placement.has_rotate_deg()) placement.set_rotate_deg(0);
@@ -94,9 +94,9 @@ void CheckImageItem(const MarkItem& item, const std::string& path, Findings& fin
     findings.Wrong(path + ".image.make", static_cast<int>(image.make()), "is none, 0..{}",
                    static_cast<int>(MarkImageMake_MAX));
   }
-  if (item.has_fill()) {
-    findings.Wrong(path + ".fill.distance_mm", item.fill().distance_mm(),
-                   "is of closed curves, and an image has none; remove the fill");
+  if (item.has_hatch()) {
+    findings.Wrong(path + ".hatch.distance_mm", item.hatch().distance_mm(),
+                   "is of closed curves, and an image has none; remove the hatch");
   }
   if (image.make() != MARK_IMAGE_MAKE_DOTS && image.has_dot_mm()) {
     findings.Wrong(path + ".image.dot_mm", image.dot_mm(),
@@ -126,8 +126,8 @@ void CheckItem(const MarkItem& item, const std::string& path, bool has_table,
     default:
       findings.Missing(path, "give it a drawing, a text, an image or a code");
   }
-  if (!MarkFillRule_IsValid(item.fill().rule())) {
-    findings.Wrong(path + ".fill.rule", static_cast<int>(item.fill().rule()),
+  if (!MarkFillRule_IsValid(item.hatch().rule())) {
+    findings.Wrong(path + ".hatch.rule", static_cast<int>(item.hatch().rule()),
                    "is none, 0..{}", static_cast<int>(MarkFillRule_MAX));
   }
 }

@@ -179,9 +179,9 @@ std::vector<std::string> LinesOfMarks(const OrderedMarks& marks) {
                                           &mark::Mark::pen);
     lines.push_back(
         fmt::format("{:<12}{} marks, {:.6g} mm/s, {:.4g} of the power, {:.6g} "
-                    "Hz, {} passes",
+                    "Hz, {} pass{}",
                     pen.name, count, pen.speed_mm_s, pen.power_ratio, pen.frequency_hz,
-                    pen.pass_count));
+                    pen.pass_count, pen.pass_count == 1 ? "" : "es"));
   }
   if (marks.job.marks().has_web()) {
     for (std::string& line : WebLines(marks)) lines.push_back(std::move(line));

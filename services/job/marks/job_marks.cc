@@ -32,22 +32,22 @@ mark::Pen PenOf(const MarkItem& item, int number) {
 }
 
 /// Lines of a code lie alike in each of its modules.
-double LineDistance(const MarkFill& fill, double module_mm) {
-  if (module_mm <= 0) return fill.distance_mm();
-  return module_mm / std::ceil(module_mm / fill.distance_mm() - 1e-9);
+double LineDistance(const MarkHatch& hatch, double module_mm) {
+  if (module_mm <= 0) return hatch.distance_mm();
+  return module_mm / std::ceil(module_mm / hatch.distance_mm() - 1e-9);
 }
 
-mark::HatchOptions HatchOptionsOf(const MarkFill& fill, const MarkShapes& shapes,
+mark::HatchOptions HatchOptionsOf(const MarkHatch& hatch, const MarkShapes& shapes,
                                   const ItemPlace& place) {
   mark::HatchOptions options;
-  options.distance_mm = LineDistance(fill, shapes.module_mm * place.scale);
-  options.angle_rad = place.angle_rad + fill.angle_deg() * std::numbers::pi / 180;
-  options.cross = fill.cross();
-  options.bidirectional = fill.bidirectional();
+  options.distance_mm = LineDistance(hatch, shapes.module_mm * place.scale);
+  options.angle_rad = place.angle_rad + hatch.angle_deg() * std::numbers::pi / 180;
+  options.cross = hatch.cross();
+  options.bidirectional = hatch.bidirectional();
   options.rule = shapes.rule;
-  if (fill.rule() == MARK_FILL_RULE_EVEN_ODD) options.rule = mark::InsideRule::kEvenOdd;
-  if (fill.rule() == MARK_FILL_RULE_NONZERO) options.rule = mark::InsideRule::kNonZero;
-  options.inset_mm = fill.inset_mm();
+  if (hatch.rule() == MARK_FILL_RULE_EVEN_ODD) options.rule = mark::InsideRule::kEvenOdd;
+  if (hatch.rule() == MARK_FILL_RULE_NONZERO) options.rule = mark::InsideRule::kNonZero;
+  options.inset_mm = hatch.inset_mm();
   return options;
 }
 
@@ -144,29 +144,29 @@ class JobMarks {
       }
       outlines.push_back(std::move(outline));
     }
-    if (item.has_fill()) {
-      auto chords = mark::Hatch(closed, HatchOptionsOf(item.fill(), shapes, place));
+    if (item.has_hatch()) {
+      auto chords = mark::Hatch(closed, HatchOptionsOf(item.hatch(), shapes, place));
       if (!chords) return tl::unexpected(OfFill(std::move(chords.error())));
       for (const mark::Chord& chord : *chords)
         marks.push_back({pen, false, 0, {{chord.from_mm, 0}, {chord.to_mm, 0}}});
     }
     for (mark::Mark& outline : outlines) {
       // A filled shape without its contour pass.
-      if (item.has_fill() && outline.closed && !item.fill().contour()) continue;
+      if (item.has_hatch() && outline.closed && !item.hatch().contour()) continue;
       marks.push_back(std::move(outline));
     }
     return marks;
   }
 
   static Error OfFill(Error error) {
-    error.message = "fill.distance_mm: " + error.message;
+    error.message = "hatch.distance_mm: " + error.message;
     return error;
   }
 
   Status TooManyMarks() const {
     return Fail(ErrorCode::kTooLarge,
                 fmt::format("marks.repeats.count: {} repeats make more than {} marks; "
-                            "use fewer, or a larger fill.distance_mm",
+                            "use fewer, or a larger hatch.distance_mm",
                             table_->repeat_count(), kMaxMarks),
                 fmt::format("{}", table_->repeat_count()));
   }
@@ -242,8 +242,8 @@ Result<mark::MarkSet> OrderJobMarks(const JobSpec& job, const MachineSpec& machi
   const HeadFigures head = HeadFiguresOf(machine);
   const bool may_reverse =
       std::ranges::none_of(job.marks().items(), [](const MarkItem& item) {
-        return item.has_fill() && item.fill().has_bidirectional() &&
-               !item.fill().bidirectional();
+        return item.has_hatch() && item.hatch().has_bidirectional() &&
+               !item.hatch().bidirectional();
       });
   if (job.marks().has_web()) return OrderForWeb(std::move(marks), head, may_reverse);
   INTAGLIO_TRY(CheckField(marks, false, head.field_mm));

@@ -67,12 +67,12 @@ TEST_F(MarksCommand, WritesMarksAndPicture) {
 TEST_F(MarksCommand, NamesEveryMistakeByItsField) {
   Write("job.textproto",
         "machine_file: \"head.textproto\" marks { items { text { text: \"{a}\" font: "
-        "\"DejaVu Sans\" } } items { } items { drawing { file: \"none.dxf\" } fill { "
+        "\"DejaVu Sans\" } } items { } items { drawing { file: \"none.dxf\" } hatch { "
         "distance_mm: 20 } } repeats { count: 3 } }");
   EXPECT_EQ(Preview(), 2);
   for (const char* field :
        {"marks.items[0].text.text: {a} needs a table", "marks.items[1]: is missing",
-        "none.dxf does not exist", "marks.items[2].fill.distance_mm: 20 is outside",
+        "none.dxf does not exist", "marks.items[2].hatch.distance_mm: 20 is outside",
         "marks.repeats.pitch_mm: is missing"})
     EXPECT_THAT(errors_, HasSubstr(field));
 }
@@ -94,11 +94,11 @@ TEST_F(MarksCommand, NamesWhatLiesOutsideTheField) {
 }
 
 TEST_F(MarksCommand, ThePublishedExampleIsRight) {
-  EXPECT_EQ(TypeTo(AddMarksCommand,
-                   {"marks", "preview",
-                    INTAGLIO_SOURCE_DIR "/deploy/examples/label.textproto", "--machine",
-                    (folder_ / "head.textproto").string()}),
-            0)
+  EXPECT_EQ(
+      TypeTo(AddMarksCommand,
+             {"marks", "preview", INTAGLIO_SOURCE_DIR "/deploy/examples/label.textproto",
+              "--machine", (folder_ / "head.textproto").string()}),
+      0)
       << errors_;
   EXPECT_THAT(output_, HasSubstr("item 3 "));
 }

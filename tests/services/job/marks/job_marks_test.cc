@@ -95,7 +95,7 @@ TEST(JobMarks, LayersStayInTheirPlaceAndMissingOnesAreNamed) {
 // The plate of 40 x 20 with a hole of radius 5.
 TEST(JobMarks, FillsLeaveIslandsFree) {
   const auto set = Make(Job(R"(marks { items { drawing { file: "plate.svg" }
-      fill { distance_mm: 0.05 angle_deg: 30 contour: false } } })"),
+      hatch { distance_mm: 0.05 angle_deg: 30 contour: false } } })"),
                         {Bytes(kPlate)});
   ASSERT_TRUE(set) << set.error().message;
   double length = 0;
@@ -230,7 +230,7 @@ TEST(JobMarks, QrCodesAreReadFromWhatIsBurnt) {
     const auto set = Make(Job(fmt::format(
         "marks {{ items {{ code {{ kind: MARK_CODE_KIND_QR text: "
         "\"https://example.org/1\" "
-        "module_mm: 0.6 }} placement {{ rotate_deg: 10 }} fill {{ inset_mm: 0.06 {} }} "
+        "module_mm: 0.6 }} placement {{ rotate_deg: 10 }} hatch {{ inset_mm: 0.06 {} }} "
         "}} }}",
         fill)));
     ASSERT_TRUE(set) << set.error().message;
@@ -252,7 +252,7 @@ TEST(JobMarks, DataMatricesOfATableAreAllReadFromAWeb) {
     table += fmt::format("SN-{:05},owner {}\n", 7919 * i % 100000, i);
   const JobSpec job = Job(R"(marks {
       items { code { text: "{serial}/{n}/{owner}" module_mm: 0.5 }
-              fill { distance_mm: 0.1 inset_mm: 0.05 } }
+              hatch { distance_mm: 0.1 inset_mm: 0.05 } }
       table: "serials.csv" repeats { pitch_mm: 15 } web {} })");
   const auto made = Make(job, {Bytes(table)});
   ASSERT_TRUE(made) << made.error().message;
@@ -272,7 +272,7 @@ TEST(JobMarks, DataMatricesOfATableAreAllReadFromAWeb) {
 }
 
 TEST(JobMarks, TooManyMarksAreRefused) {
-  const auto set = Make(Job(R"(marks { items { drawing { file: "plate.svg" } fill {} }
+  const auto set = Make(Job(R"(marks { items { drawing { file: "plate.svg" } hatch {} }
       repeats { count: 100000 pitch_mm: 1 } })"),
                         {Bytes(kPlate)});
   ASSERT_FALSE(set);
