@@ -4,6 +4,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/drawing/drawing.h"
+#include "engrave/drawing/font_source.h"
 
 namespace intaglio::drawing {
 
@@ -12,6 +13,8 @@ struct ReadOptions {
   /// Length of the file's unit, mm; positive. Default: as the file declares, or as its
   /// format defines.
   std::optional<double> unit_mm;
+  /// Of the texts in a DXF. Default: texts are left out.
+  std::optional<FontSource> text_font;
 };
 
 /// Throws PreconditionError.

@@ -10,6 +10,9 @@
 namespace intaglio::image {
 
 Result<GreyImage> ParseBmp(std::string_view bytes, const ImageOptions& options);
+/// Whether the bytes begin as a PCX does: it has no signature but small numbers.
+bool IsPcx(std::string_view bytes);
+Result<GreyImage> ParsePcx(std::string_view bytes, const ImageOptions& options);
 Result<GreyImage> ParsePng(std::string_view bytes, const ImageOptions& options);
 Result<GreyImage> ParseJpeg(std::string_view bytes, const ImageOptions& options);
 

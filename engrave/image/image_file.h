@@ -1,8 +1,8 @@
 #pragma once
 
 // Pictures from files in memory: BMP (1, 4, 8, 16, 24, 32 bits, RLE4, RLE8, bit fields),
-// PNG (all kinds) and JPEG (grey, colour, CMYK; baseline and progressive), to one
-// brightness a pixel.
+// PCX (1, 2, 4, 8, 24 bits), PNG (all kinds) and JPEG (grey, colour, CMYK; baseline and
+// progressive), to one brightness a pixel.
 //
 // Points in glass scatter light, and the light that the eye gets from a patch grows with
 // their number: so density has to follow linear light, not the bytes of the file.
@@ -42,7 +42,7 @@ struct ImageOptions {
 };
 
 /// The picture, turned upright by the EXIF orientation of a JPEG. Errors name the place
-/// and the remedy: kUnreadable (none of the three formats, damaged or cut off, a profile
+/// and the remedy: kUnreadable (none of the four formats, damaged or cut off, a profile
 /// that is damaged), kUnsupported (a kind of theirs that is not read), kTooLarge.
 Result<GreyImage> ParseImage(std::string_view bytes, const ImageOptions& options = {});
 

@@ -17,6 +17,9 @@ namespace {
 constexpr int kAgfCount = 13;
 constexpr int kRiiCount = 9;
 
+// Fraunhofer lines.
+constexpr double kLineDNm = 587.5618, kLineFNm = 486.1327, kLineCNm = 656.2725;
+
 // A wavelength that was written in nm and a limit written in um may differ in the last
 // bit; 1e-9 um is far below any line's width.
 constexpr double kRangeSlackUm = 1e-9;
@@ -134,20 +137,29 @@ Result<double> RefractiveIndex(const Dispersion& dispersion, double wavelength_n
   return n;
 }
 
-Result<double> AbbeNumber(const Dispersion& dispersion) {
-  Result<double> n_d = RefractiveIndex(dispersion, 587.5618);
-  if (!n_d) return n_d;
-  Result<double> n_f = RefractiveIndex(dispersion, 486.1327);
-  if (!n_f) return n_f;
-  Result<double> n_c = RefractiveIndex(dispersion, 656.2725);
-  if (!n_c) return n_c;
-  const double abbe = (*n_d - 1) / (*n_f - *n_c);
-  if (!std::isfinite(abbe)) {
+Result<double> TotalDispersion(const Dispersion& dispersion) {
+  const double n_f = INTAGLIO_TRY(RefractiveIndex(dispersion, kLineFNm));
+  const double n_c = INTAGLIO_TRY(RefractiveIndex(dispersion, kLineCNm));
+  if (n_f == n_c) {
     return Fail(
         ErrorCode::kInvalidValue,
         "the glass has the same index at 486.1 and 656.3 nm and so no Abbe number");
   }
-  return abbe;
+  return n_f - n_c;
+}
+
+Result<double> AbbeNumber(const Dispersion& dispersion) {
+  const double n_d = INTAGLIO_TRY(RefractiveIndex(dispersion, kLineDNm));
+  const double total = INTAGLIO_TRY(TotalDispersion(dispersion));
+  return (n_d - 1) / total;
+}
+
+Result<double> PartialDispersionRatio(const Dispersion& dispersion, double short_nm,
+                                      double long_nm) {
+  const double n_short = INTAGLIO_TRY(RefractiveIndex(dispersion, short_nm));
+  const double n_long = INTAGLIO_TRY(RefractiveIndex(dispersion, long_nm));
+  const double total = INTAGLIO_TRY(TotalDispersion(dispersion));
+  return (n_short - n_long) / total;
 }
 
 }  // namespace intaglio::optics

@@ -74,4 +74,13 @@ Result<double> RefractiveIndex(const Dispersion& dispersion, double wavelength_n
 /// Fails when one of them is outside the range, or when there is no dispersion.
 Result<double> AbbeNumber(const Dispersion& dispersion);
 
+/// nF - nC, the total dispersion (Trochimczuk 2008, 5.3), at the lines of the Abbe
+/// number.
+Result<double> TotalDispersion(const Dispersion& dispersion);
+
+/// (n_short - n_long) / (nF - nC) for two wavelengths; of the lines g (435.8343 nm) and F
+/// it is P(g,F) of the catalogs. Errors as of AbbeNumber.
+Result<double> PartialDispersionRatio(const Dispersion& dispersion, double short_nm,
+                                      double long_nm);
+
 }  // namespace intaglio::optics

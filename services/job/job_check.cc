@@ -12,6 +12,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/drawing/font_list.h"
+#include "engrave/io/lower_case.h"
 #include "services/job/course/course_check.h"
 #include "services/job/field_ranges.h"
 #include "services/job/findings.h"
@@ -86,14 +87,31 @@ void CheckOwnPointsAndLayers(const Model& model, const std::string& path,
   }
 }
 
+/// A text without letters beside a file: the font of the texts in a DXF, and no more.
+void CheckFontOfDrawing(const Model& model, const std::string& path, Findings& findings) {
+  const std::string ending = std::filesystem::path(model.file()).extension().string();
+  if (io::LowerCaseExtension(ending) != "dxf") {
+    findings.Wrong(path + ".text", model.file(),
+                   "has a text without letters, which is the font of the texts in a DXF; "
+                   "remove it");
+  }
+  Text font_alone;
+  font_alone.set_font(model.text().font());
+  if (model.text().SerializeAsString() != font_alone.SerializeAsString()) {
+    findings.Wrong(path + ".text", model.file(),
+                   "gives its texts their heights and places: keep text.font alone");
+  }
+}
+
 void CheckModel(const Model& model, const std::string& path, Findings& findings) {
   CheckOwnPointsAndLayers(model, path, findings);
   CheckKindAndMethod(model, path, findings);
-  if (model.has_text() && !model.file().empty()) {
+  if (IsText(model) && !model.file().empty()) {
     findings.Wrong(path + ".file", model.file(),
                    "is given beside a text; make two models");
   }
-  if (model.has_text() && model.text().text().empty()) {
+  if (model.has_text() && !IsText(model)) CheckFontOfDrawing(model, path, findings);
+  if (IsText(model) && model.text().text().empty()) {
     findings.Missing(path + ".text.text", "give the text to write");
   }
   if (model.text().shrink_to_fit() &&

@@ -30,8 +30,8 @@ constexpr std::array kEndings = {
     Ending{".plt", ModelKind::kDrawing}, Ending{".hpgl", ModelKind::kDrawing},
     Ending{".png", ModelKind::kImage},   Ending{".jpg", ModelKind::kImage},
     Ending{".jpeg", ModelKind::kImage},  Ending{".bmp", ModelKind::kImage},
-    Ending{".xyz", ModelKind::kCloud},   Ending{".cft", ModelKind::kCloud},
-    Ending{".scl", ModelKind::kCloud},
+    Ending{".pcx", ModelKind::kImage},   Ending{".xyz", ModelKind::kCloud},
+    Ending{".cft", ModelKind::kCloud},   Ending{".scl", ModelKind::kCloud},
 };
 
 using Visit = std::function<void(std::string&, const std::string&)>;
@@ -60,10 +60,12 @@ void VisitFonts(Text& text, const std::string& path, const Visit& visit) {
 }
 
 void VisitModel(Model& model, const std::string& path, const Visit& visit) {
-  if (model.has_text()) {
+  if (IsText(model)) {
     VisitFonts(*model.mutable_text(), path + ".text", visit);
   } else if (!model.file().empty() || model.points_mm_size() == 0) {
     visit(*model.mutable_file(), path + ".file");
+    if (!model.text().font().empty())
+      visit(*model.mutable_text()->mutable_font(), path + ".text.font");
   }
   VisitMethod(model, path + ".", visit);
 }
@@ -79,6 +81,10 @@ void VisitMarkItem(MarkItem& item, const std::string& path, const Visit& visit) 
 }
 
 }  // namespace
+
+bool IsText(const Model& model) {
+  return model.has_text() && (model.file().empty() || !model.text().text().empty());
+}
 
 const char* NameOf(ModelKind kind) {
   switch (kind) {
@@ -97,7 +103,7 @@ const char* NameOf(ModelKind kind) {
 }
 
 Result<ModelKind> KindOf(const Model& model) {
-  if (model.has_text()) return ModelKind::kText;
+  if (IsText(model)) return ModelKind::kText;
   if (model.file().empty() && model.points_mm_size() > 0) return ModelKind::kCloud;
   std::string ending = std::filesystem::path(model.file()).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),

@@ -12,6 +12,10 @@
 
 namespace intaglio {
 
+/// Whether the model is a text. That of a model with a file and no letters of its own
+/// only has the font of the texts in its drawing.
+bool IsText(const Model& model);
+
 /// "a mesh", "a drawing", ...
 const char* NameOf(ModelKind kind);
 

@@ -3,6 +3,7 @@
 // The common part of the fuzz targets of the readers of drawings.
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "engrave/core/check.h"
@@ -13,8 +14,10 @@ namespace intaglio::drawing {
 
 /// The bytes are read and flattened: finite points, or an error with a sentence.
 template <typename Read>
-int FuzzReader(const Read& read, const std::uint8_t* bytes, std::size_t size) {
+int FuzzReader(const Read& read, const std::uint8_t* bytes, std::size_t size,
+               const std::optional<FontSource>& text_font = {}) {
   ReadOptions options;
+  options.text_font = text_font;
   options.limits.max_entities = 1000;
   options.limits.max_points = 10'000;
   options.limits.max_unfolded_bytes = 1 << 20;

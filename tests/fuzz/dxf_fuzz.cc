@@ -2,5 +2,8 @@
 #include "tests/fuzz/drawing_fuzz.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  return intaglio::drawing::FuzzReader(intaglio::drawing::ReadDxf, bytes, size);
+  using intaglio::drawing::FuzzReader;
+  FuzzReader(intaglio::drawing::ReadDxf, bytes, size);
+  const intaglio::drawing::FontSource font{"DejaVu Sans"};
+  return FuzzReader(intaglio::drawing::ReadDxf, bytes, size, font);
 }

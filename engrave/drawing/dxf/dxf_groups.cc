@@ -25,13 +25,13 @@ std::string_view DxfGroups::NextLine() {
   const std::string_view line = text_.substr(position_, stop - position_);
   position_ = end == text_.npos ? text_.size() : end + 1;
   ++line_;
-  return Trimmed(line);
+  return line.ends_with('\r') ? line.substr(0, line.size() - 1) : line;
 }
 
 bool DxfGroups::Next(DxfGroup& group) {
   if (!good_ || position_ == text_.size()) return false;
   group.line = line_;
-  const std::string_view code = NextLine();
+  const std::string_view code = Trimmed(NextLine());
   if (position_ == text_.size()) {
     if (code.empty()) return false;
     good_ = builder_.Refuse(
@@ -48,7 +48,8 @@ bool DxfGroups::Next(DxfGroup& group) {
                             code);
     return false;
   }
-  group.value = NextLine();
+  group.raw = NextLine();
+  group.value = Trimmed(group.raw);
   return true;
 }
 

@@ -16,6 +16,7 @@ namespace intaglio::drawing {
 struct DxfGroup {
   int code = 0;
   std::string_view value;  ///< without blanks around it
+  std::string_view raw;    ///< with them
   std::uint64_t line = 0;  ///< of the code, from 1
 };
 

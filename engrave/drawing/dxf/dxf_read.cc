@@ -12,6 +12,7 @@
 #include "engrave/drawing/dxf/dxf_hatch.h"
 #include "engrave/drawing/dxf/dxf_insert.h"
 #include "engrave/drawing/dxf/dxf_layers.h"
+#include "engrave/drawing/dxf/dxf_text.h"
 #include "engrave/drawing/pieces.h"
 #include "engrave/io/dxf_unit.h"
 
@@ -175,6 +176,8 @@ class DxfReader {
         if (!UnfoldInsert(entity, in)) return false;
       } else if (entity.type == "HATCH") {
         if (!AddHatch(entity, in)) return false;
+      } else if (options_.text_font && IsDxfText(entity.type)) {
+        if (!AddText(entity, in)) return false;
       } else if (!IsDxfCurve(entity.type)) {
         if (entity.type != "SEQEND") builder_.LeaveOut(entity.type);
       } else if (!AddCurve(entity, in)) {
@@ -218,6 +221,31 @@ class DxfReader {
     if (hatch.has_lines) builder_.LeaveOut("pattern of a HATCH");
     for (Curve& contour : hatch.contours) {
       if (!Place(std::move(contour), hatch.common, entity, in)) return false;
+    }
+    return true;
+  }
+
+  bool OpenFont() {
+    auto opened = Typesetter::Open(*options_.text_font);
+    if (!opened) {
+      return builder_.Refuse(opened.error().code, "font of its texts",
+                             opened.error().message, opened.error().value);
+    }
+    typesetter_ = std::move(*opened);
+    return true;
+  }
+
+  bool AddText(const DxfEntity& entity, const BlockContext& in) {
+    if (!typesetter_ && !OpenFont()) return false;
+    DxfLettering text;
+    if (!builder_.CountEntity(entity.Place()) ||
+        !SetDxfText(entity, *typesetter_, builder_, text)) {
+      return false;
+    }
+    if (!IsShown(text.common, LayerOf(text.common, in), false)) return true;
+    if (!text.left_out.empty()) builder_.LeaveOut(text.left_out);
+    for (Curve& curve : text.curves) {
+      if (!Place(std::move(curve), text.common, entity, in)) return false;
     }
     return true;
   }
@@ -289,6 +317,7 @@ class DxfReader {
   ReadOptions options_;
   DrawingBuilder builder_;
   double unit_mm_ = 1;
+  std::optional<Typesetter> typesetter_;  ///< when a text was met
   DxfLayers layers_;
   std::vector<DxfText> entities_;
   std::unordered_map<std::string_view, Block> blocks_;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "engrave/core/try.h"
+#include "services/job/model_kind.h"
 
 namespace intaglio::cli {
 namespace {
@@ -13,7 +14,7 @@ constexpr const char* kText = "Text";
 std::vector<Text*> TextsOf(JobSpec& job) {
   std::vector<Text*> texts;
   for (Model& model : *job.mutable_models()) {
-    if (model.has_text()) texts.push_back(model.mutable_text());
+    if (IsText(model)) texts.push_back(model.mutable_text());
   }
   return texts;
 }

@@ -89,6 +89,13 @@ std::vector<Row> KeptRows(const Material& material) {
                    dispersion.min_wavelength_um * 1000,
                    dispersion.max_wavelength_um * 1000)});
   rows.push_back({"coefficients", materials_db::FormatNumbers(dispersion.coefficients)});
+  constexpr double kLineGNm = 435.8343, kLineFNm = 486.1327;
+  const auto total = optics::TotalDispersion(dispersion);
+  rows.push_back(
+      {"total dispersion nF - nC", total ? fmt::format("{:.6f}", *total) : "-"});
+  const auto partial = optics::PartialDispersionRatio(dispersion, kLineGNm, kLineFNm);
+  rows.push_back(
+      {"partial dispersion P(g,F)", partial ? fmt::format("{:.4f}", *partial) : "-"});
   for (const PropertyRow& row : PropertyRows()) {
     const std::optional<double>& value = material.*row.value;
     rows.push_back({row.title, value ? fmt::format("{:g}{}{}", *value,

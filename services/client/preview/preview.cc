@@ -74,7 +74,7 @@ void AddModels(const JobSpec& job, const PointCloud& cloud, JobPreview& figures)
   for (int i = 0; i < job.models_size(); ++i) {
     const Model& model = job.models(i);
     ModelPreview& preview = *figures.add_models();
-    preview.set_name(model.has_text()       ? model.text().text()
+    preview.set_name(IsText(model)          ? model.text().text()
                      : model.file().empty() ? "points"
                                             : fs::path(model.file()).filename().string());
     if (const auto kind = KindOf(model)) preview.set_kind(NameOf(*kind));

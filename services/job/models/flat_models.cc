@@ -29,13 +29,15 @@ Box3 BoundsOf(const discretize::PlacedDrawing& placed) {
 }
 
 Result<drawing::Drawing> ReadByEnding(const std::string& name, std::string_view file,
-                                      const drawing::DrawingLimits& limits) {
+                                      const drawing::DrawingLimits& limits,
+                                      const std::optional<drawing::FontSource>& font) {
   std::string ending = std::filesystem::path(name).extension().string();
   for (char& c : ending) {
     c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   }
   drawing::ReadOptions options;
   options.limits = limits;
+  options.text_font = font;
   if (ending == ".dxf") return drawing::ReadDxf(file, options, name);
   if (ending == ".svg") return drawing::ReadSvg(file, options, name);
   return drawing::ReadHpgl(file, options, name);
@@ -69,10 +71,13 @@ Status KeepLayers(const Model& model, const std::vector<std::string>& names,
 }
 
 // What a person sees in the file and misses in the glass.
-constexpr std::array<std::string_view, 13> kShownKinds = {
+constexpr std::array<std::string_view, 16> kShownKinds = {
     "TEXT",
     "MTEXT",
     "ATTRIB",
+    "text of more than 10000 letters",
+    "text not in UTF-8",
+    "text with letters not in the font",
     "DIMENSION",
     "LEADER",
     "MLEADER",
@@ -98,10 +103,10 @@ Warning LeftOutWarning(const std::string& file, const std::string& kind,
 
 }  // namespace
 
-Result<drawing::Drawing> ReadDrawing(const std::string& name, std::string_view file,
-                                     const drawing::DrawingLimits& limits,
-                                     Warnings& warnings) {
-  auto drawing = INTAGLIO_TRY(ReadByEnding(name, file, limits));
+Result<drawing::Drawing> ReadDrawing(
+    const std::string& name, std::string_view file, const drawing::DrawingLimits& limits,
+    Warnings& warnings, const std::optional<drawing::FontSource>& text_font) {
+  auto drawing = INTAGLIO_TRY(ReadByEnding(name, file, limits, text_font));
   for (const auto& [kind, count] : drawing.left_out) {
     warnings.push_back(
         LeftOutWarning(std::filesystem::path(name).filename().string(), kind, count));
@@ -110,10 +115,14 @@ Result<drawing::Drawing> ReadDrawing(const std::string& name, std::string_view f
 }
 
 MadePoints MakeDrawing(const Method& method, const MethodInput& input,
-                       std::string_view file, const ReadLimits& limits,
-                       SizeCheck size_check, Warnings& warnings) {
+                       std::string_view file, std::string_view font,
+                       const ReadLimits& limits, SizeCheck size_check,
+                       Warnings& warnings) {
   const std::string& name = input.model.file();
-  const auto drawing = INTAGLIO_TRY(ReadDrawing(name, file, limits.drawings, warnings));
+  std::optional<drawing::FontSource> text_font;
+  if (!font.empty()) text_font = {input.model.text().font(), font};
+  const auto drawing =
+      INTAGLIO_TRY(ReadDrawing(name, file, limits.drawings, warnings, text_font));
   auto placed = INTAGLIO_TRY(
       discretize::PlaceDrawing(drawing, input.placement, input.block_size_mm));
   INTAGLIO_TRY(KeepLayers(input.model, drawing.names, placed.flat));

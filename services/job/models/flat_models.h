@@ -5,12 +5,14 @@
 // reader does.
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "engrave/core/result.h"
 #include "engrave/core/warning.h"
 #include "engrave/drawing/drawing.h"
+#include "engrave/drawing/font_source.h"
 #include "services/job/methods/point_maker.h"
 #include "services/job/models/read_limits.h"
 
@@ -18,17 +20,19 @@ namespace intaglio {
 
 enum class SizeCheck { kDone, kLeftOut };
 
-/// Of the kind that the name's ending says: .dxf, .svg, else HPGL. What it holds that is
-/// no curve is added to `warnings`.
-Result<drawing::Drawing> ReadDrawing(const std::string& name, std::string_view file,
-                                     const drawing::DrawingLimits& limits,
-                                     Warnings& warnings);
+/// Of the kind that the name's ending says: .dxf, .svg, else HPGL. The texts of a DXF are
+/// set in `text_font`, where there is one. What it holds that is no curve is added to
+/// `warnings`.
+Result<drawing::Drawing> ReadDrawing(
+    const std::string& name, std::string_view file, const drawing::DrawingLimits& limits,
+    Warnings& warnings, const std::optional<drawing::FontSource>& text_font = {});
 
 /// What a file holds that is not engraved, and an implausible size (model_checks.h), is
-/// added to `warnings`.
+/// added to `warnings`. `font`: the bytes of text.font of the model, if it has one.
 MadePoints MakeDrawing(const Method& method, const MethodInput& input,
-                       std::string_view file, const ReadLimits& limits,
-                       SizeCheck size_check, Warnings& warnings);
+                       std::string_view file, std::string_view font,
+                       const ReadLimits& limits, SizeCheck size_check,
+                       Warnings& warnings);
 
 /// A text of the model (text_model.h).
 MadePoints MakeLetters(const Method& method, const MethodInput& input,

@@ -11,6 +11,7 @@
 
 #include "engrave/mesh/base_face.h"
 #include "engrave/mesh/plausible_size.h"
+#include "services/job/model_kind.h"
 
 namespace intaglio {
 namespace {
@@ -19,8 +20,8 @@ namespace {
 constexpr double kUprightCosine = 0.999;
 
 std::string NameOf(const Model& model) {
-  return model.has_text() ? model.text().text()
-                          : std::filesystem::path(model.file()).filename().string();
+  return IsText(model) ? model.text().text()
+                       : std::filesystem::path(model.file()).filename().string();
 }
 
 /// "--up -y (placement.up: UP_AXIS_MINUS_Y)".

@@ -60,7 +60,7 @@ std::string_view TextOf(const FileBytes& bytes) {
 
 /// By hand in the job; there is no file then.
 bool HasOwnPoints(const Model& model) {
-  return !model.has_text() && model.file().empty() && model.points_mm_size() > 0;
+  return !IsText(model) && model.file().empty() && model.points_mm_size() > 0;
 }
 
 /// "vertex, edge".
@@ -124,7 +124,7 @@ class Maker {
     auto source = MakeOne(model);
     if (source) return WithCopies(model, std::move(*source));
     Error error = WithRemedy(source.error(), limits_);
-    const std::string name = model.has_text() ? model.text().text() : model.file();
+    const std::string name = IsText(model) ? model.text().text() : model.file();
     if (error.message.find(name) == std::string::npos)
       error.message = name + ": " + error.message;
     return tl::unexpected(std::move(error));
@@ -134,6 +134,8 @@ class Maker {
   Result<Source> MakeOne(const Model& model) {
     const FileBytes file = HasOwnPoints(model) ? FileBytes() : files_.Take();
     const auto kind = INTAGLIO_TRY(KindOf(model));
+    const bool has_font = !IsText(model) && !model.text().font().empty();
+    const FileBytes font = has_font ? files_.Take() : FileBytes();
     const Method* method = MethodOf(model);
     Require(Suits(model.method_case(), kind),
             "{} has no method that suits it: the job's defaults are not filled in",
@@ -157,7 +159,7 @@ class Maker {
       case ModelKind::kDrawing:
         AddOrientationOfSheet(input, made_.warnings);
         return MakeDrawing(
-            *method, input, TextOf(file), limits_,
+            *method, input, TextOf(file), TextOf(font), limits_,
             purpose_ == Purpose::kPoints ? SizeCheck::kDone : SizeCheck::kLeftOut,
             made_.warnings);
       case ModelKind::kImage:
@@ -323,7 +325,7 @@ Result<std::vector<Vec3>> SizesOf(const JobSpec& job, const ReadLimits& limits) 
 }
 
 std::optional<mesh::UpAxis> DeclaredUpOf(const Model& model, const FileBytes& file) {
-  if (model.has_text()) return std::nullopt;
+  if (IsText(model)) return std::nullopt;
   return mesh::UpAxisOfFile(ExtensionOf(model.file()), TextOf(file));
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <sstream>
 #include <utility>
 
 #include "engrave/core/try.h"
@@ -12,6 +13,9 @@
 #include "engrave/drawing/font_outline.h"
 #include "engrave/drawing/text_coverage.h"
 #include "engrave/drawing/utf8_characters.h"
+#include "engrave/io/lower_case.h"
+#include "engrave/io/whole_file.h"
+#include "services/job/model_kind.h"
 #include "services/job/models/model_sources.h"
 #include "services/job/models/text_fit.h"
 #include "services/job/placeholders.h"
@@ -24,6 +28,8 @@ namespace fs = std::filesystem;
 // As the range of height_mm.
 constexpr double kMinHeightMm = 0.1;
 constexpr double kHeightStepMm = 0.01;
+// Of the texts in a DXF; of the package on which that of intaglio depends.
+constexpr const char* kUsualFont = "DejaVu Sans";
 
 drawing::TextAlignment AlignmentOf(TextAlignment alignment) {
   switch (alignment) {
@@ -151,6 +157,33 @@ Result<std::vector<std::string>> FallbacksOf(const Text& text, Findings& finding
   return drawing::NeededFallbacks(LettersOf(text), text.font(), files);
 }
 
+/// Whether the DXF has an entity that a font makes visible. Of a file that cannot be read
+/// the check of the job reports the error.
+bool HoldsTexts(const std::string& file) {
+  const auto bytes = io::ReadWholeFile(file, drawing::DrawingLimits().max_file_bytes);
+  if (!bytes) return false;
+  std::istringstream lines(*bytes);
+  for (std::string line; std::getline(lines, line);) {
+    const auto first = line.find_first_not_of(" \t");
+    const auto last = line.find_last_not_of(" \t\r");
+    if (first == line.npos) continue;
+    const std::string word = line.substr(first, last - first + 1);
+    if (word == "TEXT" || word == "MTEXT" || word == "ATTRIB") return true;
+  }
+  return false;
+}
+
+/// The font of a DXF's texts: a file; without one the usual font, where it is installed.
+void FindFontOfDrawing(Model& model) {
+  const std::string ending = fs::path(model.file()).extension().string();
+  if (io::LowerCaseExtension(ending) != "dxf") return;
+  const bool asked = !model.text().font().empty();
+  if (!asked && (model.has_text() || !HoldsTexts(model.file()))) return;
+  if (auto file = FontFileOf(asked ? model.text().font() : kUsualFont)) {
+    model.mutable_text()->set_font(std::move(*file));
+  }
+}
+
 bool FontIsThere(const Text& text) {
   std::error_code ignored;
   return fs::is_regular_file(text.font(), ignored);
@@ -195,9 +228,12 @@ Result<OutlinedText> OutlineText(const JobSpec& job, const Model& model,
 std::vector<Finding> ResolveFonts(JobSpec& job) {
   Findings findings;
   for (int i = 0; i < job.models_size(); ++i) {
-    if (!job.models(i).has_text()) continue;
-    ResolveFontsOf(*job.mutable_models(i)->mutable_text(),
-                   fmt::format("models[{}].text", i), findings);
+    if (IsText(job.models(i))) {
+      ResolveFontsOf(*job.mutable_models(i)->mutable_text(),
+                     fmt::format("models[{}].text", i), findings);
+    } else {
+      FindFontOfDrawing(*job.mutable_models(i));
+    }
   }
   for (int i = 0; i < job.marks().items_size(); ++i) {
     if (!job.marks().items(i).has_text()) continue;
@@ -211,7 +247,7 @@ std::vector<Finding> CheckTexts(const JobSpec& job, Warnings& notes) {
   std::vector<Finding> found;
   for (int i = 0; i < job.models_size(); ++i) {
     const Model& model = job.models(i);
-    if (!model.has_text() || model.text().text().empty() || !FontIsThere(model.text())) {
+    if (!IsText(model) || model.text().text().empty() || !FontIsThere(model.text())) {
       continue;
     }
     const std::string field = fmt::format("models[{}].text.text", i);

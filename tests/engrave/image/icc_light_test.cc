@@ -163,7 +163,7 @@ TEST(IccLight, JpegAndItsGreyByAProfileOfRgb) {
   EXPECT_NEAR(image->at(4, 4), 65535 * std::pow(128 / 255.0, kGamma), kRounding);
 }
 
-TEST(IccLight, ADamagedProfileIsAnErrorThatSaysWhatToDo) {
+TEST(IccLight, ADamagedProfileIsAnErrorWithItsRemedy) {
   const std::string plain = EncodePng(4, 4, PaintedIcc), profile = WideProfile();
   const auto error_of = [](const std::string& file) {
     const auto image = ParseImage(file);

@@ -186,6 +186,15 @@ TEST(Dispersion, AbbeNumbersAreTheCatalogs) {
   EXPECT_FALSE(AbbeNumber({kRiiCauchy, {1.5}, 0.3, 1}).has_value());
 }
 
+// Schott, optical glass data sheets: N-BK7 517642.251.
+TEST(Dispersion, TotalAndPartialDispersionAreTheCatalogs) {
+  EXPECT_NEAR(*TotalDispersion(kNBk7), 0.008054, 5e-7);
+  EXPECT_NEAR(*PartialDispersionRatio(kNBk7, 435.8343, 486.1327), 0.5349, 5e-5);
+  EXPECT_NEAR(*PartialDispersionRatio(kNBk7, 486.1327, 656.2725), 1, 1e-12);
+  EXPECT_FALSE(TotalDispersion({kRiiCauchy, {1.5}, 0.3, 1}).has_value());
+  EXPECT_FALSE(PartialDispersionRatio(kNBk7, 200, 486.1327).has_value());
+}
+
 TEST(Dispersion, OutsideTheRangeTheRangeIsNamed) {
   for (const double nm :
        {299.9, 2500.1, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
