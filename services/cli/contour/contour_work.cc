@@ -10,6 +10,7 @@
 #include "engrave/contour/isolation.h"
 #include "engrave/contour/union.h"
 #include "engrave/core/try.h"
+#include "engrave/post/tab_parts.h"
 #include "services/cli/contour/contour_areas.h"
 #include "services/cli/contour/contour_nets.h"
 #include "services/client/figure_text.h"
@@ -117,9 +118,9 @@ void OrderCurves(const Course& course, const std::vector<DrawnCurve>& curves,
 /// Pockets and cuts: in the order in which they were made.
 Status TakeAreas(const Course& course, const std::vector<contour::Element>& elements,
                  const Vec2& start_mm, ContourWork& work) {
-  const AreaPaths made =
-      INTAGLIO_TRY(course.make() == COURSE_MAKE_POCKET ? ClearAreas(course, elements)
-                                                       : CutAreas(course, elements));
+  const AreaPaths made = INTAGLIO_TRY(course.make() == COURSE_MAKE_POCKET
+                                          ? ClearAreas(course, elements, start_mm)
+                                          : CutAreas(course, elements));
   INTAGLIO_TRY(KeepCopper(elements, contour::Corners::kRound, work));
   work.left_mm2 = made.left_mm2;
   Vec2 at_mm = start_mm;
@@ -127,7 +128,9 @@ Status TakeAreas(const Course& course, const std::vector<contour::Element>& elem
     const contour::Edges& edges = made.paths[i];
     work.idle_mm += (edges.front().begin_mm - at_mm).norm();
     at_mm = edges.back().end_mm;
-    work.paths.push_back(post::PathOf(edges, fmt::format("contour {}", i + 1)));
+    work.paths.push_back(
+        post::PathOf(edges, fmt::format("contour {}", i + 1), 0,
+                     made.tabs.empty() ? std::vector<bool>() : made.tabs[i]));
     work.passes.push_back(made.passes[i]);
     work.work_mm += contour::LengthOf(edges);
   }
@@ -167,6 +170,30 @@ post::Cutting CommonOf(const Course& whole, const Course& typed) {
   GiveIf(typed.has_plunge_mm_s(), "PLUNGE", cutting);
   GiveIf(typed.has_safe_height_mm(), "SAFE", cutting);
   return cutting;
+}
+
+/// Of all passes of all paths.
+struct PassSums {
+  double work_mm = 0;
+  double over_tabs_mm = 0;  ///< from part to part of a path
+  double part_count = 0;
+};
+
+PassSums SumPasses(const ContourWork& work, const post::Cutting& cutting) {
+  PassSums sums;
+  for (const post::ToolPath& path : work.paths) {
+    for (std::size_t pass = 0; pass < cutting.depths_mm.size(); ++pass) {
+      contour::Edges edges;
+      for (const post::PathPart& part : post::PartsOfPass(path, cutting, pass)) {
+        if (!edges.empty())
+          sums.over_tabs_mm += (part.path.begin_mm - edges.back().end_mm).norm();
+        edges = post::EdgesOf(part.path);
+        sums.work_mm += contour::LengthOf(edges);
+        ++sums.part_count;
+      }
+    }
+  }
+  return sums;
 }
 
 }  // namespace
@@ -210,6 +237,8 @@ post::Cutting MillingOf(const Course& whole, const Course& typed) {
   for (std::uint32_t k = 1; k <= whole.repeat_count(); ++k) {
     cutting.depths_mm.push_back(-whole.depth_mm() * k / whole.repeat_count());
   }
+  if (!whole.has_power_ratio())
+    cutting.tab_top_mm = std::min(0.0, whole.tab_height_mm() - whole.depth_mm());
   return cutting;
 }
 
@@ -221,14 +250,14 @@ post::Cutting DrillingOf(const Course& whole, const Course& typed) {
 }
 
 WorkTime TimeOf(const ContourWork& work, const Course& whole) {
-  const double repeats = whole.repeat_count();
   WorkTime time;
-  time.work_s = repeats * work.work_mm / whole.speed_mm_s();
+  const PassSums sums = SumPasses(work, MillingOf(whole, {}));
+  time.work_s = sums.work_mm / whole.speed_mm_s();
   const double down_s = whole.safe_height_mm() / whole.travel_mm_s() +
                         (whole.safe_height_mm() + whole.depth_mm()) / whole.plunge_mm_s();
   const bool lifts = !whole.has_power_ratio();
-  time.idle_s = work.idle_mm / whole.travel_mm_s() +
-                (lifts ? repeats * static_cast<double>(work.paths.size()) * down_s : 0);
+  time.idle_s = (work.idle_mm + sums.over_tabs_mm) / whole.travel_mm_s() +
+                (lifts ? sums.part_count * down_s : 0);
   const double hole_mm = whole.safe_height_mm() + whole.drill_depth_mm();
   time.drill_s = work.drill_idle_mm / whole.travel_mm_s() +
                  static_cast<double>(work.hole_count) * hole_mm *
