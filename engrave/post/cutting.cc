@@ -55,8 +55,8 @@ Status RequireSuited(const Template& program, const TemplateRules& rules,
   if (differ && !AnyFragmentUses(program, rules, "DEPTH", 1)) {
     return Fail(ErrorCode::kUnsupported,
                 fmt::format("{}: fragment '{}' alone uses @DEPTH@, so that all passes "
-                            "would have one depth; make one pass, or choose another "
-                            "template",
+                            "would have one depth; make one pass without tabs, "
+                            "or choose another template",
                             program.file, rules.fragments[0].name));
   }
   return {};

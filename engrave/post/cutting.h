@@ -37,6 +37,9 @@ struct Cutting {
   double safe_mm = 2;
   /// z of each time that a contour is made, mm, <= 0; one or more. All 0 of a laser.
   std::vector<double> depths_mm{-0.2};
+  /// z of the top of tabs, mm, <= 0; nothing for tabs that no pass works on, as of a
+  /// laser.
+  std::optional<double> tab_top_mm{};
   std::optional<double> power_ratio{};  ///< of a laser, 0..1
   double tool_diameter_mm = 0.2;
   /// Variables that a person gave a value for: a template that does not use them is

@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
 #include <utility>
 
 #include "engrave/core/try.h"
+#include "engrave/post/tab_parts.h"
 
 namespace intaglio::post {
 namespace {
@@ -248,6 +250,11 @@ Result<ProgramTexts> MillPrograms(const Template& program,
                                   std::span<const ToolPath> paths, const Cutting& cutting,
                                   const MillOptions& options) {
   INTAGLIO_TRY(RequireSuited(program, kMillRules, cutting));
+  if (cutting.tab_top_mm && std::ranges::any_of(paths, HasTabs)) {
+    Cutting with_tabs = cutting;
+    with_tabs.depths_mm.push_back(*cutting.tab_top_mm);
+    INTAGLIO_TRY(RequireSuited(program, kMillRules, with_tabs));
+  }
   const Vec2 origin_mm = options.origin_mm + Vec2(program.SettingOf("origin-x", 0),
                                                   program.SettingOf("origin-y", 0));
   INTAGLIO_TRY(CheckLathe(program, paths, cutting, options, origin_mm));
@@ -261,8 +268,9 @@ Result<ProgramTexts> MillPrograms(const Template& program,
   MillWriter writer(program, cutting, origin_mm, max_bytes);
   for (const ToolPath& path : paths) {
     const ToolPath made = chords ? Chorded(path, tolerance_mm) : path;
-    for (const double depth_mm : cutting.depths_mm) {
-      INTAGLIO_TRY(writer.Add(made, depth_mm));
+    for (std::size_t pass = 0; pass < cutting.depths_mm.size(); ++pass) {
+      for (const PathPart& part : PartsOfPass(made, cutting, pass))
+        INTAGLIO_TRY(writer.Add(part.path, part.depth_mm));
     }
   }
   return writer.Take();

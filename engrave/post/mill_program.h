@@ -38,7 +38,8 @@ struct MillOptions {
   Vec2 origin_mm = Vec2::Zero();             ///< subtracted, beside the template's
 };
 
-/// Each path once for each depth, the first paths first. A program longer than its
+/// Each path once for each depth, the first paths first; over its tabs as tab_parts.h has
+/// it. A program longer than its
 /// maximum size is divided between paths, and within one that is longer itself: the tool
 /// is retracted there, and the next part goes on at the same place.
 ///

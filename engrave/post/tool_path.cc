@@ -11,6 +11,8 @@
 #include <numbers>
 #include <utility>
 
+#include "engrave/core/check.h"
+
 namespace intaglio::post {
 namespace {
 
@@ -66,17 +68,26 @@ double AxisSpeedAt(const Vec2& place_mm, const Vec2& direction, double speed_mm_
 
 }  // namespace
 
-ToolPath PathOf(const contour::Edges& edges, std::string name,
-                double chord_tolerance_mm) {
+ToolPath PathOf(const contour::Edges& edges, std::string name, double chord_tolerance_mm,
+                const std::vector<bool>& tabs) {
+  Require(tabs.empty() || tabs.size() == edges.size(), "{} edges have {} flags of tabs",
+          edges.size(), tabs.size());
   ToolPath path{std::move(name), {}, {}};
   if (edges.empty()) return path;
   path.begin_mm = edges.front().begin_mm;
-  for (const contour::Edge& edge : edges) AddEdge(edge, chord_tolerance_mm, path);
+  for (std::size_t k = 0; k < edges.size(); ++k) {
+    const std::size_t first = path.moves.size();
+    AddEdge(edges[k], chord_tolerance_mm, path);
+    if (tabs.empty() || !tabs[k]) continue;
+    for (std::size_t i = first; i < path.moves.size(); ++i) path.moves[i].tab = true;
+  }
   return path;
 }
 
 ToolPath Chorded(const ToolPath& path, double chord_tolerance_mm) {
-  return PathOf(EdgesOf(path), path.name, chord_tolerance_mm);
+  std::vector<bool> tabs;
+  for (const WorkMove& move : path.moves) tabs.push_back(move.tab);
+  return PathOf(EdgesOf(path), path.name, chord_tolerance_mm, tabs);
 }
 
 contour::Edges EdgesOf(const ToolPath& path) {

@@ -21,6 +21,7 @@ struct WorkMove {
   Vec2 center_from_begin_mm = Vec2::Zero();  ///< centre minus begin
   double radius_mm = 0;
   double sweep_rad = 0;  ///< 0..2 pi, whatever the direction
+  bool tab = false;      ///< over a tab, which stays (tab_parts.h)
 };
 
 inline WorkMove LineTo(const Vec2& end_mm) {
@@ -39,8 +40,9 @@ struct ToolPath {
 /// chord_tolerance_mm above 0 arcs become chords between places of the arc, so that no
 /// chord is farther than that from it. An arc over more than 359 degrees is divided into
 /// two: a circle that ends where it begins has no middle that determines it.
+/// tabs: of each edge whether it runs over a tab; empty for none.
 ToolPath PathOf(const contour::Edges& edges, std::string name,
-                double chord_tolerance_mm = 0);
+                double chord_tolerance_mm = 0, const std::vector<bool>& tabs = {});
 
 /// As PathOf of edges with a tolerance above 0, but for an arc of the path.
 ToolPath Chorded(const ToolPath& path, double chord_tolerance_mm);

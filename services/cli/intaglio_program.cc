@@ -22,6 +22,7 @@
 #include "services/cli/recordings/replay_command.h"
 #include "services/cli/run_command.h"
 #include "services/cli/security_command.h"
+#include "services/cli/sheet/sheet_command.h"
 #include "services/cli/status/status_command.h"
 #include "services/cli/stop_command.h"
 #include "services/cli/teach/teach_command.h"
@@ -62,6 +63,7 @@ std::unique_ptr<command_line::Program> IntaglioProgram() {
   AddPathCommands(root);
   AddPostCommand(root);
   AddContourCommand(root);
+  AddSheetCommand(root);
   AddCourseCommand(root);
   AddMachineCommand(root);
   AddDriveCommand(root);

@@ -25,6 +25,8 @@ Status CheckCutOptions(const CutOptions& options) {
   INTAGLIO_TRY(CheckOption("the tool's diameter", options.tool_diameter_mm, 0.001, 100));
   INTAGLIO_TRY(CheckOption("the lead", options.lead_mm, 0.01, 1000));
   INTAGLIO_TRY(CheckOption("the number of tabs", options.tabs.count, 0, 1000));
+  INTAGLIO_TRY(CheckOption("the distance of tabs", options.tabs.distance_mm.value_or(1),
+                           0.1, 10'000));
   INTAGLIO_TRY(CheckOption("the width of tabs", options.tabs.width_mm, 0.01, 1000));
   return CheckOption("the height of tabs", options.tabs.height_mm, 0.01, 1000);
 }
@@ -201,7 +203,7 @@ class Cutter {
 
   Result<Cut> WithTabs(const Edges& path, Cut cut) const {
     const bool hole = options_.side == CutSide::kOutside && cut.inner;
-    const int count = hole && !options_.tabs.of_holes ? 0 : options_.tabs.count;
+    const int count = hole && !options_.tabs.of_holes ? 0 : TabCountOf(path);
     // The tool's edge is half its diameter ahead of its centre.
     const double length = options_.tabs.width_mm + options_.tool_diameter_mm;
     const TabPlaces places = PlaceTabs(path, count, length);
@@ -218,6 +220,13 @@ class Cutter {
       if (piece.tab) cut.tabs_mm.push_back(PointAt(piece.edge, piece.edge.length_mm / 2));
     }
     return cut;
+  }
+
+  int TabCountOf(const Edges& path) const {
+    if (!options_.tabs.distance_mm) return options_.tabs.count;
+    // One part in a million more of a distance needs no further tab.
+    return static_cast<int>(
+        std::ceil(LengthOf(path) / *options_.tabs.distance_mm - 1e-6));
   }
 
   const Region& area_;

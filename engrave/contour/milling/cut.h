@@ -5,6 +5,7 @@
 // leaves tabs that hold the part. Frame: drawing, mm.
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "engrave/contour/region/region.h"
@@ -28,7 +29,9 @@ enum class LeadKind {
 };
 
 struct TabOptions {
-  int count = 0;          ///< of each contour, 0 .. 1000
+  int count = 0;  ///< of each contour, 0 .. 1000
+  /// In place of the number: along the path at most, 0.1 .. 10 000.
+  std::optional<double> distance_mm = {};
   double width_mm = 3;    ///< of the material that is left, 0.01 .. 1000
   double height_mm = 1;   ///< 0.01 .. 1000; above the sheet's bottom
   bool of_holes = false;  ///< in the holes of parts as well, whose waste then stays

@@ -22,6 +22,7 @@
 #include "services/cli/contour/contour_files.h"
 #include "services/cli/contour/contour_frames.h"
 #include "services/cli/contour/contour_motion.h"
+#include "services/cli/contour/contour_page.h"
 #include "services/cli/contour/contour_picture.h"
 #include "services/cli/contour/contour_programs.h"
 #include "services/cli/contour/contour_project.h"
@@ -46,11 +47,12 @@ struct ContourOptions {
   std::string layer;
   bool inside = false;
   std::optional<double> lead_mm, tool_mm, overlap, speed_mm_s, travel_mm_s, plunge_mm_s,
-      depth_mm, power, safe_mm, drill_depth_mm, chord_um, axis_speed_deg_s;
-  std::optional<std::uint32_t> passes, repeat, max_bytes;
+      depth_mm, power, safe_mm, tab_distance_mm, tab_width_mm, tab_height_mm,
+      drill_depth_mm, chord_um, axis_speed_deg_s;
+  std::optional<std::uint32_t> tabs, passes, repeat, max_bytes;
   std::vector<double> start_mm, origin_mm;
   bool chords = false;
-  std::string mill_template, drill_template, out, picture, xml, frames, machine;
+  std::string mill_template, drill_template, out, picture, xml, frames, page, machine;
   std::optional<double> frame_step_s;
   double size_limits = 1;
 };
@@ -86,6 +88,10 @@ Course TypedCourse(const ContourOptions& options) {
   if (!options.layer.empty()) course.set_layer(options.layer);
   if (options.inside) course.set_inside(true);
   if (options.lead_mm) course.set_lead_mm(*options.lead_mm);
+  if (options.tabs) course.set_tab_count(*options.tabs);
+  if (options.tab_distance_mm) course.set_tab_distance_mm(*options.tab_distance_mm);
+  if (options.tab_width_mm) course.set_tab_width_mm(*options.tab_width_mm);
+  if (options.tab_height_mm) course.set_tab_height_mm(*options.tab_height_mm);
   if (options.tool_mm) course.set_tool_diameter_mm(*options.tool_mm);
   if (options.passes) course.set_pass_count(*options.passes);
   if (options.overlap) course.set_overlap_ratio(*options.overlap);
@@ -160,7 +166,8 @@ Status WritePrograms(const ContourOptions& options, const ContourWork& work,
 /// The motion in time, when it is asked for.
 Status Simulate(const ContourOptions& options, const ContourWork& work,
                 const Course& whole) {
-  if (options.frames.empty() && options.machine.empty()) return {};
+  if (options.frames.empty() && options.page.empty() && options.machine.empty())
+    return {};
   std::optional<MachineSpec> machine;
   if (!options.machine.empty()) {
     const fs::path profile = INTAGLIO_TRY(FindMachineFile(options.machine));
@@ -180,6 +187,12 @@ Status Simulate(const ContourOptions& options, const ContourWork& work,
                             "position_tolerance_um",
                             motion.not_held, work.paths.size(), machine->name(),
                             machine->position_tolerance_um()));
+  }
+  if (!options.page.empty() && motion.duration_s > 0) {
+    const std::string title = fs::path(options.files[0]).filename().string();
+    INTAGLIO_TRY(io::WriteFileAtomically(
+        options.page, PageOf(work, motion, whole.tool_diameter_mm(), title)));
+    fmt::print("page          {}\n", options.page);
   }
   if (options.frames.empty()) return {};
   FrameOptions frames;
@@ -255,6 +268,24 @@ void AddToolOptions(command_line::Command contour, ContourOptions& options) {
       .TakeValues(2);
 }
 
+void AddTabOptions(command_line::Command contour, ContourOptions& options) {
+  const auto count = contour
+                         .AddOption("--tabs", options.tabs,
+                                    "of cuts: how many hold each part, default 0")
+                         .Within(0, 1000);
+  contour
+      .AddOption("--tab-distance", options.tab_distance_mm,
+                 "of cuts: mm, how far apart tabs are at most, in place of their number")
+      .Within(0.1, 10000.0)
+      .Exclude(count);
+  contour.AddOption("--tab-width", options.tab_width_mm, "mm of material left, default 3")
+      .Within(0.01, 1000.0);
+  contour
+      .AddOption("--tab-height", options.tab_height_mm,
+                 "mm above the depth, of mills; default half of the depth")
+      .Within(0.01, 100.0);
+}
+
 void AddMotionOptions(command_line::Command contour, ContourOptions& options) {
   contour.AddOption("--speed", options.speed_mm_s, "mm/s at work, default 5")
       .Within(0.01, 10000.0);
@@ -324,6 +355,7 @@ void AddContourCommand(command_line::Command app) {
                  "one frame")
       .Require();
   AddToolOptions(contour, *options);
+  AddTabOptions(contour, *options);
   AddMotionOptions(contour, *options);
   AddProgramOptions(contour, *options);
   contour.AddOption("--picture", options->picture,
@@ -337,8 +369,11 @@ void AddContourCommand(command_line::Command app) {
                  "s between frames, default a hundredth of the time")
       .Within(0.001, 1000.0)
       .Need(frames);
-  contour.AddOption("--machine", options->machine,
-                    "profile whose drive follows: time and frames with planned speeds");
+  contour.AddOption("--page", options->page,
+                    "HTML: play, pause, stop and feed of the work in a browser");
+  contour.AddOption(
+      "--machine", options->machine,
+      "profile whose drive follows: time, frames and page with planned speeds");
   AddSizeLimitsFlag(contour, options->size_limits);
   contour.SetFooter(
       "Example: intaglio contour board.gbr board.drl --tool 0.2 --passes 2 --template "

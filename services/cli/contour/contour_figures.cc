@@ -2,19 +2,48 @@
 
 #include <fmt/format.h>
 
+#include "engrave/post/tab_parts.h"
+#include "services/cli/contour/contour_programs.h"
 #include "services/client/figure_text.h"
 
 namespace intaglio::cli {
+namespace {
+
+/// Of all passes of all paths.
+struct PassSums {
+  double work_mm = 0;
+  double over_tabs_mm = 0;  ///< from part to part of a path
+  double part_count = 0;
+};
+
+PassSums SumPasses(const ContourWork& work, const post::Cutting& cutting) {
+  PassSums sums;
+  for (const post::ToolPath& path : work.paths) {
+    for (std::size_t pass = 0; pass < cutting.depths_mm.size(); ++pass) {
+      contour::Edges edges;
+      for (const post::PathPart& part : post::PartsOfPass(path, cutting, pass)) {
+        if (!edges.empty())
+          sums.over_tabs_mm += (part.path.begin_mm - edges.back().end_mm).norm();
+        edges = post::EdgesOf(part.path);
+        sums.work_mm += contour::LengthOf(edges);
+        ++sums.part_count;
+      }
+    }
+  }
+  return sums;
+}
+
+}  // namespace
 
 WorkTime TimeOf(const ContourWork& work, const Course& whole) {
-  const double repeats = whole.repeat_count();
   WorkTime time;
-  time.work_s = repeats * work.work_mm / whole.speed_mm_s();
+  const PassSums sums = SumPasses(work, MillingOf(whole, {}));
+  time.work_s = sums.work_mm / whole.speed_mm_s();
   const double down_s = whole.safe_height_mm() / whole.travel_mm_s() +
                         (whole.safe_height_mm() + whole.depth_mm()) / whole.plunge_mm_s();
   const bool lifts = !whole.has_power_ratio();
-  time.idle_s = work.idle_mm / whole.travel_mm_s() +
-                (lifts ? repeats * static_cast<double>(work.paths.size()) * down_s : 0);
+  time.idle_s = (work.idle_mm + sums.over_tabs_mm) / whole.travel_mm_s() +
+                (lifts ? sums.part_count * down_s : 0);
   const double hole_mm = whole.safe_height_mm() + whole.drill_depth_mm();
   time.drill_s = work.drill_idle_mm / whole.travel_mm_s() +
                  static_cast<double>(work.hole_count) * hole_mm *

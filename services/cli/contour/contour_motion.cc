@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "engrave/core/try.h"
+#include "engrave/post/tab_parts.h"
 #include "services/cli/course/course_job.h"
 
 namespace intaglio::cli {
@@ -137,14 +138,16 @@ Result<ContourMotion> MotionOf(const ContourWork& work, const Course& whole,
   MotionBuilder builder(whole, start_mm);
   if (machine != nullptr) INTAGLIO_TRY(builder.TakeMachine(*machine));
   const bool lifts = !whole.has_power_ratio();
+  const post::Cutting cutting = MillingOf(whole, {});
   const double down_s = whole.safe_height_mm() / whole.travel_mm_s() +
                         (whole.safe_height_mm() + whole.depth_mm()) / whole.plunge_mm_s();
   for (std::size_t k = 0; k < work.paths.size(); ++k) {
-    builder.GoTo(work.paths[k].begin_mm, k);
-    for (std::uint32_t i = 0; i < whole.repeat_count(); ++i) {
-      if (i > 0) builder.GoTo(work.paths[k].begin_mm, k);
-      if (lifts) builder.Stay(down_s, LegKind::kDown, k);
-      INTAGLIO_TRY(builder.Work(work.paths[k], k));
+    for (std::size_t pass = 0; pass < cutting.depths_mm.size(); ++pass) {
+      for (const post::PathPart& part : post::PartsOfPass(work.paths[k], cutting, pass)) {
+        builder.GoTo(part.path.begin_mm, k);
+        if (lifts) builder.Stay(down_s, LegKind::kDown, k);
+        INTAGLIO_TRY(builder.Work(part.path, k));
+      }
     }
   }
   const double hole_mm = whole.safe_height_mm() + whole.drill_depth_mm();

@@ -74,6 +74,20 @@ void AddIdle(const ContourWork& work, const Vec2& start_mm, SvgText& svg) {
   svg.Add("\"/>\n");
 }
 
+/// Black lines along the path where its tabs are.
+void AddTabs(const post::ToolPath& path, double tool_diameter_mm, SvgText& svg) {
+  Vec2 at_mm = path.begin_mm;
+  for (const post::WorkMove& move : path.moves) {
+    if (move.tab) {
+      svg.Add(fmt::format(
+          "<path class=\"tab\" fill=\"none\" stroke=\"#000000\" "
+          "stroke-width=\"{:.4f}\" d=\"M{}L{}\"/>\n",
+          tool_diameter_mm / 3, svg.PlaceText(at_mm), svg.PlaceText(move.end_mm)));
+    }
+    at_mm = move.end_mm;
+  }
+}
+
 }  // namespace
 
 std::string SvgOf(const ContourWork& work, const Vec2& start_mm,
@@ -88,6 +102,7 @@ std::string SvgOf(const ContourWork& work, const Vec2& start_mm,
         fmt::format("<path fill=\"none\" stroke=\"{}\" stroke-width=\"{:.4f}\" "
                     "stroke-opacity=\"0.6\" d=\"{}\"/>\n",
                     color, tool_diameter_mm, svg.PathText(post::EdgesOf(work.paths[k]))));
+    AddTabs(work.paths[k], tool_diameter_mm, svg);
   }
   for (const post::DrillRound& round : work.rounds) {
     for (const Vec2& place : round.places_mm) {
@@ -102,6 +117,18 @@ std::string SvgOf(const ContourWork& work, const Vec2& start_mm,
     }
   }
   return svg.Take(std::max(1.0, tool_diameter_mm));
+}
+
+std::string SvgOfSheet(const std::vector<contour::Region>& parts, const Vec2& sheet_mm) {
+  SvgText svg;
+  svg.PlaceText(Vec2::Zero());
+  svg.PlaceText(sheet_mm);
+  for (const contour::Region& part : parts) {
+    svg.Add("<path fill=\"#e8c9a0\" fill-rule=\"evenodd\" d=\"");
+    for (const contour::Edges& loop : part.loops) svg.Add(svg.PathText(loop) + "Z");
+    svg.Add("\"/>\n");
+  }
+  return svg.Take(0);
 }
 
 }  // namespace intaglio::cli

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "engrave/core/try.h"
@@ -73,6 +74,8 @@ post::Cutting MillingOf(const Course& whole, const Course& typed) {
   for (std::uint32_t k = 1; k <= whole.repeat_count(); ++k) {
     cutting.depths_mm.push_back(-whole.depth_mm() * k / whole.repeat_count());
   }
+  if (!whole.has_power_ratio())
+    cutting.tab_top_mm = std::min(0.0, whole.tab_height_mm() - whole.depth_mm());
   return cutting;
 }
 

@@ -42,6 +42,31 @@ void CheckTool(const Course& course, Findings& findings) {
   }
 }
 
+void CheckTabs(const Course& course, Findings& findings) {
+  const bool asked = course.has_tab_count() || course.has_tab_distance_mm();
+  if (course.has_tab_count() && course.has_tab_distance_mm()) {
+    findings.Wrong("course.tab_distance_mm", course.tab_distance_mm(),
+                   "excludes course.tab_count; give one of them");
+  }
+  if (asked && course.make() != COURSE_MAKE_CUT) {
+    findings.Wrong(course.has_tab_count() ? "course.tab_count" : "course.tab_distance_mm",
+                   course.has_tab_count() ? course.tab_count() : course.tab_distance_mm(),
+                   "is of cuts; remove it, or make a cut");
+  }
+  if (!asked && (course.has_tab_width_mm() || course.has_tab_height_mm())) {
+    findings.Missing("course.tab_count",
+                     "give it or tab_distance_mm, since tabs have a width or a height");
+  }
+  if (!course.has_tab_height_mm()) return;
+  if (course.has_power_ratio()) {
+    findings.Wrong("course.tab_height_mm", course.tab_height_mm(),
+                   "is of mills; a laser leaves tabs whole: remove it");
+  } else if (course.tab_height_mm() > WithDefaults(course).depth_mm()) {
+    findings.Wrong("course.tab_height_mm", course.tab_height_mm(),
+                   "is more than depth_mm, {}", WithDefaults(course).depth_mm());
+  }
+}
+
 }  // namespace
 
 Course WithDefaults(Course course) {
@@ -55,6 +80,10 @@ Course WithDefaults(Course course) {
   if (!course.has_repeat_count()) course.set_repeat_count(1);
   if (!course.has_safe_height_mm()) course.set_safe_height_mm(2);
   if (!course.has_drill_depth_mm()) course.set_drill_depth_mm(3);
+  if (!course.has_tab_count() && !course.has_tab_distance_mm()) course.set_tab_count(0);
+  if (!course.has_tab_width_mm()) course.set_tab_width_mm(3);
+  if (!course.has_tab_height_mm() && course.has_depth_mm())
+    course.set_tab_height_mm(course.depth_mm() / 2);
   return course;
 }
 
@@ -71,6 +100,7 @@ std::vector<Finding> CheckCourse(const JobSpec& job) {
   }
   CheckCourseFiles(job.course(), findings);
   CheckTool(job.course(), findings);
+  CheckTabs(job.course(), findings);
   return std::move(findings.found());
 }
 

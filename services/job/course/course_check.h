@@ -10,7 +10,8 @@
 namespace intaglio {
 
 /// Every default but the speed of plunging, which is that at work, and depth_mm, which a
-/// laser does not have, is a constant of course.proto.
+/// laser does not have, with the height of tabs, half of it, is a constant of
+/// course.proto.
 Course WithDefaults(Course course);
 
 /// Ranges, files that do not exist, and what excludes each other, e.g. models beside

@@ -121,9 +121,9 @@ void OrderCurves(const Course& course, const std::vector<DrawnCurve>& curves,
 /// Pockets and cuts: in the order in which they were made.
 Status TakeAreas(const Course& course, const std::vector<contour::Element>& elements,
                  const Vec2& start_mm, ContourWork& work) {
-  const AreaPaths made =
-      INTAGLIO_TRY(course.make() == COURSE_MAKE_POCKET ? ClearAreas(course, elements)
-                                                       : CutAreas(course, elements));
+  const AreaPaths made = INTAGLIO_TRY(course.make() == COURSE_MAKE_POCKET
+                                          ? ClearAreas(course, elements, start_mm)
+                                          : CutAreas(course, elements));
   INTAGLIO_TRY(KeepCopper(elements, contour::Corners::kRound, work));
   work.left_mm2 = made.left_mm2;
   Vec2 at_mm = start_mm;
@@ -131,7 +131,9 @@ Status TakeAreas(const Course& course, const std::vector<contour::Element>& elem
     const contour::Edges& edges = made.paths[i];
     work.idle_mm += (edges.front().begin_mm - at_mm).norm();
     at_mm = edges.back().end_mm;
-    work.paths.push_back(post::PathOf(edges, fmt::format("contour {}", i + 1)));
+    work.paths.push_back(
+        post::PathOf(edges, fmt::format("contour {}", i + 1), 0,
+                     made.tabs.empty() ? std::vector<bool>() : made.tabs[i]));
     work.passes.push_back(made.passes[i]);
     work.work_mm += contour::LengthOf(edges);
   }

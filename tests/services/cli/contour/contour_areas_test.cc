@@ -13,6 +13,7 @@
 #include "services/job/course/course_work.h"
 #include "tests/engrave/contour/files/kicad_text.h"
 #include "tests/services/cli/typed_command.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::cli {
 namespace {
@@ -100,6 +101,48 @@ TEST_F(ContourAreas, APocketIsClearedAndACutGoesAroundIt) {
   EXPECT_NEAR(cut->work_mm, leads_mm + hole_mm + plate_mm, 1e-3);
   EXPECT_LT(contour::LengthOf(post::EdgesOf(cut->paths[0])),
             contour::LengthOf(post::EdgesOf(cut->paths[1])));
+}
+
+// Tabs every 30 mm of 106.28 mm are four; of each its width and the tool's are at its
+// top once, and above the part in the pass that follows.
+TEST_F(ContourAreas, TabsStayInTheProgramOfACut) {
+  const std::string plate = Write("plate.svg", kPlate);
+  const std::string out = folder_ / "plate.ngc", picture = folder_ / "plate_cut.svg";
+  ASSERT_EQ(Type({plate, "--make", "cut", "--tool", "2", "--depth", "3", "--repeat", "3",
+                  "--tab-distance", "30", "--tab-height", "1", "--template",
+                  INTAGLIO_SOURCE_DIR "/deploy/post/mill/linuxcnc.post", "--out", out,
+                  "--picture", picture}),
+            client::kExitGood)
+      << errors_;
+  const std::string program = test::ContentOf(out);
+  const auto count = [](const std::string& text, const std::string& part) {
+    std::size_t found = 0;
+    for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+      ++found;
+    return found;
+  };
+  // The hole and the plate whole at -1 and -2; at -3 the hole whole, the plate in five.
+  EXPECT_EQ(count(program, "G1 Z-1.0000"), 2U);
+  EXPECT_EQ(count(program, "G1 Z-2.0000"), 2U);
+  EXPECT_EQ(count(program, "G1 Z-3.0000"), 1U + 5U);
+  EXPECT_EQ(count(test::ContentOf(picture), "class=\"tab\""), 4U);
+}
+
+TEST_F(ContourAreas, TabsThatCannotBeAreRefusedByName) {
+  const std::string plate = Write("plate.svg", kPlate);
+  EXPECT_EQ(Type({plate, "--make", "pocket", "--tabs", "4"}), client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("course.tab_count"));
+  EXPECT_EQ(Type({plate, "--make", "cut", "--tab-width", "4"}), client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("tab_distance_mm"));
+  EXPECT_EQ(Type({plate, "--make", "cut", "--tabs", "2", "--tab-height", "1"}),
+            client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("is more than depth_mm, 0.2"));
+  EXPECT_EQ(Type({plate, "--make", "cut", "--tabs", "2", "--tab-height", "1", "--power",
+                  "0.5"}),
+            client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("a laser leaves tabs whole"));
+  EXPECT_EQ(Type({plate, "--make", "cut", "--tabs", "50"}), client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("of 50 tabs"));
 }
 
 TEST_F(ContourAreas, WhatIsOfCutsAloneIsRefusedOfOthers) {
