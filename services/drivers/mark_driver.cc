@@ -1,11 +1,21 @@
 #include "services/drivers/mark_driver.h"
 
 #include "engrave/core/try.h"
+#include "services/drivers/galvo/galvo_driver.h"
+#include "services/drivers/galvo/head_profile.h"
 #include "services/platform/link/driver_table.h"
 
 namespace intaglio::drivers {
 
-std::span<const MarkDriverKind> MarkDriverKinds() { return {}; }
+namespace {
+
+constexpr MarkDriverKind kMarkKinds[] = {
+    {"scan-head", true, MakeGalvoDriver, CheckScanHead},
+};
+
+}  // namespace
+
+std::span<const MarkDriverKind> MarkDriverKinds() { return kMarkKinds; }
 
 Result<std::unique_ptr<MarkDriver>> MakeMarkDriver(const MachineSpec& machine) {
   const SerialLine& line = machine.mark_line();

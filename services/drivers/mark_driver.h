@@ -16,6 +16,8 @@
 //   M3  A mark that was appended once is made at most once, whatever is repeated on the
 //       line. kBegun comes before anything of it can be made, kDone after all of it was
 //       made, each once and in order. kBroken ends a mark that was begun and not ended.
+//       A mark that the controller dropped before it was in hand ends as kNotBegun, even
+//       behind its kBegun.
 //   M4  Stop, a withdrawn permission, an interlock, a fault and a lost line end the beam
 //       and drop what was appended. What of it was not begun is not made, and
 //       settled() is true once that is known.

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "services/drivers/laser_controller.h"
+#include "services/drivers/mark_driver.h"
 #include "services/drivers/motion_driver.h"
 #include "services/platform/link/driver_table.h"
 
@@ -33,6 +34,11 @@ std::vector<Error> CheckDrivers(const MachineSpec& machine) {
   std::vector<Error> errors;
   AddUnknown(LaserDriverKinds(), "laser_line", machine.laser_line(), errors);
   AddUnknown(MotionDriverKinds(), "motion_line", machine.motion_line(), errors);
+  AddUnknown(MarkDriverKinds(), "mark_line", machine.mark_line(), errors);
+  if (const auto* marks = KindOf(MarkDriverKinds(), machine.mark_line().protocol());
+      marks != nullptr && marks->check != nullptr) {
+    for (Error& error : marks->check(machine)) errors.push_back(std::move(error));
+  }
   const auto* kind = KindOf(MotionDriverKinds(), machine.motion_line().protocol());
   if (kind == nullptr) return errors;
   if (machine.laser_line().protocol() == kMotionOutput) {

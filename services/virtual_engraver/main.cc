@@ -12,6 +12,7 @@
 #include "services/platform/link/line_session.h"
 #include "services/platform/link/real_time.h"
 #include "services/virtual_engraver/commands.h"
+#include "services/virtual_engraver/head/head_program.h"
 #include "services/virtual_engraver/panel.h"
 #include "services/virtual_engraver/truth/truth_file.h"
 #include "services/virtual_engraver/truth_options.h"
@@ -26,6 +27,7 @@ volatile sig_atomic_t stop_asked = 0;
 struct Options {
   std::string truth_file;
   std::string laser_line, motion_line, panel, glass_record;
+  std::string head_line, mark_record;
   MachineOptions machine;
   std::string speed = "1";
   std::vector<std::string> faults;
@@ -38,14 +40,14 @@ void AddOptions(command_line::Command app, Options& o) {
       .Require();
   app.AddOption("--laser-line", o.laser_line,
                 "laser line: the symbolic link to make for a pseudo-terminal, or "
-                "tcp:HOST:PORT to listen there (port 0: a free one)")
-      .Require();
+                "tcp:HOST:PORT to listen there (port 0: a free one)");
   app.AddOption("--motion-line", o.motion_line,
                 "motion line, as --laser-line; the same symbolic link: one line carries "
-                "both, as of a controller that moves and switches the laser")
-      .Require();
-  app.AddOption("--glass-record", o.glass_record, "file that records every crack")
-      .Require();
+                "both, as of a controller that moves and switches the laser");
+  app.AddOption("--glass-record", o.glass_record, "file that records every crack");
+  app.AddOption("--head-line", o.head_line,
+                "in place of the three: a scan head behind this line, as --laser-line");
+  app.AddOption("--mark-record", o.mark_record, "file that records what it burns");
   app.AddOption("--panel", o.panel, "Unix socket for buttons and injected faults");
   app.AddFlag("--die-with-parent{-1}", o.die_with_parent,
               "power off when the process that started this one ends; =PID names that "
@@ -54,7 +56,30 @@ void AddOptions(command_line::Command app, Options& o) {
   app.AddOption("--fault", o.faults, "\"AT_TICK COMMAND\": inject a fault at a tick");
 }
 
+Status CheckLines(const Options& o) {
+  const bool head = !o.head_line.empty();
+  const std::pair<const char*, bool> needed[] = {
+      {"--laser-line", head || !o.laser_line.empty()},
+      {"--motion-line", head || !o.motion_line.empty()},
+      {"--glass-record", head || !o.glass_record.empty()},
+      {"--mark-record", !head || !o.mark_record.empty()}};
+  for (const auto& [name, given] : needed) {
+    if (!given) return Fail(ErrorCode::kMissing, std::string(name) + " is required");
+  }
+  return {};
+}
+
+int ServeScanHead(const Options& o) {
+  const auto truth = ReadTruthFile(o.truth_file);
+  if (!truth) throw std::runtime_error(truth.error().message);
+  HeadProgramOptions head{HeadOptionsOf(*truth), o.head_line, o.panel, o.mark_record};
+  head.head.power_up = o.machine.laser.power_up;
+  head.head.lockstep = o.machine.laser.lockstep;
+  return ServeHead(head, stop_asked);
+}
+
 Status Finish(Options& o) {
+  INTAGLIO_TRY(CheckLines(o));
   const auto truth = INTAGLIO_TRY(ReadTruthFile(o.truth_file));
   MachineOptions& m = o.machine;
   m = OptionsOf(truth);
@@ -168,7 +193,7 @@ int main(int argc, char** argv) {
   sigaction(SIGTERM, &action, nullptr);
   signal(SIGPIPE, SIG_IGN);
   try {
-    return Serve(options);
+    return options.head_line.empty() ? Serve(options) : ServeScanHead(options);
   } catch (const std::exception& error) {
     std::cerr << "virtual-engraver: " << error.what() << "\n";
     return 1;

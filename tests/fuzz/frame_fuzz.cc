@@ -9,6 +9,7 @@
 #include "services/platform/link/frame.h"
 #include "services/platform/link/laser_protocol.h"
 #include "services/platform/link/motion_protocol.h"
+#include "services/platform/link/scan_head_protocol.h"
 
 namespace {
 
@@ -50,6 +51,15 @@ void TryAll(std::span<const std::byte> payload) {
   Try<ControllerClock>(payload);
   Try<StageTolerance>(payload);
   Try<JogMove>(payload);
+  Try<HeadPermit>(payload);
+  Try<HeadBegin>(payload);
+  Try<HeadBlock>(payload);
+  Try<HeadPastRequest>(payload);
+  Try<HeadIdentity>(payload);
+  Try<HeadStatus>(payload);
+  Try<HeadMarks>(payload);
+  Try<HeadWeb>(payload);
+  Try<HeadPast>(payload);
 }
 
 }  // namespace

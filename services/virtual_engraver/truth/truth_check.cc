@@ -78,6 +78,20 @@ constexpr TruthRange kRanges[] = {
     {"TruthBlock", "refractive_index", 1, 4},
     {"TruthBlock", "numerical_aperture", 0, 0.95},
     {"TruthBlock", "crack_length_mm", 0.001, 10},
+    {"HeadTruth", "field_mm", 1, 2000},
+    {"HeadTruth", "half_angle_deg", 0, 30},
+    {"HeadTruth", "lens_ratio", -0.2, 0.2},
+    {"HeadTruth", "servo_lag_s", 0, 0.01},
+    {"HeadTruth", "encoder_count_um", 0.1, 10000},
+    {"HeadTruth", "encoder_jitter_um", 0, 10000},
+    {"HeadTruth", "web_mm_s", -10000, 10000},
+    {"HeadTruth", "web_wave_ratio", 0, 0.5},
+    {"HeadTruth", "web_wave_s", 0.01, 1000},
+    {"HeadTruth", "edge_wave_mm", 0, 10},
+    {"HeadTruth", "edge_wave_length_mm", 1, 100000},
+    {"HeadTruth", "edge_sensor_mm", 0, 10000},
+    {"HeadTruth", "laser_w", 0.001, 100000},
+    {"HeadTruth", "queue_ticks", 10000, 10000000},
     {"MachineTruth", "line_jitter_ms", 0, 2},
 };
 
@@ -220,6 +234,7 @@ std::vector<Error> CheckTruth(const MachineTruth& truth) {
   checker.CheckRates(truth.laser());
   checker.CheckOffsets(truth.laser());
   checker.CheckSerialNumber(truth.laser().serial_number(), "laser.serial_number");
+  checker.CheckSerialNumber(truth.head().serial_number(), "head.serial_number");
   return checker.Take();
 }
 

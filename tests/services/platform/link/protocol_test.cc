@@ -1,4 +1,4 @@
-// Both protocols against their golden bytes, and against payloads that lie.
+// The protocols against their golden bytes, and against payloads that lie.
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -90,7 +90,16 @@ const std::map<std::string, Taker> kTakers = {{"LampCommand", Taken<LampCommand>
                                               {"TimedPositions", Taken<TimedPositions>},
                                               {"ControllerClock", Taken<ControllerClock>},
                                               {"StageTolerance", Taken<StageTolerance>},
-                                              {"JogMove", Taken<JogMove>}};
+                                              {"JogMove", Taken<JogMove>},
+                                              {"HeadPermit", Taken<HeadPermit>},
+                                              {"HeadBegin", Taken<HeadBegin>},
+                                              {"HeadBlock", Taken<HeadBlock>},
+                                              {"HeadPastRequest", Taken<HeadPastRequest>},
+                                              {"HeadIdentity", Taken<HeadIdentity>},
+                                              {"HeadStatus", Taken<HeadStatus>},
+                                              {"HeadMarks", Taken<HeadMarks>},
+                                              {"HeadWeb", Taken<HeadWeb>},
+                                              {"HeadPast", Taken<HeadPast>}};
 
 TEST(Protocols, EveryMessageWithAPayloadIsTakenWholeAndOnlyWhole) {
   std::size_t tried = 0;

@@ -1,6 +1,6 @@
 #pragma once
 
-// One frame of every message on the two serial lines, with a name: what the golden bytes
+// One frame of every message on the serial lines, with a name: what the golden bytes
 // in tests/data/link_frames.golden hold.
 
 #include <string>
@@ -10,6 +10,7 @@
 #include "services/platform/link/frame.h"
 #include "services/platform/link/laser_protocol.h"
 #include "services/platform/link/motion_protocol.h"
+#include "services/platform/link/scan_head_protocol.h"
 
 namespace intaglio::link {
 
@@ -28,6 +29,7 @@ inline Bytes Epoch(std::uint64_t number) {
 inline std::vector<SampleFrame> SampleFrames() {
   const auto laser = [](LaserFrame type) { return static_cast<std::uint8_t>(type); };
   const auto motion = [](MotionFrame type) { return static_cast<std::uint8_t>(type); };
+  const auto head = [](HeadFrame type) { return static_cast<std::uint8_t>(type); };
   const WireSegment to_a_point{1000000,   -2500000, 20000000, 80000000, -1,
                                100000000, 65536,    true,     false};
   const WireSegment to_rest{1500000, -2500000, 20000000, 0, 0, 0, 98304, false, true};
@@ -101,6 +103,34 @@ inline std::vector<SampleFrame> SampleFrames() {
       {"JogMove", motion(MotionFrame::kJogMove),
        Encode(JogMove{1000000, -2000000, 3000000, 20000000})},
       {"Home", motion(MotionFrame::kHome), {}},
+      {"HeadPermit", head(HeadFrame::kHeadPermit), Encode(HeadPermit{true})},
+      {"HeadBegin", head(HeadFrame::kHeadBegin), Encode(HeadBegin{3})},
+      {"HeadBlock", head(HeadFrame::kHeadBlock),
+       Encode(HeadBlock{
+           3,
+           4711,
+           {{1, true, 12, 0.5F, 20000}, {3, false, 12}},
+           {{32768, 32768, false}, {30000, 41017, true}, {30010, 41027, true}}})},
+      {"HeadFinish", head(HeadFrame::kHeadFinish), {}},
+      {"HeadPause", head(HeadFrame::kHeadPause), {}},
+      {"HeadStop", head(HeadFrame::kHeadStop), {}},
+      {"HeadReset", head(HeadFrame::kHeadReset), {}},
+      {"HeadPastRequest", head(HeadFrame::kHeadPastRequest),
+       Encode(HeadPastRequest{3, 12, 100})},
+      {"HeadIdentity", head(HeadFrame::kHeadIdentity),
+       Encode(HeadIdentity{0xC10C, true, 1e5, 100, 65536, 1024, "SH 100", "sh-0042"})},
+      {"HeadStatus", head(HeadFrame::kHeadStatus),
+       Encode(HeadStatus{4720, 0x17, 30000, 41017, 160, 65376, -12, 0.25F, 4700, 5, 3,
+                         HeadRunState::kOpen, 12, 11, 2})},
+      {"HeadMarks", head(HeadFrame::kHeadMarks),
+       Encode(HeadMarks{3, {{11, HeadMarkFate::kDone}, {12, HeadMarkFate::kBegun}}})},
+      {"HeadWeb", head(HeadFrame::kHeadWeb),
+       Encode(HeadWeb{4500, 100, {{-14, 0.5F}, {-13, 0.25F}}})},
+      {"HeadPast", head(HeadFrame::kHeadPast),
+       Encode(HeadPast{
+           3,
+           11,
+           {HeadMarkFate::kDone, HeadMarkFate::kBroken, HeadMarkFate::kNoLongerKnown}})},
   };
 }
 

@@ -1,0 +1,65 @@
+#include "services/drivers/galvo/head_tracker.h"
+
+namespace intaglio::drivers {
+namespace {
+
+// Of samples each millisecond: the speed is known to a count in this time.
+constexpr std::size_t kFirstSamples = 50;
+// At 1 kHz: settled within 0.1 s, a fifth of a count.
+constexpr double kTrackerAlpha = 0.05, kTrackerBeta = 0.00125;
+
+}  // namespace
+
+HeadTracker::HeadTracker(double count_mm, double edge_sensor_mm)
+    : count_mm_(count_mm), edge_sensor_mm_(edge_sensor_mm) {}
+
+void HeadTracker::Forget() {
+  first_.clear();
+  follower_.reset();
+  zero_mm_.reset();
+}
+
+void HeadTracker::Begin(std::uint16_t step_ticks) {
+  period_s_ = step_ticks / rate_hz_;
+  galvo::WebFollowerOptions options;
+  options.count_mm = count_mm_;
+  options.period_s = period_s_;
+  options.alpha = kTrackerAlpha;
+  options.beta = kTrackerBeta;
+  options.edge_sensor_upstream_mm = edge_sensor_mm_;
+  const auto counts = first_.back().encoder_count - first_.front().encoder_count;
+  const double speed_mm_s = static_cast<double>(counts) * count_mm_ /
+                            (static_cast<double>(first_.size() - 1) * period_s_);
+  follower_.emplace(options, first_.front().encoder_count, speed_mm_s);
+  for (const link::HeadWebSample& sample : first_)
+    newest_mm_ = follower_->Update(sample.encoder_count, sample.edge_mm);
+  first_.clear();
+}
+
+void HeadTracker::Take(const link::HeadWeb& web, double rate_hz) {
+  if (!follows()) return;
+  rate_hz_ = rate_hz;
+  for (const link::HeadWebSample& sample : web.samples) {
+    if (follower_) {
+      newest_mm_ = follower_->Update(sample.encoder_count, sample.edge_mm);
+      continue;
+    }
+    first_.push_back(sample);
+    if (first_.size() == kFirstSamples) Begin(web.step_ticks);
+  }
+  newest_tick_ =
+      web.first_tick + (web.samples.size() - 1) * std::uint64_t{web.step_ticks};
+}
+
+// A sample is of the end of its tick; the follower adds half of its period.
+Vec2 HeadTracker::At(std::uint64_t tick, double later_s) {
+  if (!follower_) return Vec2::Zero();
+  const double by_s =
+      (static_cast<double>(tick) - static_cast<double>(newest_tick_) - 0.5) / rate_hz_ +
+      later_s - period_s_ / 2;
+  const double now_mm = newest_mm_.x() - period_s_ / 2 * speed_mm_s();
+  if (!zero_mm_) zero_mm_ = now_mm;
+  return {newest_mm_.x() + by_s * speed_mm_s() - *zero_mm_, newest_mm_.y()};
+}
+
+}  // namespace intaglio::drivers

@@ -1,0 +1,46 @@
+#pragma once
+
+// Where the web will be at a tick of the head's controller, by its samples of encoder and
+// edge. Frame field: displacement is what is added to a place of the web; along x since
+// the newest Restart.
+
+#include <optional>
+#include <vector>
+
+#include "engrave/galvo/web_follower.h"
+#include "services/platform/link/scan_head_protocol.h"
+
+namespace intaglio::drivers {
+
+class HeadTracker {
+ public:
+  /// Both >= 0; `count_mm` 0: there is no encoder, the web rests.
+  HeadTracker(double count_mm, double edge_sensor_mm);
+
+  /// What another session or power-up measured is forgotten.
+  void Forget();
+  /// Samples of a rate of ticks, 1/s.
+  void Take(const link::HeadWeb& web, double rate_hz);
+  /// The web is at 0 now.
+  void Restart() { zero_mm_.reset(); }
+
+  bool follows() const { return count_mm_ > 0; }
+  /// It can be asked where the web is.
+  bool ready() const { return !follows() || follower_.has_value(); }
+  /// At the middle of this tick and `later_s` after it; {0, 0} of a web that rests.
+  Vec2 At(std::uint64_t tick, double later_s);
+  double speed_mm_s() const { return follower_ ? follower_->speed_mm_s() : 0; }
+
+ private:
+  void Begin(std::uint16_t step_ticks);
+
+  double count_mm_, edge_sensor_mm_;
+  double rate_hz_ = 1e5, period_s_ = 0;
+  std::vector<link::HeadWebSample> first_;  // until its speed is known
+  std::optional<galvo::WebFollower> follower_;
+  Vec2 newest_mm_ = Vec2::Zero();
+  std::uint64_t newest_tick_ = 0;
+  std::optional<double> zero_mm_;
+};
+
+}  // namespace intaglio::drivers

@@ -1,0 +1,202 @@
+#include "services/drivers/galvo/mark_player.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engrave/core/try.h"
+
+namespace intaglio::drivers {
+namespace {
+
+// Arcs as chords: far below a step of the outputs.
+constexpr double kChordTolerance_mm = 1e-4;
+// Of one mark, with all its passes: 100 s.
+constexpr double kMaxTicksOfMark = 1e7;
+// A place of a web is predicted, so it keeps away from the border.
+constexpr double kWebBorder_mm = 0.2;
+
+Error MarkError(ErrorCode code, const NumberedMark& mark, const std::string& what) {
+  return {code, fmt::format("mark {}: {}", mark.number, what),
+          fmt::format("{}", mark.number)};
+}
+
+}  // namespace
+
+MarkPlayer::MarkPlayer(const ScanHead& head,
+                       std::optional<galvo::CorrectionTable> correction)
+    : head_(head),
+      correction_(std::move(correction)),
+      outputs_(head.field_mm(), correction_ ? &*correction_ : nullptr),
+      tracker_(FollowsWeb(head) ? head.encoder_count_um() / 1e3 : 0,
+               head.edge_sensor_mm()) {}
+
+void MarkPlayer::Begin(std::span<const mark::Pen> pens, const Vec2& mirrors_mm) {
+  pens_.assign(pens.begin(), pens.end());
+  mirrors_mm_ = mirrors_mm;
+  loaded_ = false;
+  tracker_.Restart();
+}
+
+Status MarkPlayer::Check(const NumberedMark& mark) const {
+  const auto fail = [&](ErrorCode code, const std::string& what) {
+    return tl::make_unexpected(MarkError(code, mark, what));
+  };
+  INTAGLIO_TRY(mark::CheckMarks({pens_, {mark.mark}}));
+  const mark::Pen& pen = pens_[mark.mark.pen];
+  if (!(mark::LengthOf(mark.mark) > 0)) {
+    return fail(
+        ErrorCode::kUnsupported,
+        "has no length: a scan head makes strokes; draw a hole as a small circle");
+  }
+  const double seconds = pen.pass_count * mark::LengthOf(mark.mark) / pen.speed_mm_s;
+  if (!(seconds * rate_hz_ <= kMaxTicksOfMark)) {
+    return fail(ErrorCode::kTooLarge,
+                fmt::format("takes {:.0f} s; divide it or mark faster (pen {})", seconds,
+                            pen.name));
+  }
+  if (mark.mark.web_mm != 0 && !(head_.encoder_count_um() > 0)) {
+    return fail(ErrorCode::kUnsupported,
+                "is on a web, and the machine has no encoder of one; give "
+                "scan_head.encoder_count_um in the profile");
+  }
+  const double border_mm = head_.field_mm() / 2;
+  double min_x = 1e300, max_x = -1e300;
+  for (const Vec2& at : mark::PlacesOf(mark.mark, kChordTolerance_mm)) {
+    min_x = std::min(min_x, at.x());
+    max_x = std::max(max_x, at.x());
+    const bool inside = std::abs(at.y()) <= border_mm &&
+                        (tracker_.follows() || std::abs(at.x()) <= border_mm);
+    if (inside) continue;
+    return fail(ErrorCode::kInvalidValue,
+                fmt::format("({:.3f}, {:.3f}) mm is outside the field of {} mm; move or "
+                            "scale the drawing",
+                            at.x(), at.y(), head_.field_mm()));
+  }
+  if (tracker_.follows() && max_x - min_x > head_.field_mm() - 2 * kWebBorder_mm) {
+    return fail(ErrorCode::kInvalidValue,
+                fmt::format("is {:.3f} mm long, the field {} mm; divide it",
+                            max_x - min_x, head_.field_mm()));
+  }
+  return {};
+}
+
+Status MarkPlayer::MakeTicks(const Vec2& from_mm) {
+  const mark::Pen& pen = pens_[mark_.mark.pen];
+  galvo::MarkStroke stroke{mark::PlacesOf(mark_.mark, kChordTolerance_mm),
+                           mark_.mark.closed};
+  if (tracker_.follows())
+    for (Vec2& place : stroke.points_mm) place.x() -= mark_.mark.web_mm;
+  const std::vector<galvo::MarkStroke> strokes(pen.pass_count, stroke);
+  auto ticks =
+      galvo::MakeMarkTicks(strokes, from_mm, TickOptionsOf(head_, pen, rate_hz_));
+  if (!ticks)
+    return tl::make_unexpected(
+        MarkError(ticks.error().code, mark_, ticks.error().message));
+  ticks_ = std::move(*ticks);
+  const auto lit = [](const galvo::MarkTick& tick) { return tick.laser; };
+  first_lit_ =
+      static_cast<std::size_t>(std::ranges::find_if(ticks_, lit) - ticks_.begin());
+  behind_lit_ = static_cast<std::size_t>(
+      std::find_if(ticks_.rbegin(), ticks_.rend(), lit).base() - ticks_.begin());
+  next_ = 0;
+  return {};
+}
+
+Status MarkPlayer::Load(const NumberedMark& mark) {
+  mark_ = mark;
+  placed_ = false;
+  retry_tick_ = 0;
+  if (!tracker_.follows()) {
+    INTAGLIO_TRY(MakeTicks(mirrors_mm_));
+    placed_ = true;
+  }
+  loaded_ = true;
+  return {};
+}
+
+// The displacement that the beam has in the middle of the tick, which is commanded by the
+// lag of the servo before.
+Vec2 MarkPlayer::DisplacementAt(std::uint64_t tick) {
+  return tracker_.At(tick, head_.servo_lag_s());
+}
+
+Status MarkPlayer::Place(std::uint64_t first_tick) {
+  if (!tracker_.ready() || first_tick < retry_tick_) return {};
+  INTAGLIO_TRY(MakeTicks(mirrors_mm_ - DisplacementAt(first_tick)));
+  const double border_mm = head_.field_mm() / 2 - kWebBorder_mm;
+  double short_mm = 0;
+  for (std::size_t k = first_lit_; k < behind_lit_; ++k) {
+    const double x_mm = ticks_[k].place_mm.x() + DisplacementAt(first_tick + k).x();
+    if (x_mm > border_mm) {
+      return tl::make_unexpected(MarkError(
+          ErrorCode::kRefused, mark_,
+          fmt::format("has left the field before it could be made: the web moves {:.1f} "
+                      "mm/s; let it move slower, or mark faster (pen {})",
+                      tracker_.speed_mm_s(), pens_[mark_.mark.pen].name)));
+    }
+    short_mm = std::max(short_mm, -border_mm - x_mm);
+  }
+  if (short_mm == 0) {
+    placed_ = true;
+    return {};
+  }
+  const double speed_mm_s = std::max(tracker_.speed_mm_s(), 1e-3);
+  const double wait_s = std::clamp(0.5 * short_mm / speed_mm_s, 1e-4, 0.1);
+  retry_tick_ = first_tick + static_cast<std::uint64_t>(wait_s * rate_hz_);
+  return {};
+}
+
+Result<std::optional<link::HeadBlock>> MarkPlayer::NextBlock(std::uint64_t first_tick) {
+  if (!placed_) {
+    INTAGLIO_TRY(Place(first_tick));
+    if (!placed_) return std::nullopt;
+  }
+  link::HeadBlock block;
+  const mark::Pen& pen = pens_[mark_.mark.pen];
+  const std::size_t end = std::min(next_ + link::kMaxHeadTicks, ticks_.size());
+  const auto outside = outputs_.lit_outside_count();
+  for (std::size_t k = next_; k < end; ++k) {
+    const auto at = static_cast<std::uint16_t>(k - next_);
+    if (k == first_lit_) {
+      block.edges.push_back({at, true, mark_.number, static_cast<float>(pen.power_ratio),
+                             static_cast<float>(pen.frequency_hz)});
+    }
+    const Vec2 by_mm =
+        tracker_.follows() ? DisplacementAt(first_tick + at) : Vec2(Vec2::Zero());
+    const galvo::HeadOutput out = outputs_.Make(ticks_[k], by_mm);
+    block.ticks.push_back({out.x, out.y, out.laser});
+    // Behind the last of it.
+    if (k + 1 == behind_lit_)
+      block.edges.push_back(
+          {static_cast<std::uint16_t>(at + 1), false, mark_.number, 0, 0});
+  }
+  if (outputs_.lit_outside_count() != outside) {
+    return tl::make_unexpected(MarkError(
+        ErrorCode::kRefused, mark_,
+        "the mirrors do not reach it: with the correction, the lead of the servo or the "
+        "web it is outside the field; move it away from the border"));
+  }
+  if (tracker_.follows()) block.first_tick = first_tick;
+  return block;
+}
+
+void MarkPlayer::Took(const link::HeadBlock& block) {
+  next_ += block.ticks.size();
+  output_ = block.ticks.back();
+  const Vec2 by_mm = tracker_.follows()
+                         ? DisplacementAt(block.first_tick + block.ticks.size() - 1)
+                         : Vec2(Vec2::Zero());
+  mirrors_mm_ = ticks_[next_ - 1].place_mm + by_mm;
+  if (next_ == ticks_.size()) loaded_ = false;
+}
+
+link::HeadBlock MarkPlayer::Hold(std::uint64_t first_tick) const {
+  link::HeadBlock block;
+  block.first_tick = first_tick;
+  block.ticks.assign(link::kMaxHeadTicks, {output_.x, output_.y, false});
+  return block;
+}
+
+}  // namespace intaglio::drivers

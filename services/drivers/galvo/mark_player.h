@@ -1,0 +1,66 @@
+#pragma once
+
+// Marks as blocks of ticks for the controller of a scan head: their ticks by
+// engrave/galvo, moved with the web, corrected, within the field.
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "engrave/galvo/head_output.h"
+#include "services/drivers/galvo/head_profile.h"
+#include "services/drivers/galvo/head_tracker.h"
+#include "services/drivers/mark_driver.h"
+
+namespace intaglio::drivers {
+
+class MarkPlayer {
+ public:
+  MarkPlayer(const ScanHead& head, std::optional<galvo::CorrectionTable> correction);
+
+  HeadTracker& tracker() { return tracker_; }
+  void SetRate(double rate_hz) { rate_hz_ = rate_hz; }
+  /// A run with these pens; the mirrors are there, field, mm.
+  void Begin(std::span<const mark::Pen> pens, const Vec2& mirrors_mm);
+
+  /// Errors of a mark that cannot be made on this machine: its pen, its places, its time.
+  Status Check(const NumberedMark& mark) const;
+
+  /// Takes a mark whose ticks come next. Only when !playing().
+  Status Load(const NumberedMark& mark);
+  bool playing() const { return loaded_; }
+  /// Its ticks follow those that were sent without a gap.
+  bool placed() const { return placed_ && next_ > 0; }
+
+  /// The ticks that come next, played from `first_tick` on; of a piece at rest behind
+  /// those before, and `first_tick` is not used. Nothing: its place is not in the field
+  /// yet. kRefused: it has left it. They are counted as sent by Took.
+  Result<std::optional<link::HeadBlock>> NextBlock(std::uint64_t first_tick);
+  void Took(const link::HeadBlock& block);
+  /// Mirrors that rest, of a web whose samples are waited for.
+  link::HeadBlock Hold(std::uint64_t first_tick) const;
+
+ private:
+  Status MakeTicks(const Vec2& from_mm);
+  /// Of a web: makes the ticks when the mark can begin at that tick.
+  Status Place(std::uint64_t first_tick);
+  Vec2 DisplacementAt(std::uint64_t tick);
+
+  ScanHead head_;
+  std::optional<galvo::CorrectionTable> correction_;
+  galvo::OutputMaker outputs_;
+  HeadTracker tracker_;
+  double rate_hz_ = 1e5;
+  std::vector<mark::Pen> pens_;
+  NumberedMark mark_;
+  bool loaded_ = false;
+  bool placed_ = false;  // its ticks are made for the moment of its beginning
+  std::vector<galvo::MarkTick> ticks_;
+  std::size_t next_ = 0, first_lit_ = 0, behind_lit_ = 0;
+  std::uint64_t retry_tick_ = 0;    // it cannot begin before
+  Vec2 mirrors_mm_ = Vec2::Zero();  // field, as commanded last, before the correction
+  link::HeadTick output_;
+};
+
+}  // namespace intaglio::drivers

@@ -1,0 +1,65 @@
+#pragma once
+
+// A scan head as a machine behind one line: controller, record of the burnt material, and
+// the clock that drives them. One thread; time comes from an injected clock.
+//
+// Lockstep: ticks pass as fast as blocks come. Real time: by the clock.
+
+#include <deque>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <tuple>
+
+#include "services/platform/link/reliable_link.h"
+#include "services/virtual_engraver/head/head_controller.h"
+
+namespace intaglio::virtual_engraver {
+
+class HeadMachine {
+ public:
+  /// Begins the record file anew. kIo when it cannot be written.
+  static Result<std::unique_ptr<HeadMachine>> Make(const HeadOptions& options,
+                                                   const std::filesystem::path& record,
+                                                   link::SteadyClock clock);
+
+  /// The line is plugged in: the machine's end of it. Null unplugs it.
+  void Plug(std::unique_ptr<link::ByteStream> end);
+  /// Line, ticks that are due, reports. Returns how long nothing is due.
+  std::chrono::nanoseconds Turn();
+  /// What was burnt is on disk. kIo when the disk refuses.
+  Status Flush();
+
+  HeadController& controller() { return controller_; }
+  std::uint64_t burnt_ticks() const { return burnt_ticks_; }
+  /// One line of JSON.
+  std::string StatusLine() const;
+
+ private:
+  HeadMachine(const HeadOptions& options, std::ofstream record, link::SteadyClock clock);
+  void Handle(link::HeadFrame type, std::span<const std::byte> payload);
+  void PollLine();
+  void PassTicks();
+  void SendReports();
+  void Send(link::HeadFrame type, link::Bytes payload) {
+    waiting_.emplace_back(static_cast<std::uint8_t>(type), std::move(payload));
+  }
+
+  bool lockstep_;
+  std::ofstream record_;
+  std::vector<std::byte> unwritten_;
+  std::uint64_t burnt_ticks_ = 0;
+  link::SteadyClock clock_;
+  std::chrono::nanoseconds begun_at_;
+  std::uint64_t passed_ticks_ = 0;
+  HeadController controller_;
+  std::unique_ptr<link::ReliableLink> link_;
+  std::shared_ptr<link::LineEpoch> epoch_ = std::make_shared<link::LineEpoch>();
+  std::uint32_t session_ = 0;
+  std::deque<std::pair<std::uint8_t, link::Bytes>> waiting_;
+  std::chrono::nanoseconds next_status_{0};
+  std::tuple<std::uint32_t, link::HeadRunState, std::uint32_t, int> sent_state_{};
+};
+
+}  // namespace intaglio::virtual_engraver

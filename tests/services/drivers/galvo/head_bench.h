@@ -1,0 +1,72 @@
+#pragma once
+
+// The driver of a scan head at a virtual head of the same process, with time by hand.
+
+#include <deque>
+#include <filesystem>
+#include <memory>
+
+#include "engrave/formats/mark_record.h"
+#include "services/drivers/galvo/galvo_driver.h"
+#include "services/virtual_engraver/head/head_machine.h"
+
+namespace intaglio::drivers {
+
+/// Field of 100 mm, a lag of 0.2 ms, at rest.
+MachineSpec HeadProfile();
+virtual_engraver::HeadOptions HeadTruthOf(const MachineSpec& machine);
+
+/// A circle of chords' arcs, closed.
+mark::Mark CircleMark(const Vec2& centre_mm, double diameter_mm, double web_mm = 0);
+mark::Mark LineMark(const Vec2& from_mm, const Vec2& to_mm);
+
+class HeadBench {
+ public:
+  HeadBench(const MachineSpec& machine, const virtual_engraver::HeadOptions& head);
+  ~HeadBench();
+
+  /// A new driver in place of the one before, as when its process was killed.
+  void Restart();
+  /// The line carries nothing from now on.
+  void CutLine() { cut_ = true; }
+  void JoinLine() { cut_ = false; }
+
+  /// 0.2 ms of both; the host permits every 20 ms while `permits`, and takes events.
+  void Step();
+  template <typename Done>
+  bool Until(Done&& done, double within_s = 5) {
+    for (double s = 0; s < within_s; s += 2e-4) {
+      if (done()) return true;
+      Step();
+    }
+    return done();
+  }
+  bool Connect() {
+    return Until([&] { return state().link_up; });
+  }
+  /// A run of these marks, begun, all appended and finished.
+  void Run(std::uint32_t run, const mark::MarkSet& set, bool finish = true);
+
+  MarkDriver& driver() { return *driver_; }
+  const MarkDeviceState& state() { return driver_->state(); }
+  virtual_engraver::HeadController& head() { return machine_->controller(); }
+  std::vector<formats::BurntTick> Burnt();
+  /// Of a mark, in order.
+  std::vector<MarkFate> FatesOf(std::uint32_t mark) const;
+  bool Has(std::uint32_t mark, MarkFate fate) const;
+
+  bool permits = true;
+  std::vector<MarkEvent> events;
+
+ private:
+  struct Wire;
+  class End;
+  MachineSpec profile_;
+  std::filesystem::path record_;
+  std::chrono::nanoseconds now_{std::chrono::seconds(1)}, next_permit_{0};
+  bool cut_ = false;
+  std::unique_ptr<virtual_engraver::HeadMachine> machine_;
+  std::unique_ptr<MarkDriver> driver_;
+};
+
+}  // namespace intaglio::drivers
