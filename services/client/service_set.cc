@@ -151,13 +151,13 @@ Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
                                 command_line::ProgramFolder() / "virtual-engraver",
                                 {},
                                 options.folder / "virtual-engraver.log"};
-  command.arguments = {"--truth",        truth.string(), "--panel",
-                       panel_.string(),  "--speed",      machine.speed};
+  command.arguments = {"--truth",       truth.string(), "--panel",
+                       panel_.string(), "--speed",      machine.speed};
   const std::vector<std::string> lines =
       marks ? std::vector<std::string>{"--head-line", head.string(), "--mark-record",
                                        glass_record_.string()}
-            : std::vector<std::string>{"--laser-line",  laser.string(),
-                                       "--motion-line", motion.string(),
+            : std::vector<std::string>{"--laser-line",   laser.string(),
+                                       "--motion-line",  motion.string(),
                                        "--glass-record", glass_record_.string()};
   command.arguments.insert(command.arguments.end(), lines.begin(), lines.end());
   for (const std::string& fault : machine.faults) {

@@ -82,10 +82,10 @@ class FakeHead final : public drivers::MarkDriver {
     if (mute) return {};
     for (std::uint32_t mark = first; mark < first + count; ++mark) {
       const auto known = memory_.find({run, mark});
-      events_.push_back(
-          {run, mark, known != memory_.end() ? known->second
-                                     : run == forgets_of_run ? MarkFate::kUncertain
-                                                             : MarkFate::kNotBegun});
+      events_.push_back({run, mark,
+                         known != memory_.end()  ? known->second
+                         : run == forgets_of_run ? MarkFate::kUncertain
+                                                 : MarkFate::kNotBegun});
     }
     return {};
   }
