@@ -96,13 +96,13 @@ class FakeHead final : public drivers::MarkDriver {
     if (!active_ || !permitted_) return;
     if (in_hand_) {
       made[*in_hand_]++;
-      Tell(*in_hand_, MarkFate::kDone);
+      Note(*in_hand_, MarkFate::kDone);
       in_hand_.reset();
     } else if (!queue_.empty() && !pausing_) {
       in_hand_ = queue_.front();
       queue_.pop_front();
       begun[*in_hand_]++;
-      Tell(*in_hand_, MarkFate::kBegun);
+      Note(*in_hand_, MarkFate::kBegun);
     }
     if (!in_hand_ && (pausing_ || (finishing_ && queue_.empty()))) EndRun();
     Update();
@@ -110,7 +110,7 @@ class FakeHead final : public drivers::MarkDriver {
   bool at_work() const { return in_hand_.has_value(); }
   /// The beam ends by the controller's own means.
   void Break(const std::string& fault) {
-    if (in_hand_) Tell(*in_hand_, MarkFate::kBroken);
+    if (in_hand_) Note(*in_hand_, MarkFate::kBroken);
     in_hand_.reset();
     EndRun();
     if (!fault.empty()) state_.fault = fault;
@@ -150,13 +150,13 @@ class FakeHead final : public drivers::MarkDriver {
 
  private:
   static tl::unexpected<Error> Down() { return Fail(ErrorCode::kLinkLost, "line down"); }
-  void Tell(std::uint32_t mark, MarkFate fate) {
+  void Note(std::uint32_t mark, MarkFate fate) {
     memory_[{run_, mark}] = fate;
     events_.push_back({run_, mark, fate});
   }
   void EndRun() {
     for (const std::uint32_t mark : std::exchange(queue_, {}))
-      Tell(mark, MarkFate::kNotBegun);
+      Note(mark, MarkFate::kNotBegun);
     active_ = finishing_ = pausing_ = false;
   }
   void Update() { state_.at_rest = state_.settled = !active_; }
