@@ -4,7 +4,7 @@
 // counts. All numbers little endian.
 //
 //   offset  size
-//        0     8  "INTMARK1"
+//        0     8  "INTMRKS1"
 //        8     4  CRC-32 of everything that follows
 //       12     4  pens
 //       16     8  marks

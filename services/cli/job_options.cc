@@ -13,6 +13,7 @@
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
 #include "services/job/job_file.h"
+#include "services/job/machine/mark_job_check.h"
 #include "services/job/models/chosen_block.h"
 #include "services/job/models/program_limits.h"
 #include "services/job/models/text_model.h"
@@ -254,7 +255,27 @@ Result<JobAndMachine> BuildJob(const JobFlags& flags) {
   return Build(flags, std::move(read), nullptr);
 }
 
+namespace {
+
+/// Of a job of marks nothing is filled in here: the job service does it.
+Result<JobAndMachine> BuildMarkJob(const JobFlags& flags, JobSpec read) {
+  if (flags.name) read.set_name(*flags.name);
+  JobAndMachine built;
+  built.job = std::move(read);
+  INTAGLIO_TRY(SetMachineFile(flags, built.job));
+  auto machine = INTAGLIO_TRY(ReadMachineFile(built.job.machine_file()));
+  built.machine = std::move(machine);
+  const auto errors = CheckAll(built.job, built.machine);
+  if (!errors.empty()) return tl::unexpected(JoinErrors(errors));
+  built.job = WithMarkDefaults(std::move(built.job));
+  return built;
+}
+
+}  // namespace
+
 Result<JobAndMachine> BuildJobToEngrave(const JobFlags& flags) {
+  if (const auto read = ReadJob(flags, true); read && MakesMarks(*read))
+    return BuildMarkJob(flags, *read);
   auto built = INTAGLIO_TRY(BuildJob(flags));
   INTAGLIO_TRY(
       CheckUnfittedSizes(built.job, mesh_reader::LimitsOfProgram(flags.size_limits)));

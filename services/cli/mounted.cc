@@ -77,6 +77,7 @@ void AddMountFlags(command_line::Command command, MountFlags& flags) {
 Result<Mounted> MountedOf(const MountFlags& flags, bool is_virtual,
                           const MachineSpec& machine, const fs::path& materials_db) {
   Mounted mounted;
+  if (machine.has_mark_line()) return mounted;
   if (!flags.block_mm.empty()) {
     mounted.description.block_size_mm = Eigen::Map<const Vec3>(flags.block_mm.data());
   } else if (is_virtual) {

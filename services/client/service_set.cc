@@ -19,6 +19,7 @@ using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
 constexpr char kMachineFile[] = "machine.textproto";
+constexpr char kMarkRecord[] = "marks.rec";
 
 constexpr auto kReadyTimeout = 30s;
 constexpr auto kLinesTimeout = 10s;
@@ -46,6 +47,13 @@ struct Expected {
   intaglio_ServiceRole role;
   const char* name;
 };
+
+/// Marks are made by one process, which has the synchronizer's role; there is no bridge.
+const char* NameIn(const MachineSpec& machine, const Expected& expected) {
+  if (!machine.has_mark_line()) return expected.name;
+  if (expected.role == intaglio_ROLE_MOTION_BRIDGE) return nullptr;
+  return expected.role == intaglio_ROLE_SYNCHRONIZER ? "marker" : expected.name;
+}
 constexpr Expected kExpected[] = {{intaglio_ROLE_JOB_SERVICE, "job-service"},
                                   {intaglio_ROLE_DISCRETIZER, "discretizer"},
                                   {intaglio_ROLE_SORTER, "sorter"},
@@ -107,15 +115,19 @@ Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
     }
   }
   // The recorder first: samples sent before it listens are not recorded.
-  const std::vector<std::pair<std::string, std::vector<std::string>>> services = {
+  std::vector<std::pair<std::string, std::vector<std::string>>> services = {
       {"recorder",
        {"--out", options.recording.string(), "--bulk",
         options.recording_bulk.empty() ? "all" : options.recording_bulk}},
       {"job-service", of_the_queue},
       {"discretizer", {}},
-      {"sorter", {}},
-      {"motion-bridge", at_the_machine},
-      {"synchronizer", of_the_laser}};
+      {"sorter", {}}};
+  if (set.machine_.has_mark_line()) {
+    services.emplace_back("marker", at_the_machine);
+  } else {
+    services.emplace_back("motion-bridge", at_the_machine);
+    services.emplace_back("synchronizer", of_the_laser);
+  }
   for (const auto& [name, arguments] : services) {
     if (options.without.contains(name) || (name == "recorder" && !set.records_)) continue;
     INTAGLIO_TRY(set.StartService(options, name, arguments));
@@ -125,10 +137,13 @@ Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
 
 Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
                                  const VirtualMachine& machine) {
+  const bool marks = machine_.has_mark_line();
   const fs::path laser = options.folder / "laser", motion = options.folder / "motion";
+  const fs::path head = options.folder / "head";
   panel_ = options.folder / "panel";
-  glass_record_ = options.folder / kGlassRecord;
-  // A job that is open may have cracks in the block of the engraver before.
+  // A job that is open may have cracks in the block of the engraver before, or marks on
+  // its piece.
+  glass_record_ = options.folder / (marks ? kMarkRecord : kGlassRecord);
   INTAGLIO_TRY(KeepGlassRecord(glass_record_));
   const fs::path truth = options.folder / "truth.textproto";
   INTAGLIO_TRY(WriteTruthFile(truth, machine.truth));
@@ -136,10 +151,15 @@ Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
                                 command_line::ProgramFolder() / "virtual-engraver",
                                 {},
                                 options.folder / "virtual-engraver.log"};
-  command.arguments = {
-      "--truth",        truth.string(),         "--laser-line", laser.string(),
-      "--motion-line",  motion.string(),        "--panel",      panel_.string(),
-      "--glass-record", glass_record_.string(), "--speed",      machine.speed};
+  command.arguments = {"--truth",       truth.string(), "--panel",
+                       panel_.string(), "--speed",      machine.speed};
+  const std::vector<std::string> lines =
+      marks ? std::vector<std::string>{"--head-line", head.string(), "--mark-record",
+                                       glass_record_.string()}
+            : std::vector<std::string>{"--laser-line",   laser.string(),
+                                       "--motion-line",  motion.string(),
+                                       "--glass-record", glass_record_.string()};
+  command.arguments.insert(command.arguments.end(), lines.begin(), lines.end());
   for (const std::string& fault : machine.faults) {
     command.arguments.insert(command.arguments.end(), {"--fault", fault});
   }
@@ -149,6 +169,11 @@ Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
     process.error().message += " (Debian package intaglio-virtual-engraver)";
   auto started = INTAGLIO_TRY(std::move(process));
   engraver_.push_back(std::make_unique<ChildProcess>(std::move(started)));
+  if (marks) {
+    machine_.mutable_mark_line()->set_protocol("scan-head");
+    machine_.mutable_mark_line()->set_device(head.string());
+    return AwaitLines();
+  }
   machine_.mutable_laser_line()->set_protocol("virtual-laser");
   machine_.mutable_laser_line()->set_device(laser.string());
   machine_.mutable_motion_line()->set_protocol("virtual-stage");
@@ -158,8 +183,10 @@ Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
 
 Status ServiceSet::AwaitLines() {
   const auto end = std::chrono::steady_clock::now() + kLinesTimeout;
-  while (!fs::exists(machine_.laser_line().device()) ||
-         !fs::exists(machine_.motion_line().device())) {
+  const auto is_open = [](const SerialLine& line) { return fs::exists(line.device()); };
+  while (machine_.has_mark_line()
+             ? !is_open(machine_.mark_line())
+             : !is_open(machine_.laser_line()) || !is_open(machine_.motion_line())) {
     if (!engraver_.front()->running()) {
       return tl::unexpected(EndOf(*engraver_.front()));
     }
@@ -229,7 +256,9 @@ Status ServiceSet::AwaitReady(JobClient& client) {
     missing.clear();
     const auto services = client.services();
     for (const Expected& expected : kExpected) {
-      if (expected.role == intaglio_ROLE_RECORDER && !records_) continue;
+      const char* name = NameIn(machine_, expected);
+      if (name == nullptr || (expected.role == intaglio_ROLE_RECORDER && !records_))
+        continue;
       const bool there =
           std::any_of(services.begin(), services.end(), [&](const ServiceView& service) {
             // Busy: of a queue that was kept it has been given a job already.
@@ -238,7 +267,7 @@ Status ServiceSet::AwaitReady(JobClient& client) {
                     service.state == intaglio_HEALTH_BUSY);
           });
       if (there) continue;
-      missing += (missing.empty() ? "" : ", ") + std::string(expected.name);
+      missing += (missing.empty() ? "" : ", ") + std::string(name);
       for (const ServiceView& service : services) {
         if (service.role == expected.role && !service.message.empty())
           missing += " (" + service.message + ")";

@@ -153,10 +153,23 @@ void SetStations(const MachineSpec& machine, TruthBlock& block) {
   }
 }
 
+/// An ideal head; a truth file of the user has a real one.
+void SetHead(const MachineSpec& machine, HeadTruth& head) {
+  head.set_field_mm(machine.scan_head().field_mm());
+  head.set_servo_lag_s(machine.scan_head().servo_lag_s());
+  if (machine.scan_head().encoder_count_um() > 0)
+    head.set_encoder_count_um(machine.scan_head().encoder_count_um());
+  head.set_serial_number(machine.mark_line().serial_number());
+}
+
 }  // namespace
 
 MachineTruth TruthOf(const MachineSpec& machine, const MountedDescription& mounted) {
   MachineTruth truth;
+  if (machine.has_mark_line()) {
+    SetHead(machine, *truth.mutable_head());
+    return truth;
+  }
   SetStage(machine, *truth.mutable_stage());
   SetLaser(machine, *truth.mutable_laser());
   TruthBlock& block = *truth.mutable_block();

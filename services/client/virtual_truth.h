@@ -8,7 +8,8 @@
 
 namespace intaglio::client {
 
-/// `machine` is a profile with its defaults; of `mounted` everything is known. The
+/// `machine` is a profile with its defaults; of `mounted` everything is known; of a
+/// machine that marks nothing is taken from it. The
 /// repeatability is 0, not the profile's: the glass then shows what the services do and
 /// nothing else; a truth file of the user sets it.
 MachineTruth TruthOf(const MachineSpec& machine, const MountedDescription& mounted);

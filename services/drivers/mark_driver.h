@@ -25,7 +25,8 @@
 //   M6  After a lost line or a killed host RequestPast tells what became of the newest
 //       kRememberedMarks marks of the power-up, whichever session appended them, as far
 //       as the controller remembers (remembers_marks); without a memory they are
-//       uncertain.
+//       uncertain. Marks of a run are appended in rising order: behind one that it knows,
+//       one that it does not know (kUncertain) never came.
 //   M7  Key, door and stop button end the beam, and openings() counts each letting go.
 //   M8  A controller with another serial number than the profile's is refused.
 // Not thread-safe.
@@ -79,7 +80,8 @@ struct MarkDeviceState {
   bool remembers_marks = false;
 
   bool key_on = false, door_closed = false, stop_released = false;
-  bool shutter_open = false;  ///< of a mill: the spindle may turn
+  /// While it is permitted, also before a run. Of a mill: the spindle may turn.
+  bool shutter_open = false;
   bool safe_state = false;    ///< the controller ended the beam by itself
   std::uint32_t openings = 0;
 

@@ -282,7 +282,11 @@ void CheckNameOf(const MachineSpec& machine, std::vector<Error>& errors) {
 std::vector<Error> CheckMarkingMachine(const MachineSpec& machine) {
   std::vector<Error> errors;
   CheckNameOf(machine, errors);
-  CheckRanges(machine, "", errors);
+  // Of a machine that engraves points, where they are required.
+  MachineSpec of_marks = machine;
+  if (of_marks.repeatability_um() == 0) of_marks.set_repeatability_um(1);
+  if (of_marks.position_tolerance_um() == 0) of_marks.set_position_tolerance_um(1);
+  CheckRanges(of_marks, "", errors);
   CheckLine(true, machine.mark_line(), "mark_line", errors);
   for (const char* field : {"laser_line", "motion_line"}) {
     const auto* descriptor = MachineSpec::descriptor()->FindFieldByName(field);

@@ -1,5 +1,6 @@
 #include "services/marker/mark_run.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "engrave/core/check.h"
@@ -14,7 +15,19 @@ void MarkRun::TakeUp(const std::vector<ArmedMark>& armed) {
   for (const ArmedMark& one : armed) armed_[one.mark] = {one.run, 0, true};
 }
 
+// It remembers the newest marks, and those of a run come in rising order: behind one that
+// it knows, one that it does not know never came.
+bool MarkRun::NeverCame(const drivers::MarkEvent& event) const {
+  const auto known = known_.find(event.run);
+  return event.fate == MarkFate::kUncertain && known != known_.end() &&
+         known->second < event.mark;
+}
+
 bool MarkRun::Take(const drivers::MarkEvent& event) {
+  if (questions_ > 0 && event.fate != MarkFate::kUncertain) {
+    std::uint32_t& newest = known_[event.run];
+    newest = std::max(newest, event.mark);
+  }
   const auto found = armed_.find(event.mark);
   if (found == armed_.end() || found->second.run != event.run || !found->second.handed)
     return false;
@@ -31,7 +44,7 @@ bool MarkRun::Take(const drivers::MarkEvent& event) {
     // A part of a mark is there: to make it again is a person's choice.
     case MarkFate::kBroken:
     case MarkFate::kUncertain:
-      outcome = PointOutcome::kUncertain;
+      outcome = NeverCame(event) ? PointOutcome::kSkipped : PointOutcome::kUncertain;
       break;
   }
   if (questions_ > 0 && outcome == PointOutcome::kMade) ++by_memory_;
@@ -114,6 +127,7 @@ std::uint64_t MarkRun::Settle(std::chrono::nanoseconds now) {
                          PowerUpNumber(state.power_up) == record_.power_up();
   if (!remembers || questions_ >= kMaxQuestions) return GiveUp();
   ++questions_;
+  known_.clear();
   ask_again_at_ = now + kAnswerTime;
   Ask();
   return 0;
@@ -129,7 +143,9 @@ void MarkRun::Ask() {
       ++count;
       ++next;
     }
-    (void)driver_.RequestPast(first->second.run, first->first, count);
+    // With the one before, which it may know.
+    const std::uint32_t before = first->first > 0 ? 1 : 0;
+    (void)driver_.RequestPast(first->second.run, first->first - before, count + before);
   }
 }
 

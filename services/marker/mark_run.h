@@ -61,6 +61,7 @@ class MarkRun {
   void ArmMore();
   Status HandOver();
   void Ask();
+  bool NeverCame(const drivers::MarkEvent& event) const;
   std::uint64_t GiveUp();
 
   const mark::MarkSet& set_;
@@ -76,6 +77,7 @@ class MarkRun {
   std::uint64_t asked_session_ = 0;
   int questions_ = 0;
   std::chrono::nanoseconds ask_again_at_{0};
+  std::map<std::uint32_t, std::uint32_t> known_;  // of each run, the newest it knows
   std::uint64_t by_memory_ = 0;
 };
 
