@@ -6,7 +6,10 @@
 
 #include <cmath>
 #include <map>
+#include <optional>
 #include <random>
+#include <string>
+#include <vector>
 
 #include "services/platform/bus/samples.h"
 #include "services/synchronizer/engraving.h"
@@ -107,5 +110,13 @@ class MotionFeedTest : public testing::Test {
   std::vector<SentBatch> sent_;
   bool refuse_ = false;
   bus::CreditBook::Grant grant_{true, false, {}, 0, kNever};
+  std::string asked_for_;
+  PulseSchedule schedule_;
+  MotionFeed feed_{[this](const intaglio_MotionSegmentBatch& b) { return Take(b); },
+                   [this](const std::string& stream) {
+                     asked_for_ = stream;
+                     return grant_;
+                   }};
+};
 
 }  // namespace intaglio::synchronizer

@@ -6,14 +6,6 @@
 
 namespace intaglio::synchronizer {
 namespace {
-std::string asked_for_;
-PulseSchedule schedule_;
-MotionFeed feed_{[this](const intaglio_MotionSegmentBatch& b) { return Take(b); },
-                 [this](const std::string& stream) {
-                   asked_for_ = stream;
-                   return grant_;
-                 }};
-};
 
 // A controller with a clock of its own that is `drift_ppm` fast and was at 5 s at tick 0.
 std::uint64_t OwnNs(double tick, double drift_ppm) {
