@@ -51,7 +51,7 @@ void GiveIf(bool given, const char* variable, post::Cutting& cutting) {
 }
 
 post::Cutting CommonOf(const Course& whole, const Course& typed) {
-  post::Cutting cutting;
+  post::Cutting cutting = PassesOf(whole);
   cutting.speed_mm_s = whole.speed_mm_s();
   cutting.travel_mm_s = whole.travel_mm_s();
   cutting.plunge_mm_s = whole.plunge_mm_s();
@@ -69,13 +69,6 @@ post::Cutting MillingOf(const Course& whole, const Course& typed) {
   GiveIf(typed.has_speed_mm_s(), "SPEED", cutting);
   GiveIf(typed.has_depth_mm(), "DEPTH", cutting);
   GiveIf(typed.has_power_ratio(), "POWER", cutting);
-  if (whole.has_power_ratio()) cutting.power_ratio = whole.power_ratio();
-  cutting.depths_mm.clear();
-  for (std::uint32_t k = 1; k <= whole.repeat_count(); ++k) {
-    cutting.depths_mm.push_back(-whole.depth_mm() * k / whole.repeat_count());
-  }
-  if (!whole.has_power_ratio())
-    cutting.tab_top_mm = std::min(0.0, whole.tab_height_mm() - whole.depth_mm());
   return cutting;
 }
 
@@ -83,6 +76,8 @@ post::Cutting DrillingOf(const Course& whole, const Course& typed) {
   post::Cutting cutting = CommonOf(whole, typed);
   GiveIf(typed.has_drill_depth_mm(), "DEPTH", cutting);
   cutting.depths_mm = {-whole.drill_depth_mm()};
+  cutting.tab_top_mm.reset();
+  cutting.power_ratio.reset();
   return cutting;
 }
 

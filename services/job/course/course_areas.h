@@ -19,7 +19,8 @@ struct AreaPaths {
   double left_mm2 = 0;                  ///< of pockets: corners and necks that stay
 };
 
-/// With a step of the tool's diameter times 1 - overlap_ratio. The tool comes from `start_mm`. Errors as of ClearPocket.
+/// With a step of the tool's diameter times 1 - overlap_ratio. The tool comes from
+/// `start_mm`. Errors as of ClearPocket.
 Result<AreaPaths> ClearAreas(const Course& course,
                              const std::vector<contour::Element>& areas,
                              const Vec2& start_mm);

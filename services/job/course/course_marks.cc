@@ -10,6 +10,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
+#include "engrave/post/tab_parts.h"
 #include "services/job/course/course_check.h"
 #include "services/job/course/course_files.h"
 #include "services/job/course/course_work.h"
@@ -77,6 +78,31 @@ mark::Pen ContourPen(const Course& course) {
   pen.depth_mm = course.depth_mm();
   pen.plunge_mm_s = course.plunge_mm_s();
   return pen;
+}
+
+/// The pen of one pass at that depth, of contours; made when there is none.
+std::uint32_t PenAtDepth(const Course& course, double depth_mm, mark::MarkSet& set) {
+  for (std::size_t i = 1; i < set.pens.size(); ++i)
+    if (set.pens[i].depth_mm == depth_mm) return static_cast<std::uint32_t>(i);
+  mark::Pen pen = ContourPen(course);
+  pen.name = fmt::format("contours, {:g} mm deep", depth_mm);
+  pen.pass_count = 1;
+  pen.depth_mm = depth_mm;
+  set.pens.push_back(std::move(pen));
+  return static_cast<std::uint32_t>(set.pens.size() - 1);
+}
+
+/// Of a path with tabs what is left of it in each pass; of others one mark of all passes.
+void AddPath(const post::ToolPath& path, const Course& course, mark::MarkSet& set) {
+  if (!post::HasTabs(path)) {
+    set.marks.push_back(MarkOfPath(path, 0));
+    return;
+  }
+  const post::Cutting cutting = PassesOf(course);
+  for (std::size_t pass = 0; pass < cutting.depths_mm.size(); ++pass) {
+    for (const post::PathPart& part : post::PartsOfPass(path, cutting, pass))
+      set.marks.push_back(MarkOfPath(part.path, PenAtDepth(course, -part.depth_mm, set)));
+  }
 }
 
 mark::Pen DrillPen(const Course& course, double diameter_mm) {
@@ -200,7 +226,7 @@ Result<mark::MarkSet> MakeCourseMarks(const JobSpec& job, const MachineSpec& mac
   } else {
     INTAGLIO_TRY(RequireOneTool(work));
   }
-  for (const post::ToolPath& path : work.paths) set.marks.push_back(MarkOfPath(path, 0));
+  for (const post::ToolPath& path : work.paths) AddPath(path, course, set);
   if (!laser) AddDrilledHoles(course, work, set);
   INTAGLIO_TRY(mark::CheckMarks(set));
   INTAGLIO_TRY(Report(progress, 3));

@@ -210,4 +210,16 @@ Result<ContourWork> MakeContourWork(const Course& course, const CourseFiles& fil
   return work;
 }
 
+post::Cutting PassesOf(const Course& course) {
+  post::Cutting cutting;
+  cutting.depths_mm.clear();
+  for (std::uint32_t k = 1; k <= course.repeat_count(); ++k)
+    cutting.depths_mm.push_back(-course.depth_mm() * k / course.repeat_count());
+  if (course.has_power_ratio())
+    cutting.power_ratio = course.power_ratio();
+  else
+    cutting.tab_top_mm = std::min(0.0, course.tab_height_mm() - course.depth_mm());
+  return cutting;
+}
+
 }  // namespace intaglio

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engrave/core/result.h"
+#include "engrave/post/cutting.h"
 #include "engrave/post/drill_program.h"
 #include "engrave/post/tool_path.h"
 #include "proto/job.pb.h"
@@ -35,5 +36,9 @@ struct ContourWork {
 /// of Isolate, Unite, ClearAreas and CutAreas, each with the place.
 Result<ContourWork> MakeContourWork(const Course& course, const CourseFiles& files,
                                     const Vec2& start_mm);
+
+/// Depths of the passes and the top of tabs of `course` with its defaults filled in; the
+/// rest is cutting.h's.
+post::Cutting PassesOf(const Course& course);
 
 }  // namespace intaglio

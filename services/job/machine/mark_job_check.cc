@@ -50,10 +50,21 @@ std::vector<Finding> CheckMarkJob(const JobSpec& job, const MachineSpec& machine
   }
   RefuseFieldsOfPoints(job, findings);
   if (job.has_course()) {
+    if (machine.has_mark_line() && !machine.has_course_tool()) {
+      findings.Wrong("course.files", job.course().files_size(),
+                     "files of contours, and {} has no tool that follows them: its "
+                     "profile has no course_tool; name the profile of one in "
+                     "machine_file, or write a program by `intaglio post`",
+                     machine.name());
+    }
     for (Finding& found : CheckCourse(job)) findings.found().push_back(std::move(found));
   }
   if (job.has_marks()) {
     for (Finding& found : CheckMarks(job)) findings.found().push_back(std::move(found));
+    if (machine.has_mark_line()) {
+      for (Finding& found : CheckMarksOnMachine(job, machine))
+        findings.found().push_back(std::move(found));
+    }
   }
   return std::move(findings.found());
 }

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "services/job/model_kind.h"
@@ -121,6 +122,35 @@ TEST(CourseMarks, PocketsOutlinesAndCurvesAreMarks) {
   ASSERT_TRUE(curves) << curves.error().message;
   ASSERT_EQ(curves->marks.size(), 2U);
   EXPECT_NEAR(SumOf(*curves), 100 + 8 * pi, 1e-6);
+}
+
+TEST(CourseMarks, TabsStayAboveThePassesThatWouldCutThem) {
+  Course course;
+  course.set_make(COURSE_MAKE_CUT);
+  course.set_tool_diameter_mm(2);
+  course.set_depth_mm(3);
+  course.set_repeat_count(3);
+  course.set_tab_count(2);
+  course.set_tab_width_mm(4);
+  course.set_tab_height_mm(1);
+  const auto made = MarksOf(
+      course,
+      {{"disc.svg",
+        R"(<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="40mm" viewBox="0 0 40 40"><circle cx="20" cy="20" r="10"/></svg>)"}});
+  ASSERT_TRUE(made) << made.error().message;
+  std::map<double, double> length_by_depth_mm;
+  for (const mark::Mark& mark : made->marks) {
+    EXPECT_EQ(made->pens[mark.pen].pass_count, 1U);
+    length_by_depth_mm[made->pens[mark.pen].depth_mm] += mark::LengthOf(mark);
+  }
+  // Around a disc of 10 mm at 11 mm: whole turns to the tabs' top, then without the tabs,
+  // whose ends are as far apart as the tool needs to leave 4 mm.
+  ASSERT_EQ(length_by_depth_mm.size(), 3U);
+  EXPECT_NEAR(length_by_depth_mm.at(1), 22 * pi, 1e-6);
+  EXPECT_NEAR(length_by_depth_mm.at(2), 22 * pi, 1e-6);
+  const double left_out_mm = 22 * pi - length_by_depth_mm.at(3);
+  EXPECT_GT(left_out_mm, 2 * 4.0);
+  EXPECT_LT(left_out_mm, 2 * 8.0);
 }
 
 TEST(CourseMarks, ASpindleMakesTheWorkOfOneTool) {
