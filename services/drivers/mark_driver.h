@@ -82,7 +82,7 @@ struct MarkDeviceState {
   bool key_on = false, door_closed = false, stop_released = false;
   /// While it is permitted, also before a run. Of a mill: the spindle may turn.
   bool shutter_open = false;
-  bool safe_state = false;    ///< the controller ended the beam by itself
+  bool safe_state = false;  ///< the controller ended the beam by itself
   std::uint32_t openings = 0;
 
   bool at_rest = true;              ///< no run, nothing moves
