@@ -65,7 +65,7 @@ TEST_F(BulkRecording, IsATenthOfTheSizeWithoutBulkAndASixthWhenThinned) {
 TEST_F(BulkRecording, ReportsWhatItLacksWhereverItIsMissed) {
   Record({"--bulk", "none"});
   const RecordingInfo info = Info();
-  EXPECT_EQ(info.bulk().left_out_size(), 5);
+  EXPECT_EQ(info.bulk().left_out_size(), 7);
   EXPECT_EQ(info.missing_size(), 0) << "nothing was lost";
   EXPECT_THAT(Type({"recording", "info", Recording()}).output,
               HasSubstr("left out    by request (--bulk none): ModelChunk, PointBatch"));

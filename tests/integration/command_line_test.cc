@@ -80,8 +80,8 @@ TEST(CommandLine, TheServicesTooAreDocumentedAsTheyAre) {
   }
   for (const char* program :
        {"intaglio-job-service", "intaglio-discretizer", "intaglio-sorter",
-        "intaglio-synchronizer", "intaglio-motion-bridge", "intaglio-recorder",
-        "virtual-engraver"}) {
+        "intaglio-synchronizer", "intaglio-motion-bridge", "intaglio-marker",
+        "intaglio-recorder", "virtual-engraver"}) {
     Running run(Program(program), {"--help"},
                 test::FreshFolder("command_line_services") / "output.txt");
     const Ended ended = run.WaitForEnd(30s);
