@@ -85,6 +85,10 @@ struct MarkDeviceState {
   bool safe_state = false;  ///< the controller ended the beam by itself
   std::uint32_t openings = 0;
 
+  /// Greatest run that this power-up has begun, of any job and host; 0: none, or the
+  /// controller keeps no runs.
+  std::uint32_t newest_run = 0;
+
   bool at_rest = true;              ///< no run, nothing moves
   bool settled = true;              ///< nothing that was appended can still be made
   std::string fault;                ///< of the last run, with the remedy; empty: none

@@ -39,7 +39,9 @@ std::vector<ArmedMark> MarkRecord::TakeUp(const cell::EarlierWork& earlier) {
   return armed;
 }
 
-std::uint32_t MarkRecord::BeginRun() { return ++run_; }
+std::uint32_t MarkRecord::BeginRun(std::uint32_t newest) {
+  return run_ = std::max(run_, newest) + 1;
+}
 
 bool MarkRecord::Arm(std::uint32_t mark) {
   if (!journal_.Append({JournalKind::kIntent, PointOutcome::kNone, 0, run_, run_, mark}))

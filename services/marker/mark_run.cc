@@ -55,7 +55,7 @@ bool MarkRun::Take(const drivers::MarkEvent& event) {
 
 Status MarkRun::Begin() {
   Require(armed_.empty(), "a run begins with {} marks armed", armed_.size());
-  const std::uint32_t run = record_.BeginRun();
+  const std::uint32_t run = record_.BeginRun(driver_.state().newest_run);
   INTAGLIO_TRY(driver_.Begin(run, set_.pens));
   ++count_;
   session_ = driver_.state().session;

@@ -128,6 +128,7 @@ void GalvoDriver::TakeStatus(const link::HeadStatus& status) {
   state_.shutter_open = has(link::kHeadShutterOpen);
   state_.safe_state = has(link::kHeadSafeState);
   state_.openings = status.openings;
+  state_.newest_run = status.run;
   const double step_mm = head_.field_mm() / 65536;
   state_.position_mm =
       Vec3(step_mm * (status.x - 32768.0), step_mm * (status.y - 32768.0), 0);

@@ -99,8 +99,8 @@ Status GrblCourseDriver::Begin(std::uint32_t run, std::span<const mark::Pen> pen
   if (!state_.fault.empty()) return RefuseCourse(state_.fault);
   if (!line_.takes_lines() || grbl_.state != GrblState::kIdle)
     return RefuseCourse("the controller is not idle: check door, hold and zero");
-  if (run <= newest_run_)
-    return RefuseCourse(fmt::format("run {} is not above {}", run, newest_run_));
+  if (run <= state_.newest_run)
+    return RefuseCourse(fmt::format("run {} is not above {}", run, state_.newest_run));
   for (const mark::Pen& pen : pens) INTAGLIO_TRY(CheckPenOf(options_.tool, pen));
   if (spindle() && tool_.spindle_rpm() > line_.traits().max_power) {
     return Fail(ErrorCode::kInvalidValue,
@@ -108,7 +108,7 @@ Status GrblCourseDriver::Begin(std::uint32_t run, std::span<const mark::Pen> pen
                             "controller; reduce it, or set $30 to the spindle's most",
                             tool_.spindle_rpm(), line_.traits().max_power));
   }
-  newest_run_ = run;
+  state_.newest_run = run;
   run_ = run;
   pens_.assign(pens.begin(), pens.end());
   finishes_ = run_ends_ = false;

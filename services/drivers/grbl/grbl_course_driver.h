@@ -121,7 +121,6 @@ class GrblCourseDriver final : public MarkDriver {
   std::map<std::pair<std::uint32_t, std::uint32_t>, MarkFate> fates_;
 
   std::optional<std::uint32_t> run_;
-  std::uint32_t newest_run_ = 0;
   std::vector<mark::Pen> pens_;
   bool finishes_ = false;
   std::deque<NumberedMark> queue_;

@@ -41,7 +41,7 @@ class FakeHead final : public drivers::MarkDriver {
   Status Begin(std::uint32_t run, std::span<const mark::Pen>) override {
     if (!state_.link_up) return Down();
     if (active_ || run <= run_) return Fail(ErrorCode::kRefused, "run number");
-    run_ = run;
+    run_ = state_.newest_run = run;
     active_ = true;
     finishing_ = pausing_ = false;
     Update();
@@ -135,6 +135,7 @@ class FakeHead final : public drivers::MarkDriver {
   void PowerCycle() {
     LoseLine();
     memory_.clear();
+    run_ = state_.newest_run = 0;
     state_.power_up += "'";
     state_.openings = 0;
     RestoreLine();

@@ -303,6 +303,24 @@ TEST_F(MarkingTest, ARestartAtEachInstantMakesNoMarkTwice) {
             kCount);
 }
 
+// The controller remembers the marks of the job before: they are no answer for this one.
+TEST_F(MarkingTest, AKilledSecondJobIsNotSettledByTheMarksOfTheFirst) {
+  ASSERT_TRUE(ToItsEnd()) << marking_->message();
+  head_.made.clear();
+  head_.begun.clear();
+  frozen_.set_job_uid("job-2");
+  frozen_.set_result_directory((folder_ / "second").string());
+  Begin(SomeMarks(kCount));
+  // Intents on disk, nothing handed over: a controller that is mute.
+  head_.room = 0;
+  ASSERT_TRUE(TurnUntil([&] { return marking_->phase() == Marking::Phase::kRunning; }));
+  for (int i = 0; i < 20; ++i) Turn();
+  head_.room = 4;
+  Restart();
+  ASSERT_TRUE(ToItsEnd()) << marking_->message();
+  ExpectEachMadeOnce();
+}
+
 TEST_F(MarkingTest, UncertainMarksAreMadeAgainOnlyWithConsent) {
   frozen_.mutable_job()->set_when_uncertain(UNCERTAIN_POINTS_ASK);
   fs::remove_all(folder_);
