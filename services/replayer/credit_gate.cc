@@ -12,8 +12,10 @@ std::optional<BatchPlace> ReadPlace(const bus::Topic<Batch>& topic,
   const auto batch = bus::CdrSample<Batch>::Read(topic, cdr);
   if (!batch) return std::nullopt;
   const Batch& b = **batch;
+  std::uint32_t part = 0;  // marks come in one
+  if constexpr (requires { b.part; }) part = b.part;
   return BatchPlace{bus::PartStreamName(std::string(bus::View(b.job_uid)), b.attempt,
-                                        topic.name, b.part, b.part_attempt),
+                                        topic.name, part, b.part_attempt),
                     b.sequence_number};
 }
 
@@ -23,6 +25,8 @@ std::optional<BatchPlace> PlaceOf(const std::string& topic, recording::ByteView 
   if (topic == bus::kModelChunk.name) return ReadPlace(bus::kModelChunk, cdr);
   if (topic == bus::kPointBatch.name) return ReadPlace(bus::kPointBatch, cdr);
   if (topic == bus::kPathBatch.name) return ReadPlace(bus::kPathBatch, cdr);
+  if (topic == bus::kMarkBatch.name) return ReadPlace(bus::kMarkBatch, cdr);
+  if (topic == bus::kOrderedMarkBatch.name) return ReadPlace(bus::kOrderedMarkBatch, cdr);
   return std::nullopt;
 }
 

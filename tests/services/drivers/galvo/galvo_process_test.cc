@@ -33,22 +33,33 @@ bool PollUntil(MarkDriver& driver, const std::function<bool()>& done) {
       std::chrono::seconds(10));
 }
 
-/// Marks and permits for ever.
-void MarkForEver(const std::filesystem::path& line) {
-  const auto driver = HostAt(line);
-  if (!PollUntil(*driver, [&] { return driver->state().link_up; })) return;
-  if (!driver->Begin(5, std::array{mark::Pen{"fast", 1000, 0.5, 0, 1, 0, 0},
-                                   mark::Pen{"slow", 1, 0.5, 0, 1, 0, 0}}))
+/// A run of three marks, permitted until it ends: a computer that is busy for 250 ms ends
+/// it.
+void MarkOnce(MarkDriver& driver, std::uint32_t run) {
+  if (!driver.Begin(run, std::array{mark::Pen{"fast", 1000, 0.5, 0, 1, 0, 0},
+                                    mark::Pen{"slow", 1, 0.5, 0, 1, 0, 0}}))
     return;
   mark::Mark slow = LineMark({0, 1}, {20, 1});
   slow.pen = 1;
-  (void)driver->Append({0, LineMark({0, 0}, {10, 0})});
-  (void)driver->Append({1, slow});
-  (void)driver->Append({2, LineMark({0, 2}, {10, 2})});
-  for (;;) {
-    (void)driver->Permit(true);
-    driver->Poll();
-    (void)driver->TakeEvents();
+  (void)driver.Append({0, LineMark({0, 0}, {10, 0})});
+  (void)driver.Append({1, slow});
+  (void)driver.Append({2, LineMark({0, 2}, {10, 2})});
+  while (driver.state().fault.empty() && !driver.state().safe_state) {
+    (void)driver.Permit(true);
+    driver.Poll();
+    (void)driver.TakeEvents();
+  }
+}
+
+void MarkForEver(const std::filesystem::path& line) {
+  const auto driver = HostAt(line);
+  for (std::uint32_t run = 5;; ++run) {
+    (void)driver->Reset();
+    const auto ready = [&] {
+      const MarkDeviceState& state = driver->state();
+      return state.link_up && state.settled && state.fault.empty() && !state.safe_state;
+    };
+    if (PollUntil(*driver, ready)) MarkOnce(*driver, run);
   }
 }
 
@@ -74,11 +85,12 @@ TEST(GalvoProcess, AKilledHostClosesTheShutterAndTheHeadRemembersItsMarks) {
                          std::chrono::seconds(5)));
   EXPECT_EQ(std::stoi(head.StatusOf("interlocks")) & 0x30, 0);
   const std::string burnt = head.StatusOf("burnt_ticks");
+  const auto run = static_cast<std::uint32_t>(std::stoul(head.StatusOf("run")));
 
   const auto driver = HostAt(folder / "head");
   ASSERT_TRUE(PollUntil(*driver, [&] { return driver->state().link_up; }))
       << driver->state().message;
-  ASSERT_TRUE(driver->RequestPast(5, 0, 3));
+  ASSERT_TRUE(driver->RequestPast(run, 0, 3));
   std::vector<MarkEvent> events;
   ASSERT_TRUE(PollUntil(*driver, [&] {
     for (const MarkEvent& event : driver->TakeEvents()) events.push_back(event);

@@ -21,6 +21,9 @@ using ::testing::HasSubstr;
 constexpr const char* kPlate =
     R"(<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="30mm" viewBox="0 0 40 30">)"
     R"(<rect x="5" y="5" width="30" height="20"/><circle cx="20" cy="15" r="4"/></svg>)";
+constexpr const char* kSheet =
+    R"(<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="30mm" viewBox="0 0 40 30">)"
+    R"(<rect x="5" y="5" width="30" height="20"/></svg>)";
 /// Two discs of 2 mm, 4 mm apart.
 constexpr const char* kDiscs =
     "%FSLAX46Y46*%%MOMM*%%ADD10C,2.0*%D10*X0Y0D03*X4000000Y0D03*M02*\n";
@@ -133,24 +136,20 @@ TEST(CourseMarks, TabsStayAboveThePassesThatWouldCutThem) {
   course.set_tab_count(2);
   course.set_tab_width_mm(4);
   course.set_tab_height_mm(1);
-  const auto made = MarksOf(
-      course,
-      {{"disc.svg",
-        R"(<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="40mm" viewBox="0 0 40 40"><circle cx="20" cy="20" r="10"/></svg>)"}});
+  const auto made = MarksOf(course, {{"sheet.svg", kSheet}});
   ASSERT_TRUE(made) << made.error().message;
   std::map<double, double> length_by_depth_mm;
   for (const mark::Mark& mark : made->marks) {
     EXPECT_EQ(made->pens[mark.pen].pass_count, 1U);
     length_by_depth_mm[made->pens[mark.pen].depth_mm] += mark::LengthOf(mark);
   }
-  // Around a disc of 10 mm at 11 mm: whole turns to the tabs' top, then without the tabs,
-  // whose ends are as far apart as the tool needs to leave 4 mm.
+  // Around a sheet of 30 x 20 mm at 1 mm: whole turns to the tabs' top, then without two
+  // tabs, whose ends are as far apart as the tool needs to leave 4 mm.
   ASSERT_EQ(length_by_depth_mm.size(), 3U);
-  EXPECT_NEAR(length_by_depth_mm.at(1), 22 * pi, 1e-6);
-  EXPECT_NEAR(length_by_depth_mm.at(2), 22 * pi, 1e-6);
-  const double left_out_mm = 22 * pi - length_by_depth_mm.at(3);
-  EXPECT_GT(left_out_mm, 2 * 4.0);
-  EXPECT_LT(left_out_mm, 2 * 8.0);
+  const double turn_mm = 100 + 2 * pi;
+  EXPECT_NEAR(length_by_depth_mm.at(1), turn_mm, 1e-6);
+  EXPECT_NEAR(length_by_depth_mm.at(2), turn_mm, 1e-6);
+  EXPECT_NEAR(length_by_depth_mm.at(3), turn_mm - 2 * (4 + 2), 1e-6);
 }
 
 TEST(CourseMarks, ASpindleMakesTheWorkOfOneTool) {

@@ -14,15 +14,19 @@ using namespace std::chrono_literals;
 
 constexpr std::uint32_t kConsentPoints = 6;
 
+EngravingJob JobThatAsks() {
+  EngravingJob job;
+  for (std::uint32_t i = 0; i < kConsentPoints; ++i)
+    job.machine_points_mm.push_back(Vec3(i, 0.5, 0.25));
+  job.asks_when_uncertain = true;
+  return job;
+}
+
 /// A record whose points are made uncertain at will, and a chain that is clear or has
 /// lost its grant.
 class ConsentTest : public testing::Test {
  protected:
   ConsentTest() {
-    for (std::uint32_t i = 0; i < kConsentPoints; ++i) {
-      job_.machine_points_mm.push_back(Vec3(i, 0.5, 0.25));
-    }
-    job_.asks_when_uncertain = true;
     inputs_.permission_fresh = inputs_.permission_granted = true;
     inputs_.grant.number = 1;
   }
@@ -51,7 +55,7 @@ class ConsentTest : public testing::Test {
         [](const auto& record) { return record.kind == JournalKind::kConsent; }));
   }
 
-  EngravingJob job_;
+  EngravingJob job_ = JobThatAsks();
   JournalBench journal_{kConsentPoints};
   PulseRecord record_{kConsentPoints, true, *journal_.writer,
                       [this](const PulseResult& r) { consent_.Note(r); }};
