@@ -117,6 +117,13 @@ EngraveOutcome OutcomeOf(const StatusMessage& messages, bool disturbed) {
   outcome.clear_last_tick();
   outcome.clear_controller_pulse_count();
   outcome.clear_run_count();
+  // A forecast, which is computed aside and may come too late.
+  outcome.clear_predicted_rms_error_um();
+  outcome.clear_predicted_max_error_um();
+  outcome.clear_wrong_mechanics_max_error_um();
+  // Recordings from before overrides above 100 %.
+  if (outcome.max_speed_percent() == 0)
+    outcome.set_max_speed_percent(std::max(100U, outcome.min_speed_percent()));
   if (disturbed) {
     outcome.clear_used_ticks();
     outcome.clear_settled_by_memory_count();
