@@ -63,15 +63,11 @@ class Installation : public ::testing::Test {
 };
 
 TEST_F(Installation, HasAllThatBelongsToIt) {
-  const std::set<std::string> programs = {"intaglio",
-                                          "intaglio-discretizer",
-                                          "intaglio-job-service",
-                                          "intaglio-mesh-reader",
-                                          "intaglio-motion-bridge",
-                                          "intaglio-recorder",
-                                          "intaglio-sorter",
-                                          "intaglio-synchronizer",
-                                          "virtual-engraver"};
+  const std::set<std::string> programs = {
+      "intaglio",          "intaglio-discretizer", "intaglio-job-service",
+      "intaglio-marker",   "intaglio-mesh-reader", "intaglio-motion-bridge",
+      "intaglio-recorder", "intaglio-sorter",      "intaglio-synchronizer",
+      "virtual-engraver"};
   EXPECT_EQ(NamesIn(moved_ / "bin"), programs);
   for (const char* kind : {"machines", "jobs", "truth"}) {
     EXPECT_EQ(NamesIn(moved_ / "share/intaglio" / kind),
@@ -131,7 +127,8 @@ TEST_F(Installation, ListsItsProfiles) {
   EXPECT_THAT(unknown.output, HasSubstr("did you mean els-03?"));
   EXPECT_THAT(
       unknown.output,
-      HasSubstr("supplied profiles: els-03, grbl, isel, linuxcnc, planar, polar"));
+      HasSubstr("supplied profiles: els-03, galvo, grbl, isel, laser-cutter, linuxcnc, "
+                "mill, planar, polar"));
 }
 
 // A program alone has no supplied files: it names the folder where it expects them.
