@@ -20,6 +20,11 @@ struct WebCase {
   double diameter_mm, beam_mm_s, web_mm_s;
 };
 
+/// 500 mm long, its sensor so far before the field.
+struct EdgeWave {
+  double height_mm = 0, sensor_mm = 0;
+};
+
 constexpr WebCase kSlow{1, 500, 100}, kFast{1.5, 1500, 200};
 constexpr double kFieldMm = 20;
 
@@ -32,9 +37,11 @@ MachineSpec ProofProfile() {
 
 /// 24 circles all over the field, through a lens that distorts by 3 % if so.
 proof::MarkComparison ProvedOn(const MachineSpec& machine, const WebCase& web,
-                               bool distorted) {
+                               bool distorted, const EdgeWave& edge = {}) {
   auto truth = HeadTruthOf(machine);
   truth.physics.web_mm_s = web.web_mm_s;
+  truth.physics.edge_wave_mm = edge.height_mm;
+  truth.physics.edge_sensor_mm = edge.sensor_mm;
   if (distorted) {
     truth.physics.half_angle_rad = 0.2;
     truth.physics.lens_ratio = 0.03;
@@ -117,6 +124,18 @@ TEST(GalvoProof, AWebThatIsNotFollowedLeavesCirclesOpen) {
     EXPECT_NEAR(found.marks[0].gap_um.value_or(0), 628, 20);
     EXPECT_FALSE(found.IsGood(20));
   }
+}
+
+TEST(GalvoProof, AWaveOfTheEdgeIsFollowedByItsSensor) {
+  MachineSpec machine = ProofProfile();
+  machine.mutable_scan_head()->set_edge_sensor_mm(100);
+  EdgeWave wave{0.2, 100};
+  const auto good = ProvedOn(machine, kSlow, false, wave);
+  EXPECT_TRUE(good.IsGood(20));
+  EXPECT_LE(good.worst.place_um, 15);
+  // Read as if it were at the field: off by 2 A sin(pi s / lambda), 235 um.
+  machine.mutable_scan_head()->set_edge_sensor_mm(0);
+  EXPECT_GT(ProvedOn(machine, kSlow, false, wave).worst.place_um, 100);
 }
 
 TEST(GalvoProof, WithoutTheLeadOfTheServoCirclesShrink) {
