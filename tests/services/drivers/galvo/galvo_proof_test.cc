@@ -138,6 +138,20 @@ TEST(GalvoProof, AWaveOfTheEdgeIsFollowedByItsSensor) {
   EXPECT_GT(ProvedOn(machine, kSlow, false, wave).worst.place_um, 100);
 }
 
+TEST(GalvoProof, WithoutRunInAndLeadCirclesStayOpen) {
+  MachineSpec machine = ProofProfile();
+  machine.mutable_scan_head()->set_lead_servo(false);
+  machine.mutable_scan_head()->set_run_in_s(0);
+  // The mirrors rest before each circle: else a jump's end is burnt, too.
+  machine.mutable_scan_head()->set_jump_delay_s(0.003);
+  // Reference: 102 and 294 um.
+  const auto slow = ProvedOn(machine, kSlow, false),
+             fast = ProvedOn(machine, kFast, false);
+  EXPECT_NEAR(slow.marks[0].gap_um.value_or(0), 102, 15);
+  EXPECT_NEAR(fast.marks[0].gap_um.value_or(0), 294, 40);
+  EXPECT_FALSE(slow.IsGood(20) || fast.IsGood(20));
+}
+
 TEST(GalvoProof, WithoutTheLeadOfTheServoCirclesShrink) {
   MachineSpec machine = ProofProfile();
   machine.mutable_scan_head()->set_lead_servo(false);
