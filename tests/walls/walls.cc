@@ -51,7 +51,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"engrave/post", {"engrave/core", "engrave/io", "engrave/contour"}},
     {"engrave/motion", {"engrave/core", "engrave/drive", "engrave/motion/axis"}},
     {"engrave/formats", {"engrave/core", "engrave/io"}},
-    {"engrave/proof", {"engrave/core", "engrave/mesh"}},
+    {"engrave/proof", {"engrave/core", "engrave/formats", "engrave/mark", "engrave/mesh"}},
     {"engrave/render", {"engrave/core", "engrave/io"}},
     {"materials_db", {"engrave/*"}},
     {"proto", {}},
