@@ -138,6 +138,14 @@ Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
 Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
                                  const VirtualMachine& machine) {
   const bool marks = machine_.has_mark_line();
+  if (marks && !machine_.has_scan_head()) {
+    return Fail(
+        ErrorCode::kUnsupported,
+        fmt::format("{} has no virtual machine: of those that mark only scan heads "
+                    "have one; start it with --real-machine on its controller",
+                    machine_.name()),
+        machine_.mark_line().protocol());
+  }
   const fs::path laser = options.folder / "laser", motion = options.folder / "motion";
   const fs::path head = options.folder / "head";
   panel_ = options.folder / "panel";
