@@ -9,10 +9,14 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <map>
 #include <regex>
 #include <set>
+#include <sstream>
 
 #include "services/cli/flags/job_flags.h"
+#include "services/platform/command_line/completion.h"
+#include "services/platform/command_line/man_page.h"
 
 namespace intaglio::cli {
 namespace {
@@ -153,6 +157,61 @@ TEST(IntaglioProgram, AnOptionThatDoesNothingIsRefusedWithTheCommandsThatHaveIt)
   const auto command = ParsedBy({"sumbit", "job.textproto"});
   ASSERT_FALSE(command);
   EXPECT_THAT(command.error().message, HasSubstr("did you mean submit?"));
+}
+
+/// Whether the parser has this option of the command; what else is wrong with a line of
+/// nothing but this option does not matter.
+bool IsOptionOf(command_line::Program& program, const std::string& command,
+                const std::string& option) {
+  std::vector<std::string> words;
+  std::istringstream in(command);
+  for (std::string word; in >> word;) words.push_back(word);
+  words.push_back(option);
+  const Status parsed = program.Parse(words);
+  return parsed || parsed.error().message.find("has no option") == std::string::npos;
+}
+
+/// What the script for bash offers behind each command, read from its text.
+std::map<std::string, std::set<std::string>> OfferedByBash() {
+  const std::string script =
+      command_line::BashCompletion("intaglio", IntaglioProgram()->Describe());
+  std::map<std::string, std::set<std::string>> offered;
+  const std::regex line("'([^']*)'\\) commands='[^']*' options='([^']*)' ;;");
+  for (std::sregex_iterator at(script.begin(), script.end(), line), end; at != end;
+       ++at) {
+    std::istringstream in((*at)[2]);
+    for (std::string option; in >> option;) offered[(*at)[1]].insert(option);
+  }
+  return offered;
+}
+
+std::string ManPagesWithoutEscapes() {
+  std::string text;
+  for (const command_line::ManPage& page :
+       command_line::ManPagesOf("intaglio", IntaglioProgram()->Describe())) {
+    text += page.text;
+  }
+  std::erase(text, '\\');
+  return text;
+}
+
+TEST(IntaglioProgram, CompletionAndManualPagesHaveTheOptionsThatTheParserTakes) {
+  const auto program = IntaglioProgram();
+  const auto offered = OfferedByBash();
+  const std::string pages = ManPagesWithoutEscapes();
+  for (const CommandDescription& command : AllCommands()) {
+    const std::string name = NameOf(command);
+    ASSERT_TRUE(offered.contains(name)) << name;
+    for (const std::string& option : offered.at(name)) {
+      EXPECT_TRUE(IsOptionOf(*program, name, option)) << name << " " << option;
+      EXPECT_THAT(pages, HasSubstr("fB" + option + "fR")) << name;
+    }
+    EXPECT_FALSE(IsOptionOf(*program, name, "--not-there")) << name;
+  }
+  // What people type and the parser takes is offered, known here without the tables.
+  EXPECT_THAT(offered.at("run"), AllOf(Contains("--mesh"), Contains("--lockstep")));
+  EXPECT_THAT(offered.at("plan"), Not(Contains("--rotate")));
+  EXPECT_THAT(offered.at("list"), AllOf(Contains("--json"), Contains("--tag")));
 }
 
 }  // namespace
