@@ -152,7 +152,7 @@ Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
   // A job that is open may have cracks in the block of the engraver before, or marks on
   // its piece.
   glass_record_ = options.folder / (marks ? kMarkRecord : kGlassRecord);
-  INTAGLIO_TRY(KeepGlassRecord(glass_record_));
+  INTAGLIO_TRY(marks ? KeepMarkRecord(glass_record_) : KeepGlassRecord(glass_record_));
   const fs::path truth = options.folder / "truth.textproto";
   INTAGLIO_TRY(WriteTruthFile(truth, machine.truth));
   ChildProcess::Command command{"virtual-engraver",

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "engrave/core/try.h"
+#include "engrave/formats/mark_record.h"
 
 namespace intaglio::client {
 namespace {
@@ -88,12 +89,10 @@ Result<std::optional<std::vector<GlassCrack>>> FindCracks(const formats::Journal
   return std::optional(std::move(cracks));
 }
 
-Status KeepGlassRecord(const fs::path& record) {
-  const auto header = formats::ReadGlassHeader(record);
-  // None, or one that belongs to no journal.
-  if (!header || header->power_up == 0) return {};
-  const fs::path kept =
-      record.parent_path() / fmt::format("glass-{:08x}.rec", header->power_up);
+namespace {
+
+Status KeepRecord(const fs::path& record, const std::string& name) {
+  const fs::path kept = record.parent_path() / name;
   std::error_code error;
   fs::rename(record, kept, error);
   if (!error) return {};
@@ -101,6 +100,22 @@ Status KeepGlassRecord(const fs::path& record) {
               fmt::format("cannot rename {} to {}: {}", record.string(), kept.string(),
                           error.message()),
               record.string());
+}
+
+}  // namespace
+
+Status KeepGlassRecord(const fs::path& record) {
+  const auto header = formats::ReadGlassHeader(record);
+  // None, or one that belongs to no journal.
+  if (!header || header->power_up == 0) return {};
+  return KeepRecord(record, fmt::format("glass-{:08x}.rec", header->power_up));
+}
+
+Status KeepMarkRecord(const fs::path& record) {
+  const auto burnt = formats::ReadMarkRecord(record);
+  // None, or one of a piece without marks.
+  if (!burnt || burnt->ticks.empty()) return {};
+  return KeepRecord(record, fmt::format("marks-{:08x}.rec", burnt->header.power_up));
 }
 
 void RemoveGlassRecords(const fs::path& folder, const std::set<std::uint32_t>& needed) {

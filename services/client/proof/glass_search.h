@@ -40,6 +40,9 @@ Result<std::optional<std::vector<formats::GlassCrack>>> FindCracks(
 /// Gives the record of an earlier engraver its own name, so that another one can begin.
 Status KeepGlassRecord(const std::filesystem::path& record);
 
+/// The same of the record of what a scan head burnt, as marks-POWERUP.rec.
+Status KeepMarkRecord(const std::filesystem::path& record);
+
 /// Removes the kept records of other power-ups.
 void RemoveGlassRecords(const std::filesystem::path& folder,
                         const std::set<std::uint32_t>& needed);
