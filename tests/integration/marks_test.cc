@@ -72,11 +72,12 @@ class MarkShop : public ::testing::Test {
               (folder_ / "materials.db").string(), "--machine",
               (folder_ / "shop/machine.textproto").string()}),
         folder_ / ("up" + std::to_string(++opened_) + ".log"));
-    return Eventually([this] { return !up_->running() || Says("the shop is open"); },
-                      60s) &&
+    return Eventually(
+               [this] { return !up_->running() || HasPrinted("the shop is open"); },
+               60s) &&
            up_->running();
   }
-  bool Says(const std::string& text) const {
+  bool HasPrinted(const std::string& text) const {
     return up_->Output().find(text) != std::string::npos;
   }
   std::vector<std::string> With(std::vector<std::string> words) const {
