@@ -127,8 +127,8 @@ TEST_F(Installation, ListsItsProfiles) {
   EXPECT_THAT(unknown.output, HasSubstr("did you mean els-03?"));
   EXPECT_THAT(
       unknown.output,
-      HasSubstr("supplied profiles: els-03, galvo, grbl, isel, laser-cutter, linuxcnc, "
-                "mill, planar, polar"));
+      HasSubstr("supplied profiles: els-03, galvo, galvo-web, grbl, isel, laser-cutter, "
+                "linuxcnc, mill, planar, polar"));
 }
 
 // A program alone has no supplied files: it names the folder where it expects them.
