@@ -45,8 +45,9 @@ class MarkRecord final : public cell::UncertainPoints {
 
   const cell::PointLedger& ledger() const override { return ledger_; }
   std::uint32_t run() const { return run_; }
-  /// Above `newest`, the controller's, which remembers the marks of runs by their numbers:
-  /// those of earlier jobs, and of an earlier life that left no record of its run.
+  /// Above `newest`, the controller's, which remembers the marks of runs by their
+  /// numbers: those of earlier jobs, and of an earlier life that left no record of its
+  /// run.
   std::uint32_t BeginRun(std::uint32_t newest);
 
   bool Arm(std::uint32_t mark);
