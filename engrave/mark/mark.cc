@@ -96,6 +96,17 @@ std::vector<Vec2> PlacesOf(const Mark& mark, double tolerance_mm) {
   return places;
 }
 
+Vec2 MiddleOf(std::span<const Vec2> way_mm) {
+  Vec2 sum = Vec2::Zero();
+  double length = 0;
+  for (std::size_t i = 1; i < way_mm.size(); ++i) {
+    const double part = (way_mm[i] - way_mm[i - 1]).norm();
+    sum += part * (way_mm[i] + way_mm[i - 1]) / 2;
+    length += part;
+  }
+  return length > 0 ? Vec2(sum / length) : way_mm.front();
+}
+
 Status CheckMarks(const MarkSet& set) {
   for (std::size_t i = 0; i < set.pens.size(); ++i)
     INTAGLIO_TRY(CheckPen(set.pens[i], "pen " + std::to_string(i)));

@@ -8,6 +8,7 @@
 // web that begins web_mm along it.
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,10 @@ double LengthOf(const Mark& mark);
 /// Arcs as chords no farther from them than `tolerance_mm` > 0; a closed one does not
 /// repeat its first place.
 std::vector<Vec2> PlacesOf(const Mark& mark, double tolerance_mm);
+
+/// Mean of a way along its chords, weighted by their lengths; of one without length its
+/// first place.
+Vec2 MiddleOf(std::span<const Vec2> way_mm);
 
 /// kInvalidValue: a pen out of range, no place, a value that is not finite, by the number
 /// of the mark or the pen.

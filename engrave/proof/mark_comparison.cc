@@ -24,17 +24,6 @@ std::vector<Vec2> PlannedWay(const mark::Mark& mark) {
   return way;
 }
 
-Vec2 MeanOf(const std::vector<Vec2>& way) {
-  Vec2 sum = Vec2::Zero();
-  double length = 0;
-  for (std::size_t i = 1; i < way.size(); ++i) {
-    const double part = (way[i] - way[i - 1]).norm();
-    sum += part * (way[i] + way[i - 1]) / 2;
-    length += part;
-  }
-  return length > 0 ? Vec2(sum / length) : way.front();
-}
-
 double BurntLength(const MarkTicks& ticks) {
   double length = 0;
   for (const auto& tick : ticks) length += tick.way_mm.norm();
@@ -110,7 +99,7 @@ BurntMark CompareMark(const mark::Mark& planned, std::uint32_t pass_count,
   if (ticks.empty()) return burnt;
   const auto way = PlannedWay(planned);
   const double planned_mm = mark::LengthOf(planned), burnt_mm = BurntLength(ticks);
-  const Vec2 centre = MeanOf(way), burnt_centre = BurntMean(ticks, burnt_mm);
+  const Vec2 centre = mark::MiddleOf(way), burnt_centre = BurntMean(ticks, burnt_mm);
   burnt.offset_mm = burnt_centre - centre;
   if (planned_mm <= 0) {
     burnt.fate = BurntFate::kMade;
@@ -143,9 +132,11 @@ void TakeWebOut(const std::vector<MarkTicks>& ticks, std::vector<BurntMark>& mar
       of_run[ticks[i].front().run].push_back(marks[i].offset_mm.x());
   std::map<std::uint32_t, double> medians;
   for (auto& [run, offsets] : of_run) medians[run] = MedianOf(std::move(offsets));
-  for (std::size_t i = 0; i < marks.size(); ++i)
-    if (marks[i].fate == BurntFate::kMade)
-      marks[i].offset_mm.x() -= medians[ticks[i].front().run];
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    if (ticks[i].empty() || !medians.contains(ticks[i].front().run)) continue;
+    marks[i].web_shift_mm = medians[ticks[i].front().run];
+    marks[i].offset_mm.x() -= marks[i].web_shift_mm;
+  }
 }
 
 void Count(const mark::MarkSet& set, MarkComparison& result) {

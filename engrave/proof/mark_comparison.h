@@ -33,6 +33,7 @@ struct BurntMark {
   BurntFate fate = BurntFate::kMissed;
   double pass_count = 0;  ///< length burnt, of the length planned
   Vec2 offset_mm = Vec2::Zero();
+  double web_shift_mm = 0;            ///< of its run along the web, not in offset_mm
   double shape_um = 0;                ///< largest distance from the planned way
   std::optional<double> gap_um;       ///< largest between strokes of a closed mark
   std::optional<double> diameter_um;  ///< of a circle: burnt less planned
