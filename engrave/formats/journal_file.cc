@@ -169,6 +169,11 @@ Result<Journal> ReadJournal(const std::filesystem::path& file) {
   });
 }
 
+std::uint32_t PowerUpOfText(std::string_view text) {
+  if (text.empty()) return 0;
+  return std::max(1u, io::Crc32(std::as_bytes(std::span(text))));
+}
+
 std::vector<PointHistory> HistoryOf(const Journal& journal) {
   std::vector<PointHistory> history(journal.header.point_count);
   std::uint32_t power_up = 0;

@@ -38,6 +38,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "engrave/core/geometry.h"
@@ -101,6 +102,10 @@ struct JournalHeader {
 /// CRC-32 of the coordinates of a path or a cloud, x y z as doubles, glass frame, mm, in
 /// their order. It identifies the path of a journal and the points of a proof.
 std::uint32_t PathCrc(const PointList& path_mm);
+
+/// The power-up of a session record where a controller gives a text and no number: its
+/// CRC-32, never 0; of an empty text 0, not known.
+std::uint32_t PowerUpOfText(std::string_view text);
 
 inline constexpr std::size_t kJournalHeaderSize = 64;
 inline constexpr std::size_t kJournalRecordSize = 32;

@@ -5,8 +5,10 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 
 #include "engrave/core/try.h"
+#include "engrave/io/atomic_file.h"
 #include "engrave/io/crc32.h"
 #include "engrave/io/whole_file.h"
 
@@ -29,6 +31,13 @@ T MarkNumber(const std::byte* at) {
   T value;
   std::memcpy(&value, at, sizeof value);
   return value;
+}
+
+auto InMarkFile(const std::filesystem::path& file) {
+  return [&file](Error error) {
+    error.message = file.string() + ": " + error.message;
+    return error;
+  };
 }
 
 }  // namespace
@@ -101,10 +110,31 @@ Result<MarkRecord> ParseMarkRecord(std::span<const std::byte> bytes) {
 
 Result<MarkRecord> ReadMarkRecord(const std::filesystem::path& file) {
   const std::string text = INTAGLIO_TRY(io::ReadWholeFile(file, kMaxMarkFile));
-  return ParseMarkRecord(std::as_bytes(std::span(text))).map_error([&](Error error) {
-    error.message = file.string() + ": " + error.message;
-    return error;
-  });
+  return ParseMarkRecord(std::as_bytes(std::span(text))).map_error(InMarkFile(file));
+}
+
+Result<MarkRecordHeader> ReadMarkHeader(const std::filesystem::path& file) {
+  std::string bytes(kMarkHeaderSize, '\0');
+  std::ifstream in(file, std::ios::binary);
+  if (!in) {
+    return Fail(ErrorCode::kIo,
+                fmt::format("cannot read {}: see that it is there and that this user may "
+                            "read it",
+                            file.string()),
+                file.string());
+  }
+  in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(in.gcount()));
+  return ParseMarkRecord(std::as_bytes(std::span(bytes)))
+      .map([](const MarkRecord& record) { return record.header; })
+      .map_error(InMarkFile(file));
+}
+
+Status WriteMarkRecord(const std::filesystem::path& file, const MarkRecord& record) {
+  auto bytes = EncodeMarkHeader(record.header);
+  bytes.reserve(bytes.size() + record.ticks.size() * kMarkRecordSize);
+  for (const BurntTick& tick : record.ticks) AppendBurntTick(tick, bytes);
+  return io::WriteFileAtomically(file, std::span<const std::byte>(bytes));
 }
 
 }  // namespace intaglio::formats

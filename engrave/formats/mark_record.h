@@ -58,5 +58,9 @@ void AppendBurntTick(const BurntTick& tick, std::vector<std::byte>& out);
 Result<MarkRecord> ParseMarkRecord(std::span<const std::byte> bytes);
 /// kIo, kNotFound, kTooLarge (1 GiB); and as ParseMarkRecord, with the file's name.
 Result<MarkRecord> ReadMarkRecord(const std::filesystem::path& file);
+/// The header alone, of a file of any size.
+Result<MarkRecordHeader> ReadMarkHeader(const std::filesystem::path& file);
+/// The file is there whole or not at all. kIo.
+Status WriteMarkRecord(const std::filesystem::path& file, const MarkRecord& record);
 
 }  // namespace intaglio::formats

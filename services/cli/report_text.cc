@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "services/cli/proofs/mark_text.h"
 #include "services/client/figure_text.h"
 #include "services/client/proof/proof_figures.h"
 #include "services/client/proof_verdict.h"
@@ -66,9 +67,8 @@ std::string PulsesText(const JobReport& report) {
   return text;
 }
 
-}  // namespace
-
-std::string SummaryOf(const JobReport& report) {
+/// What the glass holds, and how it was made.
+std::string GlassLines(const JobReport& report) {
   std::string text;
   if (report.station() > 0) {
     text += fmt::format("station     {} of {}\n", report.station(),
@@ -95,7 +95,13 @@ std::string SummaryOf(const JobReport& report) {
         report.position_errors().allowed_move_um(),
         report.engrave().planned_max_move_um(), report.engrave().planned_rms_move_um());
   }
-  text += PredictionText(report);
+  return text + PredictionText(report);
+}
+
+}  // namespace
+
+std::string SummaryOf(const JobReport& report) {
+  std::string text = report.has_marks() ? MarkLines(report) : GlassLines(report);
   text += "verdict     " + client::VerdictTitle(report.verdict(), "GOOD");
   for (const std::string& reason : report.verdict().reasons()) text += "\n  - " + reason;
   return text;

@@ -21,6 +21,7 @@
 #include "services/cli/interrupt.h"
 #include "services/cli/job_glass.h"
 #include "services/cli/job_options.h"
+#include "services/cli/marks/virtual_web.h"
 #include "services/cli/progress/progress_bar.h"
 #include "services/cli/progress/stage_bars.h"
 #include "services/cli/progress/warning_lines.h"
@@ -34,6 +35,7 @@
 #include "services/client/proof_verdict.h"
 #include "services/client/service_set.h"
 #include "services/client/virtual_truth.h"
+#include "services/job/machine/mark_job_check.h"
 #include "services/job/options.h"
 
 namespace intaglio::cli {
@@ -66,7 +68,9 @@ struct RunOptions {
 /// One `intaglio run`, from the checked job to the verdict.
 class RunSession {
  public:
-  RunSession(RunOptions options, JobAndMachine job, materials_db::OpticalValues optics)
+  /// `optics`: of a job that engraves.
+  RunSession(RunOptions options, JobAndMachine job,
+             std::optional<materials_db::OpticalValues> optics)
       : options_(std::move(options)),
         job_(std::move(job)),
         optics_(optics),
@@ -94,7 +98,7 @@ class RunSession {
 
   RunOptions options_;
   JobAndMachine job_;
-  materials_db::OpticalValues optics_;
+  std::optional<materials_db::OpticalValues> optics_;
   ProgressBar bar_;
   StageBars bars_{bar_, options_.lockstep ? 0 : options_.speed};
   WarningLines warnings_{bar_};
@@ -122,14 +126,18 @@ Status RunSession::MakeFolders() {
 }
 
 client::MountedDescription RunSession::MountedParts() const {
+  if (!optics_) return {};
   const Vector3& block = job_.job.block().size_mm();
-  return {Vec3(block.x(), block.y(), block.z()), optics_.refractive_index,
+  return {Vec3(block.x(), block.y(), block.z()), optics_->refractive_index,
           LensOf(job_.job)};
 }
 
 Result<client::VirtualMachine> RunSession::MachineOf() const {
   client::VirtualMachine machine;
   machine.truth = client::TruthOf(job_.machine, MountedParts());
+  const double web_mm_s =
+      INTAGLIO_TRY(VirtualWebSpeed(job_.job, job_.machine, options_.job.size_limits));
+  if (web_mm_s > 0) machine.truth.mutable_head()->set_web_mm_s(web_mm_s);
   INTAGLIO_TRY(options_.truth.Change(machine.truth));
   machine.speed = options_.lockstep ? "lockstep" : fmt::format("{}", options_.speed);
   machine.faults = options_.faults;
@@ -161,7 +169,11 @@ int RunSession::Run() {
   const auto machine = MachineOf();
   if (!machine) return Complain(machine.error(), client::kExitWrongInput);
   auto services = StartServices(*machine);
-  if (!services) return Complain(services.error(), client::kExitInternal);
+  if (!services) {
+    return Complain(services.error(), services.error().code == ErrorCode::kUnsupported
+                                          ? client::kExitWrongInput
+                                          : client::kExitInternal);
+  }
   try {
     return Engrave(*services);
   } catch (const bus::BusError& error) {
@@ -312,7 +324,7 @@ int RunSession::Prove(const client::JobView& job, const client::JobClient& clien
   inputs.wall_time_s = std::chrono::duration<double>(Clock::now() - started_).count();
   inputs.job_number = job.number;
   // A job that ended before its engraving began left nothing to prove.
-  if (job.open_consent() != nullptr || !fs::exists(inputs.job_folder / "path.ply"))
+  if (job.open_consent() != nullptr || !client::HasPlan(inputs.job_folder))
     return client::kExitMachine;
   const auto report = client::MakeProof(inputs);
   if (!report) return Complain(report.error(), client::kExitWrongInput);
@@ -333,6 +345,8 @@ int RunJob(const RunOptions& given) {
   if (options.materials_db.empty()) {
     options.materials_db = materials_db::DefaultDatabasePath().string();
   }
+  if (MakesMarks(job->job))
+    return RunSession(std::move(options), std::move(*job), std::nullopt).Run();
   const auto material = FindGlass(*job, options.materials_db);
   if (!material) return Complain(material.error(), client::kExitWrongInput);
   const auto optics = materials_db::ComputeOptics(
@@ -347,10 +361,11 @@ void AddRunCommand(command_line::Command app) {
   auto options = std::make_shared<RunOptions>();
   command_line::Command run =
       app.AddCommand("run",
-                     "engrave one job in the virtual engraver, with a separate set of "
-                     "processes, and prove the result");
+                     "make one job in the virtual engraver or scan head, with a separate "
+                     "set of processes, and prove the result");
   run.SetFooter(
       "Example: intaglio run --mesh bunny.obj --height 40 --lockstep --out DIR\n"
+      "Example: intaglio run label.textproto --lockstep --out DIR\n"
       "Exit code: 0 good, 1 internal fault, 2 wrong input, 3 engraved but not good, "
       "4 machine fault, 5 cancelled.");
   AddJobFlags(run, options->job);

@@ -16,8 +16,9 @@ namespace fs = std::filesystem;
 Status PrepareRunFolder(const fs::path& out, const fs::path& session) {
   std::error_code error;
   fs::remove_all(session, error);
-  for (const char* file : {"report.json", "glass.ply", "path.ply", "views.png",
-                           "customer.png", "journal.bin", "job.json"}) {
+  for (const char* file :
+       {"report.json", "glass.ply", "path.ply", "views.png", "customer.png",
+        "journal.bin", "job.json", "marks.bin", "burnt.rec"}) {
     fs::remove(out / file, error);
   }
   const std::string recordings = session.filename().string();
@@ -45,10 +46,10 @@ std::string PrivateTag() {
 Status PresentProof(std::ostream& human, const JobReport& report, const fs::path& out,
                     bool is_recorded, const CustomerPictureFlags& picture) {
   human << SummaryOf(report) << "\n";
-  human << "folder      " << out.string()
-        << "  (report.json, glass.ply, path.ply, views.png"
-        << (is_recorded ? ", session.mcap)\n" : ")\n");
-  if (!picture.asked()) return {};
+  human << "folder      " << out.string() << "  (report.json, "
+        << (report.has_marks() ? "marks.bin, burnt.rec" : "glass.ply, path.ply")
+        << ", views.png" << (is_recorded ? ", session.mcap)\n" : ")\n");
+  if (!picture.asked() || report.has_marks()) return {};
   const fs::path file = picture.FileIn(out);
   INTAGLIO_TRY(client::WriteCustomerPicture(file, out, picture.Picture()));
   human << "picture     " << file.string() << "\n";

@@ -13,6 +13,9 @@
 #include "engrave/io/atomic_file.h"
 #include "services/client/proof/glass_search.h"
 #include "services/client/proof/known_outcome.h"
+#include "services/client/proof/marks/mark_figures.h"
+#include "services/client/proof/marks/mark_pictures.h"
+#include "services/client/proof/marks/mark_search.h"
 #include "services/client/proof/proof_figures.h"
 #include "services/client/proof/proof_pictures.h"
 #include "services/client/proof_verdict.h"
@@ -76,18 +79,48 @@ JobStages StagesOf(const ProofInputs& inputs) {
   return stages;
 }
 
-/// The cracks of the job, from the records of the engraver; nothing where they are not
-/// known.
+/// With the records of the machine.
+fs::path RecordFolderOf(const FolderToComplete& which) {
+  if (!which.glass_folder.empty()) return which.glass_folder;
+  const fs::path shop = fs::absolute(which.folder).lexically_normal();
+  return (shop.has_filename() ? shop : shop.parent_path()).parent_path().parent_path();
+}
+
+/// The cracks of the job, or what was burnt for it, from the records of the engraver;
+/// nothing where they are not known.
 Status CompleteGlass(const FolderToComplete& which) {
-  const fs::path file = which.folder / kGlassFile;
+  const bool marks = HasMarks(which.folder);
+  const fs::path file = which.folder / (marks ? kBurntFile : kGlassFile);
   if (!which.renew && fs::exists(file)) return {};
   const auto journal = INTAGLIO_TRY(formats::ReadJournal(which.folder / "journal.bin"));
-  const fs::path shop = fs::absolute(which.folder).lexically_normal();
-  const fs::path parent =
-      (shop.has_filename() ? shop : shop.parent_path()).parent_path().parent_path();
-  const auto cracks = INTAGLIO_TRY(
-      FindCracks(journal, which.glass_folder.empty() ? parent : which.glass_folder));
+  const fs::path records = RecordFolderOf(which);
+  if (marks) {
+    const auto job = INTAGLIO_TRY(ReadFrozenJob(which.folder / "job.json"));
+    const std::string& number = job.machine().mark_line().serial_number();
+    const auto burnt = INTAGLIO_TRY(FindBurnt(journal, MarkRecordsIn(records, number)));
+    return burnt ? formats::WriteMarkRecord(file, *burnt) : Status();
+  }
+  const auto cracks = INTAGLIO_TRY(FindCracks(journal, records));
   return cracks ? WriteGlass(*cracks, file) : Status();
+}
+
+Status WriteViewsOf(const fs::path& folder, const ProvedFolder& proved) {
+  return std::visit(
+      [&](const auto& evidence) { return WriteViews(folder, evidence, proved.report); },
+      proved.evidence);
+}
+
+/// Its evidence and its figures.
+Result<ProvedFolder> ReadFolder(const fs::path& folder) {
+  ProvedFolder proved;
+  if (HasMarks(folder)) {
+    proved.evidence = INTAGLIO_TRY(ReadMarkEvidence(folder));
+  } else {
+    proved.evidence = INTAGLIO_TRY(ReadEvidence(folder));
+  }
+  proved.report = std::visit([](const auto& evidence) { return FiguresOf(evidence); },
+                             proved.evidence);
+  return proved;
 }
 
 Status WriteMissing(const FolderToComplete& which, const ProvedFolder& proved) {
@@ -95,7 +128,7 @@ Status WriteMissing(const FolderToComplete& which, const ProvedFolder& proved) {
     return which.renew || !fs::exists(which.folder / file);
   };
   if (needs(kViewsFile)) {
-    INTAGLIO_TRY(WriteViews(which.folder, proved.evidence, proved.report));
+    INTAGLIO_TRY(WriteViewsOf(which.folder, proved));
   }
   // Last: a folder with a report is complete.
   return needs(kReportFile) ? WriteReport(which.folder, proved.report) : Status();
@@ -107,26 +140,36 @@ std::string UtcNow() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
 }
 
+bool HasPlan(const fs::path& folder) {
+  std::error_code error;
+  return HasMarks(folder) || fs::exists(folder / "path.ply", error);
+}
+
 Result<JobReport> MakeProof(const ProofInputs& inputs) {
-  for (const char* file : {"path.ply", "job.json", "journal.bin"}) {
+  const bool marks = HasMarks(inputs.job_folder);
+  for (const char* file : {marks ? kMarksFile : "path.ply", "job.json", "journal.bin"}) {
     INTAGLIO_TRY(CopyInto(inputs.job_folder / file, inputs.folder / file));
   }
-  const auto record = INTAGLIO_TRY(formats::ReadGlassRecord(inputs.glass_record));
-  INTAGLIO_TRY(WriteGlass(record.cracks, inputs.folder / kGlassFile));
-  const auto evidence = INTAGLIO_TRY(ReadEvidence(inputs.folder));
-  JobReport report = FiguresOf(evidence);
-  AddStages(StagesOf(inputs), report);
-  Judge(report);
-  INTAGLIO_TRY(WriteViews(inputs.folder, evidence, report));
-  INTAGLIO_TRY(WriteReport(inputs.folder, report));
-  return report;
+  if (marks) {
+    const auto journal =
+        INTAGLIO_TRY(formats::ReadJournal(inputs.folder / "journal.bin"));
+    INTAGLIO_TRY(
+        formats::WriteMarkRecord(inputs.folder / kBurntFile,
+                                 INTAGLIO_TRY(AllBurnt(journal, inputs.glass_record))));
+  } else {
+    const auto record = INTAGLIO_TRY(formats::ReadGlassRecord(inputs.glass_record));
+    INTAGLIO_TRY(WriteGlass(record.cracks, inputs.folder / kGlassFile));
+  }
+  ProvedFolder proved = INTAGLIO_TRY(ReadFolder(inputs.folder));
+  AddStages(StagesOf(inputs), proved.report);
+  Judge(proved.report);
+  INTAGLIO_TRY(WriteViewsOf(inputs.folder, proved));
+  INTAGLIO_TRY(WriteReport(inputs.folder, proved.report));
+  return proved.report;
 }
 
 Result<ProvedFolder> VerifyFolder(const fs::path& folder) {
-  ProvedFolder proved;
-  auto evidence = INTAGLIO_TRY(ReadEvidence(folder));
-  proved.evidence = std::move(evidence);
-  proved.report = FiguresOf(proved.evidence);
+  ProvedFolder proved = INTAGLIO_TRY(ReadFolder(folder));
   AddKnown(folder, proved.report);
   Judge(proved.report);
   return proved;

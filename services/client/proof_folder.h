@@ -1,13 +1,15 @@
 #pragma once
 
 // The proof of a job: glass.ply (the cracks), path.ply (the plan), report.json, views.png
-// (of several channels, one each as well), and the verdict. `run` makes it of everything
-// that its machine's glass holds; in a shop a job's folder is completed when the job has
-// ended.
+// (of several channels, one each as well), and the verdict. Of a job of marks burnt.rec
+// (what was burnt) and marks.bin (the plan) are in place of the first two. `run` makes it
+// of everything that its machine's glass or piece holds; in a shop a job's folder is
+// completed when the job has ended.
 
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "engrave/core/geometry.h"
@@ -15,6 +17,7 @@
 #include "engrave/core/warning.h"
 #include "proto/report.pb.h"
 #include "proto/task.pb.h"
+#include "services/client/proof/marks/mark_evidence.h"
 #include "services/client/proof/proof_evidence.h"
 
 namespace intaglio::client {
@@ -26,8 +29,9 @@ inline constexpr const char* kCustomerFile = "customer.png";
 inline constexpr const char* kStagesFile = "stages.json";
 
 struct ProofInputs {
-  std::filesystem::path folder;        ///< where the files go
-  std::filesystem::path job_folder;    ///< the cell's: job.json, path.ply, journal.bin
+  std::filesystem::path folder;  ///< where the files go
+  /// The cell's: job.json, path.ply or marks.bin, journal.bin.
+  std::filesystem::path job_folder;
   std::filesystem::path glass_record;  ///< the machine's own
   std::optional<StageOutcome> discretize, sort, engrave;
   Warnings warnings;                 ///< all that are known of the job
@@ -37,12 +41,15 @@ struct ProofInputs {
   std::uint32_t job_number = 0;
 };
 
+/// A job's folder has points or marks in their order: its making had begun.
+bool HasPlan(const std::filesystem::path& folder);
+
 /// Writes the files and returns the report. Errors are those of reading what the run left
 /// behind and of the disk.
 Result<JobReport> MakeProof(const ProofInputs& inputs);
 
 struct ProvedFolder {
-  Evidence evidence;
+  std::variant<Evidence, MarkEvidence> evidence;
   JobReport report;
   std::optional<Error> not_written;  ///< Why a file of the proof is missing.
 };
@@ -54,13 +61,14 @@ Result<ProvedFolder> VerifyFolder(const std::filesystem::path& folder);
 
 struct FolderToComplete {
   std::filesystem::path folder;
-  /// With the records of the virtual engraver; empty: the shop's, the second above.
+  /// With the records of the virtual engraver or head; empty: the shop's, the second
+  /// above.
   std::filesystem::path glass_folder;
   bool renew = false;  ///< also what is there already
 };
 
-/// The same, and writes glass.ply, if the glass is known, views and report. A job that
-/// has not ended is read alone.
+/// The same, and writes glass.ply or burnt.rec, if the glass or the piece is known, views
+/// and report. A job that has not ended is read alone.
 Result<ProvedFolder> CompleteFolder(const FolderToComplete& which);
 
 /// The folders of jobs in a shop's folder `jobs`, by name: those of which something was

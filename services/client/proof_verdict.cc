@@ -5,6 +5,7 @@
 #include <google/protobuf/util/json_util.h>
 
 #include "engrave/io/whole_file.h"
+#include "services/client/proof/marks/mark_verdict.h"
 #include "services/client/proof/proof_figures.h"
 #include "services/job/verdict/verdict.h"
 #include "services/job/verdict/warnings.h"
@@ -67,7 +68,11 @@ double ToleranceUm(const PositionErrors& errors) {
 void Judge(JobReport& report) {
   Verdict& verdict = *report.mutable_verdict();
   verdict.Clear();
-  AddFaults(report, verdict);
+  if (report.has_marks()) {
+    AddMarkFaults(report, verdict);
+  } else {
+    AddFaults(report, verdict);
+  }
   VerdictKind kind = VerdictKind::kNotGood;
   if (verdict.reasons().empty()) {
     for (const Warning& warning :

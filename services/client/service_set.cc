@@ -7,6 +7,7 @@
 
 #include "engrave/core/try.h"
 #include "services/client/proof/glass_search.h"
+#include "services/client/proof/marks/mark_search.h"
 #include "services/job/job_check.h"
 #include "services/job/job_file.h"
 #include "services/platform/command_line/other_programs.h"
@@ -19,7 +20,6 @@ using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
 constexpr char kMachineFile[] = "machine.textproto";
-constexpr char kMarkRecord[] = "marks.rec";
 
 constexpr auto kReadyTimeout = 30s;
 constexpr auto kLinesTimeout = 10s;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engrave/io/crc32.h"
+#include "engrave/formats/journal_file.h"
 
 namespace intaglio::marker {
 
@@ -10,8 +10,7 @@ using formats::JournalKind;
 using formats::PointOutcome;
 
 std::uint32_t PowerUpNumber(const std::string& power_up) {
-  if (power_up.empty()) return 0;
-  return std::max(1u, io::Crc32(std::as_bytes(std::span(power_up))));
+  return formats::PowerUpOfText(power_up);
 }
 
 std::vector<ArmedMark> MarkRecord::TakeUp(const cell::EarlierWork& earlier) {

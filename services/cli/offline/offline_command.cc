@@ -133,8 +133,10 @@ Result<client::ProvedFolder> Complete(const OfflineOptions& options,
                                       const fs::path& folder) {
   auto proved = client::CompleteFolder({folder, options.glass_folder, options.renew});
   if (!proved || proved->not_written || !options.picture.asked()) return proved;
-  const auto drawn = client::WriteCustomerPicture(
-      options.picture.FileIn(folder), proved->evidence, options.picture.Picture());
+  const auto* evidence = std::get_if<client::Evidence>(&proved->evidence);
+  if (evidence == nullptr) return proved;  // a piece with marks has none
+  const auto drawn = client::WriteCustomerPicture(options.picture.FileIn(folder),
+                                                  *evidence, options.picture.Picture());
   if (!drawn) proved->not_written = drawn.error();
   return proved;
 }
@@ -143,10 +145,10 @@ Result<client::ProvedFolder> Complete(const OfflineOptions& options,
 int CompleteJobs(const OfflineOptions& options, const std::vector<fs::path>& folders) {
   int worst = client::kExitGood;
   for (const fs::path& folder : folders) {
-    const bool is_complete =
-        fs::exists(folder / client::kReportFile) &&
-        fs::exists(folder / client::kViewsFile) &&
-        (!options.picture.asked() || fs::exists(options.picture.FileIn(folder)));
+    const bool is_complete = fs::exists(folder / client::kReportFile) &&
+                             fs::exists(folder / client::kViewsFile) &&
+                             (!options.picture.asked() || client::HasMarks(folder) ||
+                              fs::exists(options.picture.FileIn(folder)));
     if (is_complete && !options.renew) continue;
     const auto proved = Complete(options, folder);
     if (!proved || proved->not_written) {
@@ -167,7 +169,8 @@ int VerifyOffline(const OfflineOptions& options) {
   if (!folders.empty()) return CompleteJobs(options, folders);
   const auto proved = Complete(options, options.input);
   if (!proved) return Complain(proved.error(), client::kExitWrongInput);
-  if (options.picture.asked() && !proved->not_written && !options.json)
+  const bool drawn = options.picture.asked() && !client::HasMarks(options.input);
+  if (drawn && !proved->not_written && !options.json)
     std::cout << "picture     " << options.picture.FileIn(options.input).string() << "\n";
   return PrintProof(options, *proved);
 }
@@ -255,8 +258,8 @@ void AddOfflineCommands(command_line::Command app) {
   verify.AddFlag("--renew", options->renew,
                  "make report and pictures anew that are there already");
   verify.AddOption("--glass", options->glass_folder,
-                   "folder with the glass records of a virtual engraver, default that of "
-                   "the job's shop");
+                   "folder with the records of a virtual engraver or scan head, default "
+                   "that of the job's shop");
   AddCustomerPictureFlags(verify, options->picture);
   verify.SetFooter(
       "Example: intaglio verify intaglio-shop/jobs/1-2b6f --customer-picture\n"

@@ -39,7 +39,10 @@ void AddOfReport(const JobReport& known, JobReport& report) {
   report.set_started_utc(known.started_utc());
   report.set_ended_utc(known.ended_utc());
   report.set_wall_time_s(known.wall_time_s());
-  report.set_estimated_time_s(known.estimated_time_s());
+  if (report.estimated_time_s() == 0)
+    report.set_estimated_time_s(known.estimated_time_s());
+  if (report.machining_time_s() == 0)
+    report.set_machining_time_s(known.machining_time_s());
   const auto plan = known.checksums().find("plan");
   if (plan != known.checksums().end())
     (*report.mutable_checksums())["plan"] = plan->second;
@@ -65,6 +68,11 @@ void AddStages(const JobStages& stages, JobReport& report) {
   if (stages.has_sort()) *report.mutable_sort() = stages.sort().sort();
   if (stages.has_engrave()) {
     *report.mutable_engrave() = stages.engrave().engrave();
+    // A journal of marks has no times of them.
+    if (report.has_marks() && report.machining_time_s() == 0)
+      report.set_machining_time_s(stages.engrave().elapsed_s());
+  }
+  if (stages.has_engrave() && !report.has_marks()) {
     report.set_estimated_time_s(static_cast<double>(report.engrave().estimate_ticks()) /
                                 report.job().laser().rate_hz());
     (*report.mutable_checksums())["plan"] = report.engrave().plan_checksum();

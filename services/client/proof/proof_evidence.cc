@@ -19,18 +19,6 @@ namespace fs = std::filesystem;
 // A job with its machine and glass is a few kilobytes.
 constexpr std::uint64_t kMaxTextBytes = 16 << 20;
 
-Result<FrozenJob> ReadFrozenJob(const fs::path& file) {
-  const auto text = INTAGLIO_TRY(io::ReadWholeFile(file, kMaxTextBytes));
-  FrozenJob job;
-  const auto parsed = google::protobuf::util::JsonStringToMessage(text, &job);
-  if (!parsed.ok()) {
-    return Fail(ErrorCode::kUnreadable,
-                fmt::format("{} does not contain a frozen job: {}", file.string(),
-                            parsed.ToString()));
-  }
-  return job;
-}
-
 template <typename Value>
 Result<const std::vector<Value>*> ColumnOf(const formats::PointTable& table,
                                            const char* name, const fs::path& file) {
@@ -68,6 +56,18 @@ Status ReadCracks(const fs::path& file, Evidence& evidence) {
 }
 
 }  // namespace
+
+Result<FrozenJob> ReadFrozenJob(const fs::path& file) {
+  const auto text = INTAGLIO_TRY(io::ReadWholeFile(file, kMaxTextBytes));
+  FrozenJob job;
+  const auto parsed = google::protobuf::util::JsonStringToMessage(text, &job);
+  if (!parsed.ok()) {
+    return Fail(ErrorCode::kUnreadable,
+                fmt::format("{} does not contain a frozen job: {}", file.string(),
+                            parsed.ToString()));
+  }
+  return job;
+}
 
 Result<Evidence> ReadEvidence(const fs::path& folder) {
   Evidence evidence;

@@ -27,6 +27,9 @@ struct Evidence {
   std::vector<std::uint32_t> power_ups;  ///< of the journal, in their order
 };
 
+/// job.json of a job's folder. kNotFound, kIo, kUnreadable.
+Result<FrozenJob> ReadFrozenJob(const std::filesystem::path& file);
+
 /// Errors name the file and what is wrong with it.
 Result<Evidence> ReadEvidence(const std::filesystem::path& folder);
 

@@ -35,12 +35,6 @@ std::string SizeText(const Vec3& size_mm) {
   return fmt::format("{:g} x {:g} x {:g} mm", rounded(0), rounded(1), rounded(2));
 }
 
-/// 2026-11-23T08:12:34Z -> 2026-11-23 08:12 UTC.
-std::string MinuteText(const std::string& utc) {
-  if (utc.size() < 16 || utc[10] != 'T') return utc;
-  return utc.substr(0, 10) + " " + utc.substr(11, 5) + " UTC";
-}
-
 std::vector<std::string> TitleOf(const JobReport& report, const Box3& work_mm) {
   std::string job = report.job_number() > 0 ? fmt::format("job {}", report.job_number())
                                             : "job " + report.job_uid();
@@ -51,28 +45,6 @@ std::vector<std::string> TitleOf(const JobReport& report, const Box3& work_mm) {
   return {report.name(), job,
           fmt::format("{}, {:g} Hz, {:g} nm", report.machine().name(),
                       report.job().laser().rate_hz(), report.optics().wavelength_nm())};
-}
-
-std::vector<render::Note> NotesOf(const JobReport& report) {
-  std::vector<render::Note> notes;
-  const bool measured = report.evidence() == kGlassEvidence;
-  notes.push_back({measured ? "Measured: every crack in the glass was compared with the "
-                              "plan."
-                            : "By the laser controller's counters. The glass itself was "
-                              "not measured: check the piece.",
-                   Tone::kPlain});
-  if (KindOf(report.verdict()) == VerdictKind::kNotGood) {
-    for (const std::string& reason : report.verdict().reasons()) {
-      notes.push_back({reason, Tone::kBad});
-    }
-  }
-  const Warnings warnings = AtLeast(WarningWeight::kNote, WarningsOf(report.warnings()));
-  for (const Warning& warning : warnings) {
-    notes.push_back({warning.text, warning.weight == WarningWeight::kNote
-                                       ? Tone::kPlain
-                                       : Tone::kWarning});
-  }
-  return notes;
 }
 
 std::vector<Figure> FiguresIn(const JobReport& report) {
@@ -153,6 +125,27 @@ Status WriteChannelViews(const fs::path& file, const Evidence& evidence,
 
 }  // namespace
 
+std::string MinuteText(const std::string& utc) {
+  if (utc.size() < 16 || utc[10] != 'T') return utc;
+  return utc.substr(0, 10) + " " + utc.substr(11, 5) + " UTC";
+}
+
+std::vector<render::Note> NotesOf(const JobReport& report, const std::string& evidence) {
+  std::vector<render::Note> notes = {{evidence, Tone::kPlain}};
+  if (KindOf(report.verdict()) == VerdictKind::kNotGood) {
+    for (const std::string& reason : report.verdict().reasons()) {
+      notes.push_back({reason, Tone::kBad});
+    }
+  }
+  const Warnings warnings = AtLeast(WarningWeight::kNote, WarningsOf(report.warnings()));
+  for (const Warning& warning : warnings) {
+    notes.push_back({warning.text, warning.weight == WarningWeight::kNote
+                                       ? Tone::kPlain
+                                       : Tone::kWarning});
+  }
+  return notes;
+}
+
 render::ViewsCaption ViewsCaptionOf(const JobReport& report, const Box3& work_mm) {
   const bool measured = report.evidence() == kGlassEvidence;
   render::ViewsCaption caption;
@@ -161,7 +154,10 @@ render::ViewsCaption ViewsCaptionOf(const JobReport& report, const Box3& work_mm
   // What nobody has measured is not proved.
   caption.verdict = VerdictTitle(report.verdict(), measured ? "PROVED" : "COMPLETE");
   caption.verdict_tone = ToneOf(report.verdict());
-  caption.notes = NotesOf(report);
+  caption.notes = NotesOf(
+      report, measured ? "Measured: every crack in the glass was compared with the plan."
+                       : "By the laser controller's counters. The glass itself was not "
+                         "measured: check the piece.");
   caption.legend = LegendOf(measured);
   return caption;
 }

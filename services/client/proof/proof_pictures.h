@@ -4,6 +4,8 @@
 // channels, and the customer's.
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
@@ -16,6 +18,11 @@ namespace intaglio::client {
 
 /// What is written beside the views.
 render::ViewsCaption ViewsCaptionOf(const JobReport& report, const Box3& work_mm);
+
+/// The sentence on what the report rests, why it is not good, and its warnings.
+std::vector<render::Note> NotesOf(const JobReport& report, const std::string& evidence);
+/// 2026-11-23T08:12:34Z -> 2026-11-23 08:12 UTC.
+std::string MinuteText(const std::string& utc);
 
 /// The cracks; where the glass is not known, the planned points that were made.
 PointList PicturePoints(const Evidence& evidence);

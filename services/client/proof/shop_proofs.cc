@@ -10,6 +10,8 @@
 #include "services/client/exit_codes.h"
 #include "services/client/proof/glass_search.h"
 #include "services/client/proof/known_outcome.h"
+#include "services/client/proof/marks/mark_evidence.h"
+#include "services/client/proof/marks/mark_search.h"
 #include "services/client/proof_folder.h"
 #include "services/job/json_text.h"
 #include "services/job/verdict/warnings.h"
@@ -26,13 +28,13 @@ constexpr std::chrono::seconds kJobsKnownTime{10};
 /// Something of it was engraved on this computer.
 bool WasBegun(const fs::path& folder) {
   std::error_code error;
-  return fs::exists(folder / "journal.bin", error) &&
-         fs::exists(folder / "path.ply", error);
+  return fs::exists(folder / "journal.bin", error) && HasPlan(folder);
 }
 
 bool IsComplete(const fs::path& folder) {
   std::error_code error;
   for (const char* file : {kReportFile, kViewsFile, kCustomerFile}) {
+    if (file == kCustomerFile && HasMarks(folder)) continue;
     if (!fs::is_regular_file(folder / file, error)) return false;
   }
   return true;
@@ -177,6 +179,7 @@ void ShopProofs::RemoveOldGlass(const ShopView& shop, Clock::time_point now) {
     for (const TickSpan& span : TickSpansOf(*journal)) needed.insert(span.power_up);
   }
   RemoveGlassRecords(options_.folder, needed);
+  RemoveMarkRecords(options_.folder, needed);
 }
 
 }  // namespace intaglio::client

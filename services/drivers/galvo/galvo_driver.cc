@@ -83,7 +83,7 @@ void GalvoDriver::BeginSession() {
   statuses_ = 0;
   drops_sent_ = 0;
   ++state_.session;
-  state_.power_up = fmt::format("{}-{:08x}", identity_.serial_number, identity_.power_up);
+  state_.power_up = link::HeadPowerUpText(identity_.serial_number, identity_.power_up);
   state_.remembers_marks = identity_.remembered_marks >= kRememberedMarks;
   player_.SetRate(identity_.rate_hz);
   player_.tracker().Forget();

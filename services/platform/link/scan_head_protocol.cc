@@ -1,5 +1,7 @@
 #include "services/platform/link/scan_head_protocol.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "services/platform/link/byte_codec.h"
@@ -35,6 +37,10 @@ bool GetEdge(ByteReader& in, std::size_t ticks, HeadEdge& edge) {
 }
 
 }  // namespace
+
+std::string HeadPowerUpText(const std::string& serial_number, std::uint32_t power_up) {
+  return fmt::format("{}-{:08x}", serial_number, power_up);
+}
 
 Bytes Encode(const HeadPermit& m) {
   ByteWriter out;

@@ -96,6 +96,9 @@ struct HeadIdentity {
   std::string serial_number;  ///< printable ASCII, at most 64; empty: it has none
 };
 
+/// Of the device with this number: what a driver knows a power-up of a head by.
+std::string HeadPowerUpText(const std::string& serial_number, std::uint32_t power_up);
+
 enum HeadInterlockBits : std::uint8_t {
   kHeadKeyOn = 1 << 0,
   kHeadDoorClosed = 1 << 1,

@@ -1,0 +1,22 @@
+#pragma once
+
+// How fast the web of a virtual scan head runs for a job: of a real machine a person sets
+// it.
+
+#include "engrave/core/result.h"
+#include "proto/job.pb.h"
+#include "proto/machine.pb.h"
+
+namespace intaglio::cli {
+
+/// What is left of the largest speed for the border that is kept free and for the time
+/// between the plan and the mirrors.
+inline constexpr double kVirtualWebShare = 0.9;
+
+/// 0: the job has no web, or the machine has none. The job's web.speed_mm_s; where that
+/// is "as fast as possible", kVirtualWebShare of the largest speed at which all its marks
+/// can be made. Errors as of MakeJobMarks, OrderJobMarks and MaxSpeed.
+Result<double> VirtualWebSpeed(const JobSpec& job, const MachineSpec& machine,
+                               double size_limits);
+
+}  // namespace intaglio::cli

@@ -1,0 +1,116 @@
+#include "services/client/proof/marks/mark_verdict.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "services/client/proof/marks/mark_evidence.h"
+#include "services/client/proof/proof_figures.h"
+
+namespace intaglio::client {
+namespace {
+
+constexpr std::size_t kMaxNamed = 3;
+
+/// "1 mark", "12 marks".
+std::string MarksText(std::uint64_t count) {
+  return fmt::format("{} mark{}", count, count == 1 ? "" : "s");
+}
+const char* IsOrAre(std::uint64_t count) { return count == 1 ? "is" : "are"; }
+
+/// Of the findings that `has`, the first ones by name: ": mark 3 (..) at (..), ..".
+template <typename Has>
+std::string Named(const MarkReport& marks, std::uint64_t count, const Has& has) {
+  std::vector<std::string> names;
+  for (const MarkFinding& finding : marks.findings()) {
+    if (has(finding) && names.size() < kMaxNamed)
+      names.push_back(MarkText(finding.name()));
+  }
+  if (names.empty()) return "";
+  const std::string more =
+      count > names.size() ? fmt::format(", and {} more", count - names.size()) : "";
+  return fmt::format(": {}{}", fmt::join(names, ", "), more);
+}
+
+auto Outcome(std::string_view outcome) {
+  return [outcome](const MarkFinding& finding) { return finding.outcome() == outcome; };
+}
+
+std::string UncertainText(const JobReport& report) {
+  const MarkCounts& counts = report.marks().counts();
+  const std::string names =
+      Named(report.marks(), counts.uncertain(),
+            [](const MarkFinding& finding) { return finding.uncertain(); });
+  if (report.evidence() == kControllerEvidence) {
+    return fmt::format(
+        "it is unknown whether {} {} made, wholly or in part: check the piece{}",
+        MarksText(counts.uncertain()), counts.uncertain() == 1 ? "was" : "were", names);
+  }
+  return fmt::format(
+      "{} {} uncertain by the journal; the material has {} whole, {} in part, {} not at "
+      "all, {} too often{}",
+      MarksText(counts.uncertain()), IsOrAre(counts.uncertain()), counts.uncertain_made(),
+      counts.uncertain_incomplete(), counts.uncertain_missed(),
+      counts.uncertain_doubled(), names);
+}
+
+struct NamedMeasure {
+  const char* name;
+  const MarkMeasure& measure;
+};
+
+std::string BeyondText(const NamedMeasure& of, double tolerance_um) {
+  return fmt::format("{} of {} beyond the tolerance of {:g} um, {:.1f} um at {}", of.name,
+                     MarksText(of.measure.beyond_count()), tolerance_um,
+                     of.measure.max_um(), MarkText(of.measure.worst()));
+}
+
+}  // namespace
+
+void AddMarkFaults(const JobReport& report, Verdict& verdict) {
+  const MarkReport& marks = report.marks();
+  const MarkCounts& counts = marks.counts();
+  const auto need = [&](bool holds, const auto& reason) {
+    if (!holds) verdict.add_reasons(reason());
+  };
+  const auto none = [&](std::uint64_t count, std::string_view outcome, const char* what) {
+    need(count == 0, [&] {
+      return fmt::format("{} {} {}{}", MarksText(count), IsOrAre(count), what,
+                         Named(marks, count, Outcome(outcome)));
+    });
+  };
+  need(counts.planned() > 0, [] { return std::string("the job has no marks"); });
+  none(counts.doubled(), "doubled", "made twice, in whole or in part");
+  none(counts.missed(), "missed",
+       report.evidence() == kControllerEvidence
+           ? "missed, as the controller reports"
+           : "missing in the material, though the journal has them as begun");
+  none(counts.incomplete(), "incomplete", "made in part only");
+  none(counts.skipped(), "skipped", "not made: skipped, by the journal");
+  need(counts.uncertain() == 0, [&] { return UncertainText(report); });
+  need(counts.unaccounted() == 0, [&] {
+    return fmt::format(
+        "{} {} in the material, though the journal has them as not begun{}",
+        MarksText(counts.unaccounted()), IsOrAre(counts.unaccounted()),
+        Named(marks, counts.unaccounted(),
+              [](const MarkFinding& finding) { return finding.unaccounted(); }));
+  });
+  need(counts.stray_ticks() == 0, [&] {
+    return fmt::format("the beam was on for {} ticks of 10 us outside the job's marks",
+                       counts.stray_ticks());
+  });
+  const MarkMeasures& measures = marks.measures();
+  const NamedMeasure all[] = {{"place", measures.place()},
+                              {"shape", measures.shape()},
+                              {"gap", measures.gap()},
+                              {"diameter", measures.diameter()}};
+  for (const NamedMeasure& of : all) {
+    need(of.measure.beyond_count() == 0,
+         [&] { return BeyondText(of, measures.tolerance_um()); });
+  }
+}
+
+}  // namespace intaglio::client

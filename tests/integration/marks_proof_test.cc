@@ -1,0 +1,226 @@
+// Jobs of marks on the virtual scan head, as a user types them, and what is proved of
+// them. The report is compared with the record of the material, which is read here alone:
+// circles whose places are known from the drawing.
+
+#include <gmock/gmock.h>
+#include <google/protobuf/util/json_util.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <set>
+
+#include "engrave/formats/mark_record.h"
+#include "proto/report.pb.h"
+#include "tests/integration/run_program.h"
+#include "tests/test_folder.h"
+
+namespace intaglio {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using testing::Ended;
+using testing::Eventually;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::Program;
+using testing::Running;
+
+constexpr int kColumns = 6, kRows = 4, kCircles = kColumns * kRows;
+constexpr double kPitchMm = 6, kRadiusMm = 0.5;
+constexpr auto kBound = 150s;
+
+class MarksProof : public ::testing::Test {
+ protected:
+  MarksProof() : folder_(test::FreshFolder()), tag_("mproof" + std::to_string(getpid())) {
+    std::ofstream drawing(folder_ / "circles.svg");
+    drawing << R"(<svg xmlns="http://www.w3.org/2000/svg" width="36mm" height="24mm" )"
+            << R"(viewBox="0 0 36 24">)";
+    for (int i = 0; i < kCircles; ++i) {
+      drawing << "<circle cx=\"" << 3 + kPitchMm * (i % kColumns) << "\" cy=\""
+              << 3 + kPitchMm * (i / kColumns) << "\" r=\"0.5\"/>";
+    }
+    drawing << "</svg>";
+    std::ofstream(folder_ / "job.textproto")
+        << "name: \"circles\"\nmachine_file: \"galvo\"\n"
+        << "marks { items { drawing { file: \"circles.svg\" } } "
+        << "pen { speed_mm_s: 500 power_ratio: 0.5 } }\n";
+  }
+
+  Ended Run(std::vector<std::string> more) {
+    std::vector<std::string> typed = {"run",         Job(),
+                                      "--out",       (folder_ / "out").string(),
+                                      "--materials", (folder_ / "materials.db").string(),
+                                      "--lockstep",  "--no-record"};
+    typed.insert(typed.end(), more.begin(), more.end());
+    Running run(Program("intaglio"), typed, folder_ / "output.txt");
+    return run.WaitForEnd(kBound);
+  }
+  std::string Job() const { return (folder_ / "job.textproto").string(); }
+  Ended Type(const std::vector<std::string>& words) const {
+    Running typed(Program("intaglio"), words, folder_ / "typed.txt");
+    return typed.WaitForEnd(60s);
+  }
+  static JobReport ReportIn(const std::string& json) {
+    JobReport report;
+    EXPECT_TRUE(google::protobuf::util::JsonStringToMessage(json, &report).ok()) << json;
+    return report;
+  }
+  JobReport Report() const {
+    return ReportIn(testing::TextIn(folder_ / "out/report.json"));
+  }
+
+  fs::path folder_;
+  std::string tag_;
+};
+
+struct BurntCircles {
+  std::size_t count = 0;
+  double worst_place_um = 0, worst_diameter_um = 0;
+};
+
+/// Each circle of the record, beside the nearest place of the drawing, whose middle is
+/// the origin. A circle is the mean of its ticks' ways: nothing of the report is used.
+BurntCircles CirclesIn(const fs::path& file) {
+  const auto record = formats::ReadMarkRecord(file);
+  EXPECT_TRUE(record) << file;
+  BurntCircles found;
+  if (!record) return found;
+  std::map<std::uint32_t, std::vector<formats::BurntTick>> of_mark;
+  for (const auto& tick : record->ticks) of_mark[tick.mark].push_back(tick);
+  std::set<std::pair<int, int>> places;
+  for (const auto& [mark, ticks] : of_mark) {
+    Vec2 sum = Vec2::Zero();
+    double length = 0;
+    for (const auto& tick : ticks) {
+      sum += tick.way_mm.norm() * (tick.place_mm - tick.way_mm / 2);
+      length += tick.way_mm.norm();
+    }
+    const Vec2 centre = sum / length;
+    double radius = 0;
+    for (const auto& tick : ticks) radius += (tick.place_mm - centre).norm();
+    radius /= static_cast<double>(ticks.size());
+    const Vec2 cell(std::round((centre.x() + 15) / kPitchMm),
+                    std::round((centre.y() + 9) / kPitchMm));
+    places.insert({static_cast<int>(cell.x()), static_cast<int>(cell.y())});
+    const Vec2 planned = kPitchMm * cell - Vec2(15, 9);
+    found.worst_place_um =
+        std::max(found.worst_place_um, 1e3 * (centre - planned).norm());
+    found.worst_diameter_um =
+        std::max(found.worst_diameter_um, 2e3 * std::abs(radius - kRadiusMm));
+  }
+  found.count = places.size();
+  return found;
+}
+
+TEST_F(MarksProof, ARunOfAPieceIsProved) {
+  const Ended run = Run({});
+  ASSERT_TRUE(run.in_time) << run.output;
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_THAT(run.output, AllOf(HasSubstr("24 planned, 24 made, 0 skipped, 0 missed"),
+                                HasSubstr("verdict     GOOD")));
+  const JobReport report = Report();
+  EXPECT_EQ(report.evidence(), "material");
+  EXPECT_EQ(report.marks().counts().made(), static_cast<unsigned>(kCircles));
+  EXPECT_THAT(report.verdict().reasons(), IsEmpty());
+  EXPECT_TRUE(fs::exists(folder_ / "out/views.png"));
+
+  // What the head recorded is the judge of the report.
+  const BurntCircles burnt = CirclesIn(folder_ / "out/session/marks.rec");
+  EXPECT_EQ(burnt.count, static_cast<std::size_t>(kCircles));
+  EXPECT_NEAR(burnt.worst_place_um, report.marks().measures().place().max_um(), 0.5);
+  EXPECT_NEAR(burnt.worst_diameter_um, report.marks().measures().diameter().max_um(), 1);
+  EXPECT_LT(burnt.worst_place_um, 20);
+
+  const Ended verified = Type({"verify", (folder_ / "out").string(), "--json"});
+  EXPECT_EQ(verified.exit_code, 0) << verified.output;
+  EXPECT_EQ(ReportIn(verified.output).marks().ShortDebugString(),
+            report.marks().ShortDebugString());
+}
+
+// The head distorts by 3 %, and the machine has no correction of it.
+TEST_F(MarksProof, AFieldThatIsNotCorrectedIsNotGood) {
+  std::ofstream(folder_ / "truth.textproto")
+      << "head { half_angle_deg: 10 lens_ratio: 0.03 }\n";
+  const Ended run = Run({"--truth", (folder_ / "truth.textproto").string()});
+  ASSERT_TRUE(run.in_time) << run.output;
+  EXPECT_EQ(run.exit_code, 3) << run.output;
+  const JobReport report = Report();
+  EXPECT_EQ(report.marks().counts().made(), static_cast<unsigned>(kCircles));
+  const BurntCircles burnt = CirclesIn(folder_ / "out/session/marks.rec");
+  EXPECT_GT(burnt.worst_place_um, 20);
+  EXPECT_NEAR(burnt.worst_place_um, report.marks().measures().place().max_um(), 0.5);
+  ASSERT_GE(report.verdict().reasons_size(), 1);
+  EXPECT_THAT(report.verdict().reasons(0),
+              AllOf(HasSubstr("place of"), HasSubstr("beyond the tolerance of 20 um"),
+                    HasSubstr("(item 1) at (")));
+}
+
+TEST_F(MarksProof, AMarkTakenOutOfTheRecordIsMissedByName) {
+  ASSERT_EQ(Run({}).exit_code, 0);
+  const fs::path file = folder_ / "out/burnt.rec";
+  auto record = formats::ReadMarkRecord(file);
+  ASSERT_TRUE(record);
+  std::erase_if(record->ticks,
+                [](const formats::BurntTick& tick) { return tick.mark == 6; });
+  ASSERT_TRUE(formats::WriteMarkRecord(file, *record));
+  const Ended verified = Type({"verify", (folder_ / "out").string(), "--json"});
+  EXPECT_EQ(verified.exit_code, 3) << verified.output;
+  const JobReport report = ReportIn(verified.output);
+  EXPECT_EQ(report.marks().counts().missed(), 1u);
+  EXPECT_THAT(report.verdict().reasons(),
+              ElementsAre(AllOf(HasSubstr("missing in the material"),
+                                HasSubstr("mark 7 (item 1) at ("))));
+}
+
+// A shop completes the folder of a job that has ended, and the history has its report.
+TEST_F(MarksProof, AShopProvesItsJobsOfMarks) {
+  const auto with = [&](std::vector<std::string> words) {
+    words.insert(words.end(), {"--domain", "49", "--tag", tag_});
+    return words;
+  };
+  Running up(Program("intaglio"),
+             with({"up", "--machine", "galvo", "--folder", (folder_ / "shop").string(),
+                   "--materials", (folder_ / "materials.db").string()}),
+             folder_ / "up.log");
+  ASSERT_TRUE(Eventually(
+      [&] { return up.Output().find("the shop is open") != std::string::npos; }, 60s))
+      << up.Output();
+  const Ended submitted = Type(with({"submit", Job(), "--arm"}));
+  ASSERT_THAT(submitted.output, HasSubstr("job 1"));
+  fs::path job;
+  const auto is_proved = [&] {
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(folder_ / "shop/jobs", error))
+      if (entry.path().filename().string().starts_with("1-")) job = entry.path();
+    return fs::exists(job / "report.json", error);
+  };
+  ASSERT_TRUE(Eventually(is_proved, kBound)) << up.Output();
+  const JobReport report = ReportIn(testing::TextIn(job / "report.json"));
+  EXPECT_EQ(report.evidence(), "material");
+  EXPECT_EQ(report.job_number(), 1u);
+  EXPECT_EQ(report.marks().counts().planned(), static_cast<unsigned>(kCircles));
+  // A computer that is busy for 250 ms ends the beam in mid-mark; then it is named.
+  EXPECT_EQ(report.marks().counts().made() + report.marks().counts().incomplete(),
+            static_cast<unsigned>(kCircles));
+  EXPECT_EQ(report.marks().counts().uncertain(), report.marks().counts().incomplete());
+  EXPECT_TRUE(fs::exists(job / "views.png"));
+  EXPECT_TRUE(fs::exists(job / "burnt.rec"));
+  EXPECT_EQ(CirclesIn(folder_ / "shop/marks.rec").count,
+            static_cast<std::size_t>(kCircles));
+  const Ended history =
+      Type({"history", "--folder", (folder_ / "shop").string(), "--json"});
+  EXPECT_THAT(history.output, HasSubstr((job / "report.json").string()));
+  up.Signal(SIGTERM);
+  EXPECT_TRUE(up.WaitForEnd(20s).in_time);
+}
+
+}  // namespace
+}  // namespace intaglio
