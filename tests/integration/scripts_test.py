@@ -161,6 +161,23 @@ class RunTest(Folder):
         compared = typed_json("replay_comparison", "replay", recording, "--against", "sorter", "--json")
         self.assertTrue(compared["identical"])
 
+    def test_a_run_of_marks_is_proved(self):
+        (self.folder / "square.svg").write_text(
+            '<svg xmlns="http://www.w3.org/2000/svg" width="4mm" height="2mm" '
+            'viewBox="0 0 4 2"><rect width="2" height="2"/><circle cx="3" cy="1" r="0.5"/></svg>')
+        job = self.folder / "marks.textproto"
+        job.write_text('machine_file: "galvo" marks { items { drawing { file: "square.svg" } } '
+                       'pen { speed_mm_s: 500 } }')
+        machine = intaglio.Intaglio(options.intaglio)
+        out = self.folder / "marks"
+        with machine.run(job, "--lockstep", "--no-record", out=out) as run:
+            events = list(run)
+        self.assertEqual(events[-1].verdict, "good")
+        report = machine.report(out)
+        validate(report, "report")
+        self.assertEqual(int(report["marks"]["counts"]["made"]), 2)
+        self.assertEqual(report["evidence"], "material")
+
     def test_a_wrong_job_raises_with_code_and_message(self):
         machine = intaglio.Intaglio(options.intaglio)
         with self.assertRaises(intaglio.WrongInput) as raised:

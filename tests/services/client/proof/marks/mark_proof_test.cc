@@ -184,6 +184,35 @@ TEST(MarkProof, WithoutTheMaterialTheJournalAloneDecides) {
                           AllOf(HasSubstr("check the piece"), HasSubstr("mark 2"))));
 }
 
+// A mill: contours and a hole, no record, no scan head.
+TEST(MarkProof, ContoursOfAToolAreProvedByTheJournal) {
+  MarkFolder made(false);
+  made.frozen_.mutable_job()->clear_marks();
+  made.frozen_.mutable_job()->mutable_course()->add_files("plate.dxf");
+  made.frozen_.mutable_machine()->clear_scan_head();
+  made.marks_.pens[0].name = "contours, 1 mm deep";
+  made.marks_.marks[3].closed = false;
+  made.marks_.marks[3].places = {{Vec2(4, 5), 0}};
+  made.WriteJob();
+  const auto good = CompleteFolder({made.folder(), "", false});
+  ASSERT_TRUE(good) << good.error().message;
+  EXPECT_FALSE(good->not_written) << good->not_written->message;
+  EXPECT_TRUE(good->report.verdict().good());
+  EXPECT_EQ(good->report.evidence(), "controller");
+  EXPECT_EQ(good->report.marks().counts().made(), 4u);
+  EXPECT_FALSE(good->report.marks().has_web());
+  EXPECT_TRUE(fs::exists(made.folder() / "views.png"));
+
+  made.journal_[0] = made.journal_[3] = PointOutcome::kUncertain;
+  made.WriteJob();
+  const auto proved = VerifyFolder(made.folder());
+  ASSERT_TRUE(proved);
+  EXPECT_THAT(proved->report.verdict().reasons(),
+              ElementsAre(AllOf(HasSubstr("unknown whether 2 marks were made"),
+                                HasSubstr("mark 1 (contours, 1 mm deep) at (0.00, 2.00)"),
+                                HasSubstr("mark 4 (item 2) at (4.00, 5.00) mm"))));
+}
+
 TEST(MarkProof, TheJournalOfOtherMarksIsRefused) {
   MarkFolder made(false);
   made.WriteJob();
