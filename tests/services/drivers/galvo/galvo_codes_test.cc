@@ -1,5 +1,6 @@
-// Data Matrix codes of a table on a web that moves under the virtual head: what its record
-// says was burnt is drawn at its places of the material and read by another library.
+// Data Matrix codes of a table on a web that moves under the virtual head: what its
+// record says was burnt is drawn at its places of the material and read by another
+// library.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -17,7 +18,7 @@
 namespace intaglio::drivers {
 namespace {
 
-constexpr double kBurntLineMm = 0.15, kPixelMm = 0.06, kQuietMm = 2;
+constexpr double kBurntLineMm = 0.2, kPixelMm = 0.06, kQuietMm = 2;
 // Codes are 7 mm long and 15 mm apart.
 constexpr double kGapBetweenCodesMm = 4;
 
@@ -44,7 +45,7 @@ MachineSpec CodeHead() {
 JobSpec CodeJob() {
   return ParseJob(R"(marks {
       items { code { text: "{serial}" module_mm: 0.5 }
-              hatch { distance_mm: 0.17 inset_mm: 0.05 } }
+              hatch { distance_mm: 0.17 inset_mm: 0.1 } }
       pen { speed_mm_s: 2000 }
       table: "serials.csv" repeats { pitch_mm: 15 } web {} })",
                   JobFileFormat::kText, "job")
@@ -70,8 +71,8 @@ std::vector<std::vector<formats::BurntTick>> PiecesOf(
   });
   std::vector<std::vector<formats::BurntTick>> pieces;
   for (const formats::BurntTick& tick : ticks) {
-    if (pieces.empty() || pieces.back().back().place_mm.x() - tick.place_mm.x() >
-                              kGapBetweenCodesMm)
+    if (pieces.empty() ||
+        pieces.back().back().place_mm.x() - tick.place_mm.x() > kGapBetweenCodesMm)
       pieces.emplace_back();
     pieces.back().push_back(tick);
   }
@@ -114,9 +115,9 @@ TEST(GalvoCodes, EachDataMatrixOfATableIsReadFromWhatTheHeadBurnt) {
     EXPECT_EQ(read, serials[i]) << i;
     right += read == serials[i];
   }
-  RecordProperty("web", fmt::format("{} of {} codes right at {:.1f} mm/s, {} marks", right,
-                                    serials.size(), truth.physics.web_mm_s,
-                                    set.marks.size()));
+  RecordProperty("web",
+                 fmt::format("{} of {} codes right at {:.1f} mm/s, {} marks", right,
+                             serials.size(), truth.physics.web_mm_s, set.marks.size()));
 }
 
 }  // namespace
