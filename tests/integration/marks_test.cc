@@ -83,6 +83,7 @@ class WebShop : public ::testing::Test {
         << R"(<svg xmlns="http://www.w3.org/2000/svg" width="8mm" height="30mm" )"
         << R"(viewBox="0 0 8 30"><circle cx="1" cy="2" r="0.5"/>)"
         << R"(<circle cx="6" cy="28" r="0.5"/><rect x="3" y="9" width="2" height="2"/>)"
+        << R"(<text x="1" y="20">price</text>)"
         << R"(</svg>)";
   }
   /// Of a web that runs at `truth_mm_s` and is said to run at `asked_mm_s`.
@@ -144,7 +145,7 @@ TEST_F(WebShop, At102PercentTheJobFailsBeforeAnythingIsBurnt) {
   EXPECT_EQ(shop.BurntTicks(), 0u);
 }
 
-TEST_F(WebShop, WithoutASpeedTheLargestIsShown) {
+TEST_F(WebShop, WithoutASpeedTheLargestIsShownAndWhatIsNotMarked) {
   const double largest_mm_s = LargestSpeed();
   MarkShop shop = ShopOf(0, 0.5 * largest_mm_s);
   ASSERT_TRUE(shop.Open()) << shop.UpOutput();
@@ -152,6 +153,7 @@ TEST_F(WebShop, WithoutASpeedTheLargestIsShown) {
   ASSERT_TRUE(shop.AwaitDone(kBound)) << shop.shown() << shop.UpOutput();
   EXPECT_THAT(shop.shown(), HasSubstr("note       marks.web.speed_mm_s: all marks are "
                                       "made up to "));
+  EXPECT_THAT(shop.shown(), HasSubstr("warning    label.svg"));
   EXPECT_EQ(shop.Judge().made, kWebMarks);
 }
 
