@@ -46,8 +46,10 @@ Status CheckTickOptions(const MarkTickOptions& o) {
 
 class TickMaker {
  public:
-  TickMaker(const MarkTickOptions& options, const Vec2& from_mm)
-      : options_(options), at_mm_(from_mm) {}
+  enum class Makes { kTicks, kCount };
+
+  TickMaker(const MarkTickOptions& options, const Vec2& from_mm, Makes makes)
+      : options_(options), makes_(makes), at_mm_(from_mm) {}
 
   Status Add(const MarkStroke& stroke, std::size_t number) {
     const std::vector<StrokePart> parts = PartsOf(stroke);
@@ -60,7 +62,7 @@ class TickMaker {
     for (const StrokePart& part : parts)
       length_mm += StrokePath(part.points_mm, part.closed).length_mm();
     const double ticks = length_mm / options_.mark_mm_s * options_.rate_hz;
-    if (!(static_cast<double>(ticks_.size()) + ticks < kMaxTicks)) {
+    if (!(static_cast<double>(count_) + ticks < kMaxTicks)) {
       return Fail(ErrorCode::kTooLarge,
                   fmt::format("stroke {}: more than {:g} ticks; mark faster or less",
                               number + 1, kMaxTicks));
@@ -75,8 +77,13 @@ class TickMaker {
     return {};
   }
 
+  TickCount Count() {
+    RestBehind();
+    return {count_, at_mm_};
+  }
+
   std::vector<MarkTick> Finish() {
-    Rest(Ticks(options_.run_in_s) + 1);
+    RestBehind();
     std::vector<MarkTick> ticks = std::move(ticks_);
     for (const auto& [begin, end] : lit_)
       for (std::size_t k = begin; k < std::min(end, ticks.size()); ++k)
@@ -97,12 +104,20 @@ class TickMaker {
     return static_cast<std::size_t>(
         std::max(1.0, std::ceil(way_mm / speed_mm_s * options_.rate_hz - 1e-9)));
   }
-  void Put(const Vec2& place_mm) {
-    ticks_.push_back({place_mm, false});
-    at_mm_ = place_mm;
+  void RestBehind() { Rest(Ticks(options_.run_in_s) + 1); }
+  /// `count` ticks, k of 0 .. count - 1 at place_of(k).
+  template <typename PlaceOf>
+  void Put(std::size_t count, const PlaceOf& place_of) {
+    if (count == 0) return;
+    count_ += count;
+    if (makes_ == Makes::kTicks)
+      for (std::size_t k = 0; k + 1 < count; ++k) ticks_.push_back({place_of(k), false});
+    at_mm_ = place_of(count - 1);
+    if (makes_ == Makes::kTicks) ticks_.push_back({at_mm_, false});
   }
   void Rest(std::size_t ticks) {
-    for (std::size_t k = 0; k < ticks; ++k) Put(at_mm_);
+    const Vec2 at_mm = at_mm_;
+    Put(ticks, [&](std::size_t) { return at_mm; });
     if (ticks > 0) speed_mm_s_ = Vec2::Zero();
   }
 
@@ -116,8 +131,10 @@ class TickMaker {
     if (way_mm == 0) return;
     const Vec2 from_mm = at_mm_;
     const std::size_t n = TicksFor(way_mm, options_.jump_mm_s);
-    for (std::size_t k = 1; k <= n; ++k)
-      Put(from_mm + static_cast<double>(k) / static_cast<double>(n) * (to_mm - from_mm));
+    Put(n, [&](std::size_t k) -> Vec2 {
+      const double share = static_cast<double>(k + 1) / static_cast<double>(n);
+      return from_mm + share * (to_mm - from_mm);
+    });
     Rest(Ticks(options_.jump_delay_s));
   }
 
@@ -132,10 +149,10 @@ class TickMaker {
     const Vec2 way = to_mm - from_mm;
     const Vec2 c3 = 10 * way - 6 * a - 4 * b, c4 = -15 * way + 8 * a + 7 * b,
                c5 = 6 * way - 3 * a - 3 * b;
-    for (std::size_t k = 1; k < n; ++k) {
-      const double t = static_cast<double>(k) / static_cast<double>(n);
-      Put(from_mm + t * (a + t * t * (c3 + t * (c4 + t * c5))));
-    }
+    Put(n - 1, [&](std::size_t k) -> Vec2 {
+      const double t = static_cast<double>(k + 1) / static_cast<double>(n);
+      return from_mm + t * (a + t * t * (c3 + t * (c4 + t * c5)));
+    });
   }
 
   void AddWithRunIn(const StrokePart& part) {
@@ -146,37 +163,40 @@ class TickMaker {
     const double run_mm = static_cast<double>(run) * step_mm;
     const double speed_mm_s = step_mm * options_.rate_hz;
     JumpTo(path.At(-run_mm), speed_mm_s * path.DirectionAt(-run_mm));
-    const std::size_t begin = ticks_.size() + run + Ticks(options_.laser_on_delay_s);
-    const std::size_t end = ticks_.size() + run + n + Ticks(options_.laser_off_delay_s);
-    for (std::size_t k = 0; k <= n + 2 * run; ++k)
-      Put(path.At(static_cast<double>(k) * step_mm - run_mm));
+    const std::size_t begin = count_ + run + Ticks(options_.laser_on_delay_s);
+    const std::size_t end = count_ + run + n + Ticks(options_.laser_off_delay_s);
+    Put(n + 2 * run + 1, [&](std::size_t k) {
+      return path.At(static_cast<double>(k) * step_mm - run_mm);
+    });
     speed_mm_s_ = speed_mm_s * path.DirectionAt(path.length_mm() + run_mm);
     lit_.emplace_back(begin, end);
     // The laser goes off before the next jump begins.
-    if (ticks_.size() < end) Rest(end - ticks_.size());
+    if (count_ < end) Rest(end - count_);
   }
 
   void AddWithDelays(const std::vector<StrokePart>& parts) {
     JumpTo(parts.front().points_mm.front(), Vec2::Zero());
-    const std::size_t begin = ticks_.size() + Ticks(options_.laser_on_delay_s);
-    Put(parts.front().points_mm.front());
+    const std::size_t begin = count_ + Ticks(options_.laser_on_delay_s);
+    Put(1, [&](std::size_t) { return parts.front().points_mm.front(); });
     for (const StrokePart& part : parts) {
       const StrokePath path(part.points_mm, part.closed);
       const std::size_t n = TicksFor(path.length_mm(), options_.mark_mm_s);
       const double step_mm = path.length_mm() / static_cast<double>(n);
-      for (std::size_t k = 1; k <= n; ++k) Put(path.At(static_cast<double>(k) * step_mm));
+      Put(n,
+          [&](std::size_t k) { return path.At(static_cast<double>(k + 1) * step_mm); });
       Rest(Ticks(options_.polygon_delay_s * (1 - std::cos(part.turn_rad))));
     }
-    const std::size_t end = ticks_.size() - 1 + Ticks(options_.laser_off_delay_s);
+    const std::size_t end = count_ - 1 + Ticks(options_.laser_off_delay_s);
     lit_.emplace_back(begin, end);
-    Rest(std::max(Ticks(options_.mark_delay_s),
-                  end > ticks_.size() ? end - ticks_.size() : 0));
+    Rest(std::max(Ticks(options_.mark_delay_s), end > count_ ? end - count_ : 0));
   }
 
   const MarkTickOptions& options_;
+  const Makes makes_;
+  std::size_t count_ = 0;
   Vec2 at_mm_;
   Vec2 speed_mm_s_ = Vec2::Zero();
-  std::vector<MarkTick> ticks_;
+  std::vector<MarkTick> ticks_;  // none when only their count is asked for
   std::vector<std::pair<std::size_t, std::size_t>> lit_;  // first, one behind the last
 };
 
@@ -186,9 +206,17 @@ Result<std::vector<MarkTick>> MakeMarkTicks(std::span<const MarkStroke> strokes,
                                             const Vec2& from_mm,
                                             const MarkTickOptions& options) {
   INTAGLIO_TRY(CheckTickOptions(options));
-  TickMaker maker(options, from_mm);
+  TickMaker maker(options, from_mm, TickMaker::Makes::kTicks);
   for (std::size_t i = 0; i < strokes.size(); ++i) INTAGLIO_TRY(maker.Add(strokes[i], i));
   return maker.Finish();
+}
+
+Result<TickCount> CountMarkTicks(std::span<const MarkStroke> strokes, const Vec2& from_mm,
+                                 const MarkTickOptions& options) {
+  INTAGLIO_TRY(CheckTickOptions(options));
+  TickMaker maker(options, from_mm, TickMaker::Makes::kCount);
+  for (std::size_t i = 0; i < strokes.size(); ++i) INTAGLIO_TRY(maker.Add(strokes[i], i));
+  return maker.Count();
 }
 
 }  // namespace intaglio::galvo

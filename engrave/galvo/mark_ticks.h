@@ -50,4 +50,14 @@ Result<std::vector<MarkTick>> MakeMarkTicks(std::span<const MarkStroke> strokes,
                                             const Vec2& from_mm,
                                             const MarkTickOptions& options);
 
+struct TickCount {
+  std::size_t count = 0;
+  Vec2 end_mm = Vec2::Zero();  ///< where the beam rests behind them, without the lead
+};
+
+/// How many ticks MakeMarkTicks makes, in a time that grows with the places and not with
+/// the ticks. Errors as of it.
+Result<TickCount> CountMarkTicks(std::span<const MarkStroke> strokes, const Vec2& from_mm,
+                                 const MarkTickOptions& options);
+
 }  // namespace intaglio::galvo

@@ -6,6 +6,7 @@
 #include "engrave/discretize/cloud.h"
 #include "services/job/marks/mark_maker.h"
 #include "services/job/models/discretize_outcome.h"
+#include "services/job/verdict/warnings.h"
 #include "services/platform/host/stage/mark_batch.h"
 
 namespace intaglio::discretizer {
@@ -22,10 +23,13 @@ Result<host::StageResult> MakeMarksOf(const FrozenJob& job, std::vector<FileByte
                                       const ReadLimits& limits,
                                       const ProgressSink& progress) {
   host::StageResult result;
+  Warnings warnings;
   result.marks = INTAGLIO_TRY(
-      MakeMarks(job.job(), job.machine(), std::move(files), limits, progress));
+      MakeMarks(job.job(), job.machine(), std::move(files), limits, warnings, progress));
   INTAGLIO_TRY(host::CheckMarkRoom(*result.marks));
-  result.outcome.mutable_discretize()->set_point_count(result.size());
+  DiscretizeOutcome& outcome = *result.outcome.mutable_discretize();
+  outcome.set_point_count(result.size());
+  AddTo(*outcome.mutable_warnings(), warnings);
   return result;
 }
 

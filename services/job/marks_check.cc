@@ -5,6 +5,7 @@
 
 #include "engrave/drawing/font_list.h"
 #include "services/job/field_ranges.h"
+#include "services/job/machine/head_ticks.h"
 #include "services/job/model_kind.h"
 #include "services/job/placeholders.h"
 
@@ -197,6 +198,12 @@ std::vector<Finding> CheckMarksOnMachine(const JobSpec& job, const MachineSpec& 
     findings.Wrong("marks.items", job.marks().items_size(),
                    "items to mark, and {} has no scan head: its profile has no "
                    "scan_head; name the profile of one in machine_file",
+                   machine.name());
+  } else if (job.marks().has_web() && !FollowsWeb(machine.scan_head())) {
+    findings.Wrong("marks.web.speed_mm_s", job.marks().web().speed_mm_s(),
+                   "is of a web, and {} does not follow one: its profile has no "
+                   "scan_head.encoder_count_um, or follow_web: false; remove marks.web, "
+                   "or name the profile of a head with an encoder in machine_file",
                    machine.name());
   }
   return std::move(findings.found());

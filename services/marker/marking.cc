@@ -195,6 +195,7 @@ void Marking::Wait(const GrantInputs& inputs) {
     message_ = "the machine comes to rest";
     return;
   }
+  if (WebIsTooFast()) return;
   bool reopened_any = false;
   const bool all_open =
       record_.LeaveOutBefore(inputs.first_point) &&
@@ -211,6 +212,17 @@ bool Marking::MayMark(const GrantInputs& inputs) {
   if (missing == Missing::kNothing) return true;
   if (!faulted()) message_ = TextFor(missing);
   return false;
+}
+
+// By its encoder, before anything is made: later it is the driver that ends the run.
+bool Marking::WebIsTooFast() {
+  const double web_mm_s = driver_.state().web_mm_s;
+  if (job_.max_web_mm_s <= 0 || web_mm_s <= job_.max_web_mm_s) return false;
+  message_ = fmt::format(
+      "the web runs at {:.1f} mm/s, and all marks are made up to {:.1f} mm/s: reduce the "
+      "speed of its drive",
+      web_mm_s, job_.max_web_mm_s);
+  return true;
 }
 
 Missing Marking::WhatIsMissing(const GrantInputs& inputs, bool with_permission) const {

@@ -35,6 +35,7 @@ struct MarkingJob {
   std::string uid;
   mark::MarkSet marks;  ///< in their order
   bool asks_when_uncertain = false;
+  double max_web_mm_s = 0;  ///< at which all are made; 0: of a piece at rest
   cell::EarlierWork earlier = {};
 };
 
@@ -91,6 +92,7 @@ class Marking {
 
   void Wait(const cell::GrantInputs& inputs);
   bool MayMark(const cell::GrantInputs& inputs);
+  bool WebIsTooFast();
   void Open(const cell::GrantInputs& inputs);
   void Run(const cell::GrantInputs& inputs);
   void Pause(const cell::GrantInputs& inputs);

@@ -12,6 +12,7 @@
 #include "engrave/mark/mark_file.h"
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
+#include "services/job/marks/web_run.h"
 
 namespace intaglio::marker {
 namespace {
@@ -60,6 +61,10 @@ Result<PreparedMarking> PrepareMarking(const FrozenJob& job,
   prepared.job.marks = INTAGLIO_TRY(MarksOf(folder, std::move(marks)));
   if (prepared.job.marks.marks.empty())
     return Fail(ErrorCode::kInvalidValue, "the job has no marks: nothing to make");
+  if (job.job().has_marks() && job.job().marks().has_web()) {
+    prepared.job.max_web_mm_s =
+        INTAGLIO_TRY(WebRunOf(job.job(), job.machine(), prepared.job.marks)).max_mm_s;
+  }
   if (!progress(1, 2))
     return Fail(ErrorCode::kCancelled, "the job was cancelled during its preparation");
   auto opened = INTAGLIO_TRY(cell::OpenJournal(

@@ -66,9 +66,13 @@ Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
 Result<host::StageResult> SortMarks(const FrozenJob& job, mark::MarkSet marks) {
   const std::size_t count = marks.marks.size();
   host::StageResult result;
-  result.marks = INTAGLIO_TRY(OrderMarks(job.job(), job.machine(), std::move(marks)));
+  Warnings warnings;
+  result.marks =
+      INTAGLIO_TRY(OrderMarks(job.job(), job.machine(), std::move(marks), warnings));
   Require(result.size() == count, "an order of {} marks for {}", result.size(), count);
-  result.outcome.mutable_sort()->set_point_count(count);
+  SortOutcome& outcome = *result.outcome.mutable_sort();
+  outcome.set_point_count(count);
+  AddTo(*outcome.mutable_warnings(), warnings);
   return result;
 }
 

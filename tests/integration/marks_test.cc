@@ -1,21 +1,20 @@
 // Jobs of marks through all processes of a shop whose machine is the virtual scan head.
-// The judge is the record of its material: which mark was burnt in which run.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
-#include <map>
+#include <iostream>
 #include <random>
-#include <set>
 #include <thread>
 
-#include "engrave/formats/journal_file.h"
 #include "engrave/formats/mark_record.h"
-#include "tests/integration/run_program.h"
+#include "tests/integration/mark_shop.h"
 #include "tests/test_folder.h"
 
 namespace intaglio {
@@ -23,154 +22,38 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
-using formats::PointOutcome;
 using testing::Ended;
 using testing::Eventually;
+using ::testing::HasSubstr;
+using testing::MarkJudgement;
+using testing::MarkShop;
 using testing::Program;
 using testing::Running;
 
-constexpr std::uint32_t kColumns = 20, kRows = 10, kMarks = kColumns * kRows;
+constexpr std::size_t kMarks = 200;
 constexpr auto kBound = 150s;
 
-struct MarkJudgement {
-  std::size_t burnt = 0, doubled = 0, made = 0, uncertain = 0;
-  std::size_t unknown = 0;   ///< burnt, and neither made nor uncertain
-  std::size_t not_made = 0;  ///< made by the journal, and not burnt
-};
+/// 200 circles on a piece at rest, four seconds of marking.
+MarkShop::Options CirclesAtRest() {
+  return {.job =
+              "name: \"circles\" marks { items { drawing { file: \"circles.svg\" } } "
+              "pen { speed_mm_s: 200 power_ratio: 0.5 } }",
+          .mark_count = kMarks};
+}
 
-class MarkShop : public ::testing::Test {
- protected:
-  MarkShop() : folder_(test::FreshFolder()), tag_("marks" + std::to_string(getpid())) {
-    std::ofstream drawing(folder_ / "circles.svg");
-    drawing << R"(<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="20mm" )"
-            << R"(viewBox="0 0 40 20">)";
-    for (std::uint32_t i = 0; i < kMarks; ++i) {
-      drawing << "<circle cx=\"" << 1 + 2 * (i % kColumns) << "\" cy=\""
-              << 1 + 2 * (i / kColumns) << "\" r=\"0.5\"/>";
-    }
-    drawing << "</svg>";
-    std::ofstream(folder_ / "job.textproto")
-        << "name: \"circles\"\nmachine_file: \"shop/machine.textproto\"\n"
-        << "marks { items { drawing { file: \"circles.svg\" } } "
-        << "pen { speed_mm_s: 200 power_ratio: 0.5 } }\n";
-    fs::create_directory(folder_ / "shop");
-    fs::copy_file(INTAGLIO_SOURCE_DIR "/deploy/machines/galvo.textproto",
-                  folder_ / "shop/machine.textproto");
-  }
-  ~MarkShop() override {
-    if (!IsOpen()) return;
-    up_->Signal(SIGTERM);
-    up_->WaitForEnd(20s);
-  }
+fs::path FolderWithCircles(const std::string& name = "") {
+  fs::path folder = test::FreshFolder();
+  if (!name.empty()) fs::create_directory(folder /= name);
+  std::ofstream(folder / "circles.svg") << testing::CirclesSvg(kMarks);
+  return folder;
+}
 
-  bool IsOpen() { return up_ && up_->running(); }
-  bool Open() {
-    up_.reset();
-    up_ = std::make_unique<Running>(
-        Program("intaglio"),
-        With({"up", "--folder", (folder_ / "shop").string(), "--materials",
-              (folder_ / "materials.db").string(), "--machine",
-              (folder_ / "shop/machine.textproto").string()}),
-        folder_ / ("up" + std::to_string(++opened_) + ".log"));
-    return Eventually(
-               [this] { return !up_->running() || HasPrinted("the shop is open"); },
-               60s) &&
-           up_->running();
-  }
-  bool HasPrinted(const std::string& text) const {
-    return up_->Output().find(text) != std::string::npos;
-  }
-  std::vector<std::string> With(std::vector<std::string> words) const {
-    words.insert(words.end(), {"--domain", "49", "--tag", tag_});
-    return words;
-  }
-  std::string Type(const std::vector<std::string>& words) {
-    Running run(Program("intaglio"), With(words), folder_ / "typed.txt");
-    return run.WaitForEnd(60s).output;
-  }
-  bool Submit() {
-    return Type({"submit", (folder_ / "job.textproto").string(), "--arm"})
-               .find("job 1") != std::string::npos;
-  }
-  /// A paused job is resumed, a shop that was closed by too many kills opened again.
-  bool AwaitDone() {
-    return Eventually(
-        [&] {
-          if (!IsOpen() && !Open()) return false;
-          shown_ = Type({"show", "1"});
-          if (shown_.find("state      paused") != std::string::npos)
-            Type({"resume", "1"});
-          return shown_.find("state      done") != std::string::npos;
-        },
-        kBound);
-  }
-  void Kill(const std::string& service) const {
-    for (const pid_t process : testing::ProcessesWith({"/" + service, tag_}))
-      kill(process, SIGKILL);
-  }
-  std::size_t BurntTicks() const {
-    const auto record = formats::ReadMarkRecord(folder_ / "shop/marks.rec");
-    return record ? record->ticks.size() : 0;
-  }
-
-  MarkJudgement Judge() const {
-    MarkJudgement judgement;
-    std::map<std::uint32_t, std::set<std::pair<fs::path, std::uint32_t>>> runs_of;
-    for (const fs::path& file : Records()) {
-      const auto record = formats::ReadMarkRecord(file);
-      EXPECT_TRUE(record) << file;
-      if (!record) continue;
-      for (const formats::BurntTick& tick : record->ticks)
-        runs_of[tick.mark].insert({file, tick.run});
-    }
-    const auto outcomes = LastOutcomes();
-    judgement.burnt = runs_of.size();
-    for (std::uint32_t mark = 0; mark < kMarks; ++mark) {
-      const bool burnt = runs_of.contains(mark);
-      const PointOutcome outcome = outcomes.at(mark);
-      judgement.doubled += burnt && runs_of.at(mark).size() > 1;
-      judgement.made += outcome == PointOutcome::kMade;
-      judgement.uncertain += outcome == PointOutcome::kUncertain;
-      judgement.unknown +=
-          burnt && outcome != PointOutcome::kMade && outcome != PointOutcome::kUncertain;
-      judgement.not_made += !burnt && outcome == PointOutcome::kMade;
-    }
-    return judgement;
-  }
-
-  fs::path folder_;
-  std::string tag_, shown_;
-  int opened_ = 0;
-  std::unique_ptr<Running> up_;
-
- private:
-  /// Of this and of earlier openings of the shop.
-  std::vector<fs::path> Records() const {
-    std::vector<fs::path> files;
-    for (const auto& entry : fs::directory_iterator(folder_ / "shop"))
-      if (entry.path().filename().string().starts_with("marks"))
-        files.push_back(entry.path());
-    return files;
-  }
-  std::vector<PointOutcome> LastOutcomes() const {
-    std::vector<PointOutcome> last(kMarks, PointOutcome::kNone);
-    for (const auto& entry : fs::directory_iterator(folder_ / "shop/jobs")) {
-      if (!entry.path().filename().string().starts_with("1-")) continue;
-      const auto journal = formats::ReadJournal(entry.path() / "journal.bin");
-      EXPECT_TRUE(journal);
-      if (!journal) continue;
-      for (const formats::JournalRecord& one : journal->records)
-        if (one.kind == formats::JournalKind::kOutcome) last.at(one.point) = one.outcome;
-    }
-    return last;
-  }
-};
-
-TEST_F(MarkShop, MakesEachMarkOnce) {
-  ASSERT_TRUE(Open()) << up_->Output();
-  ASSERT_TRUE(Submit());
-  ASSERT_TRUE(AwaitDone()) << shown_ << up_->Output();
-  const MarkJudgement judgement = Judge();
+TEST(MarkShopTest, MakesEachMarkOnce) {
+  MarkShop shop(CirclesAtRest(), FolderWithCircles());
+  ASSERT_TRUE(shop.Open()) << shop.UpOutput();
+  ASSERT_TRUE(shop.Submit());
+  ASSERT_TRUE(shop.AwaitDone(kBound)) << shop.shown() << shop.UpOutput();
+  const MarkJudgement judgement = shop.Judge();
   EXPECT_EQ(judgement.burnt, kMarks);
   EXPECT_EQ(judgement.doubled, 0u);
   EXPECT_EQ(judgement.unknown + judgement.not_made, 0u);
@@ -178,15 +61,100 @@ TEST_F(MarkShop, MakesEachMarkOnce) {
   EXPECT_EQ(judgement.made + judgement.uncertain, kMarks);
 }
 
-TEST_F(MarkShop, APauseEndsTheMarkInHand) {
-  ASSERT_TRUE(Open()) << up_->Output();
-  ASSERT_TRUE(Submit());
-  ASSERT_TRUE(Eventually([&] { return BurntTicks() > 5000; }, 60s));
-  Type({"pause", "1"});
-  ASSERT_TRUE(AwaitDone()) << shown_ << up_->Output();
-  const MarkJudgement judgement = Judge();
+TEST(MarkShopTest, APauseEndsTheMarkInHand) {
+  MarkShop shop(CirclesAtRest(), FolderWithCircles());
+  ASSERT_TRUE(shop.Open()) << shop.UpOutput();
+  ASSERT_TRUE(shop.Submit());
+  ASSERT_TRUE(Eventually([&] { return shop.BurntTicks() > 5000; }, 60s));
+  shop.Type({"pause", "1"});
+  ASSERT_TRUE(shop.AwaitDone(kBound)) << shop.shown() << shop.UpOutput();
+  const MarkJudgement judgement = shop.Judge();
   EXPECT_EQ(judgement.burnt, kMarks);
   EXPECT_EQ(judgement.doubled + judgement.unknown + judgement.not_made, 0u);
+}
+
+/// A metre of web: two holes and a square every 10 mm.
+class WebShop : public ::testing::Test {
+ protected:
+  static constexpr std::size_t kRepeats = 100, kWebMarks = 3 * kRepeats;
+
+  WebShop() : folder_(test::FreshFolder()) {
+    std::ofstream(folder_ / "label.svg")
+        << R"(<svg xmlns="http://www.w3.org/2000/svg" width="8mm" height="30mm" )"
+        << R"(viewBox="0 0 8 30"><circle cx="1" cy="2" r="0.5"/>)"
+        << R"(<circle cx="6" cy="28" r="0.5"/><rect x="3" y="9" width="2" height="2"/>)"
+        << R"(<text x="1" y="20">price</text>)"
+        << R"(</svg>)";
+  }
+  /// Of a web that runs at `truth_mm_s` and is said to run at `asked_mm_s`.
+  MarkShop ShopOf(double asked_mm_s, double truth_mm_s) const {
+    const fs::path truth = folder_ / "truth.textproto";
+    std::ofstream(truth) << fmt::format("head {{ web_mm_s: {} }}", truth_mm_s);
+    return MarkShop({.job = JobAt(asked_mm_s),
+                     .profile = "galvo-web",
+                     .up = {"--lockstep", "--truth", truth.string()},
+                     .mark_count = kWebMarks},
+                    folder_);
+  }
+  /// As `intaglio marks preview` says it.
+  double LargestSpeed() const {
+    std::ofstream(folder_ / "preview.textproto") << JobAt(0);
+    Running preview(Program("intaglio"),
+                    {"marks", "preview", (folder_ / "preview.textproto").string(),
+                     "--machine", "galvo-web"},
+                    folder_ / "preview.txt");
+    const std::string text = preview.WaitForEnd(60s).output, before = "at most ";
+    const std::size_t at = text.find(before);
+    EXPECT_NE(at, std::string::npos) << text;
+    return at == std::string::npos ? 1 : std::stod(text.substr(at + before.size()));
+  }
+
+  fs::path folder_;
+
+ private:
+  static std::string JobAt(double speed_mm_s) {
+    return fmt::format(
+        "name: \"web\" marks {{ items {{ drawing {{ file: \"label.svg\" }} }} "
+        "pen {{ speed_mm_s: 1500 }} repeats {{ count: {} pitch_mm: 10 }} "
+        "web {{ speed_mm_s: {:.3f} }} }}",
+        kRepeats, speed_mm_s);
+  }
+};
+
+TEST_F(WebShop, At98PercentOfTheLargestSpeedAMetreIsMadeWithoutAMiss) {
+  const double speed_mm_s = 0.98 * LargestSpeed();
+  MarkShop shop = ShopOf(speed_mm_s, speed_mm_s);
+  ASSERT_TRUE(shop.Open()) << shop.UpOutput();
+  ASSERT_TRUE(shop.Submit());
+  ASSERT_TRUE(shop.AwaitDone(kBound)) << shop.shown() << shop.UpOutput();
+  const MarkJudgement judgement = shop.Judge();
+  EXPECT_EQ(judgement.burnt, kWebMarks);
+  EXPECT_EQ(judgement.made, kWebMarks) << shop.shown();
+  EXPECT_EQ(judgement.doubled + judgement.unknown + judgement.not_made, 0u);
+}
+
+TEST_F(WebShop, At102PercentTheJobFailsBeforeAnythingIsBurnt) {
+  const double speed_mm_s = 1.02 * LargestSpeed();
+  MarkShop shop = ShopOf(speed_mm_s, speed_mm_s);
+  ASSERT_TRUE(shop.Open()) << shop.UpOutput();
+  ASSERT_TRUE(shop.Submit());
+  ASSERT_TRUE(Eventually([&] { return shop.Show(), shop.IsIn("failed"); }, 60s))
+      << shop.shown();
+  EXPECT_THAT(shop.shown(), HasSubstr("would be missed, the first: item 1 of repeat "));
+  EXPECT_THAT(shop.shown(), HasSubstr("the largest speed is "));
+  EXPECT_EQ(shop.BurntTicks(), 0u);
+}
+
+TEST_F(WebShop, WithoutASpeedTheLargestIsShownAndWhatIsNotMarked) {
+  const double largest_mm_s = LargestSpeed();
+  MarkShop shop = ShopOf(0, 0.5 * largest_mm_s);
+  ASSERT_TRUE(shop.Open()) << shop.UpOutput();
+  ASSERT_TRUE(shop.Submit());
+  ASSERT_TRUE(shop.AwaitDone(kBound)) << shop.shown() << shop.UpOutput();
+  EXPECT_THAT(shop.shown(), HasSubstr("note       marks.web.speed_mm_s: all marks are "
+                                      "made up to "));
+  EXPECT_THAT(shop.shown(), HasSubstr("warning    label.svg"));
+  EXPECT_EQ(shop.Judge().made, kWebMarks);
 }
 
 // A mill on the virtual grbl, with a spindle: its record has a line for each time that
@@ -238,39 +206,83 @@ TEST(CourseShop, AMillCutsAPlateOut) {
   up.WaitForEnd(20s);
 }
 
-// INTAGLIO_MARK_KILLS: of each process, one unless it is set.
-class KilledMarkService : public MarkShop,
-                          public ::testing::WithParamInterface<const char*> {};
+// INTAGLIO_MARK_KILLS: kills of each program, one unless it is set; over as many jobs as
+// they take.
+class KilledMarkShop : public ::testing::TestWithParam<const char*> {
+ protected:
+  struct Campaign {
+    int jobs = 0, kills = 0;
+    int while_open = 0;  ///< some marks were burnt, and not all
+    MarkJudgement sum;
+  };
 
-TEST_P(KilledMarkService, NoMarkIsMadeTwiceAndNoneIsUnknown) {
+  /// Kills the program at random moments of one job, `left` times at most.
+  void KillDuring(MarkShop& shop, int left) {
+    const bool early = std::string(GetParam()) == "intaglio-discretizer" ||
+                       std::string(GetParam()) == "intaglio-sorter";
+    ASSERT_TRUE(shop.Open()) << shop.UpOutput();
+    ASSERT_TRUE(shop.Submit());
+    for (bool first = true; left > 0; first = false) {
+      // A stage of the beginning is killed at its work, and then while it has none.
+      std::this_thread::sleep_for(std::chrono::milliseconds(
+          std::uniform_int_distribution(0, first && early ? 100 : 2500)(random_)));
+      const std::size_t burnt = shop.BurntTicks();
+      const int hit = shop.Kill(GetParam());
+      left -= hit;
+      campaign_.kills += hit;
+      if (hit > 0 && burnt > 0 && burnt < kTicksOfJob) ++campaign_.while_open;
+      // Until it goes on, or is done.
+      ASSERT_TRUE(Eventually([&] { return shop.IsOpenOrOpens() && Goes(shop); }, kBound))
+          << shop.shown() << shop.UpOutput();
+      if (shop.IsIn("done")) return;
+    }
+  }
+  bool Goes(MarkShop& shop) {
+    shop.Show();
+    if (shop.IsIn("paused")) shop.Type({"resume", "1"});
+    return shop.IsIn("done") || shop.IsIn("engraving");
+  }
+  void Add(const MarkJudgement& judgement) {
+    ++campaign_.jobs;
+    campaign_.sum.burnt += judgement.burnt;
+    campaign_.sum.made += judgement.made;
+    campaign_.sum.uncertain += judgement.uncertain;
+    EXPECT_EQ(judgement.doubled, 0u);
+    EXPECT_EQ(judgement.unknown, 0u);
+    EXPECT_EQ(judgement.not_made, 0u);
+    EXPECT_EQ(judgement.made + judgement.uncertain, kMarks);
+  }
+
+  static constexpr std::size_t kTicksOfJob = 310'000;
+  std::mt19937 random_{7};
+  Campaign campaign_;
+};
+
+TEST_P(KilledMarkShop, NoMarkIsMadeTwiceAndNoneIsUnknown) {
   const char* const asked = std::getenv("INTAGLIO_MARK_KILLS");
   const int kills = asked != nullptr ? std::atoi(asked) : 1;
-  std::mt19937 random(7);
-  ASSERT_TRUE(Open()) << up_->Output();
-  ASSERT_TRUE(Submit());
-  for (int i = 0; i < kills; ++i) {
-    std::this_thread::sleep_for(
-        std::chrono::milliseconds(std::uniform_int_distribution(0, 2500)(random)));
-    Kill(GetParam());
-    if (i + 1 < kills && shown_.find("state      paused") != std::string::npos)
-      Type({"resume", "1"});
-    shown_ = Type({"show", "1"});
-    if (shown_.find("state      done") != std::string::npos) break;
+  while (campaign_.kills < kills && !HasFailure()) {
+    MarkShop shop(CirclesAtRest(),
+                  FolderWithCircles("job" + std::to_string(campaign_.jobs)));
+    KillDuring(shop, kills - campaign_.kills);
+    if (HasFatalFailure()) return;
+    ASSERT_TRUE(shop.AwaitDone(kBound)) << shop.shown() << shop.UpOutput();
+    Add(shop.Judge());
   }
-  ASSERT_TRUE(AwaitDone()) << shown_ << up_->Output();
-  const MarkJudgement judgement = Judge();
-  EXPECT_EQ(judgement.doubled, 0u);
-  EXPECT_EQ(judgement.unknown, 0u);
-  EXPECT_EQ(judgement.not_made, 0u);
-  EXPECT_EQ(judgement.made + judgement.uncertain, kMarks);
-  RecordProperty("uncertain", std::to_string(judgement.uncertain));
+  const std::string figures = fmt::format(
+      "{}: {} kills in {} jobs, {} while marks were open; {} marks made, {} uncertain",
+      GetParam(), campaign_.kills, campaign_.jobs, campaign_.while_open,
+      campaign_.sum.made, campaign_.sum.uncertain);
+  std::cout << figures << std::endl;
+  RecordProperty("figures", figures);
 }
 
-INSTANTIATE_TEST_SUITE_P(EveryService, KilledMarkService,
+INSTANTIATE_TEST_SUITE_P(EveryProgram, KilledMarkShop,
                          ::testing::Values("intaglio-job-service", "intaglio-discretizer",
-                                           "intaglio-sorter", "intaglio-marker"),
-                         [](const auto& service) {
-                           std::string name = service.param;
+                                           "intaglio-sorter", "intaglio-marker",
+                                           "virtual-engraver", "intaglio-up"),
+                         [](const auto& program) {
+                           std::string name = program.param;
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;
                          });

@@ -122,7 +122,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     // The sibling of the synchronizer, for machines that mark.
     {"services/marker",
      {"engrave/*", "idl", "proto", "services/cell", "services/drivers", "services/job",
-      "services/platform/*"}},
+      "services/job/marks", "services/platform/*"}},
     {"services/motion_bridge",
      {"engrave/*", "idl", "proto", "services/drivers", "services/job",
       "services/platform/*"}},

@@ -18,6 +18,7 @@
 #include "services/client/machine/device_comparison.h"
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
+#include "services/job/machine/head_warnings.h"
 #include "services/job/job_file.h"
 #include "services/platform/command_line/supplied_files.h"
 
@@ -57,6 +58,9 @@ void FindAll(const MachineSpec& machine, MachineCheck& check) {
   }
   for (Error& error : client::CheckDriversOf(machine)) found.push_back(std::move(error));
   for (const Error& error : found) *check.add_findings() = FindingOf(error);
+  if (!found.empty()) return;
+  for (const Error& error : HeadWarningsOf(machine))
+    *check.add_warnings() = FindingOf(error);
 }
 
 void CompareDevices(const MachineSpec& machine, MachineCheck& check) {
@@ -78,6 +82,8 @@ int CountOf(const MachineCheck& check) {
 void PrintText(const MachineCheck& check) {
   for (const ProfileFinding& finding : check.findings())
     std::cout << finding.message() << "\n";
+  for (const ProfileFinding& warning : check.warnings())
+    std::cout << "warning: " << warning.message() << "\n";
   for (const CheckedLine& line : check.lines()) {
     if (!line.not_compared().empty()) {
       std::cout << line.line()

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "engrave/core/try.h"
-#include "engrave/galvo/web_speed.h"
 #include "engrave/io/atomic_file.h"
 #include "engrave/render/png_file.h"
 #include "engrave/render/web/web_picture.h"
@@ -18,12 +17,14 @@
 #include "services/cli/flags/size_limits_flag.h"
 #include "services/cli/job_options.h"
 #include "services/client/exit_codes.h"
+#include "services/client/warning_text.h"
 #include "services/job/field_path.h"
 #include "services/job/field_ranges.h"
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
 #include "services/job/job_file.h"
 #include "services/job/marks/job_marks.h"
+#include "services/job/marks/web_run.h"
 #include "services/job/marks_check.h"
 #include "services/job/models/program_limits.h"
 #include "services/job/models/text_model.h"
@@ -46,7 +47,13 @@ struct OrderedMarks {
   JobSpec job;
   HeadFigures head;
   mark::MarkSet set;
-  std::vector<std::size_t> missed;  ///< marks at the speed that the job asks for
+  Result<WebRun> web;  ///< of a job with a web
+  Warnings warnings;
+
+  /// Marks at the speed that the job asks for.
+  std::vector<std::size_t> missed() const {
+    return web ? web->missed : std::vector<std::size_t>();
+  }
 };
 
 struct MarksOnHead {
@@ -105,33 +112,22 @@ Result<OrderedMarks> OrderMarksOf(const MarksPreviewOptions& options) {
   auto built = INTAGLIO_TRY(ReadMarks(options));
   const ReadLimits limits = mesh_reader::LimitsOfProgram(options.size_limits);
   auto files = INTAGLIO_TRY(ReadJobMarkFiles(built.job, limits));
-  auto made = INTAGLIO_TRY(
-      MakeJobMarks(built.job, built.machine, std::move(files), limits, nullptr));
   OrderedMarks ordered;
+  auto made = INTAGLIO_TRY(MakeJobMarks(built.job, built.machine, std::move(files),
+                                        limits, ordered.warnings, nullptr));
   ordered.set = INTAGLIO_TRY(OrderJobMarks(built.job, built.machine, std::move(made)));
   ordered.head = HeadFiguresOf(built.machine);
   ordered.job = std::move(built.job);
-  const double asked_mm_s = ordered.job.marks().web().speed_mm_s();
-  if (asked_mm_s > 0) {
-    ordered.missed = galvo::MissedMarks(TimedMarksOf(ordered.set, ordered.head),
-                                        ordered.head.field_mm, asked_mm_s);
-  }
+  if (ordered.job.marks().has_web())
+    ordered.web = WebRunOf(ordered.job, built.machine, ordered.set);
   return ordered;
-}
-
-/// "item 2 of repeat 17".
-std::string NameOfMark(const OrderedMarks& marks, std::size_t number) {
-  const mark::Mark& mark = marks.set.marks[number];
-  const double pitch_mm = marks.job.marks().repeats().pitch_mm();
-  const double repeat = pitch_mm > 0 ? mark.web_mm / pitch_mm : 0;
-  return fmt::format("{} of repeat {:.0f}", marks.set.pens[mark.pen].name, repeat + 1);
 }
 
 /// Each name once, in the order of marking.
 std::string NamesOfMissed(const OrderedMarks& marks) {
   std::vector<std::string> names;
-  for (const std::size_t number : marks.missed) {
-    std::string name = NameOfMark(marks, number);
+  for (const std::size_t number : marks.web->missed) {
+    std::string name = NameOfMark(marks.job, marks.set, number);
     if (std::ranges::find(names, name) != names.end()) continue;
     if (names.size() == kMaxNamed)
       return fmt::format("{}, and more", fmt::join(names, ", "));
@@ -142,25 +138,24 @@ std::string NamesOfMissed(const OrderedMarks& marks) {
 
 std::vector<std::string> WebLines(const OrderedMarks& marks) {
   std::vector<std::string> lines;
-  const auto max_mm_s =
-      galvo::MaxSpeed(TimedMarksOf(marks.set, marks.head), marks.head.field_mm);
-  if (!max_mm_s) return {"web         " + max_mm_s.error().message};
-  lines.push_back(fmt::format("web         at most {:.1f} mm/s", *max_mm_s));
+  if (!marks.web) return {"web         " + marks.web.error().message};
+  const double max_mm_s = marks.web->max_mm_s;
+  lines.push_back(fmt::format("web         at most {:.1f} mm/s", max_mm_s));
   const double pitch_mm = marks.job.marks().repeats().pitch_mm();
   if (pitch_mm > 0)
-    lines.back() += fmt::format(", {:.4g} repeats a minute", 60 * *max_mm_s / pitch_mm);
+    lines.back() += fmt::format(", {:.4g} repeats a minute", 60 * max_mm_s / pitch_mm);
   const double asked_mm_s = marks.job.marks().web().speed_mm_s();
   if (asked_mm_s == 0) {
     lines.push_back("verdict     good: the web runs as fast as all marks can be made");
-  } else if (marks.missed.empty()) {
+  } else if (marks.web->missed.empty()) {
     lines.push_back(
         fmt::format("verdict     good: all marks are made at {:.6g} mm/s", asked_mm_s));
   } else {
     lines.push_back(fmt::format(
         "verdict     at {:.6g} mm/s {} of {} marks would be missed: {}; reduce "
         "marks.web.speed_mm_s to {:.1f}",
-        asked_mm_s, marks.missed.size(), marks.set.marks.size(), NamesOfMissed(marks),
-        *max_mm_s));
+        asked_mm_s, marks.web->missed.size(), marks.set.marks.size(),
+        NamesOfMissed(marks), max_mm_s));
   }
   return lines;
 }
@@ -183,6 +178,8 @@ std::vector<std::string> LinesOfMarks(const OrderedMarks& marks) {
                     pen.name, count, pen.speed_mm_s, pen.power_ratio, pen.frequency_hz,
                     pen.pass_count, pen.pass_count == 1 ? "" : "es"));
   }
+  for (const Warning& warning : marks.warnings)
+    lines.push_back(client::WarningLine(warning));
   if (marks.job.marks().has_web()) {
     for (std::string& line : WebLines(marks)) lines.push_back(std::move(line));
   } else {
@@ -199,11 +196,11 @@ Status DrawMarks(const OrderedMarks& marks, const std::string& file,
   picture.title = marks.job.name();
   picture.figures = lines;
   const double end_mm = kPictureFields * marks.head.field_mm;
+  const std::vector<std::size_t> all_missed = marks.missed();
   std::size_t next_missed = 0;
   for (std::size_t i = 0; i < marks.set.marks.size(); ++i) {
     const mark::Mark& mark = marks.set.marks[i];
-    const bool missed =
-        next_missed < marks.missed.size() && marks.missed[next_missed] == i;
+    const bool missed = next_missed < all_missed.size() && all_missed[next_missed] == i;
     if (missed) ++next_missed;
     if (mark.web_mm > end_mm) continue;
     std::vector<Vec2> outline = mark::PlacesOf(mark, 0.01);
@@ -232,7 +229,7 @@ Result<bool> PreviewMarks(const MarksPreviewOptions& options) {
   for (const std::string& line : lines) std::cout << line << "\n";
   if (!options.csv.empty()) INTAGLIO_TRY(WriteMarks(marks, options.csv));
   if (!options.picture.empty()) INTAGLIO_TRY(DrawMarks(marks, options.picture, lines));
-  return marks.missed.empty();
+  return marks.missed().empty();
 }
 
 }  // namespace

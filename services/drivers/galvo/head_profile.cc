@@ -76,26 +76,4 @@ Result<std::optional<galvo::CorrectionTable>> LoadCorrection(const ScanHead& hea
   return std::optional(std::move(*table));
 }
 
-galvo::MarkTickOptions TickOptionsOf(const ScanHead& head, const mark::Pen& pen,
-                                     double rate_hz) {
-  galvo::MarkTickOptions options;
-  options.rate_hz = rate_hz;
-  options.mark_mm_s = pen.speed_mm_s;
-  options.jump_mm_s = head.jump_mm_s();
-  options.run_in_s = head.has_run_in_s() ? head.run_in_s() : kDefaultRunInSeconds;
-  options.lag_s = head.servo_lag_s();
-  options.lead_servo = head.has_lead_servo() ? head.lead_servo() : head.servo_lag_s() > 0;
-  if (options.lead_servo) return options;
-  options.laser_on_delay_s = head.laser_on_delay_s();
-  options.laser_off_delay_s = head.laser_off_delay_s();
-  options.jump_delay_s = head.jump_delay_s();
-  options.mark_delay_s = head.mark_delay_s();
-  options.polygon_delay_s = head.polygon_delay_s();
-  return options;
-}
-
-bool FollowsWeb(const ScanHead& head) {
-  return head.encoder_count_um() > 0 && (!head.has_follow_web() || head.follow_web());
-}
-
 }  // namespace intaglio::drivers

@@ -7,13 +7,10 @@
 
 #include "engrave/core/result.h"
 #include "engrave/galvo/correction_table.h"
-#include "engrave/galvo/mark_ticks.h"
-#include "engrave/mark/mark.h"
 #include "proto/machine.pb.h"
 
 namespace intaglio::drivers {
 
-inline constexpr double kDefaultRunInSeconds = 0.0006;
 inline constexpr double kDefaultAheadMs = 40;
 
 /// Each error begins with the field.
@@ -22,10 +19,5 @@ std::vector<Error> CheckScanHead(const MachineSpec& machine);
 /// The table of scan_head.correction_file; nothing when there is none. Errors begin with
 /// "scan_head.correction_file".
 Result<std::optional<galvo::CorrectionTable>> LoadCorrection(const ScanHead& head);
-
-galvo::MarkTickOptions TickOptionsOf(const ScanHead& head, const mark::Pen& pen,
-                                     double rate_hz);
-/// It has an encoder, and is to follow it.
-bool FollowsWeb(const ScanHead& head);
 
 }  // namespace intaglio::drivers

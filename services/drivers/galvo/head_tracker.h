@@ -25,8 +25,11 @@ class HeadTracker {
   void Restart() { zero_mm_.reset(); }
 
   bool follows() const { return count_mm_ > 0; }
-  /// It can be asked where the web is.
-  bool ready() const { return !follows() || follower_.has_value(); }
+  /// It can be asked where the web is: also aside, when what the sensor of the edge
+  /// measured first has come to the field.
+  bool ready() const {
+    return !follows() || (follower_ && newest_mm_.x() >= edge_sensor_mm_);
+  }
   /// At the middle of this tick and `later_s` after it; {0, 0} of a web that rests.
   Vec2 At(std::uint64_t tick, double later_s);
   double speed_mm_s() const { return follower_ ? follower_->speed_mm_s() : 0; }

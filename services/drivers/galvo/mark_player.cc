@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "engrave/core/try.h"
+#include "services/job/machine/head_ticks.h"
 
 namespace intaglio::drivers {
 namespace {
@@ -16,8 +18,9 @@ constexpr double kChordTolerance_mm = 1e-4;
 constexpr double kMaxTicksOfMark = 5e6;
 // Those of more are made aside: they take longer than a host may be silent.
 constexpr double kTicksMadeAtOnce = 1e5;
-// A place of a web is predicted, so it keeps away from the border.
-constexpr double kWebBorder_mm = 0.2;
+// The web moves so far until the first mark of a run is in the field: on a web at rest
+// nothing is made.
+constexpr double kWebLeadIn_mm = 1;
 
 Error MarkError(ErrorCode code, const NumberedMark& mark, const std::string& what) {
   return {code, fmt::format("mark {}: {}", mark.number, what),
@@ -38,6 +41,7 @@ void MarkPlayer::Begin(std::span<const mark::Pen> pens, const Vec2& mirrors_mm) 
   pens_.assign(pens.begin(), pens.end());
   mirrors_mm_ = mirrors_mm;
   loaded_ = false;
+  web_begin_mm_.reset();
   tracker_.Restart();
 }
 
@@ -82,7 +86,7 @@ Status MarkPlayer::Check(const NumberedMark& mark) const {
                             "faster (pen {})",
                             seconds, pen.name));
   }
-  if (tracker_.follows() && max_x - min_x > head_.field_mm() - 2 * kWebBorder_mm) {
+  if (tracker_.follows() && max_x - min_x > head_.field_mm() - 2 * kWebBorderMm) {
     return fail(ErrorCode::kInvalidValue,
                 fmt::format("is {:.3f} mm long, the field {} mm; divide it",
                             max_x - min_x, head_.field_mm()));
@@ -92,11 +96,9 @@ Status MarkPlayer::Check(const NumberedMark& mark) const {
 
 Status MarkPlayer::MakeTicks(const Vec2& from_mm) {
   const mark::Pen& pen = pens_[mark_.mark.pen];
-  galvo::MarkStroke stroke{mark::PlacesOf(mark_.mark, kChordTolerance_mm),
-                           mark_.mark.closed};
-  if (tracker_.follows())
-    for (Vec2& place : stroke.points_mm) place.x() -= mark_.mark.web_mm;
-  std::vector<galvo::MarkStroke> strokes(pen.pass_count, stroke);
+  mark::Mark mark = mark_.mark;
+  if (!tracker_.follows()) mark.web_mm = 0;
+  std::vector<galvo::MarkStroke> strokes = StrokesOf(mark, pen);
   const auto options = TickOptionsOf(head_, pen, rate_hz_);
   const double count =
       pen.pass_count * mark::LengthOf(mark_.mark) / pen.speed_mm_s * rate_hz_;
@@ -133,21 +135,32 @@ Status MarkPlayer::Load(const NumberedMark& mark) {
   if (!tracker_.follows()) {
     INTAGLIO_TRY(MakeTicks(mirrors_mm_));
     placed_ = true;
+  } else if (!web_begin_mm_) {
+    BeginWeb();
   }
   loaded_ = true;
   return {};
 }
 
+// Wherever the web is then: where it was at the begin of the job is not known any more
+// after a pause.
+void MarkPlayer::BeginWeb() {
+  double first_mm = std::numeric_limits<double>::infinity();
+  for (const Vec2& place : mark::PlacesOf(mark_.mark, kChordTolerance_mm))
+    first_mm = std::min(first_mm, place.x() - mark_.mark.web_mm);
+  web_begin_mm_ = -head_.field_mm() / 2 + kWebBorderMm - kWebLeadIn_mm - first_mm;
+}
+
 // The displacement that the beam has in the middle of the tick, which is commanded by the
 // lag of the servo before.
 Vec2 MarkPlayer::DisplacementAt(std::uint64_t tick) {
-  return tracker_.At(tick, head_.servo_lag_s());
+  return tracker_.At(tick, head_.servo_lag_s()) + Vec2(web_begin_mm_.value_or(0), 0);
 }
 
 Status MarkPlayer::Place(std::uint64_t first_tick) {
   if (!tracker_.ready() || first_tick < retry_tick_) return {};
   INTAGLIO_TRY(MakeTicks(mirrors_mm_ - DisplacementAt(first_tick)));
-  const double border_mm = head_.field_mm() / 2 - kWebBorder_mm;
+  const double border_mm = head_.field_mm() / 2 - kWebBorderMm;
   double short_mm = 0;
   for (std::size_t k = first_lit_; k < behind_lit_; ++k) {
     const double x_mm = ticks_[k].place_mm.x() + DisplacementAt(first_tick + k).x();

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engrave/galvo/head_output.h"
+#include "engrave/galvo/mark_ticks.h"
 #include "services/drivers/galvo/head_profile.h"
 #include "services/drivers/galvo/head_tracker.h"
 #include "services/drivers/mark_driver.h"
@@ -46,6 +47,8 @@ class MarkPlayer {
  private:
   Status MakeTicks(const Vec2& from_mm);
   Status TakeTicks(Result<std::vector<galvo::MarkTick>> ticks);
+  /// Of a web: its first mark is about to enter the field.
+  void BeginWeb();
   /// Of a web: makes the ticks when the mark can begin at that tick.
   Status Place(std::uint64_t first_tick);
   Vec2 DisplacementAt(std::uint64_t tick);
@@ -62,8 +65,9 @@ class MarkPlayer {
   std::vector<galvo::MarkTick> ticks_;
   std::future<Result<std::vector<galvo::MarkTick>>> made_aside_;  // of a long mark
   std::size_t next_ = 0, first_lit_ = 0, behind_lit_ = 0;
-  std::uint64_t retry_tick_ = 0;    // it cannot begin before
-  Vec2 mirrors_mm_ = Vec2::Zero();  // field, as commanded last, before the correction
+  std::uint64_t retry_tick_ = 0;        // it cannot begin before
+  std::optional<double> web_begin_mm_;  // displacement of the web when the run began
+  Vec2 mirrors_mm_ = Vec2::Zero();      // field, as commanded last, before the correction
   link::HeadTick output_;
 };
 

@@ -207,11 +207,10 @@ std::vector<std::string> CourseMarkFilesOf(const JobSpec& job) {
 
 Result<mark::MarkSet> MakeCourseMarks(const JobSpec& job, const MachineSpec& machine,
                                       std::vector<FileBytes> files,
-                                      const ReadLimits& limits,
+                                      const ReadLimits& limits, Warnings& warnings,
                                       const ProgressSink& progress) {
   const Course course = WithDefaults(job.course());
   INTAGLIO_TRY(CheckToolOfMachine(course, machine));
-  Warnings warnings;
   const CourseFiles read =
       INTAGLIO_TRY(CourseFilesOf(course, TextsOf(files), limits, warnings));
   INTAGLIO_TRY(Report(progress, 1));

@@ -28,9 +28,10 @@ std::vector<std::string> CourseMarkFilesOf(const JobSpec& job);
 /// here. Errors as of CourseFilesOf and MakeContourWork. kUnsupported: work of several
 /// tools, or of a tool that the machine has not; kInvalidValue: a hole narrower than the
 /// kerf, more power than there is. kCancelled when `progress` returns false.
+/// What files hold that is not made is added to `warnings`.
 Result<mark::MarkSet> MakeCourseMarks(const JobSpec& job, const MachineSpec& machine,
                                       std::vector<FileBytes> files,
-                                      const ReadLimits& limits,
+                                      const ReadLimits& limits, Warnings& warnings,
                                       const ProgressSink& progress);
 
 /// As they are: MakeCourseMarks makes them in their order, inner contours of parts before

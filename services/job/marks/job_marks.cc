@@ -11,6 +11,7 @@
 #include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
 #include "engrave/mark/jump_order.h"
+#include "services/job/machine/head_ticks.h"
 #include "services/job/marks/item_place.h"
 #include "services/job/marks/mark_table.h"
 #include "services/job/marks_check.h"
@@ -18,8 +19,6 @@
 
 namespace intaglio {
 namespace {
-
-constexpr double kDefaultRunInS = 0.0006;  // as machine.proto
 
 mark::Pen PenOf(const MarkItem& item, int number) {
   mark::Pen pen;
@@ -54,8 +53,11 @@ mark::HatchOptions HatchOptionsOf(const MarkHatch& hatch, const MarkShapes& shap
 class JobMarks {
  public:
   JobMarks(Marks marks, std::vector<std::string> names, std::vector<FileBytes> files,
-           const ReadLimits& limits)
-      : marks_(std::move(marks)), files_(std::move(files)), limits_(limits) {
+           const ReadLimits& limits, Warnings& warnings)
+      : marks_(std::move(marks)),
+        files_(std::move(files)),
+        limits_(limits),
+        warnings_(warnings) {
     for (std::size_t i = 0; i < files_.size() && i < names.size(); ++i)
       named_.push_back(
           {names[i],
@@ -129,8 +131,9 @@ class JobMarks {
   }
 
   /// Of the first repeat's place.
-  Result<std::vector<mark::Mark>> MarksOf(const MarkItem& item, std::uint32_t pen) const {
-    const auto shapes = INTAGLIO_TRY(ShapesOf(item, item_files_[pen], limits_));
+  Result<std::vector<mark::Mark>> MarksOf(const MarkItem& item, std::uint32_t pen) {
+    const auto shapes =
+        INTAGLIO_TRY(ShapesOf(item, item_files_[pen], limits_, warnings_));
     const ItemPlace place = PlaceOf(item.placement(), shapes);
     std::vector<mark::Mark> marks;
     std::vector<std::vector<Vec2>> closed;
@@ -188,6 +191,7 @@ class JobMarks {
   Marks marks_;
   std::vector<FileBytes> files_;
   const ReadLimits& limits_;
+  Warnings& warnings_;
   std::vector<MarkFile> named_;
   std::vector<std::span<const MarkFile>> item_files_;
   MarkFile table_file_;
@@ -221,9 +225,9 @@ Result<std::vector<FileBytes>> ReadJobMarkFiles(const JobSpec& job,
 
 Result<mark::MarkSet> MakeJobMarks(const JobSpec& job, const MachineSpec&,
                                    std::vector<FileBytes> files, const ReadLimits& limits,
-                                   const ProgressSink& progress) {
+                                   Warnings& warnings, const ProgressSink& progress) {
   return JobMarks(WithDefaults(job.marks()), JobMarkFilesOf(job), std::move(files),
-                  limits)
+                  limits, warnings)
       .Make(progress);
 }
 
@@ -231,9 +235,9 @@ HeadFigures HeadFiguresOf(const MachineSpec& machine) {
   const ScanHead& head = machine.scan_head();
   HeadFigures figures;
   if (head.field_mm() > 0) figures.field_mm = head.field_mm();
-  if (head.jump_mm_s() > 0) figures.jump_mm_s = head.jump_mm_s();
-  figures.mark_s = 2 * (head.has_run_in_s() ? head.run_in_s() : kDefaultRunInS) +
-                   head.jump_delay_s() + head.mark_delay_s();
+  const double jump_mm_s = figures.ticks.jump_mm_s;
+  figures.ticks = TickOptionsOf(head, mark::Pen(), figures.ticks.rate_hz);
+  if (!(head.jump_mm_s() > 0)) figures.ticks.jump_mm_s = jump_mm_s;
   return figures;
 }
 

@@ -34,10 +34,11 @@ Result<std::vector<FileBytes>> ReadJobMarkFiles(const JobSpec& job,
 /// All repeats, item by item, in the order of the job; of a filled shape its lines before
 /// its contours. `files` as JobMarkFilesOf names them. Errors begin with the field; of a
 /// repeat they name its number and its line of the table. kCancelled when `progress`
-/// returns that. `job` need not have its defaults.
+/// returns that. What files hold that is not marked is added to `warnings`, once for each
+/// item. `job` need not have its defaults.
 Result<mark::MarkSet> MakeJobMarks(const JobSpec& job, const MachineSpec& machine,
                                    std::vector<FileBytes> files, const ReadLimits& limits,
-                                   const ProgressSink& progress);
+                                   Warnings& warnings, const ProgressSink& progress);
 
 /// Of the machine's scan_head; a value that is absent is the default.
 HeadFigures HeadFiguresOf(const MachineSpec& machine);

@@ -7,6 +7,7 @@
 #include "engrave/core/try.h"
 #include "services/job/course/course_marks.h"
 #include "services/job/marks/job_marks.h"
+#include "services/job/marks/web_run.h"
 
 namespace intaglio {
 namespace {
@@ -16,7 +17,7 @@ struct MarkJobKind {
   bool (*is_of)(const JobSpec& job);
   Result<mark::MarkSet> (*make)(const JobSpec& job, const MachineSpec& machine,
                                 std::vector<FileBytes> files, const ReadLimits& limits,
-                                const ProgressSink& progress);
+                                Warnings& warnings, const ProgressSink& progress);
   Result<mark::MarkSet> (*order)(const JobSpec& job, const MachineSpec& machine,
                                  mark::MarkSet marks);
   std::vector<std::string> (*files)(const JobSpec& job);
@@ -40,9 +41,9 @@ const MarkJobKind& KindOfMarks(const JobSpec& job) {
 
 Result<mark::MarkSet> MakeMarks(const JobSpec& job, const MachineSpec& machine,
                                 std::vector<FileBytes> files, const ReadLimits& limits,
-                                const ProgressSink& progress) {
+                                Warnings& warnings, const ProgressSink& progress) {
   auto marks = INTAGLIO_TRY(
-      KindOfMarks(job).make(job, machine, std::move(files), limits, progress));
+      KindOfMarks(job).make(job, machine, std::move(files), limits, warnings, progress));
   if (marks.marks.empty()) {
     return Fail(ErrorCode::kMissing,
                 "the files of the job have nothing to mark: see whether they are empty, "
@@ -53,8 +54,10 @@ Result<mark::MarkSet> MakeMarks(const JobSpec& job, const MachineSpec& machine,
 }
 
 Result<mark::MarkSet> OrderMarks(const JobSpec& job, const MachineSpec& machine,
-                                 mark::MarkSet marks) {
-  return KindOfMarks(job).order(job, machine, std::move(marks));
+                                 mark::MarkSet marks, Warnings& warnings) {
+  auto ordered = INTAGLIO_TRY(KindOfMarks(job).order(job, machine, std::move(marks)));
+  INTAGLIO_TRY(CheckWebRun(job, machine, ordered, warnings));
+  return ordered;
 }
 
 std::vector<std::string> MarkFilesOf(const JobSpec& job) {

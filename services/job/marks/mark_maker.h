@@ -8,6 +8,7 @@
 
 #include "engrave/core/progress.h"
 #include "engrave/core/result.h"
+#include "engrave/core/warning.h"
 #include "engrave/mark/mark.h"
 #include "proto/job.pb.h"
 #include "proto/machine.pb.h"
@@ -17,14 +18,16 @@
 namespace intaglio {
 
 /// The marks of a frozen job; `files` as MarkFilesOf names them. Errors name the file or
-/// the field. kMissing: nothing is to be marked.
+/// the field. kMissing: nothing is to be marked. What files hold that is not marked is
+/// added to `warnings`.
 Result<mark::MarkSet> MakeMarks(const JobSpec& job, const MachineSpec& machine,
                                 std::vector<FileBytes> files, const ReadLimits& limits,
-                                const ProgressSink& progress);
+                                Warnings& warnings, const ProgressSink& progress);
 
-/// The same marks in the order in which they are to be made.
+/// The same marks in the order in which they are to be made. kRefused: some would be
+/// missed at the speed of the web. What was chosen for the user is added to `warnings`.
 Result<mark::MarkSet> OrderMarks(const JobSpec& job, const MachineSpec& machine,
-                                 mark::MarkSet marks);
+                                 mark::MarkSet marks, Warnings& warnings);
 
 /// The files that the marks of a frozen job are made from, in the order in which they are
 /// sent and taken.

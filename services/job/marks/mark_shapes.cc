@@ -55,9 +55,8 @@ void AppendShapes(const drawing::FlatDrawing& flat, MarkShapes& made) {
 }
 
 Result<MarkShapes> DrawingShapes(const MarkDrawing& item, const MarkFile& file,
-                                 const ReadLimits& limits) {
-  Warnings ignored;  // the check of the job has reported them
-  const auto drawing = ReadDrawing(file.name, file.bytes, limits.drawings, ignored);
+                                 const ReadLimits& limits, Warnings& warnings) {
+  const auto drawing = ReadDrawing(file.name, file.bytes, limits.drawings, warnings);
   if (!drawing)
     return tl::unexpected(InField("drawing.file", WithRemedy(drawing.error(), limits)));
   auto flat = drawing::Flatten(*drawing);
@@ -120,8 +119,9 @@ Result<MarkShapes> CodeShapes(const MarkCode& item) {
 }  // namespace
 
 Result<MarkShapes> ShapesOf(const MarkItem& item, std::span<const MarkFile> files,
-                            const ReadLimits& limits) {
-  if (item.has_drawing()) return DrawingShapes(item.drawing(), files.front(), limits);
+                            const ReadLimits& limits, Warnings& warnings) {
+  if (item.has_drawing())
+    return DrawingShapes(item.drawing(), files.front(), limits, warnings);
   if (item.has_text()) return TextShapes(item.text(), files);
   if (item.has_code()) return CodeShapes(item.code());
   return ImageShapes(item, files.front(), limits);

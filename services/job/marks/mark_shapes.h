@@ -10,6 +10,7 @@
 
 #include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
+#include "engrave/core/warning.h"
 #include "engrave/mark/hatch.h"
 #include "proto/mark.pb.h"
 #include "services/job/models/read_limits.h"
@@ -39,8 +40,9 @@ struct MarkFile {
 
 /// `item` with its defaults and with the text of this repeat, plain; `files` those that
 /// ForEachFile (model_kind.h) names for the item. Errors begin with the field within the
-/// item, "drawing.file: ...".
+/// item, "drawing.file: ...". What a file holds that is not marked is added to
+/// `warnings`.
 Result<MarkShapes> ShapesOf(const MarkItem& item, std::span<const MarkFile> files,
-                            const ReadLimits& limits);
+                            const ReadLimits& limits, Warnings& warnings);
 
 }  // namespace intaglio

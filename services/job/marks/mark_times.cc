@@ -12,6 +12,7 @@
 #include "engrave/core/try.h"
 #include "engrave/galvo/web_order.h"
 #include "engrave/mark/jump_order.h"
+#include "services/job/machine/head_ticks.h"
 
 namespace intaglio {
 namespace {
@@ -27,13 +28,45 @@ Box3 ExtentOf(const mark::Mark& mark) {
   return box;
 }
 
-/// Of the web, along it and across.
+/// Of the material, as it moves with the web.
 Vec2 OnWeb(const mark::Mark& mark, const mark::Place& place) {
-  return {mark.web_mm - place.at_mm.x(), place.at_mm.y()};
+  return place.at_mm - Vec2(mark.web_mm, 0);
 }
 Vec2 BeginOnWeb(const mark::Mark& mark) { return OnWeb(mark, mark.places.front()); }
 Vec2 EndOnWeb(const mark::Mark& mark) {
   return OnWeb(mark, mark.closed ? mark.places.front() : mark.places.back());
+}
+
+/// Commands lead the mirrors by so much at each end of a mark, and have to be in the
+/// field.
+double LeadMm(const mark::Pen& pen, const HeadFigures& head) {
+  return head.ticks.lead_servo ? head.ticks.lag_s * pen.speed_mm_s : 0;
+}
+
+/// Jumps with a lead of the servo are slower on average than in their middle.
+double JumpSpeedOf(const HeadFigures& head) {
+  return head.ticks.jump_mm_s / (head.ticks.lead_servo ? 15.0 / 8 : 1);
+}
+
+struct Timed {
+  double time_s = 0;
+  Vec2 end_mm = Vec2::Zero();  ///< where the beam rests, material
+};
+
+/// The jump to a mark and all of its passes. A beam that would have to jump farther than
+/// the field waits within it for the web.
+Timed TimeFrom(const Vec2& from_mm, const mark::Mark& mark, const mark::Pen& pen,
+               const HeadFigures& head) {
+  const Vec2 begin_mm = BeginOnWeb(mark), way_mm = from_mm - begin_mm;
+  const double within = std::min(1.0, head.field_mm / std::max(way_mm.norm(), 1e-9));
+  galvo::MarkTickOptions ticks = head.ticks;
+  ticks.mark_mm_s = pen.speed_mm_s;
+  const auto counted =
+      galvo::CountMarkTicks(StrokesOf(mark, pen), begin_mm + within * way_mm, ticks);
+  if (counted)
+    return {static_cast<double>(counted->count) / ticks.rate_hz, counted->end_mm};
+  // Of a mark that no head makes: its driver names it.
+  return {pen.pass_count * mark::LengthOf(mark) / pen.speed_mm_s, EndOnWeb(mark)};
 }
 
 /// Marks made one behind the other.
@@ -51,12 +84,12 @@ class WebOrderer {
     if (set_.marks.empty()) return std::move(set_);
     OrderRepeats();
     for (double share = kUnitsPerField; share >= 2; share /= 2) {
-      DivideByExtent(head_.field_mm / share);
+      DivideByExtent(head_.web_field_mm() / share);
       if (units_.size() <= kMaxUnits) break;
     }
     std::vector<galvo::WebMark> marks;
     for (const Unit& unit : units_) marks.push_back(unit.mark);
-    const galvo::WebHead head{head_.field_mm, head_.jump_mm_s};
+    const galvo::WebHead head{head_.web_field_mm(), JumpSpeedOf(head_)};
     const auto order = units_.size() <= kMaxUnits
                            ? INTAGLIO_TRY(galvo::FastestOrder(marks, head))
                            : INTAGLIO_TRY(galvo::ArrivalOrder(marks, head));
@@ -112,12 +145,10 @@ class WebOrderer {
 
   void AddToUnit(const mark::Mark& mark, std::size_t number, const Box3& box,
                  Unit& unit) const {
-    if (unit.count > 0) {
-      const Vec2 way = BeginOnWeb(mark) - EndOnWeb(set_.marks[number - 1]);
-      unit.mark.mark_s += way.norm() / head_.jump_mm_s;
-    }
+    const Vec2 from_mm =
+        unit.count > 0 ? EndOnWeb(set_.marks[number - 1]) : BeginOnWeb(mark);
     ++unit.count;
-    unit.mark.mark_s += SecondsOf(mark, set_.pens[mark.pen], head_);
+    unit.mark.mark_s += TimeFrom(from_mm, mark, set_.pens[mark.pen], head_).time_s;
     unit.mark.centre_mm = {-box.center_mm().x(), box.center_mm().y()};
     unit.mark.extent_mm = box.size_mm().x();
   }
@@ -130,24 +161,21 @@ class WebOrderer {
 
 }  // namespace
 
-double SecondsOf(const mark::Mark& mark, const mark::Pen& pen, const HeadFigures& head) {
-  const double back_mm =
-      mark.closed ? 0 : (mark.places.back().at_mm - mark.places.front().at_mm).norm();
-  return pen.pass_count * (mark::LengthOf(mark) / pen.speed_mm_s + head.mark_s) +
-         (pen.pass_count - 1) * back_mm / head.jump_mm_s;
-}
+double HeadFigures::web_field_mm() const { return field_mm - 2 * kWebBorderMm; }
 
 MarkTimes TimesOf(const mark::MarkSet& set, const HeadFigures& head) {
   MarkTimes times;
   const mark::Mark* before = nullptr;
+  Vec2 at_mm = Vec2::Zero();
   for (const mark::Mark& mark : set.marks) {
     const mark::Pen& pen = set.pens[mark.pen];
     times.mark_mm += pen.pass_count * mark::LengthOf(mark);
-    times.time_s += SecondsOf(mark, pen, head);
     const Vec2 from = before == nullptr ? BeginOnWeb(mark) : EndOnWeb(*before);
-    const double jump_mm = std::min((BeginOnWeb(mark) - from).norm(), head.field_mm);
-    times.jump_mm += jump_mm;
-    times.time_s += jump_mm / head.jump_mm_s;
+    times.jump_mm += std::min((BeginOnWeb(mark) - from).norm(), head.field_mm);
+    const Timed timed =
+        TimeFrom(before == nullptr ? BeginOnWeb(mark) : at_mm, mark, pen, head);
+    times.time_s += timed.time_s;
+    at_mm = timed.end_mm;
     before = &mark;
   }
   return times;
@@ -156,15 +184,13 @@ MarkTimes TimesOf(const mark::MarkSet& set, const HeadFigures& head) {
 std::vector<galvo::TimedMark> TimedMarksOf(const mark::MarkSet& set,
                                            const HeadFigures& head) {
   std::vector<galvo::TimedMark> timed;
-  const mark::Mark* before = nullptr;
+  Vec2 at_mm = set.marks.empty() ? Vec2(Vec2::Zero()) : BeginOnWeb(set.marks.front());
   for (const mark::Mark& mark : set.marks) {
     const Box3 box = ExtentOf(mark);
-    double time_s = SecondsOf(mark, set.pens[mark.pen], head);
-    if (before != nullptr)
-      time_s += std::min((BeginOnWeb(mark) - EndOnWeb(*before)).norm(), head.field_mm) /
-                head.jump_mm_s;
-    timed.push_back({-box.center_mm().x(), box.size_mm().x(), time_s});
-    before = &mark;
+    const Timed made = TimeFrom(at_mm, mark, set.pens[mark.pen], head);
+    const double extent_mm = box.size_mm().x() + 2 * LeadMm(set.pens[mark.pen], head);
+    timed.push_back({-box.center_mm().x(), extent_mm, made.time_s});
+    at_mm = made.end_mm;
   }
   return timed;
 }
@@ -194,7 +220,9 @@ Status CheckField(const mark::MarkSet& set, bool on_web, double field_mm) {
 
 Result<mark::MarkSet> OrderForWeb(mark::MarkSet set, const HeadFigures& head,
                                   bool may_reverse) {
-  INTAGLIO_TRY(CheckField(set, true, head.field_mm));
+  double lead_mm = 0;
+  for (const mark::Pen& pen : set.pens) lead_mm = std::max(lead_mm, LeadMm(pen, head));
+  INTAGLIO_TRY(CheckField(set, true, head.web_field_mm() - 2 * lead_mm));
   return WebOrderer(std::move(set), head, may_reverse).Order();
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engrave/core/result.h"
+#include "engrave/galvo/mark_ticks.h"
 #include "engrave/galvo/web_speed.h"
 #include "engrave/mark/mark.h"
 
@@ -13,9 +14,12 @@ namespace intaglio {
 
 /// What of a scan head decides times.
 struct HeadFigures {
-  double field_mm = 100;    ///< width of the square field, > 0
-  double jump_mm_s = 5000;  ///< between marks, > 0
-  double mark_s = 0.0006;   ///< delays and run-in of each pass, >= 0
+  double field_mm = 100;  ///< width of the square field, > 0
+  /// How it makes ticks; the speed of a mark is that of its pen.
+  galvo::MarkTickOptions ticks = {.jump_mm_s = 5000, .run_in_s = 0.0006};
+
+  /// Where marks of a web are made, along it.
+  double web_field_mm() const;
 };
 
 struct MarkTimes {
@@ -24,10 +28,8 @@ struct MarkTimes {
   double time_s = 0;  ///< of all, one behind the other
 };
 
-/// All passes of a mark, with the way back between them.
-double SecondsOf(const mark::Mark& mark, const mark::Pen& pen, const HeadFigures& head);
-
-/// In their order, from the origin; jumps along a web are those within the field.
+/// In their order, from the first on; jumps along a web are those within the field. Times
+/// are those of the ticks that the driver sends.
 MarkTimes TimesOf(const mark::MarkSet& set, const HeadFigures& head);
 
 /// As marks of a web, in their order, with the jumps to them.

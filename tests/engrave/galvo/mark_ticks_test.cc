@@ -199,5 +199,29 @@ TEST(WebFollower, TracksACoarseEncoderAndSeesAhead) {
             "follower: alpha is 0; give more than 0 and up to 1");
 }
 
+TEST(MarkTicks, AreAsManyAsTheirCountSays) {
+  const std::vector strokes = {Square(), Circle(0.3),
+                               MarkStroke{{{0, 0}, {0.001, 0}}, false},
+                               MarkStroke{{{9, 9}, {-9, 9}, {-9, -9}}, false}, Square()};
+  MarkTickOptions delays = Plain();
+  delays.laser_on_delay_s = 1e-4, delays.laser_off_delay_s = 3e-4;
+  delays.jump_delay_s = 5e-4, delays.mark_delay_s = 2e-4, delays.polygon_delay_s = 1e-4;
+  MarkTickOptions run_in = Plain(), lead = Plain();
+  run_in.run_in_s = lead.run_in_s = 6e-4;
+  lead.lag_s = 2e-4;
+  lead.lead_servo = true;
+  for (const MarkTickOptions& options : {Plain(), delays, run_in, lead}) {
+    for (const std::size_t count : {1, 3, 5}) {
+      const std::vector part(strokes.begin(),
+                             strokes.begin() + static_cast<std::ptrdiff_t>(count));
+      const auto ticks = MakeMarkTicks(part, {2, -7}, options).value();
+      const auto counted = CountMarkTicks(part, {2, -7}, options).value();
+      EXPECT_EQ(counted.count, ticks.size());
+      EXPECT_LT((counted.end_mm - ticks.back().place_mm).norm(), 1e-9);
+    }
+  }
+  EXPECT_FALSE(CountMarkTicks(strokes, {0, 0}, MarkTickOptions()));
+}
+
 }  // namespace
 }  // namespace intaglio::galvo

@@ -31,6 +31,13 @@ mark::MarkSet SomeMarks(std::uint32_t count) {
   return set;
 }
 
+/// Each arrives when the web has moved a field.
+mark::MarkSet MarksOnAWeb(std::uint32_t count) {
+  mark::MarkSet set = SomeMarks(count);
+  for (std::uint32_t i = 0; i < count; ++i) set.marks[i].web_mm = 50.0 * i;
+  return set;
+}
+
 class MarkingTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -358,6 +365,22 @@ TEST_F(MarkingTest, WhatLiesBeforeThePlaceToGoOnFromIsLeftOut) {
   ASSERT_TRUE(ToItsEnd());
   EXPECT_EQ(marking_->ledger().count(PointState::kLeftOut), 5u);
   EXPECT_EQ(head_.made.size(), kCount - 5);
+}
+
+TEST_F(MarkingTest, AWebThatRunsTooFastIsWaitedForBeforeAnythingIsBegun) {
+  frozen_.mutable_machine()->mutable_scan_head()->set_field_mm(60);
+  frozen_.mutable_machine()->mutable_scan_head()->set_jump_mm_s(5000);
+  frozen_.mutable_job()->mutable_marks()->mutable_web();
+  head_.state_.web_mm_s = 4'000;
+  fs::remove_all(folder_);
+  Begin(MarksOnAWeb(kCount));
+  EXPECT_FALSE(TurnUntil([&] { return !head_.handed.empty(); }, 50));
+  EXPECT_EQ(marking_->phase(), Marking::Phase::kWaiting);
+  EXPECT_THAT(marking_->message(), HasSubstr("the web runs at 4000.0 mm/s, and all marks "
+                                             "are made up to "));
+  head_.state_.web_mm_s = 1'000;
+  ASSERT_TRUE(ToItsEnd());
+  ExpectEachMadeOnce();
 }
 
 }  // namespace

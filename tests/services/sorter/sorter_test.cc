@@ -11,6 +11,7 @@
 #include "services/platform/bus/error_code.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/host/stage/cloud_flow.h"
+#include "services/platform/host/stage/mark_flow.h"
 #include "tests/services/platform/host/stage/stage_shop.h"
 
 namespace intaglio {
@@ -326,6 +327,46 @@ TEST_F(SorterTest, WrongOptionsFailTheTaskAndTheNextOneIsDone) {
   const auto right = shop.AwaitEnd("right", 1);
   ASSERT_TRUE(right);
   EXPECT_EQ(right->state, intaglio_TASK_DONE) << right->message;
+}
+
+// The order decides the largest speed of a web: nothing is armed or begun before.
+TEST_F(SorterTest, AWebThatIsTooFastIsRefusedBeforeItIsArmed) {
+  FrozenJob job = FrozenJobOf("web", SortSpec());
+  job.mutable_machine()->mutable_scan_head()->set_field_mm(60);
+  job.mutable_machine()->mutable_scan_head()->set_jump_mm_s(5000);
+  job.mutable_job()->Clear();
+  job.mutable_job()->mutable_marks()->add_items()->mutable_code()->set_text("A");
+  job.mutable_job()->mutable_marks()->mutable_web()->set_speed_mm_s(500);
+  // A second of marking, of which 4 mm are in the field for 112 ms.
+  mark::MarkSet set;
+  set.pens = {{"item 1", 4, 0.5, 20000, 1}};
+  set.marks = {{0, false, 0, {{{0, 0}, 0}, {{4, 0}, 0}}}};
+  host::MarkSender marks(shop.bus(), bus::kMarkBatch, "");
+  const auto end_of = [&](const std::string& uid) {
+    job.set_job_uid(uid);
+    shop.Give(job, 1, "");
+    EXPECT_TRUE(shop.AwaitHealth(intaglio_HEALTH_BUSY));
+    marks.Begin(uid, 1, 0, set, Clock::now());
+    EXPECT_TRUE(
+        Eventually([&] { return marks.Advance(Clock::now()).value_or(true); }, 20s));
+    return shop.AwaitEnd(uid, 1);
+  };
+  const auto refused = end_of("web");
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->state, intaglio_TASK_FAILED);
+  EXPECT_EQ(refused->error_code, bus::WireOf(ErrorCode::kRefused));
+  EXPECT_NE(refused->message.find("marks.web.speed_mm_s: at 500 mm/s 1 of 1 marks would "
+                                  "be missed, the first: item 1 of repeat 1; the largest "
+                                  "speed is 55."),
+            std::string::npos)
+      << refused->message;
+  ASSERT_TRUE(shop.AwaitHealth(intaglio_HEALTH_READY));
+  job.mutable_job()->mutable_marks()->mutable_web()->set_speed_mm_s(0);
+  const auto chosen = end_of("as fast as possible");
+  ASSERT_TRUE(chosen);
+  EXPECT_EQ(chosen->state, intaglio_TASK_DONE) << chosen->message;
+  ASSERT_EQ(chosen->outcome.sort().warnings_size(), 1);
+  EXPECT_EQ(chosen->outcome.sort().warnings(0).code(), "chosen");
 }
 
 }  // namespace

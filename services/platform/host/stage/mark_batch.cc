@@ -48,13 +48,21 @@ Status CheckArrays(const intaglio_MarkBatch& batch) {
   const std::size_t places = batch.x_mm._length;
   std::uint64_t sum = 0;
   for (const std::uint32_t count : View(batch.place_count)) sum += count;
-  if (batch.closed._length != marks || batch.web_mm._length != marks ||
-      batch.place_count._length != marks || batch.y_mm._length != places ||
-      batch.bulge._length != places || sum != places) {
-    return MarkFault(
-        fmt::format("the arrays of mark batch {} disagree: {} marks, {} of "
-                    "{} places",
-                    batch.sequence_number, marks, places, sum));
+  struct Array {
+    const char* name;
+    std::uint64_t length, needed;
+  };
+  for (const Array& array : {Array{"closed", batch.closed._length, marks},
+                             {"web_mm", batch.web_mm._length, marks},
+                             {"place_count", batch.place_count._length, marks},
+                             {"the sum of place_count", sum, places},
+                             {"y_mm", batch.y_mm._length, places},
+                             {"bulge", batch.bulge._length, places}}) {
+    if (array.length == array.needed) continue;
+    return MarkFault(fmt::format(
+        "mark batch {}: {} is {}, and not {}; it has {} marks "
+        "of {} places",
+        batch.sequence_number, array.name, array.length, array.needed, marks, places));
   }
   return {};
 }
@@ -127,7 +135,8 @@ Status AppendMarks(const intaglio_MarkBatch& batch, mark::MarkSet& set) {
   if (batch.first_mark == 0) {
     for (const intaglio_MarkPen& pen : View(batch.pens)) taken.pens.push_back(PenOf(pen));
   } else if (batch.pens._length != 0) {
-    return MarkFault(fmt::format("mark batch {} has pens", batch.sequence_number));
+    return MarkFault(fmt::format("mark batch {}: pens are of the first batch alone",
+                                 batch.sequence_number));
   } else {
     taken.pens = set.pens;
   }

@@ -89,17 +89,33 @@ Status MarkIntake::Check(const intaglio_MarkBatch& batch) const {
                     "the sender is faulty; restart it and submit the job again",
                     number, topic_name_, granted_));
   }
+  return CheckCounts(batch);
+}
+
+Status MarkIntake::CheckCounts(const intaglio_MarkBatch& batch) const {
+  const std::uint64_t total = batch.total_count;
   const std::uint64_t count = marks_.marks.size() + batch.pen._length;
-  const bool ends_right = !batch.last || count == batch.total_count;
-  const bool agrees = (number == 0 || batch.total_count == total_count_) &&
-                      batch.total_count <= kMaxMarks && count <= batch.total_count &&
-                      place_count_ + batch.x_mm._length <= kMaxPlaces &&
-                      (batch.pen._length > 0 || batch.last) && ends_right;
-  if (agrees) return {};
+  const std::uint64_t places = place_count_ + batch.x_mm._length;
+  std::string what;
+  if (total > kMaxMarks) {
+    what = fmt::format("total_count is {}, above {}", total, kMaxMarks);
+  } else if (batch.sequence_number > 0 && total != total_count_) {
+    what = fmt::format("total_count is {}, and was {}", total, total_count_);
+  } else if (count > total) {
+    what = fmt::format("total_count is {}, and {} marks have come", total, count);
+  } else if (batch.last && count != total) {
+    what = fmt::format("it is the last, with {} of {} marks", count, total);
+  } else if (places > kMaxPlaces) {
+    what = fmt::format("{} places have come, above {}", places, kMaxPlaces);
+  } else if (batch.pen._length == 0 && !batch.last) {
+    what = "it has no marks and is not the last";
+  } else {
+    return {};
+  }
   return Fail(ErrorCode::kFault,
-              fmt::format("batch {} of {} contradicts itself: {} of "
-                          "{} marks",
-                          number, topic_name_, count, batch.total_count));
+              fmt::format("batch {} of {}: {}: the sender is faulty; restart it and "
+                          "submit the job again",
+                          batch.sequence_number, topic_name_, what));
 }
 
 Status MarkIntake::Accept(const intaglio_MarkBatch& batch) {

@@ -39,6 +39,7 @@ class MarkIntake {
  private:
   Status Accept(const intaglio_MarkBatch& batch);
   Status Check(const intaglio_MarkBatch& batch) const;
+  Status CheckCounts(const intaglio_MarkBatch& batch) const;
   void BeginAgain(std::uint32_t part_attempt);
   std::string StreamOf(std::uint32_t part_attempt) const;
 

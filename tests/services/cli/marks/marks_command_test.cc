@@ -52,6 +52,26 @@ TEST_F(MarksCommand, NamesWhatAFasterWebWouldMiss) {
   EXPECT_THAT(output_, HasSubstr("reduce marks.web.speed_mm_s to "));
 }
 
+TEST_F(MarksCommand, ReportsWhatIsNotMarked) {
+  Write("plate.svg",
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"40mm\" height=\"20mm\" "
+        "viewBox=\"0 0 40 20\"><circle cx=\"9\" cy=\"9\" r=\"5\"/>"
+        "<text x=\"1\" y=\"1\">price</text></svg>");
+  Write("job.textproto",
+        "machine_file: \"head.textproto\" marks { items { drawing { file: "
+        "\"plate.svg\" } } }");
+  EXPECT_EQ(Preview(), 0) << errors_;
+  EXPECT_THAT(output_, HasSubstr("warning    plate.svg"));
+}
+
+TEST_F(MarksCommand, RefusesAWebUnderAHeadWithoutAnEncoder) {
+  Write("head.textproto",
+        "name: \"head\" mark_line { protocol: \"scan-head\" device: \"unix:/none\" "
+        "baud: 115200 } scan_head { field_mm: 60 jump_mm_s: 5000 }");
+  EXPECT_EQ(Preview(), 2);
+  EXPECT_THAT(errors_, HasSubstr("scan_head.encoder_count_um"));
+}
+
 TEST_F(MarksCommand, WritesMarksAndPicture) {
   const auto csv = folder_ / "marks.csv", picture = folder_ / "marks.png";
   EXPECT_EQ(Preview({"--csv", csv.string(), "--picture", picture.string()}), 0)

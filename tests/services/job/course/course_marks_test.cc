@@ -51,7 +51,9 @@ Result<mark::MarkSet> MarksOf(Course course, const std::vector<NamedText>& files
   MachineSpec machine;
   machine.set_name("mill");
   machine.mutable_course_tool()->set_kind(tool);
-  auto made = MakeCourseMarks(job, machine, std::move(bytes), ReadLimitsTimes(1), {});
+  Warnings warnings;
+  auto made =
+      MakeCourseMarks(job, machine, std::move(bytes), ReadLimitsTimes(1), warnings, {});
   if (!made) return made;
   return OrderCourseMarks(job, machine, std::move(*made));
 }
@@ -213,11 +215,31 @@ TEST(CourseMarks, FilesComeInTheOrderOfTheJob) {
   EXPECT_THAT(CourseMarkFilesOf(job), testing::ElementsAre("a.gbr", "b.drl"));
 }
 
+TEST(CourseMarks, WhatADrawingHoldsAndIsNotMadeIsReported) {
+  JobSpec job;
+  job.mutable_course()->add_files("plate.svg");
+  job.mutable_course()->set_make(COURSE_MAKE_CUT);
+  job.mutable_course()->set_tool_diameter_mm(1);
+  const std::string svg =
+      R"(<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="20mm" )"
+      R"(viewBox="0 0 40 20"><rect x="5" y="5" width="30" height="10"/>)"
+      R"(<text x="1" y="1">price</text></svg>)";
+  Warnings warnings;
+  const auto set =
+      MakeCourseMarks(job, {}, {BytesOf(svg)}, ReadLimitsTimes(1), warnings, {});
+  ASSERT_TRUE(set) << set.error().message;
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].code, WarningCode::kLeftOut);
+  EXPECT_THAT(warnings[0].text, HasSubstr("plate.svg"));
+}
+
 TEST(CourseMarks, ACancelledMakingIsAnError) {
   JobSpec job;
   job.mutable_course()->add_files("board.gbr");
-  const auto set = MakeCourseMarks(job, {}, {BytesOf(kDiscs)}, ReadLimitsTimes(1),
-                                   [](std::uint64_t, std::uint64_t) { return false; });
+  Warnings warnings;
+  const auto set =
+      MakeCourseMarks(job, {}, {BytesOf(kDiscs)}, ReadLimitsTimes(1), warnings,
+                      [](std::uint64_t, std::uint64_t) { return false; });
   ASSERT_FALSE(set);
   EXPECT_EQ(set.error().code, ErrorCode::kCancelled);
 }

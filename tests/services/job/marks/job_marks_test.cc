@@ -41,7 +41,11 @@ MachineSpec Head() {
 }
 
 Result<mark::MarkSet> Make(const JobSpec& job, std::vector<FileBytes> files = {}) {
-  return MakeJobMarks(job, Head(), std::move(files), ReadLimits(), nullptr);
+  Warnings warnings;
+  auto made =
+      MakeJobMarks(job, Head(), std::move(files), ReadLimits(), warnings, nullptr);
+  EXPECT_TRUE(warnings.empty());
+  return made;
 }
 
 Box3 ExtentOfMarks(const std::vector<mark::Mark>& marks) {
@@ -280,10 +284,27 @@ TEST(JobMarks, TooManyMarksAreRefused) {
   EXPECT_THAT(set.error().message, HasSubstr("marks.repeats.count"));
 }
 
+TEST(JobMarks, WhatADrawingHoldsAndIsNotMarkedIsReportedOnce) {
+  const std::string svg = R"(<svg xmlns="http://www.w3.org/2000/svg" width="40mm"
+      height="20mm" viewBox="0 0 40 20"><circle cx="20" cy="10" r="5"/>
+      <text x="1" y="1">price</text></svg>)";
+  Warnings warnings;
+  const auto set = MakeJobMarks(Job(R"(marks { items { drawing { file: "plate.svg" } }
+      repeats { count: 3 pitch_mm: 1 } })"),
+                                Head(), {Bytes(svg)}, ReadLimits(), warnings, nullptr);
+  ASSERT_TRUE(set) << set.error().message;
+  EXPECT_EQ(set->marks.size(), 3U);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(warnings[0].code, WarningCode::kLeftOut);
+  EXPECT_THAT(warnings[0].text, HasSubstr("plate.svg"));
+  EXPECT_THAT(warnings[0].text, HasSubstr("text"));
+}
+
 TEST(JobMarks, ProgressMayCancel) {
-  const auto set =
-      MakeJobMarks(Job(R"(marks { items { code { text: "A" } } })"), Head(), {},
-                   ReadLimits(), [](std::uint64_t, std::uint64_t) { return false; });
+  Warnings warnings;
+  const auto set = MakeJobMarks(Job(R"(marks { items { code { text: "A" } } })"), Head(),
+                                {}, ReadLimits(), warnings,
+                                [](std::uint64_t, std::uint64_t) { return false; });
   ASSERT_FALSE(set);
   EXPECT_EQ(set.error().code, ErrorCode::kCancelled);
 }

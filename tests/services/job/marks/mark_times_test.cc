@@ -23,47 +23,83 @@ mark::MarkSet RandomSet(std::size_t repeats, std::mt19937& random) {
   return set;
 }
 
+HeadFigures HeadOf(double field_mm) {
+  HeadFigures head;
+  head.field_mm = field_mm;
+  return head;
+}
+
 TEST(MarkTimes, AddUpMarksJumpsAndDelays) {
   mark::MarkSet set;
   set.pens.push_back({"pen", 100, 0.5, 20000, 3});
   set.marks.push_back({0, false, 0, {{{0, 0}, 0}, {{10, 0}, 0}}});
   set.marks.push_back({0, true, 0, {{{10, 5}, 0}, {{10, 10}, 0}, {{10, 7}, 0}}});
-  const HeadFigures head{100, 1000, 0.001};
+  HeadFigures head = HeadOf(100);
+  head.ticks.jump_mm_s = 1000;
+  head.ticks.run_in_s = 0;
+  head.ticks.jump_delay_s = head.ticks.mark_delay_s = 0.0005;
   const MarkTimes times = TimesOf(set, head);
   EXPECT_NEAR(times.mark_mm, 30 + 30, 1e-12);
   EXPECT_NEAR(times.jump_mm, 5, 1e-12);
-  // Three passes of 0.1 s with a delay each and two ways back of 10 mm, a jump, and three
-  // rounds of 0.1 s.
-  EXPECT_NEAR(times.time_s, 0.3 + 0.003 + 0.02 + 0.005 + 0.3 + 0.003, 1e-12);
+  // Three passes of 0.1 s with a delay behind each and two ways back of 10 mm with
+  // theirs, a jump with its, and three rounds of 0.1 s; ticks of rounding.
+  EXPECT_NEAR(times.time_s, 0.3 + 0.0015 + 0.02 + 0.001 + 0.005 + 0.0005 + 0.3 + 0.0015,
+              2e-4);
+}
+
+// What the driver sends, mark by mark, each from where the mirrors rest behind the one
+// before.
+TEST(MarkTimes, AreThoseOfTheTicks) {
+  std::mt19937 random(5);
+  const mark::MarkSet set = RandomSet(1, random);
+  HeadFigures head = HeadOf(100);
+  head.ticks.lag_s = 2e-4;
+  head.ticks.lead_servo = true;
+  galvo::MarkTickOptions options = head.ticks;
+  options.mark_mm_s = set.pens[0].speed_mm_s;
+  Vec2 at_mm = set.marks.front().places.front().at_mm;
+  std::size_t count = 0;
+  const auto timed = TimedMarksOf(set, head);
+  for (std::size_t i = 0; i < set.marks.size(); ++i) {
+    galvo::MarkStroke stroke{mark::PlacesOf(set.marks[i], 1e-4), set.marks[i].closed};
+    const auto ticks =
+        galvo::MakeMarkTicks(std::vector{stroke, stroke}, at_mm, options).value();
+    EXPECT_NEAR(timed[i].time_s, static_cast<double>(ticks.size()) / options.rate_hz,
+                1e-12);
+    at_mm = ticks.back().place_mm;
+    count += ticks.size();
+  }
+  EXPECT_NEAR(TimesOf(set, head).time_s, static_cast<double>(count) / options.rate_hz,
+              1e-9);
 }
 
 TEST(MarkTimes, TheOrderForAWebIsAtLeastAsFastAsThatOfTheJob) {
   std::mt19937 random(3);
-  const HeadFigures head{60, 5000, 0.0006};
+  const HeadFigures head = HeadOf(60);
   const mark::MarkSet set = RandomSet(8, random);
   const auto ordered = OrderForWeb(set, head, true);
   ASSERT_TRUE(ordered) << ordered.error().message;
   ASSERT_EQ(ordered->marks.size(), set.marks.size());
-  const auto fast = galvo::MaxSpeed(TimedMarksOf(*ordered, head), head.field_mm);
+  const auto fast = galvo::MaxSpeed(TimedMarksOf(*ordered, head), head.web_field_mm());
   ASSERT_TRUE(fast) << fast.error().message;
-  const auto as_given = galvo::MaxSpeed(TimedMarksOf(set, head), head.field_mm);
+  const auto as_given = galvo::MaxSpeed(TimedMarksOf(set, head), head.web_field_mm());
   EXPECT_TRUE(!as_given || *fast > *as_given);
   EXPECT_TRUE(
-      galvo::MissedMarks(TimedMarksOf(*ordered, head), head.field_mm, 0.999 * *fast)
+      galvo::MissedMarks(TimedMarksOf(*ordered, head), head.web_field_mm(), 0.999 * *fast)
           .empty());
   EXPECT_FALSE(
-      galvo::MissedMarks(TimedMarksOf(*ordered, head), head.field_mm, 1.02 * *fast)
+      galvo::MissedMarks(TimedMarksOf(*ordered, head), head.web_field_mm(), 1.02 * *fast)
           .empty());
 }
 
 // Places of a web that runs at the speed: all of a mark is in the field while it is made.
 TEST(MarkTimes, EveryMarkLiesInTheFieldWhileItIsMade) {
   std::mt19937 random(4);
-  const HeadFigures head{60, 5000, 0.0006};
+  const HeadFigures head = HeadOf(60);
   const auto ordered = OrderForWeb(RandomSet(6, random), head, true);
   ASSERT_TRUE(ordered);
   const auto timed = TimedMarksOf(*ordered, head);
-  const double speed = 0.98 * galvo::MaxSpeed(timed, head.field_mm).value();
+  const double speed = 0.98 * galvo::MaxSpeed(timed, head.web_field_mm()).value();
   double now_s = 0;
   for (std::size_t i = 0; i < timed.size(); ++i) {
     double low = 1e9, high = -1e9;
@@ -73,10 +109,10 @@ TEST(MarkTimes, EveryMarkLiesInTheFieldWhileItIsMade) {
     }
     // The web has run by speed * now_s since its first frame was in the middle; it waits
     // for none.
-    const double enters_s = (-head.field_mm / 2 - low) / speed;
+    const double enters_s = (-head.web_field_mm() / 2 - low) / speed;
     now_s = i == 0 ? enters_s : std::max(now_s, enters_s);
     now_s += timed[i].time_s;
-    EXPECT_LE(high + speed * now_s, head.field_mm / 2 + 1e-6) << i;
+    EXPECT_LE(high + speed * now_s, head.web_field_mm() / 2 + 1e-6) << i;
   }
 }
 

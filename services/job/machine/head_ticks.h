@@ -1,0 +1,28 @@
+#pragma once
+
+// How a scan head (MachineSpec.scan_head) makes ticks of marks: for its driver, and for
+// what is known of a job before it starts.
+
+#include <vector>
+
+#include "engrave/galvo/mark_ticks.h"
+#include "engrave/mark/mark.h"
+#include "proto/machine.pb.h"
+
+namespace intaglio {
+
+inline constexpr double kDefaultRunInSeconds = 0.0006;
+/// A place of a web is predicted, so it keeps away from the border of the field.
+inline constexpr double kWebBorderMm = 0.2;
+
+/// It has an encoder of the web, and is to follow it.
+bool FollowsWeb(const ScanHead& head);
+
+/// Absent fields are the defaults of machine.proto.
+galvo::MarkTickOptions TickOptionsOf(const ScanHead& head, const mark::Pen& pen,
+                                     double rate_hz);
+
+/// A mark as strokes, one for each pass. Frame: material, x of the piece less web_mm.
+std::vector<galvo::MarkStroke> StrokesOf(const mark::Mark& mark, const mark::Pen& pen);
+
+}  // namespace intaglio

@@ -1,0 +1,37 @@
+#pragma once
+
+// How fast the web of a job of marks may run under its head, and what is missed above it.
+
+#include <string>
+#include <vector>
+
+#include "engrave/core/result.h"
+#include "engrave/core/warning.h"
+#include "engrave/mark/mark.h"
+#include "proto/job.pb.h"
+#include "proto/machine.pb.h"
+
+namespace intaglio {
+
+struct WebRun {
+  double max_mm_s = 0;
+  /// At marks.web.speed_mm_s: places in the order, ascending.
+  std::vector<std::size_t> missed;
+};
+
+/// `ordered` as of OrderJobMarks, `job` with marks on a web. kInvalidValue: there is no
+/// speed at which all are made.
+Result<WebRun> WebRunOf(const JobSpec& job, const MachineSpec& machine,
+                        const mark::MarkSet& ordered);
+
+/// "item 2 of repeat 17".
+std::string NameOfMark(const JobSpec& job, const mark::MarkSet& ordered,
+                       std::size_t number);
+
+/// Before anything is made. kRefused: marks would be missed at the speed that the job
+/// gives, with the largest one. Where it gives none, a note with the largest is added to
+/// `warnings`. A job without a web passes.
+Status CheckWebRun(const JobSpec& job, const MachineSpec& machine,
+                   const mark::MarkSet& ordered, Warnings& warnings);
+
+}  // namespace intaglio
