@@ -73,9 +73,17 @@ void DrawCloseUp(Canvas& canvas, const Rect& cell, const CloseUp& close_up,
   const Rect room{cell.x + kCloseUpEdgePx, cell.y + kCloseUpTopPx + kCloseUpEdgePx / 2,
                   cell.width - 2 * kCloseUpEdgePx,
                   cell.height - kCloseUpTopPx - kCloseUpEdgePx - text_px};
+  const auto magnified_mm = [&](const Vec2& place_mm) -> Vec2 {
+    const Vec2 nearest_mm = NearestOf(mark.way_mm, place_mm);
+    return nearest_mm + by * (place_mm - nearest_mm);
+  };
   Box3 box = BoxOfPlaces(mark.way_mm);
   const double edge_mm = by * tolerance_um / 1e3;
   box = {box.min_mm - Vec3(edge_mm, edge_mm, 0), box.max_mm + Vec3(edge_mm, edge_mm, 0)};
+  for (const BurntStroke& stroke : close_up.burnt) {
+    const Vec2 at_mm = magnified_mm(stroke.to_mm);
+    box.Extend(Vec3(at_mm.x(), at_mm.y(), 0));
+  }
   const MarkScale scale = FitInto(room, box);
   DrawScaleBar(canvas, cell, scale.px_per_mm);
   const double band_px = 2 * edge_mm * scale.px_per_mm;
@@ -85,13 +93,10 @@ void DrawCloseUp(Canvas& canvas, const Rect& cell, const CloseUp& close_up,
   for (std::size_t i = 1; i < mark.way_mm.size(); ++i)
     DrawLine(canvas, scale(mark.way_mm[i - 1]), scale(mark.way_mm[i]), 1.2,
              {palette.dim_text});
-  const auto magnified = [&](const Vec2& place_mm) {
-    const Vec2 nearest_mm = NearestOf(mark.way_mm, place_mm);
-    return scale(nearest_mm + by * (place_mm - nearest_mm));
-  };
   const Color color = mark.look == MarkLook::kMade ? palette.warning : ColorOf(mark.look);
   for (const BurntStroke& stroke : close_up.burnt)
-    DrawLine(canvas, magnified(stroke.from_mm), magnified(stroke.to_mm), 2, {color});
+    DrawLine(canvas, scale(magnified_mm(stroke.from_mm)),
+             scale(magnified_mm(stroke.to_mm)), 2, {color});
   double y_px = cell.bottom() - text_px + 6.0;
   for (const std::string& line : close_up.lines) {
     const TextStyle style{.cap_height_px = kCloseUpCapPx, .color = palette.text};

@@ -3,9 +3,8 @@
 #include <utility>
 
 #include "engrave/core/try.h"
-#include "engrave/galvo/web_speed.h"
 #include "services/job/marks/job_marks.h"
-#include "services/job/marks/mark_times.h"
+#include "services/job/marks/web_run.h"
 #include "services/job/models/program_limits.h"
 
 namespace intaglio::cli {
@@ -16,12 +15,11 @@ Result<double> VirtualWebSpeed(const JobSpec& job, const MachineSpec& machine,
   if (job.marks().web().speed_mm_s() > 0) return job.marks().web().speed_mm_s();
   const ReadLimits limits = mesh_reader::LimitsOfProgram(size_limits);
   auto files = INTAGLIO_TRY(ReadJobMarkFiles(job, limits));
-  auto made = INTAGLIO_TRY(MakeJobMarks(job, machine, std::move(files), limits, nullptr));
+  Warnings ignored;  // the discretizer reports them
+  auto made = INTAGLIO_TRY(
+      MakeJobMarks(job, machine, std::move(files), limits, ignored, nullptr));
   const auto ordered = INTAGLIO_TRY(OrderJobMarks(job, machine, std::move(made)));
-  const HeadFigures head = HeadFiguresOf(machine);
-  const double largest_mm_s =
-      INTAGLIO_TRY(galvo::MaxSpeed(TimedMarksOf(ordered, head), head.field_mm));
-  return kVirtualWebShare * largest_mm_s;
+  return kVirtualWebShare * INTAGLIO_TRY(WebRunOf(job, machine, ordered)).max_mm_s;
 }
 
 }  // namespace intaglio::cli

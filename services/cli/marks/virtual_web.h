@@ -9,13 +9,12 @@
 
 namespace intaglio::cli {
 
-/// What is left of the largest speed for the border that is kept free and for the time
-/// between the plan and the mirrors.
+/// Of the largest speed: room for a computer that is late.
 inline constexpr double kVirtualWebShare = 0.9;
 
 /// 0: the job has no web, or the machine has none. The job's web.speed_mm_s; where that
 /// is "as fast as possible", kVirtualWebShare of the largest speed at which all its marks
-/// can be made. Errors as of MakeJobMarks, OrderJobMarks and MaxSpeed.
+/// can be made. Errors as of MakeJobMarks, OrderJobMarks and WebRunOf.
 Result<double> VirtualWebSpeed(const JobSpec& job, const MachineSpec& machine,
                                double size_limits);
 

@@ -9,12 +9,11 @@
 #include <optional>
 #include <span>
 
-#include "engrave/galvo/web_speed.h"
-#include "engrave/io/crc32.h"
 #include "engrave/mark/mark_file.h"
 #include "services/client/proof/proof_figures.h"
 #include "services/job/marks/job_marks.h"
 #include "services/job/marks/mark_times.h"
+#include "services/job/marks/web_run.h"
 
 namespace intaglio::client {
 namespace {
@@ -137,9 +136,9 @@ void AddMarkedSpeed(const MarkEvidence& evidence, MarkWebReport& web) {
 
 void AddWeb(const MarkEvidence& evidence, MarkWebReport& web) {
   web.set_asked_mm_s(evidence.job.job().marks().web().speed_mm_s());
-  const HeadFigures head = HeadFiguresOf(evidence.job.machine());
-  const auto largest = galvo::MaxSpeed(TimedMarksOf(evidence.marks, head), head.field_mm);
-  if (largest) web.set_largest_mm_s(*largest);
+  if (const auto run =
+          WebRunOf(evidence.job.job(), evidence.job.machine(), evidence.marks))
+    web.set_largest_mm_s(run->max_mm_s);
   Box3 box;
   for (const mark::Mark& mark : evidence.marks.marks)
     for (const mark::Place& place : mark.places)

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "engrave/render/png_file.h"
 #include "services/client/figure_text.h"
@@ -20,7 +21,8 @@ using render::Figure;
 using render::Tone;
 
 constexpr double kPictureChordMm = 0.005;
-constexpr double kShownFields = 3;  // a web of a thousand repeats is a thin line
+constexpr std::size_t kCandidates = 10'000;  // for close-ups
+constexpr double kShownFields = 3;           // a web of a thousand repeats is a thin line
 
 Tone GoodWhen(bool good) { return good ? Tone::kGood : Tone::kBad; }
 
@@ -86,9 +88,34 @@ std::vector<std::string> CloseUpLines(const MarkEvidence& evidence, std::size_t 
   return lines;
 }
 
+/// What is wrong first; then the largest error of each item, for lines of one item look
+/// alike.
+std::vector<std::size_t> CloseUpMarks(const MarkEvidence& evidence, double tolerance_um) {
+  const auto gravest = GravestMarks(evidence, kCandidates);
+  std::vector<std::size_t> chosen;
+  std::set<std::uint32_t> items;
+  const auto choose = [&](const auto& is_wanted) {
+    for (const std::size_t place : gravest) {
+      if (chosen.size() == render::kMaxCloseUps) return;
+      if (std::ranges::find(chosen, place) != chosen.end() || !is_wanted(place)) continue;
+      chosen.push_back(place);
+      items.insert(evidence.marks.marks[place].pen);
+    }
+  };
+  choose([&](std::size_t place) {
+    return !evidence.account.marks[place].is_right() ||
+           LargestErrorUm(evidence.compared.marks[place]) > tolerance_um;
+  });
+  choose([&](std::size_t place) {
+    return !items.contains(evidence.marks.marks[place].pen);
+  });
+  choose([](std::size_t) { return true; });
+  return chosen;
+}
+
 void AddCloseUps(const MarkEvidence& evidence, render::MarkViews& views) {
   if (!evidence.has_material) return;
-  for (const std::size_t place : GravestMarks(evidence, render::kMaxCloseUps)) {
+  for (const std::size_t place : CloseUpMarks(evidence, views.tolerance_um)) {
     render::CloseUp close_up;
     close_up.title = fmt::format("Mark {}", place + 1);
     close_up.lines = CloseUpLines(evidence, place);
