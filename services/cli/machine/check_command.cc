@@ -18,8 +18,8 @@
 #include "services/client/machine/device_comparison.h"
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
-#include "services/job/machine/head_warnings.h"
 #include "services/job/job_file.h"
+#include "services/job/machine/head_warnings.h"
 #include "services/platform/command_line/supplied_files.h"
 
 namespace intaglio::cli {

@@ -199,7 +199,7 @@ TEST(WebFollower, TracksACoarseEncoderAndSeesAhead) {
             "follower: alpha is 0; give more than 0 and up to 1");
 }
 
-TEST(MarkTicks, AreAsManyAsTheirCountSays) {
+TEST(MarkTicks, AreAsManyAsTheyAreCounted) {
   const std::vector strokes = {Square(), Circle(0.3),
                                MarkStroke{{{0, 0}, {0.001, 0}}, false},
                                MarkStroke{{{9, 9}, {-9, 9}, {-9, -9}}, false}, Square()};

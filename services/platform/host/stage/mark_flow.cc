@@ -53,7 +53,7 @@ void MarkIntake::Close() {
 // What has come was sent under the credit of earlier turns: more is granted afterwards.
 Result<bool> MarkIntake::Poll() {
   Status status;
-  const std::uint64_t expected_before = expected_;
+  const auto before = std::pair(part_attempt_, expected_);
   reader_.Take([&](const intaglio_MarkBatch& batch) {
     if (!open_ || complete_ || !status) return;
     if (bus::View(batch.job_uid) != job_uid_ || batch.attempt != attempt_) return;
@@ -67,7 +67,7 @@ Result<bool> MarkIntake::Poll() {
     return tl::unexpected(status.error());
   }
   if (!open_) return false;
-  if (expected_ != expected_before) {
+  if (std::pair(part_attempt_, expected_) != before) {
     granted_ = expected_ + kMarkWindow;
     INTAGLIO_TRY(credit_.Consumed(StreamOf(part_attempt_), expected_, complete_));
   }

@@ -78,9 +78,9 @@ TEST(WebRun, WithoutASpeedTheLargestIsChosenAndReported) {
   const std::string before = "all marks are made up to ";
   const std::size_t at = text.find(before);
   ASSERT_NE(at, std::string::npos) << text;
-  const double said_mm_s = std::stod(text.substr(at + before.size()));
-  EXPECT_NEAR(said_mm_s, LargestSpeed(), 0.1);
-  EXPECT_TRUE(Ordered(CodesOnAWeb(fmt::format("speed_mm_s: {}", said_mm_s)), warnings));
+  const double shown_mm_s = std::stod(text.substr(at + before.size()));
+  EXPECT_NEAR(shown_mm_s, LargestSpeed(), 0.1);
+  EXPECT_TRUE(Ordered(CodesOnAWeb(fmt::format("speed_mm_s: {}", shown_mm_s)), warnings));
   EXPECT_THAT(text, HasSubstr("repeats a minute"));
 }
 

@@ -172,7 +172,7 @@ TEST_F(MarkFlowTest, WhatContradictsItselfIsRefusedByItsField) {
     const char* what;
     std::function<void(intaglio_MarkBatch&)> spoil;
     ErrorCode code;
-    const char* says;
+    const char* message;
   };
   const std::vector<double> one = {1}, three = {1, 2, 3},
                             nan = {std::numeric_limits<double>::quiet_NaN(), 1};
@@ -233,7 +233,7 @@ TEST_F(MarkFlowTest, WhatContradictsItselfIsRefusedByItsField) {
     const auto taken = PollUntilDecided();
     ASSERT_FALSE(taken) << c.what;
     EXPECT_EQ(taken.error().code, c.code) << c.what;
-    EXPECT_THAT(taken.error().message, HasSubstr(c.says)) << c.what;
+    EXPECT_THAT(taken.error().message, HasSubstr(c.message)) << c.what;
   }
   OpenFor("right");
   ASSERT_TRUE(writer.Write(OneMarkBatch("right").batch));
@@ -315,6 +315,7 @@ TEST_F(MarkFlowTest, ALaterSenderBeginsAnewAndAnEarlierOneIsDropped) {
     book.Poll();
     return book.Find(stream).consumed > 0;
   }));
+  // It begins with as many batches as have come of the first one.
   second.Begin("j", 1, 1, set, Clock::now());
   Result<bool> sent = false, taken = false;
   ASSERT_TRUE(Eventually(
