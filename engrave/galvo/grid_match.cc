@@ -8,9 +8,12 @@
 #include <cmath>
 #include <deque>
 #include <map>
+#include <numeric>
 #include <optional>
+#include <utility>
 
 #include "engrave/core/try.h"
+#include "engrave/galvo/calibration_grid.h"
 
 namespace intaglio::galvo {
 namespace {
@@ -18,6 +21,10 @@ namespace {
 constexpr double kReach = 0.25;  // of the pitch, around where a neighbour is expected
 // Of the pitch, around the first neighbours: a turn of 20 degrees moves them by 0.35.
 constexpr double kFirstReach = 0.4;
+// Of the pitch, around where the disc that shows the direction may be.
+constexpr double kDirectionReach = 0.12;
+// Marks in the middle that are tried as the first node: one may be dust.
+constexpr std::size_t kFirstMarks = 8;
 
 using Node = std::pair<int, int>;
 
@@ -122,8 +129,9 @@ class Grower {
   std::map<Node, std::size_t> nodes_;
 };
 
-/// Turns the measured places back by the angle against their commands, by least squares.
-void TurnUpright(std::vector<GridMark>& marks) {
+/// Turns the measured places back by the angle against their commands, by least squares,
+/// and what is no node with them.
+void TurnUpright(std::vector<GridMark>& marks, std::vector<Vec2>& others_mm) {
   double across = 0, along = 0;
   for (const GridMark& mark : marks) {
     const Vec2 &c = mark.command_mm, &m = mark.measured_mm;
@@ -132,18 +140,67 @@ void TurnUpright(std::vector<GridMark>& marks) {
   }
   const Eigen::Rotation2Dd back(-std::atan2(across, along));
   for (GridMark& mark : marks) mark.measured_mm = back * mark.measured_mm;
+  for (Vec2& other_mm : others_mm) other_mm = back * other_mm;
 }
 
-Status CheckGridNumbers(std::span<const Vec2> measured_mm, int nodes, double pitch_mm) {
-  if (nodes < 5 || nodes > 65 || nodes % 2 == 0) {
-    return Fail(
-        ErrorCode::kInvalidValue,
-        fmt::format("a grid of {} nodes a side; give an odd number of 5..65", nodes),
-        fmt::format("{}", nodes));
+Vec2 TurnedByQuarters(const Vec2& v, int quarters) {
+  switch ((quarters % 4 + 4) % 4) {
+    case 1:
+      return {-v.y(), v.x()};
+    case 2:
+      return -v;
+    case 3:
+      return {v.y(), -v.x()};
+    default:
+      return v;
   }
-  if (!(pitch_mm > 0) || !std::isfinite(pitch_mm))
+}
+
+/// One of the eight ways in which a piece may lie.
+struct Lay {
+  int quarters = 0;
+  bool mirrored = false;
+};
+
+/// By the mark between the nodes that is nearest to where one of them has the disc.
+std::optional<Lay> LayOf(const std::vector<Vec2>& others_mm, double pitch_mm) {
+  std::optional<Lay> lay;
+  double nearest_mm = kDirectionReach * pitch_mm;
+  for (const bool mirrored : {false, true}) {
+    const Vec2 disc_mm = DirectionDisc(pitch_mm);
+    const Vec2 seen_mm = mirrored ? Vec2(-disc_mm.x(), disc_mm.y()) : disc_mm;
+    for (int quarters = 0; quarters < 4; ++quarters) {
+      for (const Vec2& other_mm : others_mm) {
+        const double away_mm = (other_mm - TurnedByQuarters(seen_mm, quarters)).norm();
+        if (away_mm >= nearest_mm) continue;
+        nearest_mm = away_mm;
+        lay = Lay{quarters, mirrored};
+      }
+    }
+  }
+  return lay;
+}
+
+/// Turns marks back by whole quarters.
+Status TurnByDirection(std::vector<Vec2>& others_mm, double pitch_mm, GridMatch& match) {
+  TurnUpright(match.marks, others_mm);
+  const auto lay = LayOf(others_mm, pitch_mm);
+  if (!lay) return {};
+  if (lay->mirrored) {
     return Fail(ErrorCode::kInvalidValue,
-                fmt::format("a pitch of {} mm; give more than 0", pitch_mm));
+                "the marks are a mirror image of the grid; measure from the side that "
+                "the beam came from, or mirror the picture");
+  }
+  match.quarter_turns = lay->quarters;
+  --match.left_out_count;
+  for (GridMark& mark : match.marks) {
+    mark.command_mm = TurnedByQuarters(mark.command_mm, -lay->quarters);
+    mark.measured_mm = TurnedByQuarters(mark.measured_mm, -lay->quarters);
+  }
+  return {};
+}
+
+Status CheckMeasured(std::span<const Vec2> measured_mm, double pitch_mm) {
   if (measured_mm.empty())
     return Fail(ErrorCode::kMissing, "no mark was measured; check the measurement");
   for (const Vec2& mark : measured_mm) {
@@ -154,47 +211,84 @@ Status CheckGridNumbers(std::span<const Vec2> measured_mm, int nodes, double pit
   return {};
 }
 
-}  // namespace
+/// Nodes that are connected, by column and row from the lowest.
+struct Connected {
+  std::map<Node, std::size_t> marks;
+  int columns = 0, rows = 0;
+};
 
-Result<GridMatch> MatchGrid(std::span<const Vec2> measured_mm, int nodes,
-                            double pitch_mm) {
-  INTAGLIO_TRY(CheckGridNumbers(measured_mm, nodes, pitch_mm));
-  Vec2 low = measured_mm[0], high = low;
-  for (const Vec2& mark : measured_mm)
-    low = low.cwiseMin(mark), high = high.cwiseMax(mark);
-  const Vec2 middle_mm = (low + high) / 2;
-  const auto first = std::min_element(
-      measured_mm.begin(), measured_mm.end(), [&](const Vec2& a, const Vec2& b) {
-        return (a - middle_mm).norm() < (b - middle_mm).norm();
-      });
-  const auto found = Grower(measured_mm, pitch_mm)
-                         .From(static_cast<std::size_t>(first - measured_mm.begin()));
+Connected ConnectedFrom(Grower& grower, std::size_t first) {
+  const auto found = grower.From(first);
   Node min{0, 0}, max{0, 0};
   for (const auto& [node, mark] : found) {
     min = {std::min(min.first, node.first), std::min(min.second, node.second)};
     max = {std::max(max.first, node.first), std::max(max.second, node.second)};
   }
-  const int columns = max.first - min.first + 1, rows = max.second - min.second + 1;
-  if (columns != nodes || rows != nodes) {
+  Connected connected{{}, max.first - min.first + 1, max.second - min.second + 1};
+  for (const auto& [node, mark] : found)
+    connected.marks[{node.first - min.first, node.second - min.second}] = mark;
+  return connected;
+}
+
+/// From each of the marks that are nearest to the middle, until one has the whole grid;
+/// else what is connected to the nearest.
+Connected ConnectMarks(std::span<const Vec2> measured_mm, const Vec2& middle_mm,
+                       int nodes, double pitch_mm) {
+  std::vector<std::size_t> nearest(measured_mm.size());
+  std::iota(nearest.begin(), nearest.end(), std::size_t{0});
+  const std::size_t tried = std::min(kFirstMarks, nearest.size());
+  std::partial_sort(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(tried),
+                    nearest.end(), [&](std::size_t a, std::size_t b) {
+                      return (measured_mm[a] - middle_mm).norm() <
+                             (measured_mm[b] - middle_mm).norm();
+                    });
+  Grower grower(measured_mm, pitch_mm);
+  Connected most;
+  for (std::size_t i = 0; i < tried; ++i) {
+    Connected connected = ConnectedFrom(grower, nearest[i]);
+    if (connected.columns == nodes && connected.rows == nodes) return connected;
+    if (connected.marks.size() > most.marks.size()) most = std::move(connected);
+  }
+  return most;
+}
+
+}  // namespace
+
+Result<GridMatch> MatchGrid(std::span<const Vec2> measured_mm, int nodes,
+                            double pitch_mm) {
+  INTAGLIO_TRY(CheckCalibrationGrid(nodes, pitch_mm));
+  INTAGLIO_TRY(CheckMeasured(measured_mm, pitch_mm));
+  Vec2 low = measured_mm[0], high = low;
+  for (const Vec2& mark : measured_mm)
+    low = low.cwiseMin(mark), high = high.cwiseMax(mark);
+  const Vec2 middle_mm = (low + high) / 2;
+  const Connected found = ConnectMarks(measured_mm, middle_mm, nodes, pitch_mm);
+  if (found.columns != nodes || found.rows != nodes) {
     return Fail(ErrorCode::kInvalidValue,
                 fmt::format("{} columns and {} rows of marks are connected, {} are "
                             "expected; check nodes, pitch and the scale of the picture",
-                            columns, rows, nodes),
-                fmt::format("{} x {}", columns, rows));
+                            found.columns, found.rows, nodes),
+                fmt::format("{} x {}", found.columns, found.rows));
   }
   const int half = (nodes - 1) / 2;
   GridMatch match;
-  match.left_out_count = measured_mm.size() - found.size();
+  match.left_out_count = measured_mm.size() - found.marks.size();
   match.not_found_count =
-      static_cast<std::size_t>(nodes) * static_cast<std::size_t>(nodes) - found.size();
-  const auto centre = found.find({min.first + half, min.second + half});
-  const Vec2 origin_mm = centre == found.end() ? middle_mm : measured_mm[centre->second];
-  for (const auto& [node, mark] : found) {
-    match.marks.push_back(
-        {pitch_mm * Vec2(node.first - min.first - half, node.second - min.second - half),
-         measured_mm[mark] - origin_mm});
+      static_cast<std::size_t>(nodes) * static_cast<std::size_t>(nodes) -
+      found.marks.size();
+  const auto centre = found.marks.find({half, half});
+  const Vec2 origin_mm =
+      centre == found.marks.end() ? middle_mm : measured_mm[centre->second];
+  std::vector<bool> is_node(measured_mm.size(), false);
+  for (const auto& [node, mark] : found.marks) {
+    match.marks.push_back({pitch_mm * Vec2(node.first - half, node.second - half),
+                           measured_mm[mark] - origin_mm});
+    is_node[mark] = true;
   }
-  TurnUpright(match.marks);
+  std::vector<Vec2> others_mm;
+  for (std::size_t i = 0; i < measured_mm.size(); ++i)
+    if (!is_node[i]) others_mm.push_back(measured_mm[i] - origin_mm);
+  INTAGLIO_TRY(TurnByDirection(others_mm, pitch_mm, match));
   return match;
 }
 

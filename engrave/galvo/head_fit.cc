@@ -321,17 +321,33 @@ Result<HeadFit> FitHead(std::span<const GridMark> marks, const HeadFitOptions& o
   return fit;
 }
 
+namespace {
+
+std::optional<CorrectionTable> SurfaceOf(const HeadFit& fit) {
+  if (fit.surface_cells == 0) return std::nullopt;
+  return CorrectionTable::Make(fit.surface, Interpolation::kSpline).value();
+}
+
+Vec2 ArrivalBy(const HeadFit& fit, const std::optional<CorrectionTable>& surface,
+               const Vec2& command_mm) {
+  const Vec2 by_model_mm = fit.model.Arrive(command_mm);
+  return surface ? Vec2(by_model_mm + surface->At(command_mm)) : by_model_mm;
+}
+
+}  // namespace
+
+Vec2 ArrivalOf(const HeadFit& fit, const Vec2& command_mm) {
+  return ArrivalBy(fit, SurfaceOf(fit), command_mm);
+}
+
 FieldGrid DeviationsOf(const HeadFit& fit, double width_mm, int nodes) {
   FieldGrid grid = CentredGrid(width_mm, nodes);
-  std::optional<CorrectionTable> surface;
-  if (fit.surface_cells > 0)
-    surface = CorrectionTable::Make(fit.surface, Interpolation::kSpline).value();
+  const auto surface = SurfaceOf(fit);
   for (int j = 0; j < nodes; ++j) {
     for (int i = 0; i < nodes; ++i) {
       const Vec2 command_mm = grid.PlaceOf(i, j);
-      Vec2 by_mm = fit.model.Arrive(command_mm) - command_mm;
-      if (surface) by_mm += surface->At(command_mm);
-      grid.values_mm[grid.IndexOf(i, j)] = by_mm;
+      grid.values_mm[grid.IndexOf(i, j)] =
+          ArrivalBy(fit, surface, command_mm) - command_mm;
     }
   }
   return grid;

@@ -49,6 +49,9 @@ struct HeadFitOptions {
 /// or outside the field, or marks that do not determine the numbers.
 Result<HeadFit> FitHead(std::span<const GridMark> marks, const HeadFitOptions& options);
 
+/// Where a command arrives, by model and surface: in the measured frame, mm.
+Vec2 ArrivalOf(const HeadFit& fit, const Vec2& command_mm);
+
 /// Where a command arrives, minus the command: model and surface at the nodes of a grid
 /// over the field, for CorrectionTable (spline).
 FieldGrid DeviationsOf(const HeadFit& fit, double width_mm, int nodes);

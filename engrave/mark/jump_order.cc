@@ -216,7 +216,9 @@ void BeginNearest(std::vector<Mark>& marks, const Vec2& start_mm) {
                               : 0;
         return (p.at_mm - from).norm() + on;
       };
-      std::ranges::rotate(mark.places, std::ranges::min_element(mark.places, {}, way));
+      // Not std::ranges::rotate: clang 14, which builds the fuzz targets, cannot.
+      std::rotate(mark.places.begin(), std::ranges::min_element(mark.places, {}, way),
+                  mark.places.end());
     }
     from = mark.closed ? mark.places.front().at_mm : mark.places.back().at_mm;
   }

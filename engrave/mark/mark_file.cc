@@ -67,6 +67,11 @@ class Reader {
     bytes_ = bytes_.subspan(size);
     return text;
   }
+  /// 0 or 1; with anything else it has failed.
+  bool TakeFlag() {
+    const auto flag = Take<std::uint32_t>();
+    return flag <= 1 ? flag == 1 : Fails();
+  }
   /// There can be `count` things of `size` bytes; else it has failed.
   bool HasRoom(std::uint64_t count, std::size_t size) {
     return Has(0) && (count <= bytes_.size() / size || Fails());
@@ -100,7 +105,7 @@ Pen TakePen(Reader& reader) {
 Mark TakeMark(Reader& reader) {
   Mark mark;
   mark.pen = reader.Take<std::uint32_t>();
-  mark.closed = reader.Take<std::uint32_t>() != 0;
+  mark.closed = reader.TakeFlag();
   mark.web_mm = reader.Take<double>();
   const auto count = reader.Take<std::uint32_t>();
   if (!reader.HasRoom(count, kPlaceBytes)) return mark;
@@ -149,7 +154,7 @@ Result<MarkSet> DecodeMarks(std::span<const std::byte> bytes) {
     for (std::uint64_t i = 0; i < marks && reader.good(); ++i)
       set.marks.push_back(TakeMark(reader));
   }
-  if (!reader.at_end()) return Unreadable("its lengths contradict each other");
+  if (!reader.at_end()) return Unreadable("has a length or a flag that is not possible");
   if (const Status good = CheckMarks(set); !good) return Unreadable(good.error().message);
   return set;
 }

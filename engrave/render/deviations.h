@@ -1,7 +1,8 @@
 #pragma once
 
 // A picture of marks that lie beside their places: an arrow from each place, many times
-// longer than the deviation. Seen from above, x to the right, y up.
+// longer than the deviation, the longest in red. Seen from above, x to the right, y up.
+// One or more panels side by side, each with a scale of its own and a bar that shows it.
 
 #include <string>
 #include <vector>
@@ -16,9 +17,9 @@ struct Deviation {
   Vec2 by_mm = Vec2::Zero();
 };
 
-struct DeviationsCaption {
+struct DeviationPanel {
   std::string title;
-  std::vector<std::string> figures;  ///< lines below the picture
+  std::vector<Deviation> deviations;
 };
 
 /// How much longer the arrows are than the deviations: a round number (1, 2 or 5 times a
@@ -26,7 +27,8 @@ struct DeviationsCaption {
 /// extent or less. 1 without deviations.
 double MagnificationOf(const std::vector<Deviation>& deviations);
 
-Canvas DrawDeviations(const std::vector<Deviation>& deviations,
-                      const DeviationsCaption& caption);
+/// `figures`: lines below the panels; what follows two blanks stands in a column.
+Canvas DrawDeviations(const std::vector<DeviationPanel>& panels,
+                      const std::vector<std::string>& figures);
 
 }  // namespace intaglio::render

@@ -30,15 +30,14 @@ Result<Ct5> ReadCt5(std::string_view bytes, std::string_view name) {
   }
   Ct5 file;
   std::size_t at = 0;
-  const auto next = [&bytes, &at] {
-    const auto value = LittleEndian<std::int32_t>(bytes, at);
-    at += 4;
-    return value;
+  const auto take = [&bytes, &at](std::span<std::int32_t> numbers) {
+    CopyLittleEndian(bytes, at, numbers);
+    at += numbers.size_bytes();
   };
-  for (std::int32_t& number : file.header) number = next();
+  take(file.header);
   for (auto& table : file.tables) {
     table.resize(kCt5Cells);
-    for (std::int32_t& node : table) node = next();
+    take(table);
   }
   const auto check = LittleEndian<std::uint32_t>(bytes, at);
   if (check != CheckOf(bytes.substr(0, at))) file.kept_check = check;
@@ -66,11 +65,11 @@ Result<Ct5> ReadCt5(std::string_view bytes, std::string_view name) {
 std::string WriteCt5(const Ct5& file) {
   std::string bytes;
   bytes.reserve(kCt5Bytes);
-  for (const std::int32_t number : file.header) AppendLittleEndian(number, bytes);
+  AppendLittleEndian(std::span<const std::int32_t>(file.header), bytes);
   for (const auto& table : file.tables) {
     Require(table.size() == kCt5Cells, "a .ct5 table of {} nodes, not {}", table.size(),
             kCt5Cells);
-    for (const std::int32_t node : table) AppendLittleEndian(node, bytes);
+    AppendLittleEndian(std::span<const std::int32_t>(table), bytes);
   }
   AppendLittleEndian(file.kept_check.value_or(CheckOf(bytes)), bytes);
   return bytes;

@@ -4,6 +4,7 @@
 
 #include "engrave/core/try.h"
 #include "services/cli/course/course_job.h"
+#include "services/cli/flags/size_limits_flag.h"
 #include "services/client/warning_text.h"
 
 namespace intaglio::cli {
@@ -13,10 +14,21 @@ constexpr double kAnyFeedMmS = 1;  // strokes have no speed of their own
 
 }  // namespace
 
-Result<std::vector<galvo::MarkStroke>> ReadMarkStrokes(const std::string& file,
-                                                       double size_limits) {
+void AddDrawingOptions(command_line::Command command, DrawingOptions& options) {
+  command.AddOption("FILE", options.file, "drawing: .dxf, .svg, .hpgl or .plt").Require();
+  command.AddOption("--mark-speed", options.mark_mm_s, "mm/s with the laser on")
+      .Within(0.1, 1e5)
+      .ShowDefault();
+  command.AddOption("--jump-speed", options.jump_mm_s, "mm/s with the laser off")
+      .Within(0.1, 1e6)
+      .ShowDefault();
+  AddSizeLimitsFlag(command, options.size_limits);
+}
+
+Result<std::vector<galvo::MarkStroke>> ReadMarkStrokes(const DrawingOptions& options) {
   Warnings warnings;
-  const auto paths = INTAGLIO_TRY(ReadContours(file, kAnyFeedMmS, size_limits, warnings));
+  const auto paths = INTAGLIO_TRY(
+      ReadContours(options.file, kAnyFeedMmS, options.size_limits, warnings));
   for (const Warning& warning : warnings)
     std::cerr << client::WarningLine(warning) << "\n";
   std::vector<galvo::MarkStroke> strokes;
@@ -32,7 +44,8 @@ Result<std::vector<galvo::MarkStroke>> ReadMarkStrokes(const std::string& file,
     strokes.push_back(std::move(stroke));
   }
   if (strokes.empty())
-    return Fail(ErrorCode::kMissing, file + ": has no contour to mark; draw one", file);
+    return Fail(ErrorCode::kMissing, options.file + ": has no contour to mark; draw one",
+                options.file);
   const Vec2 middle_mm = box.center_mm().head<2>();
   for (galvo::MarkStroke& stroke : strokes)
     for (Vec2& point_mm : stroke.points_mm) point_mm -= middle_mm;

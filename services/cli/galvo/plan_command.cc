@@ -17,7 +17,6 @@
 #include "engrave/render/png_file.h"
 #include "engrave/render/web/web_picture.h"
 #include "services/cli/complain.h"
-#include "services/cli/flags/size_limits_flag.h"
 #include "services/cli/galvo/drawing_strokes.h"
 #include "services/cli/galvo/galvo_command.h"
 #include "services/client/exit_codes.h"
@@ -28,11 +27,11 @@ namespace {
 constexpr std::size_t kMaxMarks = 50'000;  // a look-ahead of some seconds
 
 struct WebPlanOptions {
-  std::string file, csv, picture;
-  double field_mm = 0, mark_mm_s = 1000, jump_mm_s = 5000, delay_ms = 0.6;
+  DrawingOptions drawing;
+  std::string csv, picture;
+  double field_mm = 0, delay_ms = 0.6;
   std::optional<double> pitch_mm, web_mm_s;
   std::uint32_t repeats = 1;
-  double size_limits = 1;
 };
 
 struct WebContent {
@@ -52,22 +51,23 @@ Result<galvo::WebMark> MarkOf(const galvo::MarkStroke& stroke, std::size_t numbe
         fmt::format("{}: contour {} is {:.4g} mm long and lies in y {:.4g}..{:.4g} "
                     "mm from the middle; the field is {:.4g} mm: divide it, or use "
                     "a larger field",
-                    options.file, number + 1, box.size_mm().x(), low.y(), high.y(),
-                    options.field_mm));
+                    options.drawing.file, number + 1, box.size_mm().x(), low.y(),
+                    high.y(), options.field_mm));
   }
   return galvo::WebMark{
       {-box.center_mm().x(), box.center_mm().y()},
       box.size_mm().x(),
-      LengthOfStroke(stroke) / options.mark_mm_s + options.delay_ms / 1000};
+      LengthOfStroke(stroke) / options.drawing.mark_mm_s + options.delay_ms / 1000};
 }
 
 Result<WebContent> ReadContent(const WebPlanOptions& options) {
-  const auto once = INTAGLIO_TRY(ReadMarkStrokes(options.file, options.size_limits));
+  const auto once = INTAGLIO_TRY(ReadMarkStrokes(options.drawing));
   if (once.size() * options.repeats > kMaxMarks) {
-    return Fail(ErrorCode::kTooLarge,
-                fmt::format("{}: {} contours {} times are more than {} marks; plan fewer "
-                            "repeats",
-                            options.file, once.size(), options.repeats, kMaxMarks));
+    return Fail(
+        ErrorCode::kTooLarge,
+        fmt::format("{}: {} contours {} times are more than {} marks; plan fewer "
+                    "repeats",
+                    options.drawing.file, once.size(), options.repeats, kMaxMarks));
   }
   if (options.repeats > 1 && !options.pitch_mm)
     return Fail(ErrorCode::kMissing, "--repeats: needs --pitch, the way of a repeat, mm");
@@ -120,11 +120,12 @@ Status WriteOrder(const std::string& file, const WebContent& content,
 Status DrawPlan(const WebPlanOptions& options, const WebContent& content,
                 const galvo::WebOrder& order, std::vector<bool> missed,
                 const std::vector<std::string>& figures) {
-  render::WebPicture picture{{},
-                             std::move(missed),
-                             options.field_mm,
-                             std::filesystem::path(options.file).filename().string(),
-                             figures};
+  render::WebPicture picture{
+      {},
+      std::move(missed),
+      options.field_mm,
+      std::filesystem::path(options.drawing.file).filename().string(),
+      figures};
   for (const std::size_t mark : order.order)
     picture.marks_mm.push_back(OutlineOf(content.strokes[mark]));
   return render::WritePng(options.picture, render::DrawWeb(picture));
@@ -133,7 +134,7 @@ Status DrawPlan(const WebPlanOptions& options, const WebContent& content,
 /// Whether all marks are made at the speed of the web, if one is given.
 Result<bool> PlanWeb(const WebPlanOptions& options) {
   const WebContent content = INTAGLIO_TRY(ReadContent(options));
-  const galvo::WebHead head{options.field_mm, options.jump_mm_s};
+  const galvo::WebHead head{options.field_mm, options.drawing.jump_mm_s};
   const auto arrival = INTAGLIO_TRY(galvo::ArrivalOrder(content.marks, head));
   const auto fastest = INTAGLIO_TRY(galvo::FastestOrder(content.marks, head));
   std::vector<std::string> figures =
@@ -169,16 +170,10 @@ void AddGalvoPlanCommand(command_line::Command galvo) {
   auto o = std::make_shared<WebPlanOptions>();
   command_line::Command plan =
       galvo.AddCommand("plan", "how fast a web may run, and the order of its marks");
-  plan.AddOption("FILE", o->file, "drawing: .dxf, .svg, .hpgl or .plt").Require();
+  AddDrawingOptions(plan, o->drawing);
   plan.AddOption("--field", o->field_mm, "width of the square field, mm")
       .Within(1.0, 2000.0)
       .Require();
-  plan.AddOption("--mark-speed", o->mark_mm_s, "mm/s with the laser on")
-      .Within(0.1, 1e5)
-      .ShowDefault();
-  plan.AddOption("--jump-speed", o->jump_mm_s, "mm/s with the laser off")
-      .Within(0.1, 1e6)
-      .ShowDefault();
   plan.AddOption("--delay", o->delay_ms, "ms of delays and run-in of each mark")
       .Within(0.0, 1000.0)
       .ShowDefault();
@@ -188,7 +183,6 @@ void AddGalvoPlanCommand(command_line::Command galvo) {
       .Positive();
   plan.AddOption("--csv", o->csv, "the order, one row for each mark");
   plan.AddOption("--picture", o->picture, "PNG: the marks in their order");
-  AddSizeLimitsFlag(plan, o->size_limits);
   plan.SetFooter(
       "Example: intaglio galvo plan label.svg --field 20 --repeats 10 --pitch 30\n"
       "The web moves along +x of the drawing: what is at the right arrives first.\n"

@@ -13,7 +13,6 @@
 #include "engrave/galvo/files/xy2_100.h"
 #include "engrave/io/atomic_file.h"
 #include "services/cli/complain.h"
-#include "services/cli/flags/size_limits_flag.h"
 #include "services/cli/galvo/correction_source.h"
 #include "services/cli/galvo/drawing_strokes.h"
 #include "services/cli/galvo/galvo_command.h"
@@ -23,18 +22,18 @@ namespace intaglio::cli {
 namespace {
 
 struct TicksOptions {
-  std::string file, table, csv, xy2;
+  DrawingOptions drawing;
+  std::string table, csv, xy2;
   std::optional<double> field_mm, table_bits;
-  double mark_mm_s = 1000, jump_mm_s = 5000, run_in_ms = 0, lag_ms = 0;
+  double run_in_ms = 0, lag_ms = 0;
   double laser_on_us = 0, laser_off_us = 0, jump_us = 0, mark_us = 0, polygon_us = 0;
   bool lead = false;
-  double size_limits = 1;
 };
 
 galvo::MarkTickOptions TickOptionsOf(const TicksOptions& o) {
   galvo::MarkTickOptions ticks;
-  ticks.mark_mm_s = o.mark_mm_s;
-  ticks.jump_mm_s = o.jump_mm_s;
+  ticks.mark_mm_s = o.drawing.mark_mm_s;
+  ticks.jump_mm_s = o.drawing.jump_mm_s;
   ticks.run_in_s = o.run_in_ms / 1e3;
   ticks.lag_s = o.lag_ms / 1e3;
   ticks.lead_servo = o.lead;
@@ -65,7 +64,7 @@ Status WriteOutputs(const std::string& file,
 }
 
 Status MakeTicks(const TicksOptions& options) {
-  const auto strokes = INTAGLIO_TRY(ReadMarkStrokes(options.file, options.size_limits));
+  const auto strokes = INTAGLIO_TRY(ReadMarkStrokes(options.drawing));
   std::optional<CorrectionSource> table;
   if (!options.table.empty())
     table = INTAGLIO_TRY(ReadCorrection(options.table, options.table_bits));
@@ -80,10 +79,11 @@ Status MakeTicks(const TicksOptions& options) {
     lit += tick.laser;
   }
   if (maker.lit_outside_count() > 0) {
-    return Fail(ErrorCode::kOutsideBlock,
-                fmt::format("{}: {} of {} lit ticks are outside the field of {:.6g} mm; "
-                            "make the drawing smaller",
-                            options.file, maker.lit_outside_count(), lit, field_mm));
+    return Fail(
+        ErrorCode::kOutsideBlock,
+        fmt::format("{}: {} of {} lit ticks are outside the field of {:.6g} mm; "
+                    "make the drawing smaller",
+                    options.drawing.file, maker.lit_outside_count(), lit, field_mm));
   }
   std::cout << fmt::format(
       "strokes       {}\nticks         {} of 10 us, {} with the laser\n"
@@ -119,7 +119,7 @@ void AddGalvoTicksCommand(command_line::Command galvo) {
   auto o = std::make_shared<TicksOptions>();
   command_line::Command ticks =
       galvo.AddCommand("ticks", "the outputs of a head for a drawing, 100 kHz");
-  ticks.AddOption("FILE", o->file, "drawing: .dxf, .svg, .hpgl or .plt").Require();
+  AddDrawingOptions(ticks, o->drawing);
   ticks
       .AddOption("--field", o->field_mm,
                  "full scale of the outputs, mm; default that of a --table .ct5")
@@ -127,12 +127,6 @@ void AddGalvoTicksCommand(command_line::Command galvo) {
   ticks.AddOption("--table", o->table, "correction: .ct5, .ctb, .cor");
   ticks.AddOption("--table-bits", o->table_bits, "bit/mm of a .ctb file")
       .Within(0.1, 65536.0);
-  ticks.AddOption("--mark-speed", o->mark_mm_s, "mm/s with the laser on")
-      .Within(0.1, 1e5)
-      .ShowDefault();
-  ticks.AddOption("--jump-speed", o->jump_mm_s, "mm/s with the laser off")
-      .Within(0.1, 1e6)
-      .ShowDefault();
   ticks.AddOption("--run-in", o->run_in_ms, "ms at speed before and behind a stroke")
       .Within(0.0, 100.0)
       .ShowDefault();
@@ -142,7 +136,6 @@ void AddGalvoTicksCommand(command_line::Command galvo) {
   AddDelays(ticks, *o);
   ticks.AddOption("--csv", o->csv, "outputs: tick,x,y,laser");
   ticks.AddOption("--capture", o->xy2, "XY2-100 frames as a value change dump, .vcd");
-  AddSizeLimitsFlag(ticks, o->size_limits);
   ticks.SetFooter(
       "Example: intaglio galvo ticks part.svg --table new.ct5 --capture part.vcd\n"
       "Exit code: 0 good, 2 wrong input.");

@@ -66,9 +66,10 @@ Status WriteDeviations(const client::Measurement& measurement, const fs::path& f
         {measurement.marks[i].place_mm, measurement.fit.deviations_mm[i]});
   }
   return render::WritePng(
-      file, render::DrawDeviations(deviations, {measurement.report.machine() +
-                                                    ": marks against their places",
-                                                FigureLinesOf(measurement.report)}));
+      file,
+      render::DrawDeviations(
+          {{measurement.report.machine() + ": marks against their places", deviations}},
+          FigureLinesOf(measurement.report)));
 }
 
 int MeasurePattern(const MachineMeasureOptions& options) {

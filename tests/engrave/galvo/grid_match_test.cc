@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <random>
 
+#include "engrave/galvo/calibration_grid.h"
 #include "tests/engrave/galvo/traced_head.h"
 
 namespace intaglio::galvo {
@@ -65,6 +66,60 @@ TEST(GridMatch, FindsEachNodeOfADistortedAndTurnedGridAmongDustAndGaps) {
                 0.05);
     }
   }
+}
+
+/// As a grid with its disc of direction lies on a scanner.
+std::vector<Vec2> Laid(const WrongField& field, double turn_deg, bool mirrored,
+                       bool centre = true) {
+  const Eigen::Rotation2Dd turn(turn_deg / 57.29577951);
+  std::vector<Vec2> marks_mm;
+  std::vector<Vec2> commands_mm = CalibrationGrid(9, 12);
+  commands_mm.push_back(DirectionDisc(12));
+  for (const Vec2& command_mm : commands_mm) {
+    if (!centre && command_mm.norm() == 0) continue;
+    const Vec2 at_mm = field.Arrive(command_mm);
+    marks_mm.emplace_back(turn * Vec2(mirrored ? -at_mm.x() : at_mm.x(), at_mm.y()));
+  }
+  return marks_mm;
+}
+
+TEST(GridMatch, TurnsAPieceBackByTheDiscOfDirection) {
+  const WrongField field(100, .03, 20);
+  for (int quarters = 0; quarters < 4; ++quarters) {
+    for (const double askew_deg : {-12., 0., 12.}) {
+      const auto match = MatchGrid(Laid(field, 90 * quarters + askew_deg, false), 9, 12);
+      ASSERT_TRUE(match.has_value()) << match.error().message;
+      ASSERT_TRUE(match->quarter_turns.has_value());
+      EXPECT_EQ(*match->quarter_turns, quarters);
+      EXPECT_EQ(match->left_out_count, 0U);
+      for (const GridMark& mark : match->marks) {
+        // Turned by least squares: a shear of the head turns it by some mrad.
+        EXPECT_LT(
+            (field.Arrive(mark.command_mm) - field.Arrive({0, 0}) - mark.measured_mm)
+                .norm(),
+            0.05)
+            << quarters << " " << askew_deg << " " << mark.command_mm.transpose();
+      }
+    }
+  }
+}
+
+TEST(GridMatch, RefusesAMirrorImage) {
+  const WrongField field(100, .03, 20);
+  for (const double turn_deg : {0., 90., 180., 270.}) {
+    const auto match = MatchGrid(Laid(field, turn_deg, true), 9, 12);
+    ASSERT_FALSE(match.has_value());
+    EXPECT_TRUE(match.error().message.starts_with("the marks are a mirror image"));
+  }
+}
+
+// The mark nearest to the middle is then the disc of direction, which has no neighbours.
+TEST(GridMatch, DoesNotNeedTheMarkInTheMiddle) {
+  const WrongField field(100, .03, 20);
+  const auto match = MatchGrid(Laid(field, 180, false, false), 9, 12);
+  ASSERT_TRUE(match.has_value()) << match.error().message;
+  EXPECT_EQ(match->quarter_turns, 2);
+  EXPECT_EQ(match->not_found_count, 1U);
 }
 
 TEST(GridMatch, RefusesAGridOfAnotherSize) {

@@ -3,6 +3,10 @@
 // A scan head over a moving web, of the tests' own: outputs of 16 bits move two servos of
 // two equal poles each, whose beam is traced through mirrors and lens; what the laser
 // burns is kept where it is on the material. It shares no code with engrave/galvo.
+//
+// It is kept beside the head of services/virtual_engraver, which is part of the product:
+// the tests of engrave/ do without services, and head_physics_test compares the two, so
+// that a mistake in the optics of one does not go unseen.
 
 #include <array>
 #include <cstdint>

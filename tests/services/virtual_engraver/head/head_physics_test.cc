@@ -5,6 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
+
+#include "tests/engrave/galvo/traced_head.h"
 
 namespace intaglio::virtual_engraver {
 namespace {
@@ -38,6 +41,28 @@ TEST(HeadPhysics, TheLensPutsTheBeamAtTheHeightOfItsAngle) {
     EXPECT_NEAR(head.PlaceInField().norm(), height_mm, 1e-6);
     EXPECT_NEAR(head.PlaceInField().x() * std::sin(ay),
                 head.PlaceInField().y() * std::sin(ax) * std::cos(ay), 1e-9);
+  }
+}
+
+// The head by which tests of engrave/galvo judge corrections is another trace.
+TEST(HeadPhysics, AgreesWithTheTracedHead) {
+  HeadPhysicsOptions options;
+  options.servo_lag_s = 0;
+  options.half_angle_rad = 20 * std::numbers::pi / 180;
+  options.lens_ratio = 0.03;
+  HeadPhysics head(options);
+  const double focal_mm = 50 / options.half_angle_rad;
+  const double cubic_mm =
+      focal_mm * 0.03 / options.half_angle_rad / options.half_angle_rad;
+  for (int x = 0; x < 65536; x += 5003) {
+    for (int y = 0; y < 65536; y += 4001) {
+      head.PassTick(static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y),
+                    kTickSeconds);
+      const Vec2 traced_mm = galvo::TracedThroughLens(
+          (x - 32768.0) * 100 / 65536 / focal_mm, (y - 32768.0) * 100 / 65536 / focal_mm,
+          {focal_mm, 0, cubic_mm, 0});
+      EXPECT_LT((head.PlaceInField() - traced_mm).norm(), 1e-6) << x << " " << y;
+    }
   }
 }
 
