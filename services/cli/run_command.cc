@@ -35,6 +35,8 @@
 #include "services/client/proof_verdict.h"
 #include "services/client/service_set.h"
 #include "services/client/virtual_truth.h"
+#include "services/job/course/course_check.h"
+#include "services/job/job_check.h"
 #include "services/job/machine/mark_job_check.h"
 #include "services/job/options.h"
 
@@ -342,6 +344,8 @@ int RunJob(const RunOptions& given) {
   RunOptions options = given;
   auto job = BuildJobToEngrave(options.job);
   if (!job) return Complain(job.error(), client::kExitWrongInput);
+  if (const auto refused = RefuseCourse(job->job); !refused.empty())
+    return Complain(JoinErrors(refused), client::kExitWrongInput);
   if (options.materials_db.empty()) {
     options.materials_db = materials_db::DefaultDatabasePath().string();
   }

@@ -142,7 +142,8 @@ Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
     return Fail(
         ErrorCode::kUnsupported,
         fmt::format("{} has no virtual machine: of those that mark only scan heads "
-                    "have one; start it with --real-machine on its controller",
+                    "have one; start it with --real-machine on its controller. Without "
+                    "one, `intaglio contour JOB --page FILE` plays a job of contours",
                     machine_.name()),
         machine_.mark_line().protocol());
   }

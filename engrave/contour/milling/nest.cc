@@ -7,6 +7,7 @@
 #include <numeric>
 #include <optional>
 
+#include "engrave/contour/milling/nest_outlines.h"
 #include "engrave/contour/region/region_index.h"
 #include "engrave/core/try.h"
 
@@ -76,15 +77,6 @@ Edge TurnedEdge(Edge edge) {
   return edge;
 }
 
-EdgeBox BoxOfPart(const Region& part) {
-  EdgeBox box = BoxOfEdges(part.loops[0]);
-  for (const Edges& loop : part.loops) {
-    const EdgeBox next = BoxOfEdges(loop);
-    box = {box.min_mm.cwiseMin(next.min_mm), box.max_mm.cwiseMax(next.max_mm)};
-  }
-  return box;
-}
-
 Status CheckNest(std::span<const Region> parts, const NestOptions& options) {
   const auto is_length = [](double length) { return length >= 0 && length <= 1000; };
   if (!(options.sheet_mm.minCoeff() > 0) || !is_length(options.gap_mm) ||
@@ -114,7 +106,7 @@ class Nester {
       : parts_(parts), options_(options), preference_(preference) {
     // A gap belongs to the right and the upper side of each part, and of the sheet.
     room_ = options.sheet_mm + Vec2::Constant(options.gap_mm - 2 * options.margin_mm);
-    for (const Region& part : parts) boxes_.push_back(BoxOfPart(part));
+    for (const Region& part : parts) boxes_.push_back(BoxOfRegion(part));
   }
 
   Result<Nest> Run() {
@@ -124,17 +116,13 @@ class Nester {
       return SidesOf(a).maxCoeff() > SidesOf(b).maxCoeff();
     });
     nest_.parts.resize(parts_.size());
-    double used = 0;
     for (const std::uint32_t part : order) {
       if (!TryAll(part)) {
         skylines_.emplace_back(room_.x(), room_.y());
         if (!TryAll(part)) return TooLarge(part);
       }
-      used += AreaOf(parts_[part]);
     }
     nest_.sheet_count = static_cast<std::uint32_t>(skylines_.size());
-    if (nest_.sheet_count > 0)
-      nest_.use_percent = 100 * used / (nest_.sheet_count * options_.sheet_mm.prod());
     return std::move(nest_);
   }
 
@@ -164,7 +152,7 @@ class Nester {
     const EdgeBox& box = boxes_[part];
     const Vec2 corner = turned ? Vec2(-box.max_mm.y(), box.min_mm.x()) : box.min_mm;
     nest_.parts[part] = {part, sheet, place + Vec2::Constant(options_.margin_mm) - corner,
-                         turned};
+                         turned ? 1 : 0};
     return true;
   }
 
@@ -191,6 +179,23 @@ class Nester {
   Nest nest_;
 };
 
+void Measure(std::span<const Region> parts, const NestOptions& options, Nest& nest) {
+  double used_mm2 = 0;
+  for (const NestedPart& place : nest.parts) {
+    const Region placed = Placed(parts[place.part], place);
+    used_mm2 += AreaOf(placed);
+    if (place.sheet + 1 == nest.sheet_count)
+      nest.last_top_mm = std::max(nest.last_top_mm, BoxOfRegion(placed).max_mm.y());
+  }
+  if (nest.sheet_count > 0)
+    nest.use_percent = 100 * used_mm2 / (nest.sheet_count * options.sheet_mm.prod());
+}
+
+bool IsBetter(const Nest& a, const Nest& b) {
+  return a.sheet_count < b.sheet_count ||
+         (a.sheet_count == b.sheet_count && a.last_top_mm < b.last_top_mm - kFits_mm);
+}
+
 }  // namespace
 
 Result<Nest> NestParts(std::span<const Region> parts, const NestOptions& options) {
@@ -199,7 +204,12 @@ Result<Nest> NestParts(std::span<const Region> parts, const NestOptions& options
   for (const Preference preference :
        {Preference::kLowest, Preference::kUpright, Preference::kTurned}) {
     Nest nest = INTAGLIO_TRY(Nester(parts, options, preference).Run());
-    if (!best || nest.sheet_count < best->sheet_count) best = std::move(nest);
+    Measure(parts, options, nest);
+    if (!best || IsBetter(nest, *best)) best = std::move(nest);
+  }
+  for (Nest& nest : NestOutlines(parts, options)) {
+    Measure(parts, options, nest);
+    if (IsBetter(nest, *best)) best = std::move(nest);
   }
   return *best;
 }
@@ -208,7 +218,7 @@ Region Placed(const Region& part, const NestedPart& place) {
   Region placed = part;
   for (Edges& loop : placed.loops) {
     for (Edge& edge : loop) {
-      if (place.turned) edge = TurnedEdge(edge);
+      for (int k = 0; k < place.quarter_turns; ++k) edge = TurnedEdge(edge);
       edge.begin_mm += place.moved_mm;
       edge.end_mm += place.moved_mm;
       edge.center_mm += place.moved_mm;

@@ -80,6 +80,15 @@ EdgeBox BoxOfEdges(const Edges& edges) {
   return box;
 }
 
+EdgeBox BoxOfRegion(const Region& region) {
+  EdgeBox box = BoxOfEdges(region.loops.front());
+  for (const Edges& loop : region.loops) {
+    const EdgeBox next = BoxOfEdges(loop);
+    box = {box.min_mm.cwiseMin(next.min_mm), box.max_mm.cwiseMax(next.max_mm)};
+  }
+  return box;
+}
+
 RegionIndex::RegionIndex(const Region& region) {
   for (const Edges& loop : region.loops) {
     edges_.insert(edges_.end(), loop.begin(), loop.end());

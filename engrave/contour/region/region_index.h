@@ -15,7 +15,8 @@ struct EdgeBox {
   Vec2 max_mm;
 };
 EdgeBox BoxOfEdge(const Edge& edge);
-EdgeBox BoxOfEdges(const Edges& edges);  ///< at least one
+EdgeBox BoxOfEdges(const Edges& edges);     ///< at least one
+EdgeBox BoxOfRegion(const Region& region);  ///< at least one loop
 
 class RegionIndex {
  public:

@@ -378,6 +378,8 @@ void AddContourCommand(command_line::Command app) {
   contour.SetFooter(
       "Example: intaglio contour board.gbr board.drl --tool 0.2 --passes 2 --template "
       "linuxcnc --out board.ngc --picture board.svg\n"
+      "  intaglio contour plate.svg --make cut --tool 2 --page plate.html   without a "
+      "machine: played in a browser\n"
       "Exit code: 0 written, 2 wrong input, or what cannot be made, with its place.");
   contour.SetAction([options] {
     const Status made = MakeContours(*options);

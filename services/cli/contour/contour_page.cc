@@ -16,12 +16,15 @@ constexpr double kMaxSamples = 4000;
 constexpr std::string_view kPageStyle = R"(
   body { margin: 0; background: #10141a; color: #e6ecf2;
          font: 15px/1.4 system-ui, sans-serif; }
-  canvas { display: block; width: 100vw; height: calc(100vh - 6.5rem); }
+  canvas { display: block; width: 100vw; height: calc(100vh - 8.5rem); }
   .row { display: flex; gap: .8rem; align-items: center; padding: .4rem .8rem; }
   .row label { display: flex; gap: .5rem; align-items: center; }
   button { font: inherit; padding: .25rem .9rem; }
   #progress { flex: 1; }
   #text { font-variant-numeric: tabular-nums; }
+  #text span { min-width: 9rem; }
+  .legend { gap: 1.6rem; font-size: 13px; }
+  .legend i { display: inline-block; width: 1.1rem; height: .7rem; margin-right: .4rem; }
 )";
 
 // Finds the tool at a time, as ContourMotion::At does, and keeps the time of the view.
@@ -104,7 +107,8 @@ const player = new Player(data.duration);
 const get = id => document.getElementById(id);
 const canvas = get("canvas"), screen = canvas.getContext("2d");
 const made = document.createElement("canvas"), ink = made.getContext("2d");
-const ground = "#10141a", copper = "#b07a3c", coming = "#3f6f9f";
+const ground = "#10141a", copper = "#b07a3c", coming = "#6fa8dc", cut = "#2b3440";
+const names = {idle: "between", down: "down", work: "at work", drill: "drilling"};
 let scale = 1, madeLeg = 0, madeWay = 0;
 function toPixels(c) {
   const [x0, y0, x1, y1] = data.extent;
@@ -147,6 +151,16 @@ function begin() {
     ink.closePath();
   }
   ink.fill("evenodd");
+  // What is to come; the tool covers it.
+  ink.lineWidth = 1.5 / scale;
+  ink.strokeStyle = coming;
+  for (const leg of data.legs) {
+    if (leg.kind === "work") drawEdges(ink, leg.edges, 0, Infinity);
+    if (leg.kind !== "drill") continue;
+    ink.beginPath();
+    ink.arc(leg.at[0], leg.at[1], leg.diameter / 2, 0, 2 * Math.PI);
+    ink.stroke();
+  }
   madeLeg = madeWay = 0;
 }
 function sweep(leg, to) {
@@ -157,7 +171,7 @@ function sweep(leg, to) {
     ink.fill();
   }
   if (leg.kind !== "work" || to <= madeWay) return;
-  ink.strokeStyle = "#2b3440";
+  ink.strokeStyle = cut;
   ink.lineWidth = data.tool;
   drawEdges(ink, leg.edges, madeWay, to);
 }
@@ -174,8 +188,11 @@ function draw() {
   screen.lineWidth = 1 / scale;
   screen.strokeStyle = coming;
   const here = data.legs[now.leg];
-  if (here.kind === "idle" || here.kind === "work")
+  if (here.kind === "idle") {
+    screen.setLineDash([6 / scale, 4 / scale]);
     drawEdges(screen, here.edges, now.way, Infinity);
+    screen.setLineDash([]);
+  }
   screen.fillStyle = "#ffb454";
   screen.beginPath();
   screen.arc(now.place[0], now.place[1], Math.max(data.tool / 2, 4 / scale), 0,
@@ -183,9 +200,11 @@ function draw() {
   screen.fill();
   get("progress").value = player.time;
   get("toggle").textContent = player.running ? "Pause" : "Play";
-  get("text").textContent = player.time.toFixed(2) + " of " + data.duration.toFixed(2) +
-      " s   " + now.kind + "   " + now.speed.toFixed(2) + " mm/s   x " +
-      now.place[0].toFixed(3) + "  y " + now.place[1].toFixed(3);
+  get("text").replaceChildren(...[
+    player.time.toFixed(2) + " of " + data.duration.toFixed(2) + " s",
+    names[now.kind] + ", " + now.speed.toFixed(1) + " mm/s",
+    "x " + now.place[0].toFixed(3) + ", y " + now.place[1].toFixed(3) + " mm",
+  ].map(text => Object.assign(document.createElement("span"), {textContent: text})));
 }
 function resize() {
   canvas.width = canvas.clientWidth * devicePixelRatio;
@@ -228,6 +247,11 @@ constexpr std::string_view kControls = R"(<canvas id="canvas"></canvas>
 <label>feed <input id="feed" type="range" min="-2" max="3" step="0.01" value="0">
 <span id="times">x 1.0</span></label></div>
 <div class="row" id="text"></div>
+<div class="row legend"><span><i style="background:#b07a3c"></i>material left</span>
+<span><i style="background:#6fa8dc;height:2px"></i>to come</span>
+<span><i style="background:#2b3440"></i>made</span>
+<span><i style="background:#ffb454;border-radius:50%"></i>tool</span>
+<span>space: play, pause</span></div>
 )";
 
 class PageData {

@@ -158,6 +158,7 @@ Status Nest(const SheetOptions& options) {
   fmt::print("parts         {} on {} sheets of {:g} x {:g} mm\n", parts.size(),
              nest.sheet_count, options.sheet_mm[0], options.sheet_mm[1]);
   fmt::print("use           {:.2f} %\n", nest.use_percent);
+  fmt::print("last sheet    used to {:.1f} mm of its height\n", nest.last_top_mm);
   if (options.out.empty()) return {};
   std::vector<std::vector<contour::Region>> sheets(nest.sheet_count);
   for (const contour::NestedPart& place : nest.parts)
@@ -199,7 +200,7 @@ void AddUseCommand(command_line::Command sheet) {
 void AddNestCommand(command_line::Command sheet) {
   auto options = std::make_shared<SheetOptions>();
   command_line::Command nest =
-      sheet.AddCommand("nest", "put parts on as few sheets as possible, by their boxes");
+      sheet.AddCommand("nest", "put parts on as few sheets as possible");
   nest.AddOption("FILE", options->files,
                  "drawings (.dxf .svg .hpgl .plt); each closed contour, with the holes "
                  "in it, is a part")
@@ -216,7 +217,7 @@ void AddNestCommand(command_line::Command sheet) {
   nest.AddOption("--copies", options->copies, "of each part")
       .Within(1, 1000)
       .ShowDefault();
-  nest.AddFlag("--upright", options->upright, "turn no part by 90 degrees");
+  nest.AddFlag("--upright", options->upright, "turn no part");
   nest.AddOption("--out", options->out,
                  "SVG, 1:1, of the parts on a sheet; further sheets are NAME_2.svg ...");
   AddSizeLimitsFlag(nest, options->size_limits);

@@ -114,8 +114,10 @@ std::vector<Finding> RefuseCourse(const JobSpec& job) {
   Findings findings;
   if (job.has_course()) {
     findings.Wrong("course", job.course().files_size(),
-                   "files of contours: this makes points in a block; write the program "
-                   "of such a job by intaglio post JOB --template NAME --out FILE");
+                   "files of contours, and this makes points in a block: play such a job "
+                   "by intaglio contour JOB --page FILE, write its program by intaglio "
+                   "post JOB --template NAME --out FILE, or submit it to a shop with a "
+                   "mill or a laser cutter");
   }
   return std::move(findings.found());
 }

@@ -165,7 +165,7 @@ void VirtualGrbl::FinishWaiting(double us) {
   Waiting& wait = *waiting_;
   if (wait.reason == Waiting::For::kRoom) {
     if (motion_.is_full()) return;
-    motion_.Add(wait.target, wait.speed_mm_s, wait.beam, wait.jog, wait.line);
+    motion_.Add(wait.target, wait.speed_mm_s, wait.beam, wait.jog, wait.line, wait.power);
     if (!wait.later.empty()) {
       wait.target = wait.later.front();
       wait.later.pop_front();
@@ -189,8 +189,8 @@ void VirtualGrbl::FinishWaiting(double us) {
 
 void VirtualGrbl::CommandSpindle(Spindle spindle) {
   spindle_ = spindle;
+  // In laser mode M4 is off until something moves, and G0 is dark.
   const bool in_g1 = !rapid_ || !options_.laser_mode;
-  // M4 of the laser mode, too, stays off until something moves.
   const bool rests_lit = spindle == Spindle::kConstant ||
                          (spindle == Spindle::kDynamic && !options_.laser_mode);
   motion_.SetRestingBeam(rests_lit && power_ > 0 && in_g1);
@@ -204,7 +204,9 @@ void VirtualGrbl::UpdateState() {
     return;
   }
   if (suspended()) {
-    if (!motion_.moving()) motion_.ForceDark(true);
+    // A spindle turns on in a hold; a door ends it.
+    const bool goes_on = state_ == State::kHold && !options_.laser_mode;
+    if (!motion_.moving() && !goes_on) motion_.ForceDark(true);
     return;
   }
   if (state_ == State::kJog && !motion_.is_empty()) return;

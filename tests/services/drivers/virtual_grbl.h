@@ -91,7 +91,7 @@ class VirtualGrbl {
     enum class For { kRoom, kEmpty, kDwell } reason = For::kEmpty;
     Steps target{};
     std::deque<Steps> later = {};  ///< chords of an arc behind the first
-    double speed_mm_s = 0;
+    double speed_mm_s = 0, power = 0;
     Beam beam = Beam::kDark;
     bool jog = false;
     std::int64_t line = 0;

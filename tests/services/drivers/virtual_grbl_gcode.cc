@@ -133,8 +133,10 @@ void VirtualGrbl::ExecuteSystem(const std::string& line) {
 }
 
 Beam VirtualGrbl::BeamOf(bool rapid) const {
-  if (spindle_ == Spindle::kOff || power_ <= 0 || rapid) return Beam::kDark;
-  if (!options_.laser_mode || spindle_ == Spindle::kConstant) return Beam::kConstant;
+  if (spindle_ == Spindle::kOff || power_ <= 0) return Beam::kDark;
+  if (!options_.laser_mode) return Beam::kConstant;
+  if (rapid) return Beam::kDark;
+  if (spindle_ == Spindle::kConstant) return Beam::kConstant;
   return Beam::kDynamic;
 }
 
@@ -212,6 +214,7 @@ int VirtualGrbl::QueueMotion(const GcodeLine& words, bool jog) {
   }
   wait.speed_mm_s = rapid ? options_.motion.max_speed_mm_s : feed / 60;
   wait.beam = BeamOf(rapid);
+  wait.power = power_;
   wait.jog = jog;
   wait.line = words.n;
   waiting_ = wait;

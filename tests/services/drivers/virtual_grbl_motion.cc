@@ -14,7 +14,7 @@ constexpr double kRest_mm_s = 1e-6;
 }  // namespace
 
 void VirtualGrblMotion::Add(const Steps& target, double speed_mm_s, Beam beam, bool jog,
-                            std::int64_t line) {
+                            std::int64_t line, double power) {
   Block block;
   block.from = planned_end();
   block.target = target;
@@ -29,6 +29,7 @@ void VirtualGrblMotion::Add(const Steps& target, double speed_mm_s, Beam beam, b
   block.beam = beam;
   block.jog = jog;
   block.line = line;
+  block.power = power;
   if (!blocks_.empty()) block.junction_mm_s = JunctionSpeed(blocks_.back(), block);
   blocks_.push_back(block);
   Replan();
@@ -69,6 +70,7 @@ bool VirtualGrblMotion::CommandedLit() const {
 
 void VirtualGrblMotion::SetOutput(bool lit) {
   if (lit == lit_) return;
+  EndWay();
   lit_ = lit;
   if (lit) {
     flashes_.push_back({now_us_, now_us_, at_, at_, 0, line()});
@@ -76,6 +78,10 @@ void VirtualGrblMotion::SetOutput(bool lit) {
     flashes_.back().off_us = now_us_;
     flashes_.back().off_at = at_;
   }
+}
+
+void VirtualGrblMotion::EndWay() {
+  way_.push_back({now_us_, at_, lit_, blocks_.empty() ? 0 : blocks_.front().power});
 }
 
 void VirtualGrblMotion::Pass(double us, bool moves) {
@@ -117,6 +123,7 @@ void VirtualGrblMotion::Begin(Block& block) {
 
 void VirtualGrblMotion::EndBlock() {
   at_ = blocks_.front().target;
+  EndWay();
   if (blocks_.front().beam == Beam::kConstant) resting_lit_ = true;
   if (blocks_.front().beam == Beam::kDark) resting_lit_ = false;
   blocks_.pop_front();
@@ -188,6 +195,7 @@ void VirtualGrblMotion::Advance(double us) {
 }
 
 void VirtualGrblMotion::Flush() {
+  if (!blocks_.empty()) EndWay();
   blocks_.clear();
   speed_mm_s_ = 0;
   holding_ = flush_at_rest_ = false;

@@ -37,6 +37,14 @@ struct Flash {
   std::int64_t line = 0;  ///< line number (N) of the block that lit it; 0: none
 };
 
+/// An end of a straight way of the tool, and how it came there.
+struct WayEnd {
+  double at_us = 0;
+  Steps at{};
+  bool on = false;   ///< the output, on the way from the end before
+  double power = 0;  ///< S of that way's block
+};
+
 struct MotionOptions {
   std::size_t planner_blocks = 15;
   double steps_per_mm = 250;
@@ -55,8 +63,8 @@ class VirtualGrblMotion {
   explicit VirtualGrblMotion(const MotionOptions& options) : options_(options) {}
 
   /// To `target` at up to `speed_mm_s`; a block without a step is left out.
-  void Add(const Steps& target, double speed_mm_s, Beam beam, bool jog,
-           std::int64_t line);
+  void Add(const Steps& target, double speed_mm_s, Beam beam, bool jog, std::int64_t line,
+           double power = 0);
   bool is_full() const { return blocks_.size() >= options_.planner_blocks; }
   std::size_t free_blocks() const { return options_.planner_blocks - blocks_.size(); }
   bool is_empty() const { return blocks_.empty(); }
@@ -96,6 +104,8 @@ class VirtualGrblMotion {
   // The record.
   const std::vector<Flash>& flashes() const { return flashes_; }
   bool lit() const { return lit_; }
+  /// All that the tool did, in order; the way that is under way is not in it.
+  const std::vector<WayEnd>& way() const { return way_; }
   /// Sum of the time that the output was on while nothing moved.
   double lit_at_rest_us() const { return lit_at_rest_us_; }
   double now_us() const { return now_us_; }
@@ -112,6 +122,7 @@ class VirtualGrblMotion {
     Beam beam = Beam::kDark;
     bool jog = false, begun = false, lost = false;
     std::int64_t line = 0;
+    double power = 0;
   };
 
   double JunctionSpeed(const Block& before, const Block& block) const;
@@ -126,6 +137,7 @@ class VirtualGrblMotion {
   /// The output for the next `us`, with or without motion.
   void Pass(double us, bool moves);
   void SetOutput(bool lit);
+  void EndWay();
 
   MotionOptions options_;
   std::deque<Block> blocks_;
@@ -137,6 +149,7 @@ class VirtualGrblMotion {
   std::uint32_t dynamic_starts_ = 0;
   std::uint64_t steps_made_ = 0;
   std::vector<Flash> flashes_;
+  std::vector<WayEnd> way_;
 };
 
 }  // namespace intaglio::grbl

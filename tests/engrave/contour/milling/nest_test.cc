@@ -23,8 +23,11 @@ Region Rectangular(const Vec2& at, const Vec2& sides) {
 
 double GapOf(const Region& a, const Region& b) {
   double gap = 1e300;
-  for (const Edge& e : a.loops[0]) {
-    for (const Edge& f : b.loops[0]) gap = std::min(gap, GapBetween(e, f).distance_mm);
+  for (const Edges& of_a : a.loops) {
+    for (const Edges& of_b : b.loops) {
+      for (const Edge& e : of_a)
+        for (const Edge& f : of_b) gap = std::min(gap, GapBetween(e, f).distance_mm);
+    }
   }
   return gap;
 }
@@ -99,9 +102,80 @@ TEST(Nest, TurnsPartsThatFitOnlySo) {
   const NestOptions options;
   const auto nest = NestParts(parts, options);
   ASSERT_TRUE(nest) << nest.error().message;
-  EXPECT_TRUE(nest->parts[0].turned);
+  EXPECT_EQ(nest->parts[0].quarter_turns % 2, 1);
   ExpectNested(parts, *nest, options);
   EXPECT_FALSE(NestParts(parts, {{600, 400}, 2, 5, false}));
+}
+
+/// A polygon with a corner at each of these places.
+Region Polygon(const std::vector<Vec2>& corners) {
+  Edges loop;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    loop.push_back(MakeLine(corners[i], corners[(i + 1) % corners.size()]));
+  return {{loop}};
+}
+
+std::vector<Region> Angles(int count) {
+  const Region angle = Polygon({{5, 5}, {35, 5}, {35, 15}, {15, 15}, {15, 45}, {5, 45}});
+  return std::vector<Region>(static_cast<std::size_t>(count), angle);
+}
+
+// By hand: 3 x 4 boxes of 42 x 32 mm fit on a sheet, twelve angles. Each angle has half
+// of its box.
+TEST(Nest, PartsThatInterlockLieInEachOther) {
+  const NestOptions options{{150, 150}, 2, 2, true};
+  const std::vector<Region> parts = Angles(19);
+  const auto nest = NestParts(parts, options);
+  ASSERT_TRUE(nest) << nest.error().message;
+  EXPECT_EQ(nest->sheet_count, 1U);
+  EXPECT_NEAR(nest->use_percent, 100 * 19 * 600 / 22500.0, 1e-9);
+  ExpectNested(parts, *nest, options);
+}
+
+TEST(Nest, ASmallPartLiesInTheHoleOfALargeOne) {
+  std::vector<Region> parts{Rectangular({0, 0}, {90, 90}), Rectangular({3, 4}, {30, 30})};
+  const Region hole = Rectangular({10, 10}, {70, 70});
+  Edges around;
+  for (auto edge = hole.loops[0].rbegin(); edge != hole.loops[0].rend(); ++edge)
+    around.push_back(Reversed(*edge));
+  parts[0].loops.push_back(around);
+  const NestOptions options{{100, 100}, 2, 4, true};
+  const auto nest = NestParts(parts, options);
+  ASSERT_TRUE(nest) << nest.error().message;
+  EXPECT_EQ(nest->sheet_count, 1U);
+  ExpectNested(parts, *nest, options);
+}
+
+// Shapes with bays, arcs and holes in all directions: apart from each other by the gap,
+// and never on more sheets than their boxes.
+TEST(Nest, OutlinesOfAnyShapeStayApart) {
+  std::mt19937 random(5);
+  const auto number = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random()) / 4294967296.0;
+  };
+  for (int round = 0; round < 4; ++round) {
+    std::vector<Region> parts;
+    for (int k = 0; k < 16; ++k) {
+      const double a = number(20, 60), b = number(20, 60), t = number(4, 9);
+      const Vec2 at(number(-50, 50), number(-50, 50));
+      std::vector<Vec2> corners;
+      if (k % 3 == 0)
+        corners = {{0, 0},     {b, 0},     {b, t}, {t, t},
+                   {t, a - t}, {b, a - t}, {b, a}, {0, a}};
+      else if (k % 3 == 1)
+        corners = {{0, 0},           {b, 0},           {b, t},           {(b + t) / 2, t},
+                   {(b + t) / 2, a}, {(b - t) / 2, a}, {(b - t) / 2, t}, {0, t}};
+      else
+        corners = {{0, 0}, {b, 0}, {0, a}};
+      for (Vec2& corner : corners) corner += at;
+      parts.push_back(Polygon(corners));
+      if (k % 5 == 4) parts.back() = {{{MakeArc(at, a / 2, 0, 2 * pi)}}};
+    }
+    const NestOptions options{{200, 160}, round % 2 == 0 ? 2.0 : 0.0, 5, round % 4 != 3};
+    const auto nest = NestParts(parts, options);
+    ASSERT_TRUE(nest) << nest.error().message;
+    ExpectNested(parts, *nest, options);
+  }
 }
 
 TEST(Nest, NamesThePartThatDoesNotFit) {
