@@ -69,6 +69,7 @@ Missing FirstMissing(const ChainLinks& links, bool with_shutters) {
   if (!links.motion_fresh) return Missing::kMotionState;
   if (!links.motion_without_fault) return Missing::kMotionFault;
   if (with_shutters && !links.shutters_open) return Missing::kShutter;
+  if (with_shutters && !links.door_locked) return Missing::kDoorLock;
   return Missing::kNothing;
 }
 
@@ -100,6 +101,9 @@ std::string TextOf(Missing missing) {
       return "the stage reports a fault";
     case Missing::kShutter:
       return "the shutter does not open: check its drive, then resume";
+    case Missing::kDoorLock:
+      return "the lock of the door does not hold while a shutter is open: check its "
+             "magnet, then resume";
     case Missing::kOpenedUnseen:
       return "key, door or stop button was opened while nobody watched: check the "
              "block, then resume or cancel";

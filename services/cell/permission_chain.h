@@ -5,7 +5,7 @@
 //
 //   operator's arm (this job, this epoch, fresh, not spent) -> no emergency stop on the
 //   bus -> laser line up -> key on -> door closed -> stop released -> no safe state ->
-//   lamp on and warm -> motion state fresh, no fault -> [shutters open]
+//   lamp on and warm -> motion state fresh, no fault -> [shutters open -> door locked]
 //
 // Each arm by a person is a grant with a number of its own, greater than those before. It
 // is spent when key, door or a stop opens, also before the first run, and by every fault
@@ -75,6 +75,7 @@ struct ChainLinks {
   bool motion_fresh = false;
   bool motion_without_fault = false;
   bool shutters_open = false;
+  bool door_locked = false;  ///< or the machine has no lock
   MachineCounters counters;  ///< of the laser controller, while its line is up
 };
 
@@ -91,6 +92,7 @@ enum class Missing : std::uint8_t {
   kMotionState,
   kMotionFault,
   kShutter,
+  kDoorLock,
   // Never a missing link: reasons why a grant was spent (UnseenEvent).
   kOpenedUnseen,
   kPowerCycle,
@@ -102,9 +104,9 @@ enum class Missing : std::uint8_t {
 /// A reason why a grant was spent that no link shows.
 constexpr bool IsUnseen(Missing missing) { return missing >= Missing::kOpenedUnseen; }
 
-/// The first link that does not hold by itself, whatever is spent. Shutters are checked
-/// when `with_shutters`, which a caller that is about to arm sets: they open when all
-/// other links hold.
+/// The first link that does not hold by itself, whatever is spent. Shutters, and the lock
+/// that holds the door while one is open, are checked when `with_shutters`, which a
+/// caller that is about to arm sets: they open when all other links hold.
 Missing FirstMissing(const ChainLinks& links, bool with_shutters);
 
 /// What to do about it, in one sentence; empty for kNothing.

@@ -97,6 +97,7 @@ void TeachClient::Poll() {
         if (!origin.alive) return;
         view_.key_on = sample.key_on;
         view_.door_closed = sample.door_closed;
+        view_.door_locked = sample.door_locked;
         view_.stop_released = sample.emergency_stop_released;
         view_.lamp_on = sample.lamp_on;
         view_.lamp_warm = sample.lamp_warm;

@@ -34,8 +34,8 @@ struct MachineView {
   intaglio_ManualAnswer answer = intaglio_MANUAL_DONE;
   std::string message;
   bool interlocks_known = false;
-  bool key_on = false, door_closed = false, stop_released = false, lamp_on = false,
-       lamp_warm = false;
+  bool key_on = false, door_closed = false, door_locked = false, stop_released = false,
+       lamp_on = false, lamp_warm = false;
   std::uint8_t shutters_open = 0;
 };
 

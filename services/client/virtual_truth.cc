@@ -106,6 +106,7 @@ void SetStage(const MachineSpec& machine, TruthStage& stage) {
   *stage.mutable_positioner() = PositionerOf(machine);
   SetDrive(machine, stage);
   SetAxisDrives(machine, stage);
+  stage.set_compressed_air(machine.compressed_air());
   stage.set_position_tolerance_um(machine.position_tolerance_um());
   if (machine.motion_line().has_serial_number())
     stage.set_serial_number(machine.motion_line().serial_number());
@@ -126,6 +127,9 @@ void SetSignals(const PulseTiming& timing, TruthLaser& laser) {
 
 void SetLaser(const MachineSpec& machine, TruthLaser& laser) {
   SetSignals(machine.laser().timing(), laser);
+  laser.set_door_lock(machine.laser().door_lock());
+  if (machine.laser().has_split_ratio())
+    laser.set_split_ratio(machine.laser().split_ratio());
   *laser.mutable_rates_hz() = machine.laser().rates_hz();
   laser.set_warm_up_s(machine.laser().warm_up_s());
   laser.set_channels(machine.laser().channels());

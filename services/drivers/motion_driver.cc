@@ -18,8 +18,10 @@ namespace intaglio::drivers {
 namespace {
 
 constexpr std::array kMotionKinds = {
-    MotionDriverKind{"virtual-stage", true, &MakeVirtualStageDriver},
-    MotionDriverKind{"virtual-cell", true, &MakeVirtualCellDriver, true},
+    MotionDriverKind{"virtual-stage", true, &MakeVirtualStageDriver, false, nullptr,
+                     nullptr, true},
+    MotionDriverKind{"virtual-cell", true, &MakeVirtualCellDriver, true, nullptr, nullptr,
+                     true},
     MotionDriverKind{"grbl", true, &MakeGrblDriver, true, &CheckGrblProfile,
                      &CompareGrblController},
     MotionDriverKind{"isel", true, &MakeIselDriver, true},
@@ -70,10 +72,21 @@ Status CheckMotionOutput(const MachineSpec& machine) {
       protocol);
 }
 
+Status CheckAir(const MachineSpec& machine, const MotionDriverKind& kind) {
+  if (!machine.compressed_air() || kind.watches_air) return {};
+  return Fail(
+      ErrorCode::kUnsupported,
+      fmt::format("compressed_air: the driver '{}' does not watch compressed air; "
+                  "connect the pressure switch to the controller's own chain and "
+                  "remove the field",
+                  kind.protocol));
+}
+
 Result<std::unique_ptr<MotionDriver>> MakeMotionDriver(const MachineSpec& machine) {
   const SerialLine& line = machine.motion_line();
   const auto kind = INTAGLIO_TRY(link::FindDriver(
       MotionDriverKinds(), {"motion_line", line.protocol(), line.device()}));
+  INTAGLIO_TRY(CheckAir(machine, *kind));
   if (kind->check != nullptr) {
     if (const auto errors = kind->check(machine); !errors.empty())
       return tl::unexpected(errors.front());

@@ -155,6 +155,8 @@ struct MotionDriverKind {
   Result<std::vector<Error>> (*compare)(const MachineSpec& machine,
                                         const link::StreamOpener& open,
                                         const link::SteadyClock& clock) = nullptr;
+  /// It refuses a controller that does not watch compressed air where the profile has it.
+  bool watches_air = false;
 };
 
 /// All there are.
@@ -163,6 +165,9 @@ std::span<const MotionDriverKind> MotionDriverKinds();
 /// kUnsupported unless the machine's motion controller switches a laser; the message
 /// lists those that do.
 Status CheckMotionOutput(const MachineSpec& machine);
+
+/// kUnsupported when the machine has compressed air and the driver does not watch it.
+Status CheckAir(const MachineSpec& machine, const MotionDriverKind& kind);
 
 /// The driver that the machine's motion_line names, on its device and the clock of this
 /// computer. kUnsupported lists what there is; kMissing, kInvalidValue: its device, or

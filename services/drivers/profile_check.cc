@@ -45,6 +45,7 @@ std::vector<Error> CheckDrivers(const MachineSpec& machine) {
     if (const Status output = CheckMotionOutput(machine); !output)
       errors.push_back(output.error());
   }
+  if (const Status air = CheckAir(machine, *kind); !air) errors.push_back(air.error());
   if (kind->check != nullptr) {
     for (Error& error : kind->check(machine)) errors.push_back(std::move(error));
   }

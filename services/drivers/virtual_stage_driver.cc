@@ -77,6 +77,13 @@ FaultText TextOf(link::StageFault fault) {
     case StageFault::kSafeState:
       return {intaglio_MOTION_SAFE_STATE,
               "the stage received no frame for 250 ms and stopped"};
+    case StageFault::kNoAir:
+      return {intaglio_MOTION_NO_AIR,
+              "the stage has no compressed air and does not move: open the valve, check "
+              "the pressure, then resume"};
+    case StageFault::kAirReturned:
+      return {intaglio_MOTION_SAFE_STATE,
+              "the stage had no compressed air and stopped; the air is back"};
     case StageFault::kBadSequence:
       return {intaglio_MOTION_SAFE_STATE,
               "segments were lost on the motion line, and the stage stopped"};
@@ -87,9 +94,10 @@ FaultText TextOf(link::StageFault fault) {
 class VirtualStageDriver final : public MotionDriver {
  public:
   VirtualStageDriver(link::FramePort port, link::ExpectedDevice expected,
-                     bool needs_compare)
+                     bool needs_compare, bool needs_air)
       : expected_(std::move(expected)),
         needs_compare_(needs_compare),
+        needs_air_(needs_air),
         session_(std::move(port)) {}
 
   void Poll() override {
@@ -274,6 +282,11 @@ class VirtualStageDriver final : public MotionDriver {
           "the stage controller has no compare output: set pulse_trigger in the machine "
           "profile to PULSE_TRIGGER_AT_TICK");
     }
+    if (needs_air_ && !identity->watches_air) {
+      return Refuse(
+          "the stage controller watches no compressed air: connect its pressure switch, "
+          "or remove compressed_air from the machine profile");
+    }
     state_.refusal.clear();
     identified_ = identified_now_ = true;
     state_.position_tolerance_um = 0;  // it will report one when it knows it
@@ -311,7 +324,7 @@ class VirtualStageDriver final : public MotionDriver {
   }
 
   link::ExpectedDevice expected_;
-  bool needs_compare_;
+  bool needs_compare_, needs_air_;
   link::FramePort session_;
   DriverState state_;
   link::MotionStatus status_;
@@ -342,7 +355,7 @@ std::unique_ptr<MotionDriver> MakeVirtualStageDriver(const MachineSpec& machine,
       std::move(port),
       link::ExpectedDevice{line.serial_number(), "stage controller", machine.name(),
                            line.device(), "motion_line"},
-      machine.pulse_trigger() == PULSE_TRIGGER_AT_PLACE);
+      machine.pulse_trigger() == PULSE_TRIGGER_AT_PLACE, machine.compressed_air());
 }
 
 }  // namespace intaglio::drivers

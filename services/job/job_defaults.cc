@@ -6,6 +6,7 @@
 #include <string>
 
 #include "engrave/io/lower_case.h"
+#include "engrave/optics/pulse_focus.h"
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/marks_check.h"
@@ -168,9 +169,8 @@ void FillMotion(MotionOptions& motion, const MachineSpec& machine) {
 }
 
 void FillLaser(LaserOptions& laser, const LaserHead& head) {
-  if (!laser.has_rate_hz() && head.rates_hz_size() > 0) {
-    laser.set_rate_hz(*std::max_element(head.rates_hz().begin(), head.rates_hz().end()));
-  }
+  if (!laser.has_rate_hz() && head.rates_hz_size() > 0)
+    laser.set_rate_hz(DefaultRateHz(head));
   if (!laser.has_wavelength_nm()) laser.set_wavelength_nm(head.wavelength_nm());
   if (!laser.has_pulse_energy_mj()) laser.set_pulse_energy_mj(head.pulse_energy_mj());
   if (laser.channels().empty()) laser.add_channels(1);
@@ -219,6 +219,16 @@ void FillPlanar(PlanarDrive& drive) {
   if (!drive.has_period_s()) drive.set_period_s(kDefaultPlanarPeriodS);
 }
 
+/// Of a beam that fills no lens: half of its width over the focal length.
+void FillApertures(MachineSpec& machine) {
+  const double beam_mm = machine.laser().beam_diameter_mm();
+  for (MachineLens& lens : *machine.mutable_lenses()) {
+    if (lens.has_numerical_aperture() || beam_mm <= 0 || lens.focal_length_mm() <= 0)
+      continue;
+    lens.set_numerical_aperture(optics::ApertureOfBeam(beam_mm, lens.focal_length_mm()));
+  }
+}
+
 }  // namespace
 
 const MachineLens* FindLens(const MachineSpec& machine, double focal_length_mm) {
@@ -227,6 +237,12 @@ const MachineLens* FindLens(const MachineSpec& machine, double focal_length_mm) 
       return &lens;
   }
   return nullptr;
+}
+
+double DefaultRateHz(const LaserHead& head) {
+  if (head.has_default_rate_hz()) return head.default_rate_hz();
+  const auto highest = std::ranges::max_element(head.rates_hz());
+  return highest == head.rates_hz().end() ? 0 : *highest;
 }
 
 JobSpec WithDefaults(JobSpec job, const MachineSpec& machine) {
@@ -267,6 +283,7 @@ MachineSpec WithMachineDefaults(MachineSpec machine) {
   if (machine.has_laser() && !machine.laser().has_max_missed_in_a_row()) {
     machine.mutable_laser()->set_max_missed_in_a_row(kDefaultMaxMissedInARow);
   }
+  FillApertures(machine);
   return machine;
 }
 

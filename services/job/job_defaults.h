@@ -14,6 +14,9 @@ JobSpec WithDefaults(JobSpec job, const MachineSpec& machine);
 
 MachineSpec WithMachineDefaults(MachineSpec machine);
 
+/// The rate of a job that names none; 0: the laser has no rates.
+double DefaultRateHz(const LaserHead& head);
+
 /// The machine's lens of this focal length; nullptr when it has none.
 const MachineLens* FindLens(const MachineSpec& machine, double focal_length_mm);
 

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <set>
 
+#include "engrave/optics/pulse_focus.h"
 #include "services/job/field_ranges.h"
 #include "services/job/job_check.h"
 #include "services/job/machine/focus_offset.h"
-#include "services/job/machine/laser_setting.h"
+#include "services/job/machine/laser_head_check.h"
 #include "services/job/machine/machine_drives.h"
+#include "services/job/machine/profile_errors.h"
 #include "services/job/machine/stations.h"
 #include "services/job/teach/taught_check.h"
 #include "services/platform/link/endpoint.h"
@@ -16,28 +18,11 @@
 namespace intaglio {
 namespace {
 
-// What a laser controller's identity can list (services/platform/link/laser_protocol.h).
-constexpr int kMaxRates = 32;
-
-// Of proto/machine.proto.
-constexpr double kQSwitchDelay_us = 5, kQSwitchWidth_us = 120;
-constexpr double kMaxQSwitchDelay_us = 20, kMinQSwitchWidth_us = 100;
-
-void Missing(std::vector<Error>& errors, const std::string& path,
-             const std::string& remedy) {
-  errors.push_back(
-      {ErrorCode::kMissing, fmt::format("{}: is missing; {}", path, remedy), ""});
-}
-
 bool IsCellName(const std::string& name) {
   return !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
            c == '-' || c == '_';
   });
-}
-
-void Wrong(std::vector<Error>& errors, const std::string& path, const std::string& what) {
-  errors.push_back({ErrorCode::kInvalidValue, fmt::format("{}: {}", path, what), ""});
 }
 
 void CheckTravel(const std::string& path, const char* unit, double min, double max,
@@ -101,6 +86,25 @@ void CheckPolar(const MachineSpec& machine, std::vector<Error>& errors) {
   }
 }
 
+// A beam that is wider than the lens can focus is a mistake of one of the three.
+void CheckAperture(const MachineSpec& machine, int i, std::vector<Error>& errors) {
+  const MachineLens& lens = machine.lenses(i);
+  if (lens.has_numerical_aperture()) return;
+  const std::string path = fmt::format("lenses[{}].numerical_aperture", i);
+  const double beam_mm = machine.laser().beam_diameter_mm();
+  if (beam_mm <= 0 || lens.focal_length_mm() <= 0) {
+    return Missing(errors, path, "give it, or laser.beam_diameter_mm");
+  }
+  const double aperture = optics::ApertureOfBeam(beam_mm, lens.focal_length_mm());
+  const FieldRange* range = FindRange("MachineLens", "numerical_aperture");
+  if (aperture >= range->min && aperture <= range->max) return;
+  Wrong(
+      errors, path,
+      fmt::format("{} by laser.beam_diameter_mm, {}, and focal_length_mm, {}, is outside "
+                  "{}..{}; correct these",
+                  aperture, beam_mm, lens.focal_length_mm(), range->min, range->max));
+}
+
 void CheckLenses(const MachineSpec& machine, std::vector<Error>& errors) {
   if (machine.lenses().empty()) Missing(errors, "lenses", "give at least one lens");
   std::set<std::string> names;
@@ -115,6 +119,7 @@ void CheckLenses(const MachineSpec& machine, std::vector<Error>& errors) {
            fmt::format("{}: \"{}\" is already the name of an earlier lens", path, name),
            name});
     }
+    CheckAperture(machine, i, errors);
   }
 }
 
@@ -126,85 +131,6 @@ void CheckLensName(const MachineSpec& machine, const std::string& path,
   Wrong(errors, path,
         fmt::format("{:?} is no lens of this machine; give one of {}", name,
                     fmt::join(names, ", ")));
-}
-
-void CheckEnergies(const LaserHead& laser, std::vector<Error>& errors) {
-  const auto& points = laser.energy_calibration();
-  if (points.empty()) return;
-  const std::string path = "laser.energy_calibration";
-  if (points.size() < 2) {
-    return Missing(errors, path + "[1]", "measure the energy at two settings or more");
-  }
-  for (int i = 1; i < points.size(); ++i) {
-    if (points[i].setting_ratio() > points[i - 1].setting_ratio() &&
-        points[i].energy_mj() > points[i - 1].energy_mj()) {
-      continue;
-    }
-    Wrong(errors, fmt::format("{}[{}]", path, i),
-          fmt::format("setting {} with {} mJ does not exceed setting {} with {} mJ; "
-                      "list the measurements by growing setting, and measure those "
-                      "again whose energy does not grow",
-                      points[i].setting_ratio(), points[i].energy_mj(),
-                      points[i - 1].setting_ratio(), points[i - 1].energy_mj()));
-  }
-  const double min_mj = points.begin()->energy_mj(),
-               max_mj = points.rbegin()->energy_mj();
-  if (laser.pulse_energy_mj() < min_mj || laser.pulse_energy_mj() > max_mj) {
-    Wrong(errors, "laser.pulse_energy_mj",
-          fmt::format("{} is outside the calibrated energies, {}..{}",
-                      laser.pulse_energy_mj(), min_mj, max_mj));
-  }
-}
-
-// By the defaults of what is absent: proto/machine.proto.
-void CheckTiming(const LaserHead& laser, std::vector<Error>& errors) {
-  const PulseTiming& timing = laser.timing();
-  const auto or_default = [](bool present, double us, double default_us) {
-    return present ? us : default_us;
-  };
-  const double delay_us = or_default(timing.has_qswitch_delay_us(),
-                                     timing.qswitch_delay_us(), kQSwitchDelay_us);
-  const double width_us = or_default(timing.has_qswitch_width_us(),
-                                     timing.qswitch_width_us(), kQSwitchWidth_us);
-  const double max_us = or_default(timing.has_max_qswitch_delay_us(),
-                                   timing.max_qswitch_delay_us(), kMaxQSwitchDelay_us);
-  const double min_us = or_default(timing.has_min_qswitch_width_us(),
-                                   timing.min_qswitch_width_us(), kMinQSwitchWidth_us);
-  if (delay_us > max_us) {
-    Wrong(errors, "laser.timing.qswitch_delay_us",
-          fmt::format("{} is later than the laser takes a trigger, "
-                      "max_qswitch_delay_us, {}; reduce it",
-                      delay_us, max_us));
-  }
-  if (width_us < min_us) {
-    Wrong(errors, "laser.timing.qswitch_width_us",
-          fmt::format("{} is shorter than the laser needs, min_qswitch_width_us, {}; "
-                      "increase it",
-                      width_us, min_us));
-  }
-  const auto fastest = std::ranges::max_element(laser.rates_hz());
-  if (fastest == laser.rates_hz().end() || delay_us + width_us < 1e6 / *fastest) return;
-  Wrong(errors, "laser.timing.qswitch_width_us",
-        fmt::format("a trigger of {} us that begins {} us after the lamp sync lasts "
-                    "until the next one at {} Hz; reduce it",
-                    width_us, delay_us, *fastest));
-}
-
-void CheckPumpEnergy(const LaserHead& laser, std::vector<Error>& errors) {
-  if (!laser.has_pump() || laser.pump().energy_j() <= MaxPumpEnergy_j(laser.pump()))
-    return;
-  Wrong(errors, "laser.pump.energy_j",
-        fmt::format("{} is above max_energy_j, {}; reduce it", laser.pump().energy_j(),
-                    MaxPumpEnergy_j(laser.pump())));
-}
-
-void CheckFlashHeights(const PulseTiming& timing, std::vector<Error>& errors) {
-  if (!timing.has_min_flash_height_mm() || !timing.has_max_flash_height_mm() ||
-      timing.min_flash_height_mm() <= timing.max_flash_height_mm())
-    return;
-  Wrong(errors, "laser.timing.min_flash_height_mm",
-        fmt::format("{} is above max_flash_height_mm, {}; exchange them",
-                    timing.min_flash_height_mm(), timing.max_flash_height_mm()));
 }
 
 void CheckChannelPositions(const MachineSpec& machine, std::vector<Error>& errors) {
@@ -316,15 +242,10 @@ std::vector<Error> CheckMachine(const MachineSpec& machine) {
   if (!machine.has_block_origin_mm()) {
     Missing(errors, "block_origin_mm", "give the position of the block's corner");
   }
-  if (!machine.has_laser()) {
+  if (machine.has_laser()) {
+    CheckLaserHead(machine.laser(), errors);
+  } else {
     Missing(errors, "laser", "give its rates, energy, wavelength and channels");
-  } else if (machine.laser().rates_hz().empty()) {
-    Missing(errors, "laser.rates_hz", "give at least one lamp sync rate");
-  } else if (machine.laser().rates_hz_size() > kMaxRates) {
-    errors.push_back({ErrorCode::kInvalidValue,
-                      fmt::format("laser.rates_hz: {} rates are more than {}",
-                                  machine.laser().rates_hz_size(), kMaxRates),
-                      fmt::format("{}", machine.laser().rates_hz_size())});
   }
   if (!PulseTriggerKind_IsValid(machine.pulse_trigger())) {
     errors.push_back(
@@ -337,10 +258,6 @@ std::vector<Error> CheckMachine(const MachineSpec& machine) {
   CheckLenses(machine, errors);
   CheckLensName(machine, "mounted_lens", machine.mounted_lens(), errors);
   CheckLensName(machine, "zero_lens", machine.zero_lens(), errors);
-  CheckEnergies(machine.laser(), errors);
-  CheckPumpEnergy(machine.laser(), errors);
-  CheckFlashHeights(machine.laser().timing(), errors);
-  CheckTiming(machine.laser(), errors);
   CheckChannelPositions(machine, errors);
   CheckLine(machine.has_laser_line(), machine.laser_line(), "laser_line", errors);
   CheckLine(machine.has_motion_line(), machine.motion_line(), "motion_line", errors);

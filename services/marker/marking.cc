@@ -65,6 +65,7 @@ ChainLinks LinksOf(const drivers::MarkDeviceState& state, const GrantInputs& inp
   links.motion_fresh = state.link_up;
   links.motion_without_fault = state.fault.empty();
   links.shutters_open = state.shutter_open;
+  links.door_locked = true;  // such machines report no lock
   // Of a controller that gives none, its openings alone are compared.
   links.counters = {std::max(1u, PowerUpNumber(state.power_up)), state.openings};
   return links;

@@ -30,6 +30,7 @@ SkipReason ReasonOf(Missing missing) {
     case Missing::kEmergencyStop:
     case Missing::kKey:
     case Missing::kDoor:
+    case Missing::kDoorLock:
     case Missing::kSafeState:
     case Missing::kOpenedUnseen:
       return SkipReason::kInterlock;
@@ -44,7 +45,8 @@ bool IsLostLine(Missing missing, intaglio_MotionFault motion_fault) {
   if (missing == Missing::kMotionFault) {
     return motion_fault != intaglio_MOTION_LIMIT &&
            motion_fault != intaglio_MOTION_FOLLOWING_ERROR &&
-           motion_fault != intaglio_MOTION_WRONG_CONTROLLER;
+           motion_fault != intaglio_MOTION_WRONG_CONTROLLER &&
+           motion_fault != intaglio_MOTION_NO_AIR;
   }
   return missing == Missing::kLaserLine || missing == Missing::kMotionState ||
          missing == Missing::kSafeState;
@@ -89,7 +91,9 @@ void Engraving::Note(const PulseResult& result) {
 }
 
 ChainLinks Engraving::LinksNow(const EngravingInputs& inputs) const {
-  return LinksOf(inputs, laser_, shutters_.run_mask());
+  ChainLinks links = LinksOf(inputs, laser_, shutters_.run_mask());
+  links.door_locked = !job_.needs_door_lock || laser_.Has(link::kDoorLocked);
+  return links;
 }
 
 void Engraving::Turn(const EngravingInputs& inputs) {
@@ -236,8 +240,10 @@ void Engraving::Wait(const EngravingInputs& inputs) {
 // All links but the shutters, which open when the others hold.
 bool Engraving::MayFire(const EngravingInputs& inputs) {
   ChainLinks links = LinksNow(inputs);
-  // A stage's fault is cleared by the bridge when it begins the run.
-  if (!chain_.latched() && !inputs.motion.line_down()) {
+  // A stage's fault is cleared by the bridge when it begins the run; compressed air is
+  // not brought back by that.
+  if (!chain_.latched() && !inputs.motion.line_down() &&
+      inputs.motion.fault != intaglio_MOTION_NO_AIR) {
     links.motion_without_fault = true;
   }
   const Missing missing = chain_.WhatIsMissing(links, false);
@@ -289,7 +295,8 @@ void Engraving::Run(const EngravingInputs& inputs) {
   ChainLinks links = LinksNow(inputs);
   // Until the controller executes this run, a fault is that of an older one, which the
   // bridge clears, or a start that came too late, which is tried again.
-  if (!run_.is_executed(inputs.motion) && !inputs.motion.line_down()) {
+  if (!run_.is_executed(inputs.motion) && !inputs.motion.line_down() &&
+      inputs.motion.fault != intaglio_MOTION_NO_AIR) {
     links.motion_without_fault = true;
   }
   const Missing missing = chain_.WhatIsMissing(links, shutters_.UpdateSeenOpen());

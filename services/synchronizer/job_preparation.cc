@@ -44,6 +44,7 @@ Result<EngravingJob> EngravingOf(const PreparationTask& task, const PointCloud& 
   job.machine_points_mm = std::move(axes);
   job.pulse_energy_mj = frozen.job().laser().pulse_energy_mj();
   job.max_missed_in_a_row = frozen.machine().laser().max_missed_in_a_row();
+  job.needs_door_lock = frozen.machine().laser().door_lock();
   job.max_unsettled_points = frozen.machine().laser().max_unsettled_points();
   job.photosensor_feedback = frozen.job().laser().photosensor_feedback();
   job.position_tolerance_um = frozen.machine().position_tolerance_um();

@@ -116,6 +116,7 @@ void Publisher::PublishInterlock(const drivers::LaserController& laser,
     sample.lamp_on = laser.Has(link::kLampOn);
     sample.lamp_warm = laser.Has(link::kLampWarm);
     sample.safe_state = laser.Has(link::kSafeState);
+    sample.door_locked = laser.Has(link::kDoorLocked);
     sample.shutters_open = laser.status().shutters_open;
   }
   (void)interlocks_.Write(sample);

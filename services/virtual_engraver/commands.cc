@@ -107,6 +107,23 @@ std::string Commands::DoLamp(const std::vector<std::string>& words) {
   return "error lamp-sync miss 0..100000 or late 0..60000, in ms";
 }
 
+// A person cannot open a locked door; who forces it still opens the door switch.
+std::string Commands::DoDoor(const std::string& verb, const std::string& what) {
+  Laser& laser = machine_.laser();
+  if (verb == "lock") {
+    if (what != "break" && what != "mend") return "";
+    laser.BreakLock(what == "break");
+    return "ok";
+  }
+  if (what != "open" && what != "close" && what != "force") return "";
+  if (what == "open" && laser.door_locked()) {
+    return "error the door is locked while a shutter is open: pause the job, or force it "
+           "(door force)";
+  }
+  laser.SetDoor(what == "close");
+  return "ok";
+}
+
 std::string Commands::DoStage(const std::vector<std::string>& words) {
   const std::string& verb = words[0];
   const std::string what = words.size() > 1 ? words[1] : "";
@@ -116,6 +133,10 @@ std::string Commands::DoStage(const std::vector<std::string>& words) {
   }
   if (verb == "stick" && (what == "all" || what == "x" || what == "y" || what == "z")) {
     machine_.stage().Stick(what == "all" ? -1 : what[0] - 'x');
+    return "ok";
+  }
+  if (verb == "air" && (what == "on" || what == "off")) {
+    machine_.stage().SetAir(what == "on");
     return "ok";
   }
   if (verb == "limit" && words.size() == 1) {
@@ -147,11 +168,8 @@ std::string Commands::DoCommand(const std::vector<std::string>& words) {
     if (on) machine_.laser().SetKey(*on);
     return on ? "ok" : "";
   }
-  if (verb == "door") {
-    const auto closed = either("close", "open");
-    if (closed) machine_.laser().SetDoor(*closed);
-    return closed ? "ok" : "";
-  }
+  if (verb == "door" || verb == "lock")
+    return DoDoor(verb, words.size() == 2 ? what : "");
   if (verb == "estop") {
     const auto pressed = either("press", "release");
     if (!pressed) return "";

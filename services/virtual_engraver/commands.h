@@ -2,7 +2,8 @@
 
 // The commands of the panel and of --fault: buttons, and kinds of misbehaviour.
 //
-//   key on|off            door open|close         estop press|release
+//   key on|off            door open|close|force   estop press|release
+//   lock break|mend       air on|off
 //   stick x|y|z|all       unstick                 miss N
 //   blind N               lamp cold               lamp-sync miss N | late MS
 //   limit                 buffer starved|full
@@ -50,6 +51,7 @@ class Commands {
   void PlugEnd(std::unique_ptr<link::ByteStream> end);
   std::string DoCommand(const std::vector<std::string>& words);
   std::string DoLamp(const std::vector<std::string>& words);
+  std::string DoDoor(const std::string& verb, const std::string& what);
   std::string DoStage(const std::vector<std::string>& words);
   std::string Line(const std::string& verb, const std::string& which);
   Machine& machine_;

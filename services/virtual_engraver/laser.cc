@@ -121,6 +121,14 @@ bool Laser::interlocked() const {
   return !key_on_ || !door_closed_ || !stop_released_ || stop_latched_ || safe_state_;
 }
 
+bool Laser::door_locked() const {
+  if (!options_.locks_door || lock_broken_ || !door_closed_) return false;
+  const double time_s =
+      std::max(options_.signals.shutter_time_s, timing_.shutter_time_ms / 1000);
+  const bool closing = shutters_before_ != 0 && time_s > 0 && ShuttersMove(time_s);
+  return shutters_ != 0 || closing;
+}
+
 TickOutcome Laser::OutcomeAt(bool armed, const link::ArmWindow& window,
                              bool in_position) const {
   if (!armed) return TickOutcome::kNotArmed;
@@ -130,6 +138,7 @@ TickOutcome Laser::OutcomeAt(bool armed, const link::ArmWindow& window,
   if (shutters_ == 0) return TickOutcome::kShutterClosed;
   if (timing_.shutter_time_ms > 0 && ShuttersMove(timing_.shutter_time_ms / 1000))
     return TickOutcome::kShutterClosed;
+  if (options_.locks_door && !door_locked()) return TickOutcome::kInterlocked;
   if (!TakesTrigger(options_.signals, timing_, window.at_place))
     return TickOutcome::kTriggerOutside;
   // false for NaN
@@ -250,6 +259,7 @@ link::LaserStatus Laser::Report() const {
   set(lamp_on_ && lamp_s_ >= options_.warm_up_s, link::kLampWarm);
   set(safe_state_, link::kSafeState);
   set(!CountsSync(), link::kNoLampSync);
+  set(door_locked(), link::kDoorLocked);
   const bool moving =
       timing_.shutter_time_ms > 0 && ShuttersMove(timing_.shutter_time_ms / 1000);
   status.shutters_open = moving ? shutters_before_ : shutters_;
@@ -270,7 +280,8 @@ link::LaserIdentity Laser::Identity() const {
           options_.serial_number,
           true,
           options_.min_energy_mj,
-          options_.max_energy_mj};
+          options_.max_energy_mj,
+          options_.locks_door};
 }
 
 }  // namespace intaglio::virtual_engraver

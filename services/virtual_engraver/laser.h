@@ -5,7 +5,8 @@
 //
 //   armed -> [gated: in position; at a place: compare output] -> key, door, stop -> no
 //   safe state -> lamp warm
-//         -> a shutter is open, and none moves -> the Q-switch takes the trigger
+//         -> a shutter is open, and none moves -> [the door is locked] -> the Q-switch
+//         takes the trigger
 //         -> the commanded energy is within its range -> pulse
 //
 // The first link that does not hold is the outcome. Nothing passes at all while the lamp
@@ -32,12 +33,13 @@ struct LaserOptions {
   std::uint32_t power_up = 1;                     ///< random number of this power-up
   std::string serial_number = "virtual-laser-1";  ///< empty: it has none
   LaserSignals signals = {};
-  /// What the energy of a pulse can be set to, in front of the lens.
+  /// What the energy of a pulse can be set to, before a splitter.
   double min_energy_mj = 0.001, max_energy_mj = 30;
   /// All pulses are off by the one; each by up to the other, uniform (Trochimczuk 2008,
   /// annex D, table 10: 2 %).
   double energy_error_ratio = 0, energy_spread_ratio = 0.02;
-  unsigned seed = 0;  ///< of the spread
+  unsigned seed = 0;        ///< of the spread
+  bool locks_door = false;  ///< a magnet holds the door while a shutter is open
 };
 
 class Laser {
@@ -64,6 +66,10 @@ class Laser {
   // From the machine.
   void SetKey(bool on) { Set(key_on_, on); }
   void SetDoor(bool closed) { Set(door_closed_, closed); }
+  /// The magnet of the door's lock does not hold any more; false: it does again.
+  void BreakLock(bool broken) { lock_broken_ = broken; }
+  /// The magnet holds the closed door: from before a shutter opens until all have closed.
+  bool door_locked() const;
   void SetStopButton(bool pressed);
   /// The lamp has gone cold: it warms up from the beginning, if it burns.
   void CoolLamp() { lamp_s_ = 0; }
@@ -84,7 +90,7 @@ class Laser {
   /// One lamp sync later, which comes `late_s` after its time. Returns the mask of
   /// channels that fire; 0: no pulse.
   std::uint8_t AdvanceTick(bool in_position, double late_s = 0);
-  /// Of the pulse that AdvanceTick returned, in front of the lens; detectors measure it
+  /// Of the pulse that AdvanceTick returned, before a splitter; detectors measure it
   /// exactly.
   double pulse_energy_mj() const { return pulse_energy_mj_; }
   /// The photosensors of these channels saw no flash of the pulse that AdvanceTick
@@ -131,7 +137,7 @@ class Laser {
   double shutters_moved_s_ = -1e9;    // when they began, in machine time
   link::PulseTiming timing_ = {};
   bool key_on_ = true, door_closed_ = true, stop_released_ = true;
-  bool stop_latched_ = false, safe_state_ = false;
+  bool stop_latched_ = false, safe_state_ = false, lock_broken_ = false;
   std::uint64_t decided_through_ = 0;
   std::deque<link::ArmWindow> windows_;
   std::uint64_t pulse_count_ = 0, last_fired_tick_ = 0;

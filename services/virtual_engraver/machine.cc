@@ -227,7 +227,9 @@ bool Machine::PassTicks() {
 void Machine::Fire(std::uint8_t channels, const Vec3& place_mm) {
   unsigned missed = to_overlook_ > 0 ? blind_channels_ : 0;
   if (to_overlook_ > 0) --to_overlook_;
-  const double energy_mj = laser_.pulse_energy_mj();
+  // A fixed splitter: a closed shutter takes up its share, and leaves none to the others.
+  const double energy_mj = options_.split_ratio * laser_.pulse_energy_mj();
+  const double full_mj = options_.split_ratio * options_.laser.max_energy_mj;
   for (std::uint8_t channel = 0; channel < 4; ++channel) {
     if ((channels >> channel & 1) == 0) continue;
     if (to_miss_ > 0) {
@@ -237,8 +239,7 @@ void Machine::Fire(std::uint8_t channels, const Vec3& place_mm) {
     const auto [station, focus] = TraceFocus(
         FocusAt(options_.positioner, place_mm) + options_.channel_offset_mm[channel],
         options_.block, options_.further_stations);
-    const double length_mm =
-        CrackLengthMm(options_.crack_length_mm, energy_mj / options_.laser.max_energy_mj);
+    const double length_mm = CrackLengthMm(options_.crack_length_mm, energy_mj / full_mj);
     glass_.Add({laser_.tick(), focus.position_mm, energy_mj, channel, focus.in_glass,
                 focus.in_glass ? length_mm : 0, station});
     if (!focus.in_glass || !laser_.CountsFlashAt(focus.position_mm.z()))

@@ -38,6 +38,7 @@ struct MachineOptions {
   std::vector<StationInMachine> further_stations;
   PositionerOptions positioner;
   double crack_length_mm = 0.2;  ///< of the laser's largest pulse, along the beam
+  double split_ratio = 1;        ///< of a pulse, in the beam of each channel
   /// How far beside that of channel 1 the beam of each channel meets.
   std::array<Vec3, 4> channel_offset_mm = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(),
                                            Vec3::Zero()};

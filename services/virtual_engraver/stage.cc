@@ -130,7 +130,7 @@ void Stage::AppendTimed(const link::TimedSegments& segments) {
 }
 
 void Stage::Reset() {
-  if (phase_ == Phase::kRest) fault_ = StageFault::kNone;
+  if (phase_ == Phase::kRest && has_air_) fault_ = StageFault::kNone;
 }
 
 // The command brakes along its direction with constant acceleration: one cubic whose
@@ -388,6 +388,7 @@ link::MotionIdentity Stage::Identity() const {
   identity.queue_capacity = options_.queue_capacity;
   identity.serial_number = options_.serial_number;
   identity.compares_place = !own_clock_;
+  identity.watches_air = options_.floats_on_air;
   return identity;
 }
 

@@ -51,6 +51,7 @@ struct StageOptions {
   bool waits_for_motion = false;        ///< lockstep: an empty queue is no fault
   std::optional<OwnClockOptions> own_clock = {};  ///< none: it runs on the lamp's ticks
   std::string serial_number = "virtual-stage-1";  ///< empty: it has none
+  bool floats_on_air = false;                     ///< it watches its compressed air
 };
 
 class Stage {
@@ -72,6 +73,9 @@ class Stage {
   /// Stops the stage, with a fault that has to be reset.
   void Fail(link::StageFault fault) { Brake(fault); }
   void Reset();
+  /// Its compressed air: without it a stage that floats on it stops with kNoAir, and with
+  /// it again the fault is kAirReturned, which Reset clears.
+  void SetAir(bool on);
   /// An axis that does not move any more (-1: all of them), until Unstick.
   void Stick(int axis) { mechanics_.Stick(axis); }
   void Unstick() { mechanics_.Unstick(); }
@@ -152,6 +156,7 @@ class Stage {
   std::optional<OwnClock> own_clock_;
   Phase phase_ = Phase::kRest;
   link::StageFault fault_ = link::StageFault::kNone;
+  bool has_air_ = true;  // or needs none
   std::uint64_t tick_ = 0;
   std::uint64_t received_tick_ = 0;  // with a clock of its own: the newest it knows of
   double rate_hz_ = 1;

@@ -14,6 +14,14 @@ constexpr double kJogAccelerationRatio = 0.1;
 
 }  // namespace
 
+void Stage::SetAir(bool on) {
+  if (!options_.floats_on_air || on == has_air_) return;
+  has_air_ = on;
+  if (!on) Brake(link::StageFault::kNoAir);
+  // Whatever was wrong before.
+  fault_ = on ? link::StageFault::kAirReturned : link::StageFault::kNoAir;
+}
+
 void Stage::Jog(const link::JogMove& jog) {
   ++jogs_taken_;
   StartJog(Vec3(jog.x_nm, jog.y_nm, jog.z_nm) / kNmPerMm, jog.speed_nm_s / kNmPerMm);

@@ -88,6 +88,7 @@ void SetStage(const TruthStage& truth, StageOptions& stage) {
   stage.repeatability_mm = truth.repeatability_um() / 1000;
   stage.backlash_mm = Vec3Of(truth.backlash_um()) / 1000;
   if (truth.has_serial_number()) stage.serial_number = truth.serial_number();
+  stage.floats_on_air = truth.compressed_air();
 }
 
 Guide GuideOf(const TruthGuide& truth) {
@@ -132,6 +133,8 @@ void SetLaser(const TruthLaser& truth, MachineOptions& options) {
   if (truth.has_energy_spread_ratio())
     laser.energy_spread_ratio = truth.energy_spread_ratio();
   laser.energy_error_ratio = truth.energy_error_ratio();
+  laser.locks_door = truth.door_lock();
+  if (truth.has_split_ratio()) options.split_ratio = truth.split_ratio();
 }
 
 void SetBlock(const TruthBlock& truth, BlockInMachine& block) {

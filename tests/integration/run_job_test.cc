@@ -245,7 +245,7 @@ INSTANTIATE_TEST_SUITE_P(
     EveryMishap, MachineFault,
     ::testing::Values(Mishap{"laser_unplugged", "unplug laser", "laser line"},
                       Mishap{"motion_unplugged", "unplug motion", "line"},
-                      Mishap{"door_opened", "door open", "door"},
+                      Mishap{"door_forced", "door force", "door"},
                       Mishap{"stop_pressed", "estop press", "stop"},
                       Mishap{"key_turned", "key off", "key"}),
     [](const auto& suite) { return suite.param.name; });

@@ -185,9 +185,9 @@ void ShopFloor::StartMachine() {
          "        travel_max_mm { x: 172 y: 172 z: 172 }\n"
          "        first_order_lag_s: 0.0002 position_tolerance_um: 30 }\n"
          "laser { rates_hz: [1, 2, 5, 10, 25, 50, 100, 200] warm_up_s: 0.5 channels: 4 "
-         "}\n"
+         "door_lock: true }\n"
          "block { size_mm { x: 50 y: 50 z: 30 } refractive_index: 1.5195\n"
-         "        numerical_aperture: 0.2 }\n";
+         "        numerical_aperture: 0.058139534883720929 }\n";
   running_["machine"] = std::make_unique<Running>(
       Program("virtual-engraver"),
       std::vector<std::string>{"--truth", (folder_ / "truth.textproto").string(),

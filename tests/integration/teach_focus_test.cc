@@ -151,8 +151,11 @@ TEST_F(TeachFocus, AKilledClientAndAnOpenDoorSwitchLampAndShutterOff) {
   EXPECT_TRUE(Eventually([&] { return !is_open(); }, 10s));
   client = held("door.txt");
   ASSERT_TRUE(Eventually(is_open, 20s)) << client->Output();
-  testing::AskPanel(shop(), "door open");
+  EXPECT_TRUE(StatusNow().door_locked());
+  EXPECT_THAT(testing::AskPanel(shop(), "door open"), HasSubstr("the door is locked"));
+  testing::AskPanel(shop(), "door force");
   EXPECT_TRUE(Eventually([&] { return !is_open(); }, 10s));
+  EXPECT_FALSE(StatusNow().door_locked());
   const Ended ended = client->WaitForEnd(10s);
   EXPECT_EQ(ended.exit_code, 4) << ended.output;
   EXPECT_THAT(ended.output, HasSubstr("door is open"));

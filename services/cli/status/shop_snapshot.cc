@@ -17,6 +17,7 @@ void TakeInterlock(const intaglio_Interlock& sample, CellSnapshot& cell) {
   cell.laser_line_up = sample.laser_link_up;
   cell.key_on = sample.key_on;
   cell.door_closed = sample.door_closed;
+  cell.door_locked = sample.door_locked;
   cell.stop_released = sample.emergency_stop_released;
   cell.lamp_on = sample.lamp_on;
   cell.lamp_warm = sample.lamp_warm;

@@ -14,7 +14,8 @@ namespace intaglio::cli {
 /// Interlock, LampSync and MotionState of one machine, copied.
 struct CellSnapshot {
   bool has_interlock = false;
-  bool laser_line_up = false, key_on = false, door_closed = false, stop_released = false;
+  bool laser_line_up = false, key_on = false, door_closed = false, door_locked = false,
+       stop_released = false;
   bool lamp_on = false, lamp_warm = false, safe_state = false;
   std::uint8_t shutters_open = 0;
   bool stop_pressed = false;            ///< on the bus

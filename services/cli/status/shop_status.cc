@@ -159,6 +159,7 @@ class Builder {
     line.set_laser_line_up(cell.has_interlock && cell.laser_line_up);
     line.set_key_on(cell.key_on);
     line.set_door_closed(cell.door_closed);
+    line.set_door_locked(cell.door_locked);
     line.set_stop_released(cell.stop_released);
     line.set_safe_state(cell.safe_state);
     line.set_shutters_open(cell.shutters_open);

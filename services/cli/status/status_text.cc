@@ -22,11 +22,16 @@ std::string StopText(const MachineStatus& machine) {
                                  : "STOP of the machine pressed or latched";
 }
 
+std::string DoorText(const MachineStatus& machine) {
+  if (!machine.door_closed()) return "DOOR OPEN";
+  return machine.door_locked() ? "door locked" : "door closed";
+}
+
 std::string LineOf(const MachineStatus& machine) {
   std::vector<std::string> parts;
   if (machine.laser_line_up()) {
     parts = {LampText(machine), machine.key_on() ? "key on" : "KEY OFF",
-             machine.door_closed() ? "door closed" : "DOOR OPEN", StopText(machine)};
+             DoorText(machine), StopText(machine)};
     if (machine.safe_state()) parts.emplace_back("safe state");
   } else {
     parts.emplace_back("LASER LINE DOWN");

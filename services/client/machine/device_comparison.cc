@@ -145,6 +145,11 @@ std::vector<Error> CompareLaser(const MachineSpec& machine,
             "PULSE_TRIGGER_AT_PLACE is not offered by the laser controller; remove the "
             "field");
   }
+  if (machine.laser().door_lock() && !reported.locks_door) {
+    Differs(found, "laser.door_lock",
+            "the laser controller reports no lock of the door; remove the field, or "
+            "connect the lock to the controller");
+  }
   return found;
 }
 
@@ -174,6 +179,11 @@ std::vector<Error> CompareStage(const MachineSpec& machine,
     Differs(found, "pulse_trigger",
             "PULSE_TRIGGER_AT_PLACE is not offered by the motion controller; remove the "
             "field");
+  }
+  if (machine.compressed_air() && !reported.watches_air) {
+    Differs(found, "compressed_air",
+            "the motion controller watches no compressed air; remove the field, or "
+            "connect the pressure switch to the controller");
   }
   return found;
 }

@@ -152,6 +152,9 @@ void ManualControl::Begin(const ManualOrder& order, const ManualConditions& cond
   if (!IsFresh(order.seen, now)) return Answer(order, intaglio_MANUAL_STOPPED, "let go");
   std::string why = WhyNoMotionByHand(conditions, driver_.state(), order.by_cell);
   if (!why.empty()) return Answer(order, intaglio_MANUAL_REFUSED, std::move(why));
+  // No command brings air back.
+  if (!IsLight(order.kind) && driver_.state().fault == intaglio_MOTION_NO_AIR)
+    return Answer(order, intaglio_MANUAL_REFUSED, driver_.state().message);
   // A fault of before; the order is repeated while it is held.
   if (!IsLight(order.kind) && driver_.state().fault != intaglio_MOTION_OK) {
     (void)driver_.ClearFault();

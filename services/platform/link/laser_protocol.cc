@@ -14,7 +14,8 @@ constexpr std::size_t kMaxModelText = 64;
 constexpr std::uint8_t kGatedBit = 1, kAtPlaceBit = 2;
 constexpr std::size_t kMaxLaserSerialNumber = 64;
 constexpr std::size_t kMaxRates = 32;
-constexpr std::uint8_t kAllInterlocks = (kNoLampSync << 1) - 1;
+// Of what an identity offers.
+constexpr std::uint8_t kFiresAtPlaceBit = 1, kLocksDoorBit = 2;
 constexpr std::uint8_t kAllShutters = 0x0f;
 
 bool IsRate(double rate_hz) { return std::isfinite(rate_hz) && rate_hz > 0; }
@@ -147,7 +148,8 @@ Bytes Encode(const LaserIdentity& m) {
     out.Put(m.rates_hz[i]);
   out.PutText(m.model, kMaxModelText);
   out.PutText(m.serial_number, kMaxLaserSerialNumber);
-  out.Put(static_cast<std::uint8_t>(m.fires_at_place));
+  out.Put(static_cast<std::uint8_t>((m.fires_at_place ? kFiresAtPlaceBit : 0) |
+                                    (m.locks_door ? kLocksDoorBit : 0)));
   out.Put(m.min_energy_mj);
   out.Put(m.max_energy_mj);
   return out.Take();
@@ -167,10 +169,13 @@ Result<LaserIdentity> Decode(std::span<const std::byte> payload) {
   for (int i = 0; i < count; ++i) m.rates_hz.push_back(in.Get<double>());
   m.model = in.GetText(kMaxModelText);
   m.serial_number = in.GetPrintableText(kMaxLaserSerialNumber);
-  m.fires_at_place = in.GetFlag();
+  const auto offers = in.Get<std::uint8_t>();
+  m.fires_at_place = (offers & kFiresAtPlaceBit) != 0;
+  m.locks_door = (offers & kLocksDoorBit) != 0;
   m.min_energy_mj = in.Get<double>();
   m.max_energy_mj = in.Get<double>();
-  if (!in.finished() || !IsEnergy(m.min_energy_mj) || !IsEnergy(m.max_energy_mj) ||
+  if (!in.finished() || offers > (kFiresAtPlaceBit | kLocksDoorBit) ||
+      !IsEnergy(m.min_energy_mj) || !IsEnergy(m.max_energy_mj) ||
       m.min_energy_mj > m.max_energy_mj ||
       !std::all_of(m.rates_hz.begin(), m.rates_hz.end(), IsRate)) {
     return BadLaserFrame("LaserIdentity");
@@ -210,8 +215,7 @@ Result<LaserStatus> Decode(std::span<const std::byte> payload) {
   m.disarms_taken = in.Get<std::uint32_t>();
   m.openings = in.Get<std::uint32_t>();
   if (!in.finished() || !std::isfinite(m.rate_hz) || m.rate_hz < 0 ||
-      !(m.warm_ratio >= 0 && m.warm_ratio <= 1) || m.interlocks > kAllInterlocks ||
-      m.shutters_open > kAllShutters) {
+      !(m.warm_ratio >= 0 && m.warm_ratio <= 1) || m.shutters_open > kAllShutters) {
     return BadLaserFrame("LaserStatus");
   }
   return m;

@@ -98,8 +98,11 @@ struct LaserIdentity {
   std::string model;               ///< at most 64 bytes
   std::string serial_number = {};  ///< printable ASCII, at most 64; empty: it has none
   bool fires_at_place = false;     ///< takes windows `at_place`
-  /// What the pulse energy can be set to, in front of the lens; equal: it has one alone.
+  /// What the pulse energy can be set to, before a splitter; equal: it has one alone.
   double min_energy_mj = 0, max_energy_mj = 0;
+  /// It locks the door by a magnet from before a shutter opens until all are closed, and
+  /// fires no pulse while the lock does not hold.
+  bool locks_door = false;
 };
 
 enum InterlockBits : std::uint8_t {
@@ -110,6 +113,7 @@ enum InterlockBits : std::uint8_t {
   kLampWarm = 1 << 4,
   kSafeState = 1 << 5,   ///< shutters closed by the controller itself
   kNoLampSync = 1 << 6,  ///< the laser's lamp sync is too short to be counted
+  kDoorLocked = 1 << 7,  ///< the magnet holds the door; where the identity offers it
 };
 
 struct LaserStatus {
@@ -156,7 +160,7 @@ struct PulseReport {
   /// One a tick, bit 0..3: channels 1..4 that were open and whose photosensor saw none.
   /// Empty, or 0 with kFiredUnseen: not known.
   std::vector<std::uint8_t> missed = {};
-  /// One a tick, of the pulses that fired, in front of the lens. Empty, or 0: not
+  /// One a tick, of the pulses that fired, before a splitter. Empty, or 0: not
   /// measured.
   std::vector<float> measured_mj = {};
 };

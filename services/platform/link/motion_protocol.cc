@@ -8,6 +8,8 @@ namespace intaglio::link {
 namespace {
 
 constexpr std::uint8_t kPulseBit = 1, kEndBit = 2;
+// Of what an identity offers.
+constexpr std::uint8_t kComparesPlaceBit = 1, kWatchesAirBit = 2;
 constexpr std::size_t kMaxMotionSerialNumber = 64;
 
 tl::unexpected<Error> BadMotionFrame(const char* frame) {
@@ -110,7 +112,8 @@ Bytes Encode(const MotionIdentity& m) {
   for (const std::int32_t limit : m.travel_max_nm) out.Put(limit);
   out.Put(m.queue_capacity);
   out.PutText(m.serial_number, kMaxMotionSerialNumber);
-  out.Put(static_cast<std::uint8_t>(m.compares_place));
+  out.Put(static_cast<std::uint8_t>((m.compares_place ? kComparesPlaceBit : 0) |
+                                    (m.watches_air ? kWatchesAirBit : 0)));
   return out.Take();
 }
 
@@ -122,8 +125,11 @@ Result<MotionIdentity> Decode(std::span<const std::byte> payload) {
   for (std::int32_t& limit : m.travel_max_nm) limit = in.Get<std::int32_t>();
   m.queue_capacity = in.Get<std::uint32_t>();
   m.serial_number = in.GetPrintableText(kMaxMotionSerialNumber);
-  m.compares_place = in.GetFlag();
-  if (!in.finished()) return BadMotionFrame("MotionIdentity");
+  const auto offers = in.Get<std::uint8_t>();
+  m.compares_place = (offers & kComparesPlaceBit) != 0;
+  m.watches_air = (offers & kWatchesAirBit) != 0;
+  if (!in.finished() || offers > (kComparesPlaceBit | kWatchesAirBit))
+    return BadMotionFrame("MotionIdentity");
   return m;
 }
 
@@ -158,7 +164,7 @@ Result<MotionStatus> Decode(std::span<const std::byte> payload) {
   const auto fault = in.Get<std::uint8_t>();
   m.following_error_max_nm = in.Get<std::uint32_t>();
   m.jogs_taken = in.Get<std::uint32_t>();
-  if (!in.finished() || fault > static_cast<std::uint8_t>(StageFault::kBadSequence)) {
+  if (!in.finished() || fault > static_cast<std::uint8_t>(StageFault::kAirReturned)) {
     return BadMotionFrame("MotionStatus");
   }
   m.fault = static_cast<StageFault>(fault);

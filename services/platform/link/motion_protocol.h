@@ -72,6 +72,9 @@ struct MotionIdentity {
   /// Its compare output is on for an instant when the stage passes nearest to a knot that
   /// is marked for a pulse, within the tick that begins at the knot.
   bool compares_place = false;
+  /// Its stage floats on compressed air: without pressure it neither moves nor takes a
+  /// run, with the fault kNoAir.
+  bool watches_air = false;
 };
 
 enum class StageFault : std::uint8_t {
@@ -83,6 +86,8 @@ enum class StageFault : std::uint8_t {
   kRunRefused = 5,
   kSafeState = 6,    ///< no valid frame for 250 ms: the stage was stopped
   kBadSequence = 7,  ///< segment numbers with a gap
+  kNoAir = 8,        ///< its bearings have no compressed air; no Reset clears it
+  kAirReturned = 9,  ///< it stopped for that; Reset clears it
 };
 
 struct MotionStatus {

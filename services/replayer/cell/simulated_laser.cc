@@ -29,6 +29,7 @@ virtual_engraver::LaserOptions OptionsOf(const MachineSpec& machine) {
   options.min_energy_mj = 0;
   options.max_energy_mj = machine.laser().pulse_energy_mj();
   options.energy_spread_ratio = 0;
+  options.locks_door = machine.laser().door_lock();
   // The profile may name the one that the recorded cell had.
   options.serial_number = machine.laser_line().serial_number();
   return options;

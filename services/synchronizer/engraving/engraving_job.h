@@ -29,14 +29,15 @@ struct EngravingJob {
   motion::Limits machine_limits = {};  ///< of the axes; >= those of `plan`
   const PulseTrigger* trigger = &TriggerAtTick();
   ChannelMask shutter_mask = 1;  ///< of all points
-  double pulse_energy_mj = 0;    ///< of each pulse, in front of the lens
+  double pulse_energy_mj = 0;    ///< of each pulse, before a splitter
   /// Of each point, when they differ: it is made with exactly these shutters open.
   std::vector<ChannelMask> masks = {};
   /// Number of pulses in a row for which no crack was seen, until it pauses.
   std::uint32_t max_missed_in_a_row = 5;
   /// Points that are armed at a time without a result; 0: no limit.
   std::uint32_t max_unsettled_points = 0;
-  bool lamp_stays = false;           ///< on when the job has ended by itself
+  bool needs_door_lock = false;  ///< the profile has one: no pulse while it does not hold
+  bool lamp_stays = false;       ///< on when the job has ended by itself
   bool photosensor_feedback = true;  ///< false: no sensor sees cracks, a fired point
                                      ///< counts as made
   double position_tolerance_um = 0;  ///< of the profile; 0: not known

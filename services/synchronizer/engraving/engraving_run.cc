@@ -99,10 +99,11 @@ std::optional<HaltReason> EngravingRun::WhyHalt(const EngravingInputs& inputs) {
 HaltReason EngravingRun::WhySkipped() {
   switch (*passed_by_) {
     case SkipReason::kInterlock:
-      return {Missing::kDoor,
-              "an interlock of the machine blocked a pulse: check key, door and stop, "
-              "then resume",
-              true};
+      return {
+          Missing::kDoor,
+          "an interlock of the machine blocked a pulse: check key, door, its lock and "
+          "stop, then resume",
+          true};
     case SkipReason::kLamp:
       return {Missing::kLamp, TextOf(Missing::kLamp), true};
     case SkipReason::kShutter:

@@ -44,6 +44,11 @@ std::string MachinePreparation::Refusal() const {
   if (!laser_.up()) return TextOf(Missing::kLaserLine) + ": " + laser_.message();
   if (const auto can = job_.trigger->CheckLaser(laser_.identity()); !can)
     return can.error().message;
+  if (job_.needs_door_lock && !laser_.identity().locks_door) {
+    return "the laser controller reports no lock of the door, which the machine profile "
+           "has: connect the lock to the controller, or cancel the job, remove "
+           "laser.door_lock of the profile and submit the job again";
+  }
   const std::string energy = EnergyRefusal(laser_.identity(), job_.pulse_energy_mj);
   if (!energy.empty()) return energy;
   return RateRefusal(laser_.identity().rates_hz, job_.plan.rate_hz);

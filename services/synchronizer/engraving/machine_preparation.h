@@ -27,8 +27,8 @@ class MachinePreparation {
   MachinePreparation(const EngravingJob& job, drivers::LaserController& laser)
       : job_(job), laser_(laser) {}
 
-  /// Another block, another device, no line, or a rate or energy that the laser does not
-  /// have: then nothing is prepared. Empty: none.
+  /// Another block, another device, no line, or a rate, an energy or a lock of the door
+  /// that the laser does not have: then nothing is prepared. Empty: none.
   std::string Refusal() const;
   /// Switches the lamp on at the job's rate, unless it is.
   void LightLamp(std::chrono::nanoseconds now);

@@ -75,6 +75,7 @@ constexpr TruthRange kRanges[] = {
     {"TruthLaser", "min_pulse_energy_mj", 0.001, 10000},
     {"TruthLaser", "energy_spread_ratio", 0, 0.5},
     {"TruthLaser", "energy_error_ratio", -0.5, 0.5},
+    {"TruthLaser", "split_ratio", 0.001, 1},
     {"TruthStation", "offset_mm", -10000, 10000},
     {"TruthStation", "turn_rad", -6.3, 6.3},
     {"TruthBlock", "size_mm", 0.1, 10000},

@@ -67,9 +67,10 @@ void CellUnderFire::StartMachine(const fs::path& glass) {
   std::ofstream(folder_ / "truth.textproto")
       << "stage { travel_min_mm { x: -2 y: -2 z: -2 }\n"
          "        travel_max_mm { x: 172 y: 172 z: 172 } position_tolerance_um: 30 }\n"
-         "laser { rates_hz: [1, 50, 100, 200] warm_up_s: 0 channels: 4 }\n"
+         "laser { rates_hz: [1, 50, 100, 200] warm_up_s: 0 channels: 4 door_lock: true "
+         "}\n"
          "block { size_mm { x: 50 y: 50 z: 30 } refractive_index: 1.51947\n"
-         "        numerical_aperture: 0.2 }\n";
+         "        numerical_aperture: 0.058139534883720929 }\n";
   machine_ = std::make_unique<Running>(
       Program("virtual-engraver"),
       std::vector<std::string>{"--truth", (folder_ / "truth.textproto").string(),

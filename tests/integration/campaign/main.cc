@@ -148,7 +148,7 @@ void OpenTheDoorUnseen(CellUnderFire& cell, std::mt19937&, Outcome& outcome) {
   const pid_t victim = cell.ProcessOf("intaglio-synchronizer");
   const auto at = Clock::now();
   if (victim > 0) kill(victim, SIGKILL);
-  cell.Press("door open");
+  cell.Press("door force");  // the shutter may be open, and the door locked
   cell.Press("door close");
   outcome.beam_off_ms = StillAfter(cell, at);
   const std::size_t cracks = cell.Cracks();
@@ -249,7 +249,7 @@ const std::map<std::string, Fault>& Faults() {
       {"emergency-stop", PressAndSetRight("estop press", "estop release")},
       {"stop-on-the-bus", StopOnTheBus(0)},
       {"stop-on-the-bus-watchers-frozen", StopOnTheBus(3)},
-      {"door", PressAndSetRight("door open", "door close")},
+      {"door", PressAndSetRight("door force", "door close")},
       {"door-unseen", OpenTheDoorUnseen},
       {"door-before-the-path", OpenTheDoorBeforeThePath},
       {"overtaken", Overtake},
@@ -383,7 +383,7 @@ void Disturb(CellUnderFire& cell, std::mt19937& random) {
       {"drop-bytes 0.001 motion", "drop-bytes 0 motion"},
       {"unplug laser", "plug laser"},
       {"unplug motion", "plug motion"},
-      {"door open", "door close"},
+      {"door force", "door close"},
       {"estop press", "estop release"}};
   const auto& [wrong, right] = kDisturbances[random() % kDisturbances.size()];
   cell.AwaitCracks(cell.Cracks() + random() % 200, 5s);

@@ -16,7 +16,7 @@ namespace {
 using State = PermissionChain::State;
 using namespace std::chrono_literals;
 
-constexpr unsigned kLinks = 13;
+constexpr unsigned kLinks = 14;
 constexpr bool ChainLinks::*kMember[kLinks] = {&ChainLinks::permission_fresh,
                                                &ChainLinks::permission_granted,
                                                &ChainLinks::stop_not_pressed,
@@ -29,9 +29,11 @@ constexpr bool ChainLinks::*kMember[kLinks] = {&ChainLinks::permission_fresh,
                                                &ChainLinks::lamp_warm,
                                                &ChainLinks::motion_fresh,
                                                &ChainLinks::motion_without_fault,
-                                               &ChainLinks::shutters_open};
+                                               &ChainLinks::shutters_open,
+                                               &ChainLinks::door_locked};
 constexpr unsigned kAll = (1u << kLinks) - 1;
-constexpr unsigned kShutters = 1u << 12;
+// The shutters, and the lock that holds the door while one is open.
+constexpr unsigned kShutters = 3u << 12;
 
 ChainLinks LinksOfBits(unsigned bits, Grant grant = {1, 0}) {
   ChainLinks links;

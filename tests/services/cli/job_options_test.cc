@@ -78,7 +78,7 @@ TEST(JobFlags, OfTheBlockAndTheGlassLandInThem) {
   EXPECT_TRUE(job.block().clip());
   EXPECT_EQ(job.glass(), "fused-silica");
   EXPECT_EQ(job.lens().focal_length_mm(), 70);
-  EXPECT_EQ(job.lens().numerical_aperture(), 0.124) << "of the machine's lens";
+  EXPECT_EQ(job.lens().numerical_aperture(), 5.0 / 140) << "of the machine's lens";
   EXPECT_EQ(job.name(), "a knot");
 }
 

@@ -24,7 +24,7 @@ TEST(Mounted, OfAVirtualMachineEverythingIsKnown) {
   EXPECT_EQ(mounted->description.lens->focal_length_mm, 43);
   EXPECT_THAT(TextOf(*mounted),
               AllOf(HasSubstr("100 x 100 x 100 mm"), HasSubstr("N-BK7 of index 1.51947"),
-                    HasSubstr("lens f43: f 43 mm, NA 0.2")));
+                    HasSubstr("lens f43: f 43 mm, NA 0.0581395")));
 }
 
 TEST(Mounted, OfARealMachineOnlyWhatWasGiven) {
@@ -36,7 +36,7 @@ TEST(Mounted, OfARealMachineOnlyWhatWasGiven) {
   EXPECT_THAT(TextOf(*nothing), HasSubstr("its lens is not known (--lens)"));
   const auto lens = MountedIn(false, {{}, "", 0, "f70"});
   ASSERT_TRUE(lens);
-  EXPECT_EQ(lens->description.lens->numerical_aperture, 0.124);
+  EXPECT_EQ(lens->description.lens->numerical_aperture, 5.0 / 140);
   EXPECT_FALSE(lens->description.refractive_index);
 }
 

@@ -269,6 +269,8 @@ TEST_F(VirtualStageDriver, ReportsEveryFaultInASentence) {
         Case{StageFault::kLate, intaglio_MOTION_LATE},
         Case{StageFault::kRunRefused, intaglio_MOTION_LATE},
         Case{StageFault::kSafeState, intaglio_MOTION_SAFE_STATE},
+        Case{StageFault::kNoAir, intaglio_MOTION_NO_AIR},
+        Case{StageFault::kAirReturned, intaglio_MOTION_SAFE_STATE},
         Case{StageFault::kBadSequence, intaglio_MOTION_SAFE_STATE}}) {
     const std::uint64_t number = driver->state().number;
     stage.status.fault = c.sent;

@@ -42,9 +42,10 @@ TEST(FreezeJob, ResolvesEverything) {
   // Published index at 532 nm, to the five digits given.
   const double n = frozen->optics().refractive_index();
   EXPECT_NEAR(n, 1.51947, 5e-6);
-  // The marginal ray, from its angles (NA 0.2) instead of the closed form.
-  const double in_air = std::asin(0.2);
-  const double in_glass = std::asin(0.2 / n);
+  // The marginal ray of a beam of 5 mm, f = 43 mm, from its angles instead of the closed
+  // form.
+  const double in_air = std::asin(2.5 / 43);
+  const double in_glass = std::asin(2.5 / 43 / n);
   EXPECT_NEAR(frozen->optics().stage_per_glass_ratio(),
               std::tan(in_glass) / std::tan(in_air), 1e-12);
   EXPECT_NEAR(frozen->optics().cone_tangent(), std::tan(in_glass), 1e-12);

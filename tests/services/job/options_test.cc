@@ -119,7 +119,7 @@ TEST(Options, MotionIsCappedAxisByAxis) {
   const motion::PlanOptions motion = MotionOptionsOf(frozen);
   EXPECT_EQ(motion.limits.max_speed_mm_s, Vec3(50, 50, 20));
   EXPECT_EQ(motion.limits.max_acceleration_mm_s2, Vec3(7000, 7000, 7000));
-  EXPECT_EQ(motion.rate_hz, 200);
+  EXPECT_EQ(motion.rate_hz, 100);
   EXPECT_EQ(motion.profile, motion::Profile::kCubic);
 }
 
@@ -306,7 +306,7 @@ TEST(Options, OrderFollowsTheCone) {
 TEST(Options, OrderFeelsTheStageInTheGlass) {
   // A stage that goes 0.65 mm for a millimetre of depth is that much faster in it.
   const sort::OrderOptions options = OrderOptionsOf(Frozen(GoodJob()));
-  EXPECT_EQ(options.rate_hz, 200);
+  EXPECT_EQ(options.rate_hz, 100);
   EXPECT_EQ(options.limits.max_speed_mm_s.x(), 80);
   EXPECT_EQ(options.limits.max_speed_mm_s.z(), 80 / 0.65);
   EXPECT_EQ(options.limits.max_acceleration_mm_s2.z(), 7000 / 0.65);
@@ -315,7 +315,7 @@ TEST(Options, OrderFeelsTheStageInTheGlass) {
 TEST(Options, LensIsTheJobs) {
   const JobSpec job = WithDefaults(GoodJob(), GoodMachine());
   EXPECT_EQ(LensOf(job).focal_length_mm, 43);
-  EXPECT_EQ(LensOf(job).numerical_aperture, 0.2);
+  EXPECT_EQ(LensOf(job).numerical_aperture, 5.0 / 86) << "by the beam's diameter";
 }
 
 TEST(Options, FocusDepthGoesIntoTheMachineFrame) {

@@ -16,6 +16,15 @@ TEST_F(ManualControlTest, AJogGoesToTheLimitAtItsSpeedAndNoFaster) {
   EXPECT_EQ(driver_.speed, ManualControl::kMaxSpeedMmS);
 }
 
+TEST_F(ManualControlTest, WithoutCompressedAirNothingMoves) {
+  driver_.now.fault = intaglio_MOTION_NO_AIR;
+  driver_.now.message = "no compressed air";
+  Give(Jog(1));
+  EXPECT_EQ(driver_.jogs, 0);
+  EXPECT_EQ(control_.answer().code, intaglio_MANUAL_REFUSED);
+  EXPECT_EQ(control_.answer().message, "no compressed air");
+}
+
 // The dead-man: 200 ms after the newest command was made, whenever it came.
 TEST_F(ManualControlTest, ASilentClientIsHeldAfter200ms) {
   BeginJog();

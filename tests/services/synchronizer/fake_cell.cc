@@ -83,6 +83,7 @@ FakeCell::FakeCell(const CellOptions& options)
   // In lockstep it comes to rest only when ticks pass, as a real one does.
   if (options.lockstep) stage.braking_ticks = 20;
   laser.serial_number = options.laser_serial_number;
+  laser.locks_door = options.needs_door_lock;
   laser.Plug(LineEnd(false));
   Begin(JobBegun::kNo);
 }
@@ -123,6 +124,7 @@ void FakeCell::Begin(JobBegun begun) {
   job.photosensor_feedback = options_.photosensor_feedback;
   job.asks_when_uncertain = options_.asks_when_uncertain;
   job.block_misfit = options_.block_misfit;
+  job.needs_door_lock = options_.needs_door_lock;
   job.earlier = std::move(opened->earlier);
   engraving = std::make_unique<Engraving>(
       std::move(job), *controller, *feed, *journal, chain,

@@ -27,6 +27,7 @@ struct CellOptions {
   bool photosensor_feedback = true;
   bool asks_when_uncertain = false;
   std::string block_misfit = {};
+  bool needs_door_lock = false;              ///< of the profile
   std::string laser_serial_number = "A-03";  ///< the profile expects A-03
 };
 

@@ -51,7 +51,8 @@ void FakeLaser::Poll() {
                                                                 serial_number,
                                                                 false,
                                                                 min_energy_mj,
-                                                                max_energy_mj}));
+                                                                max_energy_mj,
+                                                                locks_door}));
   }
   if (!line_->up() && (shutters_ != 0 || !decided_.empty())) EnterSafeState();
   SendStatus();
@@ -239,6 +240,7 @@ link::LaserStatus FakeLaser::Status() const {
       {burns(), link::kLampOn},
       {warm(), link::kLampWarm},
       {short_sync, link::kNoLampSync},
+      {locks_door && !lock_broken && door_closed && OpenNow() != 0, link::kDoorLocked},
       {safe_, link::kSafeState}};
   for (const auto& [on, bit] : bits) {
     if (on) status.interlocks = static_cast<std::uint8_t>(status.interlocks | bit);

@@ -66,6 +66,8 @@ class FakeLaser {
   std::vector<link::LaserFrame> received;  ///< all that came, in order
 
   bool key_on = true, door_closed = true;
+  bool locks_door = false;   ///< reported at the next handshakes
+  bool lock_broken = false;  ///< it does not hold
   std::uint32_t openings =
       0;                   ///< of these and the stop; a test adds what no status shows
   bool lamp_dead = false;  ///< does not burn, whatever is commanded

@@ -11,7 +11,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-const optics::Lens kF43{43, 0.2}, kF70{70, 0.124};
+const optics::Lens kF43{43, 5.0 / 86}, kF70{70, 5.0 / 140};
 
 TEST(MountedParts, WhatIsNotKnownIsNotCompared) {
   EXPECT_EQ(MountMisfit(GoodTask(), {}), "");
@@ -26,8 +26,8 @@ TEST(MountedParts, TheJobsOwnBlockGlassAndLensFit) {
 TEST(MountedParts, AJobForAnotherLensIsNamedWithBothAndTheRemedy) {
   EXPECT_THAT(
       MountMisfit(GoodTask(), {.lens = kF70}),
-      AllOf(HasSubstr("for the lens f43 (f 43 mm, NA 0.2)"),
-            HasSubstr("the lens f70 (f 70 mm, NA 0.124) is mounted"),
+      AllOf(HasSubstr("for the lens f43 (f 43 mm, NA 0.0581395)"),
+            HasSubstr("the lens f70 (f 70 mm, NA 0.0357143) is mounted"),
             HasSubstr("no pulse is fired"), HasSubstr("`intaglio up --lens f43`")));
 }
 
@@ -66,10 +66,11 @@ TEST(MountedParts, TheLimitIsAQuarterOfACrackAtTheBottomOfTheBlock) {
 TEST(MountedParts, TheDepthErrorIsThatOfTheDeepestFocus) {
   const FrozenJob job = GoodTask("soda-lime");
   const double height_mm = job.job().block().size_mm().z();
+  const double aperture = 2.5 / 43;
   const double stage_mm =
-      height_mm * optics::StagePerGlassRatio(job.optics().refractive_index(), 0.2);
+      height_mm * optics::StagePerGlassRatio(job.optics().refractive_index(), aperture);
   for (const double mounted : {1.3, 1.46, 1.52, 1.9}) {
-    const double focus_mm = stage_mm / optics::StagePerGlassRatio(mounted, 0.2);
+    const double focus_mm = stage_mm / optics::StagePerGlassRatio(mounted, aperture);
     EXPECT_NEAR(DepthErrorMm(job, mounted), std::abs(focus_mm - height_mm), 1e-9);
   }
 }
@@ -84,7 +85,7 @@ TEST(MountedParts, EverythingThatDiffersIsNamed) {
 TEST(MountedLens, IsNamedOrGivenByItsNumbers) {
   const MachineSpec machine = GoodMachine();
   EXPECT_EQ(MountedLens("f70", machine)->value().focal_length_mm, 70);
-  EXPECT_EQ(MountedLens("f70", machine)->value().numerical_aperture, 0.124);
+  EXPECT_EQ(MountedLens("f70", machine)->value().numerical_aperture, 5.0 / 140);
   EXPECT_EQ(MountedLens("43,0.15", machine)->value().numerical_aperture, 0.15);
 }
 

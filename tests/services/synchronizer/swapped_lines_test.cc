@@ -51,11 +51,13 @@ class Cell {
         reports_(bus_, bus::kTaskStatus),
         states_(bus_, bus::kMotionState, name),
         interlocks_(bus_, bus::kInterlock, name),
-        engraver_(folder_, "laser { rates_hz: [100, 200] serial_number: '" + Laser() +
-                               "' } stage { travel_min_mm { x: -2 y: -2 z: -2 }"
-                               " travel_max_mm { x: 172 y: 172 z: 172 }"
-                               " position_tolerance_um: 30 serial_number: '" +
-                               Stage() + "' }") {}
+        engraver_(folder_,
+                  "laser { rates_hz: [100, 200] door_lock: true serial_number: '" +
+                      Laser() +
+                      "' } stage { travel_min_mm { x: -2 y: -2 z: -2 }"
+                      " travel_max_mm { x: 172 y: 172 z: 172 }"
+                      " position_tolerance_um: 30 serial_number: '" +
+                      Stage() + "' }") {}
 
   std::string Laser() const { return "laser of " + name_; }
   std::string Stage() const { return "stage of " + name_; }

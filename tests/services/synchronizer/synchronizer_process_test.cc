@@ -39,7 +39,7 @@ class SynchronizerProcess : public ::testing::Test {
   SynchronizerProcess()
       : folder_(test::FreshFolder()),
         engraver_(folder_,
-                  "laser { rates_hz: [1, 2, 5, 10, 25, 50, 100, 200] }"
+                  "laser { rates_hz: [1, 2, 5, 10, 25, 50, 100, 200] door_lock: true }"
                   "stage { travel_min_mm { x: -2 y: -2 z: -2 }"
                   "        travel_max_mm { x: 172 y: 172 z: 172 } }"),
         bus_(test::PrivateBusOptions(kCell)),
@@ -425,7 +425,7 @@ TEST_P(MountedOtherwise, IsNotFiredAndReportsWhatIsMountedAndWanted) {
 INSTANTIATE_TEST_SUITE_P(
     LensGlassAndBlock, MountedOtherwise,
     ::testing::Values(WrongMount{{"--lens", "f70"},
-                                 "the lens f70 (f 70 mm, NA 0.124) is mounted"},
+                                 "the lens f70 (f 70 mm, NA 0.0357143) is mounted"},
                       WrongMount{{"--block-index", "1.46"}, "has the index 1.46"},
                       WrongMount{{"--block", "50,50,40"}, "50 x 50 x 40 mm"}));
 

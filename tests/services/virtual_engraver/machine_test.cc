@@ -280,6 +280,36 @@ TEST_F(PointRow, ACrackRecordsItsEnergyAndIsSmallerWithLess) {
   }
 }
 
+// Trochimczuk 2008, annex C, fig. 79: four beams of equal energy. A closed shutter takes
+// up its share; the detectors measure the pulse before the splitter.
+TEST_F(PointRow, EveryOpenChannelGetsItsFixedShareOfThePulse) {
+  MachineOptions options = PlainOptions(true);
+  options.laser.channels = 4;
+  options.laser.energy_spread_ratio = 0;
+  options.split_ratio = 0.25;
+  options.crack_length_mm = 0.195;
+  options.block.refractive_index = 1;
+  Start(options);
+  Connect();
+  OpenShutterAndLamp();
+  std::uint64_t tick = 1;
+  for (const std::uint8_t open : {0b0001, 0b0110, 0b1111}) {
+    SendLaser(LaserFrame::kShutterCommand, Encode(link::ShutterCommand{open}));
+    SendLaser(LaserFrame::kArmWindow,
+              Encode(link::ArmWindow{tick++, false, {true}, false, 30}));
+    Pass(50ms);
+  }
+  const auto cracks = Cracks();
+  ASSERT_EQ(cracks.size(), 1u + 2 + 4);
+  for (const auto& crack : cracks) {
+    EXPECT_DOUBLE_EQ(crack.pulse_energy_mj, 7.5);
+    EXPECT_NEAR(crack.length_mm, 0.195, 1e-3) << "of the largest pulse, as it is split";
+  }
+  for (const link::PulseReport& report : received.reports) {
+    for (const float measured_mj : report.measured_mj) EXPECT_EQ(measured_mj, 30);
+  }
+}
+
 TEST_F(PointRow, ASensorThatIsBlindOrFiltersTheHeightNamesItsChannel) {
   MachineOptions options = PlainOptions(true);
   options.laser.channels = 2;

@@ -104,7 +104,7 @@ TEST(FocusOffset, TheMountedLensIsThatOfJobsThatNameNone) {
   EXPECT_EQ(WithDefaults(job, machine).lens().focal_length_mm(), 43);
   machine.set_mounted_lens("f70");
   EXPECT_EQ(WithDefaults(job, machine).lens().focal_length_mm(), 70);
-  EXPECT_EQ(WithDefaults(job, machine).lens().numerical_aperture(), 0.124);
+  EXPECT_EQ(WithDefaults(job, machine).lens().numerical_aperture(), 5.0 / 140);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "services/job/job_check.h"
+#include "services/job/job_defaults.h"
 #include "services/job/machine/laser_setting.h"
 #include "tests/services/job/test_job.h"
 
@@ -33,6 +34,44 @@ TEST(MachineCheck, LensNamesAreThoseOfTheList) {
   EXPECT_EQ(ErrorsOf([](auto& m) { m.set_mounted_lens("f50"), m.set_zero_lens("x"); }),
             "mounted_lens: \"f50\" is no lens of this machine; give one of f43, f70\n"
             "zero_lens: \"x\" is no lens of this machine; give one of f43, f70\n");
+}
+
+TEST(MachineCheck, TheDefaultRateIsARateOfTheLaser) {
+  // The 200 Hz of els-03 were only planned when the source was written.
+  const MachineSpec machine = GoodMachine();
+  EXPECT_EQ(WithDefaults(GoodJob(), machine).laser().rate_hz(), 100);
+  EXPECT_EQ(DefaultRateHz(machine.laser()), 100);
+  MachineSpec without = machine;
+  without.mutable_laser()->clear_default_rate_hz();
+  EXPECT_EQ(WithDefaults(GoodJob(), without).laser().rate_hz(), 200) << "the highest";
+  EXPECT_EQ(DefaultRateHz(LaserHead()), 0);
+  EXPECT_EQ(
+      ErrorsOf([](auto& m) { m.mutable_laser()->set_default_rate_hz(60); }),
+      "laser.default_rate_hz: 60 is none of laser.rates_hz, 1 2 5 10 25 50 100 200; "
+      "give one of them\n");
+}
+
+// Half of the beam's width over the focal length, where the lens has none.
+TEST(MachineCheck, AnApertureIsGivenOrFollowsFromTheBeam) {
+  const auto clear = [](MachineSpec& m) {
+    m.mutable_lenses(0)->clear_numerical_aperture();
+  };
+  MachineSpec machine = GoodMachine();
+  EXPECT_DOUBLE_EQ(machine.lenses(0).numerical_aperture(), 5.0 / 86);
+  EXPECT_DOUBLE_EQ(machine.lenses(1).numerical_aperture(), 5.0 / 140);
+  machine.mutable_lenses(0)->set_numerical_aperture(0.2);
+  clear(machine), machine.mutable_laser()->set_beam_diameter_mm(8.6);
+  EXPECT_DOUBLE_EQ(WithMachineDefaults(machine).lenses(0).numerical_aperture(), 0.1);
+  EXPECT_DOUBLE_EQ(WithMachineDefaults(machine).lenses(1).numerical_aperture(), 5.0 / 140)
+      << "what is given stays";
+  EXPECT_EQ(
+      ErrorsOf([&](auto& m) { clear(m), m.mutable_laser()->clear_beam_diameter_mm(); }),
+      "lenses[0].numerical_aperture: is missing; give it, or "
+      "laser.beam_diameter_mm\n");
+  EXPECT_EQ(
+      ErrorsOf([&](auto& m) { clear(m), m.mutable_laser()->set_beam_diameter_mm(86); }),
+      "lenses[0].numerical_aperture: 1 by laser.beam_diameter_mm, 86, and "
+      "focal_length_mm, 43, is outside 0.01..0.9; correct these\n");
 }
 
 TEST(MachineCheck, EnergiesGrow) {

@@ -108,7 +108,7 @@ TEST_F(DeviceAndSession, ADeviceThatIsSilentFromTheStartIsReportedToBe) {
   TurnFor(milliseconds(2000));
   EXPECT_FALSE(session.up());
   EXPECT_EQ(session.message(),
-            "the device does not answer: check that it is switched on and uses version 8 "
+            "the device does not answer: check that it is switched on and uses version 9 "
             "of the frames");
   to_host->cut = false;
   TurnFor(milliseconds(50));

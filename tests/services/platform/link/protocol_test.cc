@@ -141,6 +141,10 @@ TEST(Protocols, ValuesOutOfRangeAreRefused) {
   EXPECT_FALSE(Taken<LaserIdentity>(Encode(LaserIdentity{1, true, 5, {}, ""})));
   EXPECT_FALSE(Taken<LaserIdentity>(Encode(LaserIdentity{1, true, 1, {0}, ""})));
   EXPECT_FALSE(Taken<LaserIdentity>(Encode(LaserIdentity{1, true, 1, {NAN}, ""})));
+  // What an identity offers: no bit that this version does not know.
+  const Bytes offers = Encode(LaserIdentity{1, true, 1, {100}, ""});
+  EXPECT_TRUE(Taken<LaserIdentity>(Changed(offers, 17, 3)));
+  EXPECT_FALSE(Taken<LaserIdentity>(Changed(offers, 17, 4)));
   EXPECT_FALSE(Taken<PulseReport>(Encode(PulseReport{1, {static_cast<TickOutcome>(8)}})));
   EXPECT_FALSE(Taken<PulseReport>(Encode(PulseReport{1, {}})));
   EXPECT_FALSE(
@@ -224,10 +228,9 @@ TEST(Protocols, AStatusOutOfRangeIsRefused) {
   EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::warm_ratio, NAN)));
   EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::rate_hz, -1.0)));
   EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::rate_hz, INFINITY)));
-  EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::interlocks, 0x80)));
   EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::shutters_open, 0x10)));
   MotionStatus fault;
-  fault.fault = static_cast<StageFault>(8);
+  fault.fault = static_cast<StageFault>(10);
   EXPECT_FALSE(Taken<MotionStatus>(Encode(fault)));
   EXPECT_FALSE(Taken<MotionStatus>(Changed(Encode(MotionStatus{}), 56, 2)));
 }
@@ -336,6 +339,7 @@ TEST(Protocols, AFileOfGoldenBytesIsReadAsTheMessagesItHolds) {
   EXPECT_EQ(identity->model, "virtual");
   EXPECT_EQ(identity->serial_number, "A-03");
   EXPECT_TRUE(identity->fires_at_place);
+  EXPECT_TRUE(identity->locks_door);
   EXPECT_EQ(identity->min_energy_mj, 0.5);
   EXPECT_EQ(identity->max_energy_mj, 30);
   const auto stage_identity = Decode<MotionIdentity>(PayloadOf("MotionIdentity"));
@@ -343,13 +347,14 @@ TEST(Protocols, AFileOfGoldenBytesIsReadAsTheMessagesItHolds) {
   EXPECT_EQ(stage_identity->queue_capacity, 4096u);
   EXPECT_EQ(stage_identity->serial_number, "ST 7/2");
   EXPECT_TRUE(stage_identity->compares_place);
+  EXPECT_TRUE(stage_identity->watches_air);
   const auto tolerance = Decode<StageTolerance>(PayloadOf("StageTolerance"));
   ASSERT_TRUE(tolerance);
   EXPECT_EQ(tolerance->position_nm, 30000u);
   const auto status = Decode<LaserStatus>(PayloadOf("LaserStatus"));
   ASSERT_TRUE(status);
   EXPECT_EQ(status->machine_us, 47200000u);
-  EXPECT_EQ(status->interlocks, 0x1f);
+  EXPECT_EQ(status->interlocks, 0x9f);
   EXPECT_EQ(status->disarms_taken, 2u);
   EXPECT_EQ(status->openings, 7u);
   const auto segments = Decode<Segments>(PayloadOf("Segments"));

@@ -56,9 +56,9 @@ inline std::vector<SampleFrame> SampleFrames() {
        Encode(PulseTiming{7.5, 150, 3, 12, 40, -0.5, 80})},
       {"LaserIdentity", laser(LaserFrame::kLaserIdentity),
        Encode(LaserIdentity{
-           0xC0FFEE, true, 4, {50, 100}, "virtual", "A-03", true, 0.5, 30})},
+           0xC0FFEE, true, 4, {50, 100}, "virtual", "A-03", true, 0.5, 30, true})},
       {"LaserStatus", laser(LaserFrame::kLaserStatus),
-       Encode(LaserStatus{4720, 47200000, 100, 1, 0x1f, 1, 3, 4719, 4725, 2, 7})},
+       Encode(LaserStatus{4720, 47200000, 100, 1, 0x9f, 1, 3, 4719, 4725, 2, 7})},
       {"PulseReport", laser(LaserFrame::kPulseReport),
        Encode(PulseReport{4711,
                           {TickOutcome::kFiredSeen, TickOutcome::kNotArmed,
@@ -78,7 +78,7 @@ inline std::vector<SampleFrame> SampleFrames() {
       {"MotionReset", motion(MotionFrame::kMotionReset), {}},
       {"MotionIdentity", motion(MotionFrame::kMotionIdentity),
        Encode(MotionIdentity{
-           {0, 0, -1}, {300000000, 300000000, 100000000}, 4096, "ST 7/2", true})},
+           {0, 0, -1}, {300000000, 300000000, 100000000}, 4096, "ST 7/2", true, true})},
       {"MotionStatus", motion(MotionFrame::kMotionStatus),
        Encode(MotionStatus{4720, 1, -2, 3, 4, -5, 6, 3, 4800, 4000, 96, false,
                            StageFault::kFollowingError, 12345, 77})},
@@ -97,7 +97,7 @@ inline std::vector<SampleFrame> SampleFrames() {
        Encode(
            TimedPositions{3, 4711, {{47110001000, 1, 2, 3}, {47121003000, -4, -5, -6}}})},
       {"ControllerClock", motion(MotionFrame::kControllerClock),
-       Encode(ControllerClock{0xC10C, 1700000000})},
+       Encode(ControllerClock{0xC10C, 1700000001})},
       {"StageTolerance", motion(MotionFrame::kStageTolerance),
        Encode(StageTolerance{30000})},
       {"JogMove", motion(MotionFrame::kJogMove),
