@@ -44,8 +44,10 @@ std::string MachinePreparation::Refusal() const {
   if (!laser_.up()) return TextOf(Missing::kLaserLine) + ": " + laser_.message();
   if (const auto can = job_.trigger->CheckLaser(laser_.identity()); !can)
     return can.error().message;
-  const std::string energy = EnergyRefusal(laser_.identity(), job_.pulse_energy_mj);
-  if (!energy.empty()) return energy;
+  for (const double energy_mj : job_.energies.distinct_mj) {
+    const std::string energy = EnergyRefusal(laser_.identity(), energy_mj);
+    if (!energy.empty()) return energy;
+  }
   return RateRefusal(laser_.identity().rates_hz, job_.plan.rate_hz);
 }
 
