@@ -1,9 +1,11 @@
 #pragma once
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engrave/core/result.h"
 #include "engrave/mesh/mesh_import.h"
@@ -32,6 +34,17 @@ struct ImportSource {
                   fmt::format("the model has more than the {} triangles allowed; reduce "
                               "the mesh or raise the limit",
                               options.max_triangles));
+  }
+  /// For a name of `options.objects` that is none of the file's.
+  tl::unexpected<Error> RefuseObject(const std::string& asked,
+                                     const std::vector<std::string>& names) const {
+    const std::string known =
+        names.empty() ? "it names none; remove the field objects"
+                      : fmt::format("its objects are \"{}\"", fmt::join(names, "\", \""));
+    return Fail(ErrorCode::kMissing,
+                fmt::format("{}: objects: the file has no object \"{}\" with faces; {}",
+                            name, asked, known),
+                asked);
   }
   tl::unexpected<Error> RefuseEmptyModel() const {
     return Refuse(ErrorCode::kMissing,

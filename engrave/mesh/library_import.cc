@@ -56,28 +56,81 @@ NodeTransform ModelFromScene(const ImportSource& source) {
   return transform;
 }
 
-/// Calls `visit` for each mesh of each node, depth first and in file order, with its
-/// transform. An explicit stack, because a file may nest nodes to any depth. Stops at the
-/// first error.
-Status ForEachInstance(
-    const aiScene& scene, const NodeTransform& model_from_scene,
-    const std::function<Status(const aiMesh&, const NodeTransform&)>& visit) {
+struct Node {
+  const aiNode* node = nullptr;
+  NodeTransform model_from_node;
+  bool is_wanted = true;  ///< it belongs to one of the objects that are asked for
+};
+
+bool IsNamed(const aiNode& node, const std::vector<std::string>& names) {
+  return std::ranges::find(names, node.mName.C_Str()) != names.end();
+}
+
+/// Calls `visit` for each node, depth first and in file order. An explicit stack, because
+/// a file may nest nodes to any depth. Stops at the first error.
+Status ForEachNode(const aiScene& scene, const ImportSource& source,
+                   const NodeTransform& model_from_scene,
+                   const std::function<Status(const Node&)>& visit) {
   if (scene.mRootNode == nullptr) return {};
-  std::vector<std::pair<const aiNode*, NodeTransform>> pending;
-  pending.emplace_back(scene.mRootNode,
-                       model_from_scene.Child(scene.mRootNode->mTransformation));
+  const std::vector<std::string>& objects = source.options.objects;
+  const auto below = [&](const aiNode& node, const NodeTransform& parent, bool wanted) {
+    return Node{&node, parent.Child(node.mTransformation),
+                wanted || IsNamed(node, objects)};
+  };
+  std::vector<Node> pending{below(*scene.mRootNode, model_from_scene, objects.empty())};
   while (!pending.empty()) {
-    const auto [node, model_from_node] = pending.back();
+    const Node one = pending.back();
     pending.pop_back();
-    for (unsigned i = 0; i < node->mNumMeshes; ++i) {
-      if (node->mMeshes[i] >= scene.mNumMeshes) continue;
-      Status status = visit(*scene.mMeshes[node->mMeshes[i]], model_from_node);
-      if (!status) return status;
+    INTAGLIO_TRY(visit(one));
+    for (unsigned i = one.node->mNumChildren; i-- > 0;) {
+      pending.push_back(
+          below(*one.node->mChildren[i], one.model_from_node, one.is_wanted));
     }
-    for (unsigned i = node->mNumChildren; i-- > 0;) {
-      const aiNode* child = node->mChildren[i];
-      pending.emplace_back(child, model_from_node.Child(child->mTransformation));
+  }
+  return {};
+}
+
+/// Calls `visit` for each mesh of each node that is wanted.
+Status ForEachInstance(
+    const aiScene& scene, const ImportSource& source,
+    const NodeTransform& model_from_scene,
+    const std::function<Status(const aiMesh&, const NodeTransform&)>& visit) {
+  return ForEachNode(scene, source, model_from_scene, [&](const Node& one) -> Status {
+    for (unsigned i = 0; one.is_wanted && i < one.node->mNumMeshes; ++i) {
+      if (one.node->mMeshes[i] >= scene.mNumMeshes) continue;
+      INTAGLIO_TRY(visit(*scene.mMeshes[one.node->mMeshes[i]], one.model_from_node));
     }
+    return {};
+  });
+}
+
+/// Whether it or a node below it has a mesh.
+bool HoldsMesh(const aiNode& node) {
+  std::vector<const aiNode*> pending{&node};
+  while (!pending.empty()) {
+    const aiNode& one = *pending.back();
+    pending.pop_back();
+    if (one.mNumMeshes > 0) return true;
+    pending.insert(pending.end(), one.mChildren, one.mChildren + one.mNumChildren);
+  }
+  return false;
+}
+
+/// Refuses names that no node with a mesh has, with those that the file has.
+Status CheckObjects(const ImportSource& source, const aiScene& scene) {
+  if (source.options.objects.empty()) return {};
+  std::vector<std::string> names;
+  INTAGLIO_TRY(ForEachNode(scene, source, {}, [&](const Node& one) -> Status {
+    // Above all objects, and with a name of the library's.
+    if (one.node == scene.mRootNode && one.node->mNumMeshes == 0) return {};
+    const std::string name = one.node->mName.C_Str();
+    const bool is_new = std::ranges::find(names, name) == names.end();
+    if (!name.empty() && is_new && HoldsMesh(*one.node)) names.push_back(name);
+    return {};
+  }));
+  for (const std::string& asked : source.options.objects) {
+    if (std::ranges::find(names, asked) == names.end())
+      return source.RefuseObject(asked, names);
   }
   return {};
 }
@@ -103,7 +156,7 @@ Status CheckFaces(const ImportSource& source, const aiScene& scene) {
   }
   std::uint64_t total = 0;
   return ForEachInstance(
-      scene, {}, [&](const aiMesh& part, const NodeTransform&) -> Status {
+      scene, source, {}, [&](const aiMesh& part, const NodeTransform&) -> Status {
         const auto index = static_cast<std::size_t>(
             std::find(scene.mMeshes, scene.mMeshes + scene.mNumMeshes, &part) -
             scene.mMeshes);
@@ -151,6 +204,7 @@ Result<TriangleMesh> MeshFromScene(const ImportSource& source,
     return source.RefuseAsUnreadable(importer.GetErrorString());
   }
   INTAGLIO_TRY(CheckFaces(source, *scene));
+  INTAGLIO_TRY(CheckObjects(source, *scene));
   scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
   if (scene == nullptr) {
     return source.Refuse(
@@ -161,7 +215,7 @@ Result<TriangleMesh> MeshFromScene(const ImportSource& source,
   VertexWelder welder;
   TriangleMesh mesh;
   INTAGLIO_TRY(ForEachInstance(
-      *scene, ModelFromScene(source),
+      *scene, source, ModelFromScene(source),
       [&](const aiMesh& part, const NodeTransform& model_from_node) {
         return AddInstance(source, part, model_from_node, welder, mesh.triangles);
       }));

@@ -113,6 +113,7 @@ Result<TriangleMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
   INTAGLIO_TRY(CheckSize(source, bytes.size()));
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (source.extension == "stl") {
+    if (!options.objects.empty()) return source.RefuseObject(options.objects.front(), {});
     MemoryReader reader(text);
     return WithinMemory(source, [&] { return ReadStl(reader, text.size(), source); });
   }

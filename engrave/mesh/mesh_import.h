@@ -32,7 +32,9 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "engrave/core/result.h"
 #include "engrave/mesh/mesh.h"
@@ -50,6 +52,10 @@ struct ImportOptions {
   /// far more than the 2 million points that a machine engraves. While such a mesh is
   /// read it takes (measured) 0.4 GB as STL, 0.9 GB as PLY, 2.4 GB as OBJ; 0.24 GB stay.
   std::uint64_t max_triangles = 10'000'000;
+  /// Only what belongs to objects of these names: nodes of the scene, which in an OBJ are
+  /// its o and g, in a 3DS its objects. What lies below a node belongs to it, too. Empty:
+  /// all. A name that the file does not have is kMissing; the error lists its names.
+  std::vector<std::string> objects = {};
 };
 
 /// Errors name the file, the problem and the remedy: kUnsupported (extension),

@@ -20,14 +20,17 @@ void CheckPlacement(const Placement& p) {
           p.scale_ratio.y(), p.scale_ratio.z());
   Require(p.rotation_rad.allFinite(), "rotation_rad must be finite, is ({}, {}, {})",
           p.rotation_rad.x(), p.rotation_rad.y(), p.rotation_rad.z());
+  Require(p.quarter_turns >= 0 && p.quarter_turns <= 3,
+          "quarter_turns must be 0..3, is {}", p.quarter_turns);
   Require(p.move_mm.allFinite(), "move_mm must be finite, is ({}, {}, {})", p.move_mm.x(),
           p.move_mm.y(), p.move_mm.z());
 }
 
+constexpr double kHalfPi = 1.5707963267948966;
+
 /// A turn by `angle_rad` about axis 0, 1 or 2 (x, y, z), counter-clockwise: exact where
 /// the angle is a multiple of a right angle, so that a box stays a box.
 Mat3 TurnAbout(int axis, double angle_rad) {
-  constexpr double kHalfPi = 1.5707963267948966;
   double cosine = std::cos(angle_rad);
   double sine = std::sin(angle_rad);
   const double quarters = angle_rad / kHalfPi;
@@ -119,6 +122,32 @@ Mat3 RotationOf(const Vec3& rotation_rad) {
          TurnAbout(0, rotation_rad.x());
 }
 
+Vec3 SizeBeforeTurns(const Vec3& block_size_mm, int quarter_turns) {
+  Vec3 size_mm = block_size_mm;
+  if (quarter_turns % 2 != 0) std::swap(size_mm.x(), size_mm.y());
+  return size_mm;
+}
+
+Mat3 QuarterTurnsAboutZ(int count) { return TurnAbout(2, count * kHalfPi); }
+
+Mat3 ObjectAxesOf(const Placement& placement) {
+  return QuarterTurnsAboutZ(placement.quarter_turns) * RotationOf(placement.rotation_rad);
+}
+
+namespace {
+
+/// Step 9: the block's middle stays its middle.
+void TurnWithBlock(int quarter_turns, const Vec3& block_size_mm,
+                   GlassFromModel& transform) {
+  if (quarter_turns == 0) return;
+  const Mat3 turn = QuarterTurnsAboutZ(quarter_turns);
+  const Vec3 middle_mm = 0.5 * SizeBeforeTurns(block_size_mm, quarter_turns);
+  transform.linear = turn * transform.linear;
+  transform.offset_mm = turn * (transform.offset_mm - middle_mm) + 0.5 * block_size_mm;
+}
+
+}  // namespace
+
 Result<GlassFromModel> GlassFromModelOf(const PointList& vertices,
                                         const Placement& placement,
                                         const Vec3& block_size_mm) {
@@ -130,11 +159,12 @@ Result<GlassFromModel> GlassFromModelOf(const PointList& vertices,
   const double ratio = INTAGLIO_TRY(std::visit(FitRatio{size_mm}, placement.fit));
   transform.linear *= ratio;
   transform.offset_mm = placement.move_mm;
+  const Vec3 before_mm = SizeBeforeTurns(block_size_mm, placement.quarter_turns);
   if (placement.centre_in_block) {
     const Box3 fitted = BoundsAfter(transform.linear, vertices);
-    transform.offset_mm += 0.5 * block_size_mm - fitted.center_mm();
+    transform.offset_mm += 0.5 * before_mm - fitted.center_mm();
   } else {
-    const Vec3 pivot_mm = PivotOf(placement, vertices, block_size_mm);
+    const Vec3 pivot_mm = PivotOf(placement, vertices, before_mm);
     const Vec3 in_file = UprightFrom(placement.up).transpose() * pivot_mm;
     transform.offset_mm += pivot_mm - transform.linear * (in_file / placement.unit_mm);
   }
@@ -142,6 +172,7 @@ Result<GlassFromModel> GlassFromModelOf(const PointList& vertices,
     return Fail(ErrorCode::kInvalidValue,
                 "the model's size after scaling is not finite; check its unit and scale");
   }
+  TurnWithBlock(placement.quarter_turns, block_size_mm, transform);
   return transform;
 }
 

@@ -10,6 +10,7 @@
 //   6. fit       one factor for all axes, from the size that steps 1 to 5 gave
 //   7. centre    equal distance from the outermost points to opposite walls
 //   8. move      a shift in the glass frame, after centring if there is any
+//   9. turn      with the block, by right angles about z
 // Without centring the model frame's origin lies at the block's origin before step 8;
 // steps 3 to 6 leave the pivot, a point of the glass frame, in its place. A mirrored
 // model's triangles get their corners reversed, so faces still point outward.
@@ -59,7 +60,20 @@ struct Placement {
   Vec3 move_mm = Vec3::Zero();       ///< glass frame
   bool centre_in_block = true;
   Pivot pivot = Pivot::kOrigin;  ///< without a meaning when centred
+  /// The block was turned so often by a right angle, counterclockwise from above, 0..3.
+  /// Steps 6 to 8 are those in the block before, which is as wide as this one is deep
+  /// after an odd number.
+  int quarter_turns = 0;
 };
+
+/// Counterclockwise from above, 0..3.
+Mat3 QuarterTurnsAboutZ(int count);
+
+/// Of the block before it was turned `quarter_turns` times.
+Vec3 SizeBeforeTurns(const Vec3& block_size_mm, int quarter_turns);
+
+/// The axes of the model in the glass frame, columns: step 5, and the turns of the block.
+Mat3 ObjectAxesOf(const Placement& placement);
 
 /// About the fixed axes x, then y, then z; exact where an angle is a multiple of a right
 /// angle, so that a box stays a box.

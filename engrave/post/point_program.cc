@@ -89,6 +89,15 @@ Status RequireFlat(const Template& program, const PointList& axes) {
                   program.file, low->z(), high->z()));
 }
 
+/// A template that does not set the power at every point loses it.
+Status RequirePower(const Template& program, const PointProgram& points) {
+  if (points.power_ratios.empty() || Uses(program, "POWER")) return {};
+  return Fail(ErrorCode::kUnsupported,
+              program.file +
+                  ": fragment 'point' does not use @POWER@, and the points have several "
+                  "pulse energies; add it, or write a program for each energy");
+}
+
 }  // namespace
 
 Result<Template> ParsePointTemplate(std::string_view text, std::string_view file) {
@@ -119,6 +128,7 @@ Status WritePointProgram(const std::filesystem::path& file, const Template& prog
   const double mark_mm = program.SettingOf("mark", 0);
   INTAGLIO_TRY(RequireAxes(program, points.turning_count));
   INTAGLIO_TRY(RequireFlat(program, points.axes));
+  INTAGLIO_TRY(RequirePower(program, points));
   io::AtomicFile out = INTAGLIO_TRY(io::AtomicFile::Create(file));
   const std::string name = OneLine(points.name);
   const std::array<Value, 4> frame = {std::string_view(name),
@@ -128,7 +138,9 @@ Status WritePointProgram(const std::filesystem::path& file, const Template& prog
   std::string text;
   expander.Append(kBegin, frame, text);
   for (std::size_t i = 0; i < points.axes.size(); ++i) {
-    expander.Append(kPoint, ValuesOf(points.axes, i, mark_mm, points.power_ratio), text);
+    const double power_ratio =
+        points.power_ratios.empty() ? points.power_ratio : points.power_ratios[i];
+    expander.Append(kPoint, ValuesOf(points.axes, i, mark_mm, power_ratio), text);
     if (text.size() < (std::size_t{1} << 16)) continue;
     INTAGLIO_TRY(out.Write(text));
     text.clear();

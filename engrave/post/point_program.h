@@ -25,6 +25,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
@@ -41,11 +42,14 @@ struct PointProgram {
   PointList axes;    ///< N x 3, one point per row: places of the axes, mm or degrees
   int turning_count = 0;   ///< of the first axes that turn, 0..3
   double power_ratio = 1;  ///< setting of the laser for the job's pulse energy, 0..1
+  /// Of each point, where they differ; begin and end have power_ratio.
+  std::vector<double> power_ratios = {};
 };
 
 /// Writes the program atomically, in constant memory. kUnsupported: a template for other
-/// axes, a mark on an axis that turns, or a template without Z for points at several
-/// depths; else errors of the disk. The axes have to be finite.
+/// axes, a mark on an axis that turns, a template without Z for points at several depths,
+/// or without POWER in `point` for points of several powers; else errors of the disk. The
+/// axes have to be finite.
 Status WritePointProgram(const std::filesystem::path& file, const Template& program,
                          const PointProgram& points);
 

@@ -42,11 +42,16 @@ Multiples MultiplesIn(double min_mm, double max_mm, double step_mm) {
           static_cast<int>(std::floor(max_mm / step_mm + 1e-9))};
 }
 
-void DrawGrid(Canvas& canvas, const Face& face, double grid_step_mm) {
+/// Of a parallel view.
+double FineStepOf(const Panel& panel) {
+  const OrthographicView view = ViewOf(panel.kind);
+  const Vec3 size_mm = panel.shown_mm.size_mm();
+  return GridStep(panel.grid_step_mm, NiceStep(60.0 / panel.px_per_mm, 6),
+                  std::max(size_mm[view.right_axis], size_mm[view.up_axis]));
+}
+
+void DrawGrid(Canvas& canvas, const Face& face, double fine_mm, double grid_step_mm) {
   const Palette palette;
-  const double fine_mm = GridStep(
-      grid_step_mm, NiceStep(60.0 / face.px_per_mm, 6),
-      std::max(face.max_right_mm - face.min_right_mm, face.max_up_mm - face.min_up_mm));
   const double coarse_mm =
       grid_step_mm > 0 ? fine_mm : NiceStep(60.0 / face.px_per_mm, 1);
   const auto draw = [&](double mm, const Vec2& from_px, const Vec2& to_px) {
@@ -137,6 +142,12 @@ Face FaceOf(const Panel& panel, const OrthographicView& view, const Vec2& center
 
 }  // namespace
 
+double GridStepOf(const Panel& panel) {
+  return panel.kind == PanelKind::kPerspective
+             ? FloorStep(panel.shown_mm, panel.grid_step_mm)
+             : FineStepOf(panel);
+}
+
 Vec2 RoomIn(const Rect& cell) {
   const Rect inner = Inner(cell);
   return {inner.width, inner.height};
@@ -162,7 +173,7 @@ void DrawOrthographicView(Canvas& canvas, const Panel& panel,
                                      {face.right_px, face.bottom_px},
                                      {face.left_px, face.bottom_px}};
   FillConvex(canvas, corners, {palette.glass, 0.07F});
-  DrawGrid(canvas, face, panel.grid_step_mm);
+  DrawGrid(canvas, face, FineStepOf(panel), panel.grid_step_mm);
   const Projection projection =
       Projection::Parallel(Vec3::Unit(view.right_axis), Vec3::Unit(view.up_axis),
                            panel.shown_mm.center_mm(), center_px, panel.px_per_mm);
@@ -177,6 +188,7 @@ void DrawOrthographicView(Canvas& canvas, const Panel& panel,
   }
   if (panel.work_mm) DrawWorkOutline(canvas, face, view, *panel.work_mm);
   DrawNumbers(canvas, face, view);
+  DrawStatus(canvas, panel);
 }
 
 }  // namespace intaglio::render

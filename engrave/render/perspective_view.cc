@@ -26,8 +26,7 @@ class BoxAxes {
 
   void DrawFloorGrid() {
     const Vec3 size_mm = box_mm_.size_mm();
-    const double fine_mm =
-        GridStep(grid_step_mm_, NiceStep(size_mm.maxCoeff(), 16), size_mm.maxCoeff());
+    const double fine_mm = FloorStep(box_mm_, grid_step_mm_);
     for (int axis = 0; axis < 2; ++axis) {
       const int other = 1 - axis;
       for (double mm = First(axis, fine_mm); mm < box_mm_.max_mm[axis] - 1e-9 * fine_mm;
@@ -143,6 +142,16 @@ double GridStep(double asked_mm, double chosen_mm, double range_mm) {
   return asked_mm * std::max(1.0, std::ceil(range_mm / (kMaxLines * asked_mm)));
 }
 
+double MiddleScale(const Panel& panel) {
+  const Projection projection = ProjectionOf(panel);
+  return projection.px_per_mm(projection(panel.shown_mm.center_mm()).depth_mm);
+}
+
+double FloorStep(const Box3& box_mm, double asked_mm) {
+  const double length_mm = box_mm.size_mm().maxCoeff();
+  return GridStep(asked_mm, NiceStep(length_mm, 16), length_mm);
+}
+
 double PerspectiveScale(const Rect& cell, const Box3& box_mm) {
   return GlassPerspective(box_mm, RoomForBox(cell))
       .px_per_mm(3.0 * box_mm.size_mm().norm());
@@ -161,6 +170,7 @@ void DrawPerspectiveView(Canvas& canvas, const Panel& panel, const PointList& cr
   if (panel.work_mm) DrawWorkFrame(canvas, panel, projection);
   axes.DrawNumbers();
   if (panel.whole_block) axes.DrawBeam();
+  DrawStatus(canvas, panel);
 }
 
 }  // namespace intaglio::render

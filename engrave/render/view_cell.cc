@@ -38,6 +38,19 @@ void DrawScaleBar(Canvas& canvas, const Rect& cell, double px_per_mm) {
            {.cap_height_px = 9.0, .color = palette.dim_text, .align = Align::kRight});
 }
 
+std::string StatusOf(const Panel& panel) {
+  const bool parallel = panel.kind != PanelKind::kPerspective;
+  return fmt::format("grid {} mm, {}{:.3g} pixels a mm", ShortNumber(GridStepOf(panel)),
+                     parallel ? "" : "about ",
+                     parallel ? panel.px_per_mm : MiddleScale(panel));
+}
+
+void DrawStatus(Canvas& canvas, const Panel& panel) {
+  DrawText(canvas, Vec2(panel.cell.right() - 14.0, panel.cell.bottom() - 10.0),
+           StatusOf(panel),
+           {.cap_height_px = 8.0, .color = Palette().dim_text, .align = Align::kRight});
+}
+
 std::string SizeNumbers(const std::vector<double>& sizes_mm) {
   std::string text;
   for (const double size_mm : sizes_mm) {

@@ -68,12 +68,27 @@ void DrawPerspectiveView(Canvas& canvas, const Panel& panel, const PointList& cr
 void DrawCell(Canvas& canvas, const Rect& cell, const std::string& name,
               const std::string& description);
 
+/// StatusOf, at the lower right of a view.
+void DrawStatus(Canvas& canvas, const Panel& panel);
+
 /// A bar of a round length at the right of a view's heading.
 void DrawScaleBar(Canvas& canvas, const Rect& cell, double px_per_mm);
 
 /// The step of a grid: the one that is asked for, or, where that is 0, the chosen one. A
 /// step that would make more than 500 lines in the range is multiplied.
 double GridStep(double asked_mm, double chosen_mm, double range_mm);
+
+/// Of a perspective view, or one from a camera, in its middle.
+double MiddleScale(const Panel& panel);
+
+/// The step of the grid on the floor of a perspective view.
+double FloorStep(const Box3& box_mm, double asked_mm);
+/// The step of a panel's finest grid, mm.
+double GridStepOf(const Panel& panel);
+
+/// Grid and scale of a panel: "grid 5 mm, 12.4 pixels a mm"; in perspective the scale is
+/// that of the middle.
+std::string StatusOf(const Panel& panel);
 
 /// "33 x 31 x 22 mm", with four digits each.
 std::string SizeNumbers(const std::vector<double>& sizes_mm);

@@ -53,7 +53,10 @@ struct ViewsCaption {
 struct Camera {
   double azimuth_rad = 0.52;   ///< to the right of the front, -pi..pi
   double elevation_rad = 0.3;  ///< above the middle, -pi/2..pi/2
-  double zoom = 1;  ///< 1: the block; above: the part about the work of 1 / zoom of it
+  double zoom = 1;  ///< 1: the block; above: the part of 1 / zoom of it about the middle
+  /// Glass frame; where the part would reach beyond the block it ends at its wall.
+  /// Default: the middle of the work.
+  std::optional<Vec3> middle_mm = {};
   /// Parallel lines stay parallel. The isometric view has an azimuth of pi/4 and an
   /// elevation of asin(1 / sqrt(3)).
   bool parallel = false;

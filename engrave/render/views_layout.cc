@@ -220,11 +220,14 @@ std::vector<Panel> ChosenPanels(const PointList& cracks_mm, const Vec3& block_si
   return best;
 }
 
-/// One large view; zoomed, the part of the block about the work's middle.
+/// One large view; zoomed, the part of the block about the work's middle or another
+/// place.
 Panel CameraPanel(const Camera& camera, const Box3& work_mm, const Vec3& block_size_mm,
                   const Rect& room) {
   const Vec3 half_mm = 0.5 / camera.zoom * block_size_mm;
-  Vec3 center_mm = work_mm.empty() ? Vec3(0.5 * block_size_mm) : work_mm.center_mm();
+  Vec3 center_mm = camera.middle_mm  ? *camera.middle_mm
+                   : work_mm.empty() ? Vec3(0.5 * block_size_mm)
+                                     : work_mm.center_mm();
   center_mm = center_mm.cwiseMax(half_mm).cwiseMin(block_size_mm - half_mm);
   const bool whole = camera.zoom == 1;
   Panel panel = PanelOf(PanelKind::kPerspective, room,
@@ -234,7 +237,9 @@ Panel CameraPanel(const Camera& camera, const Box3& work_mm, const Vec3& block_s
   panel.description = fmt::format(
       "{}azimuth {:.0f}°, elevation {:.0f}°{}", camera.parallel ? "parallel, " : "",
       camera.azimuth_rad * kDegPerRad, camera.elevation_rad * kDegPerRad,
-      whole ? "" : fmt::format(", {:.3g} times enlarged", camera.zoom));
+      whole ? ""
+            : fmt::format(", {:.3g} times enlarged about ({:.4g}, {:.4g}, {:.4g}) mm",
+                          camera.zoom, center_mm.x(), center_mm.y(), center_mm.z()));
   return panel;
 }
 

@@ -102,6 +102,22 @@ void SetPlacements(const JobFlags& flags, JobSpec& job) {
   }
 }
 
+/// By 90, 180 or 270 degrees: width and depth of the blocks are exchanged, or not.
+void TurnBlock(int angle_deg, JobSpec& job) {
+  const std::uint32_t turns = static_cast<std::uint32_t>(angle_deg / 90);
+  Block& block = *job.mutable_block();
+  block.set_quarter_turns((block.quarter_turns() + turns) % 4);
+  if (turns % 2 == 0) return;
+  const auto exchange = [](Vector3& size) {
+    const double x = size.x();
+    size.set_x(size.y());
+    size.set_y(x);
+  };
+  if (block.has_size_mm()) exchange(*block.mutable_size_mm());
+  for (ChannelBlock& own : *job.mutable_channel_blocks())
+    exchange(*own.mutable_size_mm());
+}
+
 /// "PATH=VALUE" each.
 Status SetFields(const std::vector<std::string>& fields, JobSpec& job) {
   for (const std::string& field : fields) {
@@ -128,6 +144,7 @@ Status Apply(const JobFlags& flags, JobSpec& job) {
     Set(job.mutable_block()->mutable_size_mm(), flags.block_mm);
   if (flags.margin_mm) job.mutable_block()->set_margin_mm(*flags.margin_mm);
   if (flags.clip) job.mutable_block()->set_clip(true);
+  if (flags.turn_block) TurnBlock(std::stoi(*flags.turn_block), job);
   if (flags.glass) job.set_glass(*flags.glass);
   if (flags.name) job.set_name(*flags.name);
   if (flags.rate_hz) job.mutable_laser()->set_rate_hz(*flags.rate_hz);

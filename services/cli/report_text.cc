@@ -48,18 +48,21 @@ std::string PredictionText(const JobReport& report) {
       margin_um <= tolerance_um ? "within" : "BEYOND");
 }
 
-std::string PulsesText(const JobReport& report) {
-  const PulseEnergyReport& energy = report.pulse_energy();
+std::string EnergyText(const PulseEnergyReport& energy) {
   std::string text = fmt::format("energy      {:g} mJ commanded", energy.commanded_mj());
-  if (energy.measured_count() == 0) {
-    text += ", not measured by the laser\n";
-  } else {
-    text += fmt::format(
-        "; measured {:.4g} mJ mean, {:.2g} mJ spread, {:.4g} mJ furthest off (point "
-        "{})\n",
-        energy.mean_mj(), energy.spread_mj(), energy.furthest_mj(),
-        energy.furthest_point());
-  }
+  if (energy.measured_count() == 0) return text + ", not measured by the laser\n";
+  return text + fmt::format(
+                    "; measured {:.4g} mJ mean, {:.2g} mJ spread, {:.4g} mJ furthest "
+                    "off (point {})\n",
+                    energy.mean_mj(), energy.spread_mj(), energy.furthest_mj(),
+                    energy.furthest_point());
+}
+
+std::string PulsesText(const JobReport& report) {
+  std::string text;
+  if (report.has_pulse_energy()) text += EnergyText(report.pulse_energy());
+  for (const PulseEnergyReport& energy : report.pulse_energies())
+    text += EnergyText(energy);
   for (const ChannelMisses& misses : report.missed_by_channel()) {
     text += fmt::format("missed      {} by channel {}\n", GroupedDigits(misses.count()),
                         misses.channel());

@@ -1,10 +1,9 @@
 #include "services/job/channels.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "engrave/core/check.h"
+#include "services/job/of_points.h"
 
 namespace intaglio {
 namespace {
@@ -41,19 +40,7 @@ Result<std::vector<ChannelMask>> ChannelsOfPoints(const JobSpec& job,
   if (DistinctMasks(of_models).size() == 1) {
     return std::vector<ChannelMask>(source.size(), of_models.front());
   }
-  std::vector<ChannelMask> masks;
-  masks.reserve(source.size());
-  for (const std::uint32_t model : source) {
-    if (model >= of_models.size()) {
-      return Fail(
-          ErrorCode::kFault,
-          fmt::format("point {} is of model {}, but the job has {}: restart the task",
-                      masks.size(), model, of_models.size()),
-          std::to_string(model));
-    }
-    masks.push_back(of_models[model]);
-  }
-  return masks;
+  return OfPoints(of_models, source);
 }
 
 Block BlockOf(const JobSpec& job, const Model& model) {

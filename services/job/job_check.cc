@@ -12,12 +12,12 @@
 
 #include "engrave/core/check.h"
 #include "engrave/drawing/font_list.h"
-#include "engrave/io/lower_case.h"
+#include "services/job/checks/layers_check.h"
+#include "services/job/checks/model_check.h"
 #include "services/job/course/course_check.h"
 #include "services/job/field_ranges.h"
 #include "services/job/findings.h"
 #include "services/job/job_defaults.h"
-#include "services/job/layers_check.h"
 #include "services/job/machine/laser_check.h"
 #include "services/job/machine/lens_check.h"
 #include "services/job/machine/mark_job_check.h"
@@ -51,78 +51,6 @@ void CheckFile(const std::string& file, const std::string& path, Findings& findi
                                : "is no font: " + font.error().message);
   }
   if (!fs::is_regular_file(status)) findings.Wrong(path, file, "is not a file");
-}
-
-std::string FieldOf(Model::MethodCase method) {
-  const auto* field = Model::descriptor()->FindFieldByNumber(method);
-  return field == nullptr ? "" : field->name();
-}
-
-void CheckKindAndMethod(const Model& model, const std::string& path, Findings& findings) {
-  const auto kind = KindOf(model);
-  if (!kind) {
-    if (!model.file().empty()) {
-      findings.Wrong(path + ".file", model.file(), "{}", kind.error().message);
-    }
-    return;
-  }
-  const Model::MethodCase method = model.method_case();
-  if (method == Model::METHOD_NOT_SET || Suits(method, *kind)) return;
-  findings.Wrong(path + "." + FieldOf(method), NameOf(*kind),
-                 "cannot be made by this method; remove the method for the default one");
-}
-
-void CheckOwnPointsAndLayers(const Model& model, const std::string& path,
-                             Findings& findings) {
-  if (model.points_mm_size() > 0 && (model.has_text() || !model.file().empty())) {
-    findings.Wrong(path + ".points_mm", model.points_mm_size(),
-                   "points are given beside {}; make two models",
-                   model.has_text() ? "a text" : "a file");
-  }
-  const auto kind = KindOf(model);
-  if (model.layers_size() > 0 && kind && *kind != ModelKind::kDrawing) {
-    findings.Wrong(path + ".layers", model.layers(0),
-                   "is a layer of a drawing, and the model is {}; remove it",
-                   NameOf(*kind));
-  }
-}
-
-/// A text without letters beside a file: the font of the texts in a DXF, and no more.
-void CheckFontOfDrawing(const Model& model, const std::string& path, Findings& findings) {
-  const std::string ending = std::filesystem::path(model.file()).extension().string();
-  if (io::LowerCaseExtension(ending) != "dxf") {
-    findings.Wrong(path + ".text", model.file(),
-                   "has a text without letters, which is the font of the texts in a DXF; "
-                   "remove it");
-  }
-  Text font_alone;
-  font_alone.set_font(model.text().font());
-  if (model.text().SerializeAsString() != font_alone.SerializeAsString()) {
-    findings.Wrong(path + ".text", model.file(),
-                   "gives its texts their heights and places: keep text.font alone");
-  }
-}
-
-void CheckModel(const Model& model, const std::string& path, Findings& findings) {
-  CheckOwnPointsAndLayers(model, path, findings);
-  CheckKindAndMethod(model, path, findings);
-  if (IsText(model) && !model.file().empty()) {
-    findings.Wrong(path + ".file", model.file(),
-                   "is given beside a text; make two models");
-  }
-  if (model.has_text() && !IsText(model)) CheckFontOfDrawing(model, path, findings);
-  if (IsText(model) && model.text().text().empty()) {
-    findings.Missing(path + ".text.text", "give the text to write");
-  }
-  if (model.text().shrink_to_fit() &&
-      model.placement().fit_case() != Placement::FIT_NOT_SET) {
-    findings.Wrong(path + ".text.shrink_to_fit", true,
-                   "excludes placement.fit, which decides the size of the text");
-  }
-  if (model.placement().has_fit_block() && !model.placement().fit_block()) {
-    findings.Wrong(path + ".placement.fit_block", false,
-                   "is not a fit; use true or remove the field");
-  }
 }
 
 void CheckModels(const JobSpec& job, Findings& findings) {
@@ -329,10 +257,12 @@ std::vector<Finding> CheckJobOnMachine(const JobSpec& job, const MachineSpec& ma
   CheckLens(whole, machine, findings);
   CheckDividedBlock(whole, machine, findings);
   CheckLayers(whole, findings);
+  CheckOwnSpacing(whole, findings);
   CheckMethods(whole, findings);
   CheckOrdering(job.ordering(), findings);
   CheckMotion(whole.motion(), whole.discretization().min_spacing_mm(), machine, findings);
   CheckLaserOn(whole.laser(), machine, findings);
+  CheckEnergiesOn(whole, machine, findings);
   CheckChannels(whole, findings);
   CheckZeros(whole, machine, findings);
   return std::move(findings.found());

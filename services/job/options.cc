@@ -31,7 +31,8 @@ mesh::Fit FitOf(const Placement& placement, const Block& block) {
     case Placement::kFitSizeMm:
       return mesh::FitLargest{placement.fit_size_mm()};
     case Placement::kFitBlock:
-      return mesh::FitBox{Vec3Of(block.size_mm()) -
+      return mesh::FitBox{mesh::SizeBeforeTurns(Vec3Of(block.size_mm()),
+                                                static_cast<int>(block.quarter_turns())) -
                           Vec3::Constant(2 * block.margin_mm())};
     case Placement::FIT_NOT_SET:
       break;
@@ -95,6 +96,7 @@ mesh::Placement PlacementOf(const Placement& placement, const Block& block,
   result.rotation_rad = Vec3Of(placement.rotate_deg()) * kRadPerDeg;
   result.fit = FitOf(placement, block);
   result.move_mm = Vec3Of(placement.move_mm());
+  result.quarter_turns = static_cast<int>(block.quarter_turns());
   result.centre_in_block = placement.centre_in_block();
   result.pivot = placement.pivot() == PIVOT_OBJECT  ? mesh::Pivot::kObject
                  : placement.pivot() == PIVOT_BLOCK ? mesh::Pivot::kBlock

@@ -29,6 +29,8 @@ int main(int argc, char** argv) {
       .ShowDefault();
   root.AddOption("max-triangles", options.max_triangles, "maximum number of triangles")
       .ShowDefault();
+  root.AddOption("objects", options.objects,
+                 "only the objects of these names, default all");
   if (const auto exit_code = program.Parse(argc, argv)) return *exit_code;
   return mesh_reader::ReadStandardInput(extension, name, options);
 }

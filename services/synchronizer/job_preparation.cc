@@ -6,6 +6,7 @@
 #include "engrave/formats/journal_file.h"
 #include "services/job/channels.h"
 #include "services/job/machine/machine_axes.h"
+#include "services/job/machine/pulse_energies.h"
 #include "services/job/options.h"
 #include "services/synchronizer/job_folder.h"
 #include "services/synchronizer/path_check.h"
@@ -42,7 +43,8 @@ Result<EngravingJob> EngravingOf(const PreparationTask& task, const PointCloud& 
   auto axes = INTAGLIO_TRY(
       CheckedAxes(path, BlocksOfModels(frozen.job()), frames, job.plan.limits.travel_mm));
   job.machine_points_mm = std::move(axes);
-  job.pulse_energy_mj = frozen.job().laser().pulse_energy_mj();
+  auto energies = INTAGLIO_TRY(EnergiesOfPoints(frozen.job(), path.source));
+  job.energies = std::move(energies);
   job.max_missed_in_a_row = frozen.machine().laser().max_missed_in_a_row();
   job.needs_door_lock = frozen.machine().laser().door_lock();
   job.max_unsettled_points = frozen.machine().laser().max_unsettled_points();

@@ -243,5 +243,51 @@ TEST_F(RunJob, FolderThatCannotBeWrittenIsNamed) {
   EXPECT_THAT(ended.output, HasSubstr("/proc/no/such/place"));
 }
 
+// Two models side by side, 30 and 6 mJ: each crack was made with the energy of its own.
+TEST_F(RunJob, EachModelHasItsPulseEnergy) {
+  std::string points[2];
+  for (int i = 0; i < 60; ++i) {
+    for (const int model : {0, 1}) {
+      points[model] += "points_mm { x: " + std::to_string(8 + i % 5 * 2 + 12 * model) +
+                       " y: " + std::to_string(8 + i / 5 % 4 * 2) +
+                       " z: " + std::to_string(8 + i / 20 * 2) + " } ";
+    }
+  }
+  const fs::path job = folder_ / "job.textproto";
+  std::ofstream(job) << "name: \"two energies\" models { " << points[0] << "} models { "
+                     << points[1]
+                     << "pulse_energy_mj: 6 } block { size_mm { x: 40 y: 30 z: 20 } } "
+                        "glass: \"N-BK7\" discretization { min_spacing_mm: 0.5 } "
+                        "machine_file: \"els-03\"";
+  Running run(Program("intaglio"), Arguments({"--lockstep", "--warm-up", "0"}, job),
+              folder_ / "output.txt");
+  const Ended ended = run.WaitForEnd(kBound);
+  ASSERT_TRUE(ended.in_time);
+  ASSERT_EQ(ended.exit_code, 0) << ended.output;
+  const JobReport report = Report();
+  EXPECT_TRUE(report.verdict().good());
+  EXPECT_EQ(report.points().made(), 120u);
+  EXPECT_THAT(ended.output, HasSubstr("energy      6 mJ commanded; measured"));
+  EXPECT_THAT(ended.output, HasSubstr("energy      30 mJ commanded; measured"));
+  ASSERT_EQ(report.pulse_energies_size(), 2);
+  for (const PulseEnergyReport& energy : report.pulse_energies()) {
+    EXPECT_EQ(energy.measured_count(), 60u);
+    EXPECT_NEAR(energy.mean_mj(), energy.commanded_mj(), 0.02 * energy.commanded_mj());
+  }
+  // The machine's own record of the glass, x in its frame: right of the middle 6 mJ.
+  const auto glass = formats::ReadGlassRecord(folder_ / "out/session/glass.rec");
+  ASSERT_TRUE(glass) << glass.error().message;
+  int counts[2] = {0, 0};
+  for (const auto& crack : glass->cracks) {
+    const bool is_weak = crack.pulse_energy_mj < 15;
+    ++counts[is_weak];
+    EXPECT_NEAR(crack.pulse_energy_mj, is_weak ? 6 : 30, is_weak ? 0.12 : 0.6);
+    // Model 0 lies at x 8..16 mm, model 1 at 20..28 mm.
+    EXPECT_EQ(is_weak, crack.position_mm.x() > 18) << crack.position_mm.transpose();
+  }
+  EXPECT_EQ(counts[0], 60);
+  EXPECT_EQ(counts[1], 60);
+}
+
 }  // namespace
 }  // namespace intaglio

@@ -87,7 +87,11 @@ TEST(SourceCoverage, ItsCountsAreThoseOfItsRows) {
     ++chapters[item.chapter][item.state];
     ++all[item.state];
   }
-  ASSERT_EQ(all.size(), 4U) << "an item has another state than the four";
+  for (const auto& [state, unused] : all) {
+    EXPECT_TRUE(state == "works" || state == "partly" || state == "missing" ||
+                state == "left out")
+        << state << " is none of the four states";
+  }
   const std::string document = TextOfFile(kRoot / "docs/source_coverage.md");
   for (const auto& [chapter, counts] : chapters) {
     EXPECT_NE(document.find("| " + chapter + " " + RowOf(counts) + "\n"),

@@ -38,4 +38,8 @@ struct RayGrid {
 /// rays, or 2^24 in a row.
 Result<RayGrid> GridOver(const Box3& bounds, double step_u_mm, double step_v_mm);
 
+/// The rays at multiples of a positive step in both directions that lie within a box;
+/// none where it lies between two. kTooLarge as above.
+Result<RayGrid> GridThroughOrigin(const Box3& bounds, double step_mm);
+
 }  // namespace intaglio::discretize

@@ -268,13 +268,15 @@ Result<std::unique_ptr<PointSource>> MakeRays(mesh::TriangleMesh mesh,
                                               const RayOptions& options) {
   Require(options.distance_mm > 0, "distance_mm must be positive, is {}",
           options.distance_mm);
-  const Mat3 frame = FrameOf(options.direction);
+  const Mat3 frame = options.axes * FrameOf(options.direction);
   const PointList vertices = InFrame(mesh.vertices, frame);
   Box3 bounds;
   for (const Vec3& v : vertices) bounds.Extend(v);
   if (bounds.empty()) bounds.Extend(Vec3(0, 0, 0));
   const double step_mm = options.distance_mm * kRoundingAllowance;
-  const RayGrid grid = INTAGLIO_TRY(GridOver(bounds, step_mm, step_mm));
+  const RayGrid grid =
+      INTAGLIO_TRY(options.grid_through_origin ? GridThroughOrigin(bounds, step_mm)
+                                               : GridOver(bounds, step_mm, step_mm));
   if (!options.interior_only) {
     return std::make_unique<Crossings>(std::move(mesh), vertices, grid, frame);
   }

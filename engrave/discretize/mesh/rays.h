@@ -23,9 +23,16 @@ struct RayOptions {
   /// parts, none shorter than the distance, so along the ray they keep the distance from
   /// the surface, too. Rays with an odd number of crossings give none.
   bool interior_only = false;
+  /// Whose axes the direction refers to: of the model its axes in the glass frame,
+  /// columns; identity: of the block.
+  Mat3 axes = Mat3::Identity();
+  /// The grid goes through the block's origin, the same for all models, and not through
+  /// the middle of the model.
+  bool grid_through_origin = false;
 };
 
-/// The grid's centre is that of the model's extent. Crossings are computed when a range
+/// The grid's centre is that of the model's extent, unless it goes through the origin:
+/// then a model that lies between its rays gets none. Crossings are computed when a range
 /// of heights is requested, from the triangles that reach into it; the insides of
 /// interior_only are computed at once. Rays are counted with the lowest height of the
 /// model. kTooLarge when the grid has more than 2^27 rays or there are too many crossings

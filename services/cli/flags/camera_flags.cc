@@ -20,6 +20,7 @@ render::ViewsOptions CameraFlags::Views() const {
   if (azimuth_deg) camera.azimuth_rad = *azimuth_deg * kRadPerDeg;
   if (elevation_deg) camera.elevation_rad = *elevation_deg * kRadPerDeg;
   if (zoom) camera.zoom = *zoom;
+  if (!middle_mm.empty()) camera.middle_mm = Vec3(middle_mm.data());
   views.camera = camera;
   return views;
 }
@@ -33,10 +34,17 @@ void AddCameraFlags(command_line::Command command, CameraFlags& flags) {
       .AddOption("--elevation", flags.elevation_deg,
                  "one large view from this angle above the middle, degrees")
       .Within(-90.0, 90.0);
+  const auto zoom =
+      command
+          .AddOption("--zoom", flags.zoom,
+                     "one large view of the part about the work, so many times larger")
+          .Within(1.0, 1000.0);
   command
-      .AddOption("--zoom", flags.zoom,
-                 "one large view of the part about the work, so many times larger")
-      .Within(1.0, 1000.0);
+      .AddOption("--middle", flags.middle_mm,
+                 "shifts the enlarged view: the place x y z of the block in its middle, "
+                 "mm; default the middle of the work")
+      .TakeValues(3)
+      .Need(zoom);
   command.AddFlag(
       "--isometric", flags.isometric,
       "one large view in which parallel lines stay parallel, from azimuth 45, "

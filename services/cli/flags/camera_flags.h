@@ -3,6 +3,7 @@
 // From where a picture shows a block, and what is drawn beside the points.
 
 #include <optional>
+#include <vector>
 
 #include "engrave/render/views.h"
 #include "services/platform/command_line/program.h"
@@ -11,6 +12,7 @@ namespace intaglio::cli {
 
 struct CameraFlags {
   std::optional<double> azimuth_deg, elevation_deg, zoom;
+  std::vector<double> middle_mm;  // none or three
   double grid_step_mm = 0;
   bool isometric = false;
   bool object_frame = false;
@@ -18,7 +20,7 @@ struct CameraFlags {
   render::ViewsOptions Views() const;
 };
 
-/// --azimuth, --elevation, --zoom, --isometric, --grid-step and --object-frame.
+/// --azimuth, --elevation, --zoom, --middle, --isometric, --grid-step and --object-frame.
 void AddCameraFlags(command_line::Command command, CameraFlags& flags);
 
 }  // namespace intaglio::cli

@@ -89,6 +89,13 @@ void AddBlockFlags(command_line::Command command, JobFlags& flags) {
   command
       .AddFlag("--clip", flags.clip, "drop points outside the block instead of failing")
       .Group(kBlock);
+  command
+      .AddOption(
+          "--turn-block", flags.turn_block,
+          "turn the block about z with its models in it, degrees, counterclockwise "
+          "from above")
+      .OneOf({"90", "180", "270"})
+      .Group(kBlock);
 }
 
 void AddSpacingFlag(command_line::Command command, JobFlags& flags) {

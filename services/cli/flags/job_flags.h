@@ -32,6 +32,7 @@ struct JobFlags {
   std::optional<std::string> machine;  // name of a supplied profile, or a file
   std::optional<std::string> name;
   std::vector<std::string> fields;  // "PATH=VALUE" of JobSpec, services/job/field_path.h
+  std::optional<std::string> turn_block;  // degrees: "90", "180", "270"
   bool clip = false;
   double size_limits = 1;  ///< factor (services/job/models/read_limits.h)
 };
@@ -43,7 +44,7 @@ void AddModelFlags(command_line::Command command, JobFlags& flags);
 /// --block alone, for points that are placed already.
 void AddBlockFlag(command_line::Command command, JobFlags& flags);
 void AddMarginFlag(command_line::Command command, JobFlags& flags);
-/// --block, --margin, --clip.
+/// --block, --margin, --clip, --turn-block.
 void AddBlockFlags(command_line::Command command, JobFlags& flags);
 void AddSpacingFlag(command_line::Command command, JobFlags& flags);
 /// --spacing, --method and the options of the methods.

@@ -52,9 +52,10 @@ void Append(const mesh::TriangleMesh& one, const Vec3& offset_mm,
   }
 }
 
-Result<mesh::TriangleMesh> WithCopies(const Model& model, mesh::TriangleMesh one) {
+Result<mesh::TriangleMesh> WithCopies(const Model& model, const Block& block,
+                                      mesh::TriangleMesh one) {
   if (!model.has_copies()) return one;
-  const PointList offsets_mm = CopyOffsetsOf(model);
+  const PointList offsets_mm = CopyOffsetsOf(model, block);
   if (offsets_mm.size() * one.triangles.size() > kMaxTriangles) {
     return Fail(
         ErrorCode::kTooLarge,
@@ -87,7 +88,7 @@ Result<std::vector<mesh::TriangleMesh>> SurfacesOf(const MeasureOptions& options
       continue;
     }
     auto placed = INTAGLIO_TRY(PlacedMeshOf(job, model, limits));
-    auto copied = INTAGLIO_TRY(WithCopies(model, std::move(placed)));
+    auto copied = INTAGLIO_TRY(WithCopies(model, job.block(), std::move(placed)));
     any = any || !copied.triangles.empty();
     surfaces[static_cast<std::size_t>(i)] = std::move(copied);
   }

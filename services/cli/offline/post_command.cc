@@ -36,6 +36,7 @@
 #include "services/job/job_check.h"
 #include "services/job/machine/laser_setting.h"
 #include "services/job/machine/machine_axes.h"
+#include "services/job/machine/pulse_energies.h"
 #include "services/job/models/program_limits.h"
 #include "services/job/plan/ordering.h"
 #include "services/platform/command_line/supplied_files.h"
@@ -55,6 +56,7 @@ struct PostOptions {
 struct OrderedJob {
   FrozenJob job;
   PointList path_mm;
+  PointEnergies energies;
 };
 
 Result<post::Template> ReadTemplate(const std::string& name_or_file) {
@@ -92,9 +94,13 @@ Result<OrderedJob> OrderNamedJob(const PostOptions& options) {
   const auto order = INTAGLIO_TRY(
       sort::MakeOrder(made.cloud.points_mm, host::OrderingOf(ordered.job), meter.Sink()));
   ordered.path_mm.reserve(order.size());
+  std::vector<std::uint32_t> source;
   for (const std::uint32_t i : order) {
     ordered.path_mm.push_back(made.cloud.points_mm[i]);
+    source.push_back(made.cloud.source[i]);
   }
+  auto energies = INTAGLIO_TRY(EnergiesOfPoints(ordered.job.job(), source));
+  ordered.energies = std::move(energies);
   return ordered;
 }
 
@@ -111,7 +117,28 @@ Result<OrderedJob> TakePath(const PostOptions& options) {
   INTAGLIO_TRY(RequireInBlock(job, table.points_mm));
   ordered.job = std::move(job);
   ordered.path_mm = std::move(table.points_mm);
+  ordered.energies.distinct_mj = {ordered.job.job().laser().pulse_energy_mj()};
   return ordered;
+}
+
+/// The settings of the laser: of the greatest energy, and of each point where they
+/// differ.
+Status SetPower(const OrderedJob& ordered, post::PointProgram& program) {
+  const LaserHead& laser = ordered.job.machine().laser();
+  const std::vector<double>& energies_mj = ordered.energies.distinct_mj;
+  program.power_ratio = LaserSettingFor(laser, energies_mj.back()).value_or(1);
+  if (energies_mj.size() == 1) return {};
+  if (laser.energy_calibration().empty()) {
+    return Fail(
+        ErrorCode::kUnsupported,
+        fmt::format("the models have pulse energies of {} mJ, and the profile of {} "
+                    "has no laser.energy_calibration, by which a program sets "
+                    "them; add it, or make a job for each energy",
+                    fmt::join(energies_mj, ", "), ordered.job.machine().name()));
+  }
+  for (const std::uint32_t place : ordered.energies.of_point)
+    program.power_ratios.push_back(*LaserSettingFor(laser, energies_mj[place]));
+  return {};
 }
 
 /// The places of the axes, turning ones in degrees.
@@ -119,9 +146,7 @@ Result<post::PointProgram> ProgramOf(const OrderedJob& ordered) {
   const auto axes = KinematicsOf(ordered.job.machine())->axes();
   post::PointProgram program;
   program.name = ordered.job.job().name();
-  program.power_ratio = LaserSettingFor(ordered.job.machine().laser(),
-                                        ordered.job.job().laser().pulse_energy_mj())
-                            .value_or(1);
+  INTAGLIO_TRY(SetPower(ordered, program));
   auto places =
       INTAGLIO_TRY(machine::AxesAlong(AxesFromGlassOf(ordered.job), ordered.path_mm,
                                       AxisLimitsOf(ordered.job.machine()).travel_mm));

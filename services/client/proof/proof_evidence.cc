@@ -78,6 +78,8 @@ Result<Evidence> ReadEvidence(const fs::path& folder) {
       INTAGLIO_TRY(ColumnOf<std::uint32_t>(plan, "source", folder / "path.ply"));
   auto masks = INTAGLIO_TRY(ChannelsOfPoints(evidence.job.job(), *source));
   evidence.masks = std::move(masks);
+  auto energies = INTAGLIO_TRY(EnergiesOfPoints(evidence.job.job(), *source));
+  evidence.energies = std::move(energies);
   evidence.plan_mm = std::move(plan.points_mm);
   if (fs::exists(folder / "glass.ply")) {
     INTAGLIO_TRY(ReadCracks(folder / "glass.ply", evidence));

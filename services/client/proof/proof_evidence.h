@@ -12,6 +12,7 @@
 #include "engrave/formats/journal_file.h"
 #include "engrave/proof/glass_comparison.h"
 #include "proto/task.pb.h"
+#include "services/job/machine/pulse_energies.h"
 
 namespace intaglio::client {
 
@@ -19,6 +20,7 @@ struct Evidence {
   FrozenJob job;
   PointList plan_mm;
   std::vector<ChannelMask> masks;    ///< of the plan's points
+  PointEnergies energies;            ///< of the plan's points
   bool has_glass = false;            ///< A real machine has no record of its glass.
   std::vector<proof::Crack> cracks;  ///< in the block of the job's station
   /// In blocks at other stations, where none of the job's may be.

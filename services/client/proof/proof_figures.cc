@@ -195,8 +195,7 @@ JobReport FiguresOf(const Evidence& evidence) {
            evidence.has_glass ? MeasureGlass(evidence, report)
                               : CountByController(evidence, report),
            report);
-  *report.mutable_pulse_energy() =
-      PulseEnergiesOf(evidence.history, frozen.job().laser().pulse_energy_mj());
+  AddPulseEnergies(evidence.history, evidence.energies, report);
   AddMisses(evidence.history, report);
   if (evidence.plan_mm.size() > 1) {
     report.set_measured_spacing_mm(proof::MinSpacing(evidence.plan_mm, evidence.masks));

@@ -8,15 +8,22 @@
 
 namespace intaglio::client {
 
+namespace {
+
+/// Of the points whose energy has this place in `energies`.
 PulseEnergyReport PulseEnergiesOf(std::span<const formats::PointHistory> history,
-                                  double commanded_mj) {
+                                  const PointEnergies& energies, std::uint32_t place) {
+  const double commanded_mj = energies.distinct_mj[place];
   PulseEnergyReport report;
   report.set_commanded_mj(commanded_mj);
   // Deviations from what was commanded: small numbers, whose squares lose no digits.
   double sum_mj = 0, sum_of_squares_mj2 = 0, furthest_mj = -1;
   std::uint64_t count = 0;
-  for (std::size_t i = 0; i < history.size(); ++i) {
-    if (!formats::IsFired(history[i].outcome) || !(history[i].measured_mj > 0)) continue;
+  for (std::uint32_t i = 0; i < history.size(); ++i) {
+    if (energies.PlaceOf(i) != place || !formats::IsFired(history[i].outcome) ||
+        !(history[i].measured_mj > 0)) {
+      continue;
+    }
     const double off_mj = history[i].measured_mj - commanded_mj;
     ++count;
     sum_mj += off_mj;
@@ -24,7 +31,7 @@ PulseEnergyReport PulseEnergiesOf(std::span<const formats::PointHistory> history
     if (std::abs(off_mj) <= furthest_mj) continue;
     furthest_mj = std::abs(off_mj);
     report.set_furthest_mj(history[i].measured_mj);
-    report.set_furthest_point(static_cast<std::uint32_t>(i));
+    report.set_furthest_point(i);
   }
   if (count == 0) return report;
   const double mean_mj = sum_mj / static_cast<double>(count);
@@ -34,6 +41,18 @@ PulseEnergyReport PulseEnergiesOf(std::span<const formats::PointHistory> history
   report.set_mean_mj(commanded_mj + mean_mj);
   report.set_spread_mj(std::sqrt(std::max(0.0, variance)));
   return report;
+}
+
+}  // namespace
+
+void AddPulseEnergies(std::span<const formats::PointHistory> history,
+                      const PointEnergies& energies, JobReport& report) {
+  const auto count = static_cast<std::uint32_t>(energies.distinct_mj.size());
+  for (std::uint32_t place = 0; place < count; ++place) {
+    PulseEnergyReport& one =
+        count == 1 ? *report.mutable_pulse_energy() : *report.add_pulse_energies();
+    one = PulseEnergiesOf(history, energies, place);
+  }
 }
 
 void AddMisses(std::span<const formats::PointHistory> history, JobReport& report) {

@@ -6,13 +6,16 @@
 
 #include "engrave/formats/journal_file.h"
 #include "proto/report.pb.h"
+#include "services/job/machine/pulse_energies.h"
 
 namespace intaglio::client {
 
-/// Energies of the pulses that the laser measured, against `commanded_mj`: mean, standard
-/// deviation, and the one furthest off. `history` by place in the order.
-PulseEnergyReport PulseEnergiesOf(std::span<const formats::PointHistory> history,
-                                  double commanded_mj);
+/// Energies of the pulses that the laser measured, against what was commanded: mean,
+/// standard deviation, and the one furthest off. Of points of one energy into
+/// pulse_energy, else one for each energy into pulse_energies. `history` by place in the
+/// order.
+void AddPulseEnergies(std::span<const formats::PointHistory> history,
+                      const PointEnergies& energies, JobReport& report);
 
 /// Missed pulses by channel, into missed_by_channel. A pulse that two channels missed
 /// counts for both.

@@ -166,17 +166,12 @@ void GrblDriver::Report() {
   CheckPlace();
 }
 
-// The S of every pulse that is armed: one energy at a time.
+// The S of the window's pulses, by their ticks.
 Status GrblDriver::SetEnergy(const link::ArmWindow& window) {
   if (auto energy = CheckEnergy(identity_, window); !energy) return energy;
   if (std::ranges::find(window.fire, true) == window.fire.end()) return {};
   const double power_ratio = LaserSettingFor(laser_, window.pulse_energy_mj).value_or(1);
-  if (power_ratio == program_.power_ratio()) return {};
-  if (ticks_.next_fire_after(0) != UINT64_MAX || program_.pulse_tick() != 0) {
-    return Fail(ErrorCode::kRefused,
-                "pulses of another energy are armed: wait until they are fired");
-  }
-  program_.SetPowerRatio(power_ratio);
+  program_.SetPowerRatio(window.first_tick, power_ratio);
   return {};
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace intaglio::drivers {
@@ -13,6 +14,9 @@ constexpr double kMinFeed_mm_min = 1;
 // Of a step aside; and a way shorter than twice that is too short to light its beginning.
 constexpr double kAsideSteps = 4;
 constexpr double kAside_mm_s = 10;
+// Far more than the pulses that are decided and not given out
+// (GrblDriver::kMaxUnsettled).
+constexpr std::size_t kMaxPowerChanges = 4096;
 
 // Without zeros at its end: the line's bytes are what limits the pulses a second.
 std::string Short(double value, int digits) {
@@ -62,7 +66,7 @@ std::string GrblProgram::Line(const Vec3& to_mm, double speed_mm_s,
     if (std::abs(way) >= 0.5) line += "XYZ"[i] + Short(to_mm[i], 4);
   }
   const std::string feed = "F" + Short(std::max(kMinFeed_mm_min, speed_mm_s * 60), 0);
-  const std::string power = lit ? "S" + Short(PulsePower(), 0) : "S0";
+  const std::string power = lit ? "S" + Short(PulsePower(pulse_tick), 0) : "S0";
   if (feed != feed_text_) line += feed_text_ = feed;
   if (power != power_text_) line += power_text_ = power;
   place_mm_ = to_mm;
@@ -74,9 +78,19 @@ std::string GrblProgram::JogLine(const Vec3& to_mm, double speed_mm_s) const {
          Short(to_mm.z(), 4) + "F" + Short(std::max(kMinFeed_mm_min, speed_mm_s * 60), 0);
 }
 
+void GrblProgram::SetPowerRatio(std::uint64_t first_tick, double ratio) {
+  // What was decided for these ticks before is decided anew.
+  power_ratios_.erase(power_ratios_.lower_bound(first_tick), power_ratios_.end());
+  if (!power_ratios_.empty() && power_ratios_.rbegin()->second == ratio) return;
+  power_ratios_.emplace(first_tick, ratio);
+  if (power_ratios_.size() > kMaxPowerChanges) power_ratios_.erase(power_ratios_.begin());
+}
+
 // Never S0, which fires nothing, and never more than the setting.
-double GrblProgram::PulsePower() const {
-  return std::max(1.0, std::floor(max_power_ * power_ratio_));
+double GrblProgram::PulsePower(std::uint64_t tick) const {
+  const auto after = power_ratios_.upper_bound(tick);
+  const double ratio = after == power_ratios_.begin() ? 1 : std::prev(after)->second;
+  return std::max(1.0, std::floor(max_power_ * ratio));
 }
 
 GrblMove GrblProgram::MoveOf(const Piece& piece) const {

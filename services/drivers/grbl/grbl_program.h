@@ -31,6 +31,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -70,9 +71,8 @@ class GrblProgram {
 
   /// Of the controller. `travel` of the profile, machine frame.
   void SetController(const Vec3& steps_per_mm, double max_power);
-  /// Of the pulses that are given out from now on, 0..1 of the controller's largest S.
-  void SetPowerRatio(double ratio) { power_ratio_ = ratio; }
-  double power_ratio() const { return power_ratio_; }
+  /// Of the pulses of this tick and later ones, 0..1 of the controller's largest S.
+  void SetPowerRatio(std::uint64_t first_tick, double ratio);
   void SetTravel(const Box3& travel) { pieces_.SetTravel(travel); }
   /// The controller's modal state is that after the set-up: G1, no F, S0.
   void ForgetModes();
@@ -102,14 +102,16 @@ class GrblProgram {
 
  private:
   Vec3 Snapped(const Vec3& place_mm) const { return pieces_.Snapped(place_mm); }
-  double PulsePower() const;
+  double PulsePower(std::uint64_t tick) const;
   double Steps(const Vec3& from_mm, const Vec3& to_mm) const;
   std::string Line(const Vec3& to_mm, double speed_mm_s, std::uint64_t pulse_tick = 0);
   bool LightBeginning(const Piece& piece, GrblWrite& write);
   void AddAside(std::uint64_t tick, GrblWrite& write);
   GrblMove MoveOf(const Piece& piece) const;
 
-  double max_power_ = 1000, power_ratio_ = 1;
+  double max_power_ = 1000;
+  // By the first tick that has it; before the first one, and without any, it is 1.
+  std::map<std::uint64_t, double> power_ratios_;
   std::string feed_text_, power_text_;
 
   PieceQueue pieces_;

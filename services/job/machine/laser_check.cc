@@ -26,7 +26,36 @@ void CheckPump(const LaserOptions& laser, const LaserHead& head, Findings& findi
                  power_w, head.pump().energy_j(), max_w, max_w / head.pump().energy_j());
 }
 
+/// That the laser of the machine makes pulses of the energy in the field `path`.
+void CheckEnergy(const std::string& path, double energy_mj, const MachineSpec& machine,
+                 Findings& findings) {
+  const LaserHead& head = machine.laser();
+  const auto calibrated = EnergiesOf(head);
+  if (energy_mj > head.pulse_energy_mj()) {
+    findings.Wrong(path, energy_mj, "is above the pulse energy of {}, {}", machine.name(),
+                   head.pulse_energy_mj());
+  } else if (energy_mj < SettableEnergies(machine).min_mj && !calibrated) {
+    findings.Wrong(path, energy_mj,
+                   "cannot be set on {}, whose controller switches the laser and no "
+                   "more: every pulse has {}; ask for that, or calibrate "
+                   "laser.energy_calibration of a controller with a power setting",
+                   machine.name(), head.pulse_energy_mj());
+  }
+  if (calibrated && (energy_mj < calibrated->min_mj || energy_mj > calibrated->max_mj)) {
+    findings.Wrong(path, energy_mj, "is outside the calibrated energies of {}, {}..{}",
+                   machine.name(), calibrated->min_mj, calibrated->max_mj);
+  }
+}
+
 }  // namespace
+
+void CheckEnergiesOn(const JobSpec& job, const MachineSpec& machine, Findings& findings) {
+  for (int i = 0; i < job.models_size(); ++i) {
+    if (!job.models(i).has_pulse_energy_mj()) continue;
+    CheckEnergy(fmt::format("models[{}].pulse_energy_mj", i),
+                job.models(i).pulse_energy_mj(), machine, findings);
+  }
+}
 
 void CheckLaserOn(const LaserOptions& laser, const MachineSpec& machine,
                   Findings& findings) {
@@ -41,25 +70,8 @@ void CheckLaserOn(const LaserOptions& laser, const MachineSpec& machine,
                    "is not the wavelength of {}, {}", machine.name(),
                    head.wavelength_nm());
   }
-  if (laser.pulse_energy_mj() > head.pulse_energy_mj()) {
-    findings.Wrong("laser.pulse_energy_mj", laser.pulse_energy_mj(),
-                   "is above the pulse energy of {}, {}", machine.name(),
-                   head.pulse_energy_mj());
-  } else if (laser.pulse_energy_mj() < SettableEnergies(machine).min_mj &&
-             !EnergiesOf(head)) {
-    findings.Wrong("laser.pulse_energy_mj", laser.pulse_energy_mj(),
-                   "cannot be set on {}, whose controller switches the laser and no "
-                   "more: every pulse has {}; ask for that, or calibrate "
-                   "laser.energy_calibration of a controller with a power setting",
-                   machine.name(), head.pulse_energy_mj());
-  }
+  CheckEnergy("laser.pulse_energy_mj", laser.pulse_energy_mj(), machine, findings);
   CheckPump(laser, head, findings);
-  if (const auto all = EnergiesOf(head); all && (laser.pulse_energy_mj() < all->min_mj ||
-                                                 laser.pulse_energy_mj() > all->max_mj)) {
-    findings.Wrong("laser.pulse_energy_mj", laser.pulse_energy_mj(),
-                   "is outside the calibrated energies of {}, {}..{}", machine.name(),
-                   all->min_mj, all->max_mj);
-  }
   std::set<std::uint32_t> seen;
   for (int i = 0; i < laser.channels_size(); ++i) {
     const std::uint32_t channel = laser.channels(i);

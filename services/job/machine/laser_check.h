@@ -12,4 +12,7 @@ namespace intaglio {
 void CheckLaserOn(const LaserOptions& laser, const MachineSpec& machine,
                   Findings& findings);
 
+/// The pulse energies of models that name one.
+void CheckEnergiesOn(const JobSpec& job, const MachineSpec& machine, Findings& findings);
+
 }  // namespace intaglio

@@ -16,7 +16,7 @@ MadePoints MakeFromCurves(const MethodInput& input,
   options.layer_distance_mm = asked.layer_distance_mm();
   options.layer_direction =
       MethodOf(input.model)
-          ->layer_axis(input.model, mesh::RotationOf(input.placement.rotation_rad))
+          ->layer_axis(input.model, mesh::ObjectAxesOf(input.placement))
           .value_or(placed.normal);
   options.twist_phase_ratio = asked.twist_phase_ratio();
   options.insert_end_points = asked.insert_end_points();

@@ -43,8 +43,7 @@ MadePoints MakeFromSections(const MethodInput& input, mesh::TriangleMesh&& place
                           ? discretize::SectionReference::kWorld
                           : discretize::SectionReference::kObject;
   if (asked.system() == COORDINATE_SYSTEM_OBJECT) {
-    // Its columns are the turned axes x, y, z.
-    options.object_axes = mesh::RotationOf(input.placement.rotation_rad);
+    options.object_axes = mesh::ObjectAxesOf(input.placement);
   }
   options.parallel_faces = asked.parallel_faces() == PARALLEL_FACES_COVER
                                ? discretize::ParallelFaces::kCover
@@ -72,10 +71,14 @@ MadePoints MakeFromFill(const MethodInput& input, mesh::TriangleMesh&& placed) {
 
 MadePoints MakeFromRays(const MethodInput& input, mesh::TriangleMesh&& placed) {
   const RaysMethod& asked = input.model.rays();
-  return discretize::MakeRays(
-      std::move(placed),
-      {asked.distance_mm(), DirectionOf(asked.axis(), asked.rotate_deg()),
-       asked.interior_only()});
+  discretize::RayOptions options;
+  options.distance_mm = asked.distance_mm();
+  options.direction = DirectionOf(asked.axis(), asked.rotate_deg());
+  options.grid_through_origin = asked.system() == COORDINATE_SYSTEM_WORLD;
+  if (asked.system() == COORDINATE_SYSTEM_OBJECT)
+    options.axes = mesh::ObjectAxesOf(input.placement);
+  options.interior_only = asked.interior_only();
+  return discretize::MakeRays(std::move(placed), options);
 }
 
 // ---- even ----------------------------------------------------------------------------

@@ -69,15 +69,22 @@ Method Rays() {
       .number = Model::kRays,
       .kinds = {ModelKind::kMesh},
       .meaning = "parallel rays, a point at every intersection",
-      .fields = {Distance("distance_mm", "side of the square grid of rays"),
-                 {"axis", {}, {}, "--axis", "direction of the rays"},
-                 {"rotate_deg", kTurnDeg, Number(0), "--axis-rotate",
-                  "turns the axis about x, y, z"},
-                 {"interior_only",
-                  {},
-                  {},
-                  "--interior-only",
-                  "points inside the solid, none on its surface"}},
+      .fields =
+          {Distance("distance_mm", "side of the square grid of rays"),
+           {"axis", {}, {}, "--axis", "direction of the rays"},
+           {"rotate_deg", kTurnDeg, Number(0), "--axis-rotate",
+            "turns the axis about x, y, z"},
+           {"interior_only",
+            {},
+            {},
+            "--interior-only",
+            "points inside the solid, none on its surface"},
+           {"system",
+            {},
+            {},
+            "--axis-system",
+            "whose axes; _WORLD: the grid goes through the block's origin, the same "
+            "for all models"}},
   };
 }
 

@@ -45,8 +45,10 @@ void Diagnose(const MethodInput& input, const FileBytes& bytes,
 Result<mesh::TriangleMesh> PlaceMesh(const MethodInput& input, const FileBytes& file,
                                      const ReadLimits& limits) {
   const std::string& name = input.model.file();
+  mesh::ImportOptions options = limits.meshes;
+  options.objects.assign(input.model.objects().begin(), input.model.objects().end());
   const auto imported = INTAGLIO_TRY(limits.read_mesh(
-      file, std::filesystem::path(name).extension().string(), limits.meshes, name));
+      file, std::filesystem::path(name).extension().string(), options, name));
   return mesh::PlaceInBlock(imported, input.placement, input.block_size_mm);
 }
 

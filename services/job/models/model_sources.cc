@@ -5,6 +5,7 @@
 #include <google/protobuf/descriptor.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -209,7 +210,7 @@ class Maker {
     made_.warnings.insert(made_.warnings.end(), outlined.warnings.begin(),
                           outlined.warnings.end());
     if (!IsNumbered(text)) return MakeLetters(method, input, outlined.outlines.front());
-    const PointList offsets_mm = CopyOffsetsOf(input.model);
+    const PointList offsets_mm = CopyOffsetsOf(input.model, job_.block());
     std::vector<Source> pieces;
     for (const drawing::Drawing& outline : outlined.outlines) {
       auto piece = INTAGLIO_TRY(MakeLetters(method, input, outline));
@@ -221,6 +222,12 @@ class Maker {
 
   Result<Source> OfMesh(const Method& method, const MethodInput& input,
                         const FileBytes& file) {
+    if (input.model.has_min_spacing_mm()) {
+      return Fail(
+          ErrorCode::kInvalidValue,
+          "min_spacing_mm is of a cloud of points, and the file is a mesh; remove "
+          "it, and give the distance of its method");
+    }
     if (purpose_ == Purpose::kPoints)
       return MakeMesh(method, input, file, limits_, made_);
     const auto placed = INTAGLIO_TRY(PlaceMesh(input, file, limits_));
@@ -242,16 +249,20 @@ class Maker {
     }
     const auto glass_from_model = INTAGLIO_TRY(
         mesh::GlassFromModelOf(points_mm, input.placement, input.block_size_mm));
+    // Not above it by rounding: points exactly as far apart are kept.
+    const float own_spacing_mm =
+        std::nextafterf(static_cast<float>(input.model.min_spacing_mm()), 0);
     discretize::SpacedCloud points;
-    for (const Vec3& p : points_mm) points.Add(glass_from_model.Apply(p), 0);
+    for (const Vec3& p : points_mm)
+      points.Add(glass_from_model.Apply(p), 0, own_spacing_mm);
     return discretize::MakeFixedPoints(std::move(points));
   }
 
-  static Source WithCopies(const Model& model, Source source) {
+  Source WithCopies(const Model& model, Source source) const {
     if (!model.has_copies() || IsNumbered(model.text())) return source;
     const std::shared_ptr<const discretize::PointSource> one = std::move(source);
     std::vector<Source> all;
-    for (const Vec3& offset_mm : CopyOffsetsOf(model)) {
+    for (const Vec3& offset_mm : CopyOffsetsOf(model, job_.block())) {
       all.push_back(discretize::MakeShifted(one, offset_mm));
     }
     return discretize::MakeSeveral(std::move(all));
@@ -329,14 +340,17 @@ std::optional<mesh::UpAxis> DeclaredUpOf(const Model& model, const FileBytes& fi
   return mesh::UpAxisOfFile(ExtensionOf(model.file()), TextOf(file));
 }
 
-PointList CopyOffsetsOf(const Model& model) {
+PointList CopyOffsetsOf(const Model& model, const Block& block) {
   if (!model.has_copies()) return {Vec3::Zero()};
   const Copies& copies = model.copies();
   const Eigen::Vector3i count(static_cast<int>(copies.count_x()),
                               static_cast<int>(copies.count_y()),
                               static_cast<int>(copies.count_z()));
-  return discretize::GridOffsets(count, Vec3Of(copies.step_mm()),
-                                 model.placement().centre_in_block());
+  PointList offsets_mm = discretize::GridOffsets(count, Vec3Of(copies.step_mm()),
+                                                 model.placement().centre_in_block());
+  const Mat3 turn = mesh::QuarterTurnsAboutZ(static_cast<int>(block.quarter_turns()));
+  for (Vec3& offset_mm : offsets_mm) offset_mm = turn * offset_mm;
+  return offsets_mm;
 }
 
 discretize::CloudOptions CloudOptionsOf(const JobSpec& job) {

@@ -34,9 +34,9 @@ struct JobSources {
 Result<JobSources> MakeSources(const JobSpec& job, std::vector<FileBytes> files,
                                const ReadLimits& limits, const ProgressSink& progress);
 
-/// Offsets of the copies of a model from its own place; of a model without copies, that
-/// place alone.
-PointList CopyOffsetsOf(const Model& model);
+/// Offsets of the copies of a model from its own place, in the block as it was turned; of
+/// a model without copies, that place alone.
+PointList CopyOffsetsOf(const Model& model, const Block& block);
 
 /// Vertex merging, bounds and clip of a job with its defaults filled in.
 discretize::CloudOptions CloudOptionsOf(const JobSpec& job);

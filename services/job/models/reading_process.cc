@@ -132,11 +132,15 @@ Answer Read(const ReadingProcess& reader, std::span<const std::byte> bytes,
                                               std::generic_category().message(errno)));
   }
   const auto time = reader.time + std::chrono::seconds(bytes.size() / kBytesPerSecond);
-  const Ended ended = Await(
-      {program, "--", std::string(extension), std::string(name),
-       std::to_string(options.max_file_bytes), std::to_string(options.max_unpacked_ratio),
-       std::to_string(options.max_triangles)},
-      input, output, time, options);
+  std::vector<std::string> words = {program,
+                                    "--",
+                                    std::string(extension),
+                                    std::string(name),
+                                    std::to_string(options.max_file_bytes),
+                                    std::to_string(options.max_unpacked_ratio),
+                                    std::to_string(options.max_triangles)};
+  words.insert(words.end(), options.objects.begin(), options.objects.end());
+  const Ended ended = Await(std::move(words), input, output, time, options);
   if (ended.error != 0) {
     return Fail(ErrorCode::kNotFound,
                 fmt::format("{} cannot be read: the program {} cannot be started ({}); "

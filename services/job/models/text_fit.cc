@@ -117,7 +117,7 @@ Result<TextFit> FitText(const JobSpec& job, const Model& model,
   FitSides(whole, half, model.text(), fitting);
   if (job.block().clip()) return fitting.fit();
   const Box3 permitted = PermittedBoxOf(block);
-  const PointList offsets_mm = CopyOffsetsOf(model);
+  const PointList offsets_mm = CopyOffsetsOf(model, job.block());
   for (std::size_t i = 0; i < offsets_mm.size(); ++i) {
     if (copy >= 0 && i != static_cast<std::size_t>(copy)) continue;
     FitBox(whole.box_mm, half.box_mm, permitted, offsets_mm[i], fitting);

@@ -43,9 +43,10 @@ drawing::TextAlignment AlignmentOf(TextAlignment alignment) {
 }
 
 /// What is engraved: one text, or one for each copy.
-std::vector<std::string> TextsOf(const Model& model) {
+std::vector<std::string> TextsOf(const Model& model, const Block& block) {
   const std::string& pattern = model.text().text();
-  const std::size_t count = IsNumbered(model.text()) ? CopyOffsetsOf(model).size() : 1;
+  const std::size_t count =
+      IsNumbered(model.text()) ? CopyOffsetsOf(model, block).size() : 1;
   std::vector<std::string> texts;
   for (std::size_t i = 1; i <= count; ++i) texts.push_back(NumberedText(pattern, i));
   return texts;
@@ -74,7 +75,7 @@ class Outliner {
   }
 
   Result<OutlinedText> Outline() {
-    const std::vector<std::string> texts = TextsOf(model_);
+    const std::vector<std::string> texts = TextsOf(model_, job_.block());
     auto fits = INTAGLIO_TRY(LargestScale(texts));
     OutlinedText made;
     made.height_mm = options_.cap_height_mm;

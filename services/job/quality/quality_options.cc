@@ -2,6 +2,7 @@
 
 #include "engrave/optics/crack_model.h"
 #include "services/job/job_defaults.h"
+#include "services/job/machine/pulse_energies.h"
 
 namespace intaglio {
 
@@ -13,9 +14,10 @@ proof::QualityOptions QualityOptionsOf(const JobSpec& job, const MachineSpec& ma
     options.crack_diameter_mm = lens->crack_diameter_mm();
     options.crack_length_mm = lens->crack_length_mm();
   }
-  // The profile has the cracks of its largest pulse.
+  // The profile has the cracks of its largest pulse; those of the job's largest one are
+  // what breaks the glass.
   const double full_mj = machine.laser().pulse_energy_mj();
-  const double energy_mj = job.laser().pulse_energy_mj();
+  const double energy_mj = DistinctEnergies(job).back();
   const optics::CrackSize full{options.crack_diameter_mm, options.crack_length_mm};
   const bool known = full.diameter_mm > 0 && full.length_mm > 0 && energy_mj > 0;
   if (known && full_mj > optics::SurfaceEnergyMj(full)) {

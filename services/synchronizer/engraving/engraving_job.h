@@ -11,6 +11,7 @@
 #include "engrave/machine/axes_from_glass.h"
 #include "engrave/motion/planner.h"
 #include "services/cell/earlier_work.h"
+#include "services/job/machine/pulse_energies.h"
 #include "services/synchronizer/cell_names.h"
 #include "services/synchronizer/pulses/pulse_trigger.h"
 
@@ -29,7 +30,7 @@ struct EngravingJob {
   motion::Limits machine_limits = {};  ///< of the axes; >= those of `plan`
   const PulseTrigger* trigger = &TriggerAtTick();
   ChannelMask shutter_mask = 1;  ///< of all points
-  double pulse_energy_mj = 0;    ///< of each pulse, before a splitter
+  PointEnergies energies = {};   ///< of the pulses, before a splitter
   /// Of each point, when they differ: it is made with exactly these shutters open.
   std::vector<ChannelMask> masks = {};
   /// Number of pulses in a row for which no crack was seen, until it pauses.

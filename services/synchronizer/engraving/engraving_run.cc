@@ -119,7 +119,7 @@ HaltReason EngravingRun::WhySkipped() {
               fmt::format("the laser does not make pulses of {} mJ: compare "
                           "laser.pulse_energy_mj of the profile with its data sheet, "
                           "then cancel the job and submit it with an energy it has",
-                          job_.pulse_energy_mj),
+                          job_.energies.Of(passed_by_point_)),
               true};
     default:
       break;
@@ -219,7 +219,7 @@ std::uint64_t EngravingRun::ArmLimit(const EngravingInputs& inputs) {
 
 std::optional<HaltReason> EngravingRun::ArmThrough(std::uint64_t last) {
   const bool armed = ticks_.Arm(
-      last, job_.pulse_energy_mj,
+      last, [this](std::uint32_t point) { return job_.energies.Of(point); },
       [this](std::uint32_t) { passed_by_ = SkipReason::kLate; }, *job_.trigger);
   if (armed) return std::nullopt;
   return HaltReason{Missing::kNothing,
@@ -234,6 +234,7 @@ void EngravingRun::Note(const PulseResult& result) {
     if (passed_by_) return;
     passed_by_ = result.reason;
     passed_by_tick_ = result.tick;
+    passed_by_point_ = result.point;
   } else if (result.outcome == PointOutcome::kMissed) {
     ++missed_in_a_row_;
   } else if (result.outcome == PointOutcome::kMade) {

@@ -91,6 +91,7 @@ class EngravingRun {
   std::uint32_t count_ = 0;
   std::optional<SkipReason> passed_by_;  // a point of this run was reached and not fired
   std::uint64_t passed_by_tick_ = 0;
+  std::uint32_t passed_by_point_ = 0;      // of what the laser reported as skipped
   std::uint32_t missed_in_a_row_ = 0;      // in this run
   std::uint64_t fired_points_before_ = 0;  // this run
   int idle_runs_ = 0;                      // finished in a row that made nothing

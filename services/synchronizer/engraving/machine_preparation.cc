@@ -49,8 +49,10 @@ std::string MachinePreparation::Refusal() const {
            "has: connect the lock to the controller, or cancel the job, remove "
            "laser.door_lock of the profile and submit the job again";
   }
-  const std::string energy = EnergyRefusal(laser_.identity(), job_.pulse_energy_mj);
-  if (!energy.empty()) return energy;
+  for (const double energy_mj : job_.energies.distinct_mj) {
+    const std::string energy = EnergyRefusal(laser_.identity(), energy_mj);
+    if (!energy.empty()) return energy;
+  }
   return RateRefusal(laser_.identity().rates_hz, job_.plan.rate_hz);
 }
 

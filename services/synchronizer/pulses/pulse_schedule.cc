@@ -72,6 +72,24 @@ link::ArmWindow PulseSchedule::Decide(
   return window;
 }
 
+PulseSchedule::AlikeTicks PulseSchedule::AlikeFrom(
+    std::uint64_t first, std::uint64_t last,
+    const std::function<double(std::uint32_t point)>& value_of) const {
+  AlikeTicks alike{last, 0};
+  bool has_point = false;
+  for (std::size_t i = decided_; i < entries_.size() && entries_[i].tick <= last; ++i) {
+    if (entries_[i].tick < first) continue;  // too late to be decided
+    const double value = value_of(entries_[i].point);
+    if (has_point && value != alike.value) {
+      alike.last = entries_[i].tick - 1;
+      break;
+    }
+    has_point = true;
+    alike.value = value;
+  }
+  return alike;
+}
+
 std::uint64_t PulseSchedule::LastTickFor(std::size_t count) const {
   const std::size_t room = count - std::min(count, armed_count_);
   const std::size_t first_beyond = decided_ + room;

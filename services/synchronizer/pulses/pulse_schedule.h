@@ -54,6 +54,15 @@ class PulseSchedule {
                          const std::function<void(std::uint64_t, std::uint32_t)>& armed,
                          const std::function<void(std::uint32_t)>& late);
 
+  struct AlikeTicks {
+    std::uint64_t last = 0;  ///< tick
+    double value = 0;        ///< of its points; 0: it has none
+  };
+  /// From `first` the most ticks, through `last` at most, whose planned points have the
+  /// same value.
+  AlikeTicks AlikeFrom(std::uint64_t first, std::uint64_t last,
+                       const std::function<double(std::uint32_t point)>& value_of) const;
+
   /// A point that an earlier life armed for this tick, with a result that is not known
   /// yet; before any Add. False: the tick does not follow the last one.
   bool AddArmed(std::uint64_t tick, std::uint32_t point);

@@ -12,9 +12,23 @@ void TickWindows::Begin(std::uint64_t tick, bool lockstep) {
   held_.clear();
 }
 
-bool TickWindows::Arm(std::uint64_t last, double pulse_energy_mj,
+bool TickWindows::Arm(std::uint64_t last,
+                      const std::function<double(std::uint32_t point)>& energy_mj_of,
                       const std::function<void(std::uint32_t point)>& late,
                       const PulseTrigger& trigger) {
+  bool kept = true;
+  while (kept && decided_ < last) {
+    const PulseSchedule::AlikeTicks alike =
+        schedule_.AlikeFrom(decided_ + 1, last, energy_mj_of);
+    kept = ArmOne(alike.last, alike.value, late, trigger);
+  }
+  if (kept) record_.Flush();
+  return kept;
+}
+
+bool TickWindows::ArmOne(std::uint64_t last, double pulse_energy_mj,
+                         const std::function<void(std::uint32_t point)>& late,
+                         const PulseTrigger& trigger) {
   HeldWindow window;
   bool kept = true;
   window.arm = schedule_.Decide(
@@ -26,7 +40,6 @@ bool TickWindows::Arm(std::uint64_t last, double pulse_energy_mj,
   if (!kept || record_.disk_failed()) return false;
   window.journal_number = record_.appended();
   held_.push_back(std::move(window));
-  record_.Flush();
   decided_ = last;
   return true;
 }

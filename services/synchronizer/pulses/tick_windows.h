@@ -44,9 +44,11 @@ class TickWindows {
   void SkipTo(std::uint64_t tick) { decided_ = std::max(decided_, tick); }
   /// Decides the ticks that follow, through `last`: what is planned for them is armed, in
   /// ledger, journal and window. `late` gets points whose tick is decided already. False
-  /// when an intent does not get to the journal: then nothing of it is sent, ever.
-  /// Each pulse has `pulse_energy_mj`; `trigger` marks the window.
-  bool Arm(std::uint64_t last, double pulse_energy_mj,
+  /// when an intent does not get to the journal: then that window and what follows it are
+  /// not sent, ever. The pulse of a point has `energy_mj_of` it; a window has one energy,
+  /// so it ends where the energy changes. `trigger` marks the windows.
+  bool Arm(std::uint64_t last,
+           const std::function<double(std::uint32_t point)>& energy_mj_of,
            const std::function<void(std::uint32_t point)>& late,
            const PulseTrigger& trigger = TriggerAtTick());
   /// Sends the windows whose intents are on disk, as far as the line takes them.
@@ -73,6 +75,10 @@ class TickWindows {
   bool session_lost() const { return laser_.session() != session_; }
 
  private:
+  bool ArmOne(std::uint64_t last, double pulse_energy_mj,
+              const std::function<void(std::uint32_t point)>& late,
+              const PulseTrigger& trigger);
+
   struct HeldWindow {
     std::uint64_t journal_number = 0;  // sent once this many records are durable
     link::ArmWindow arm;

@@ -341,5 +341,59 @@ TEST(MeshImport, GivesTheSameMeshTwice) {
   EXPECT_EQ(first->triangles, second->triangles);
 }
 
+/// Three objects: a triangle at height 0, one at 1 of two groups, one at 3.
+constexpr char kThreeObjects[] =
+    "o ground\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+    "o first\nv 0 0 1\nv 1 0 1\nv 0 1 1\nf 4 5 6\n"
+    "g roof\nv 0 0 3\nv 1 0 3\nv 0 1 3\nf 7 8 9\n";
+
+std::vector<double> HeightsOf(const Result<TriangleMesh>& mesh) {
+  EXPECT_TRUE(mesh) << (mesh ? "" : mesh.error().message);
+  std::vector<double> heights;
+  if (!mesh) return heights;
+  for (const Triangle& t : mesh->triangles) heights.push_back(mesh->vertices[t[0]].z());
+  return heights;
+}
+
+TEST(MeshImport, ObjectsAreChosenByTheirNames) {
+  using ::testing::ElementsAre;
+  EXPECT_THAT(HeightsOf(Import(kThreeObjects, "obj")), ElementsAre(0, 1, 3));
+  EXPECT_THAT(HeightsOf(Import(kThreeObjects, "obj", {.objects = {"first"}})),
+              ElementsAre(1));
+  EXPECT_THAT(HeightsOf(Import(kThreeObjects, "obj", {.objects = {"roof", "ground"}})),
+              ElementsAre(0, 3));
+  ExpectError(Import(kThreeObjects, "obj", {.objects = {"ground", "cellar"}}),
+              ErrorCode::kMissing,
+              "objects: the file has no object \"cellar\" with faces; its objects are "
+              "\"ground\", \"first\", \"roof\"");
+  ExpectError(Import(BinaryStl(BoxMesh(kSize)), "stl", {.objects = {"box"}}),
+              ErrorCode::kMissing, "it names none; remove the field objects");
+}
+
+TEST(MeshImport, NodesOfAGltfAreObjectsWithAllThatIsBelowThem) {
+  const std::string one = Gltf(BoxMesh(kSize), "1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1");
+  const auto replaced = [](std::string text, const std::string& from,
+                           const std::string& to) {
+    return text.replace(text.find(from), from.size(), to);
+  };
+  // A body, and a lid in a node of its own above it.
+  std::string gltf =
+      replaced(one, R"("scenes":[{"nodes":[0]}])", R"("scenes":[{"nodes":[0,1]}])");
+  gltf = replaced(gltf, R"("nodes":[{"mesh":0,)", R"("nodes":[{"name":"body","mesh":0,)");
+  gltf = replaced(gltf, "]}],\n\"meshes\"",
+                  R"(]},{"name":"lid","translation":[0,0,10],"children":[2]},
+{"name":"knob","mesh":0}],"meshes")");
+  EXPECT_EQ(Import(gltf, "gltf")->triangles.size(), 24u);
+  for (const char* name : {"lid", "knob"}) {
+    const auto lid = Import(gltf, "gltf", {.objects = {name}});
+    ASSERT_TRUE(lid) << lid.error().message;
+    EXPECT_EQ(lid->triangles.size(), 12u);
+    EXPECT_EQ(lid->Bounds().min_mm.z(), 10);
+  }
+  EXPECT_EQ(Import(gltf, "gltf", {.objects = {"body"}})->Bounds().min_mm.z(), 0);
+  ExpectError(Import(gltf, "gltf", {.objects = {"cup"}}), ErrorCode::kMissing,
+              "its objects are \"body\", \"lid\", \"knob\"");
+}
+
 }  // namespace
 }  // namespace intaglio::mesh

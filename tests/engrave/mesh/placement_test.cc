@@ -213,5 +213,36 @@ TEST(Placement, ThePivotStaysWhereItIs) {
   }
 }
 
+// Placed in the block before, and turned with it by the definition of a turn.
+TEST(Placement, IsTurnedWithItsBlock) {
+  const TriangleMesh mesh = BoxMesh({1, 2, 3});
+  Placement placement;
+  placement.rotation_rad = {0.3, -0.4, 0.5};
+  placement.move_mm = {4, -5, 6};
+  placement.fit = FitBox{{20, 30, 40}};
+  for (const bool centred : {false, true}) {
+    placement.centre_in_block = centred;
+    placement.pivot = Pivot::kBlock;
+    placement.quarter_turns = 0;
+    const auto before = PlaceInBlock(mesh, placement, kBlock);
+    Mat3 turn = Mat3::Identity();
+    Mat3 once;
+    once << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+    for (placement.quarter_turns = 1; placement.quarter_turns < 4;
+         ++placement.quarter_turns) {
+      turn = once * turn;
+      const bool is_odd = placement.quarter_turns % 2 != 0;
+      const Vec3 block = is_odd ? Vec3(kBlock.y(), kBlock.x(), kBlock.z()) : kBlock;
+      const auto placed = PlaceInBlock(mesh, placement, block);
+      for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+        const Vec3 expected = turn * (before->vertices[v] - 0.5 * kBlock) + 0.5 * block;
+        EXPECT_LT((placed->vertices[v] - expected).norm(), kRoundingMm);
+      }
+      EXPECT_TRUE(ObjectAxesOf(placement).isApprox(
+          turn * RotationOf(placement.rotation_rad), 1e-15));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace intaglio::mesh

@@ -46,6 +46,23 @@ TEST(PointProgram, MarksLieThroughTheirPointsAlongTheWay) {
             "2.950000 4.000000 0.000000 3.050000 4.000000 0.000000\n");
 }
 
+TEST(PointProgram, EveryPointHasItsOwnPower) {
+  const Template program = Parsed(
+      "#number POWER scale=1000 decimals=0\n#fragment begin\nS@POWER@\n"
+      "#fragment point\nX@X@ Y@Y@ Z@Z@ S@POWER@\n");
+  PointProgram points{"", {{1, 2, 3}, {4, 5, 6}}};
+  points.power_ratio = 0.8;
+  points.power_ratios = {0.25, 0.8};
+  EXPECT_EQ(Written(program, points),
+            "S800\nX1.000 Y2.000 Z3.000 S250\nX4.000 Y5.000 Z6.000 S800\n");
+  const auto refused = WritePointProgram(
+      test::FreshFolder() / "a.nc", Parsed("#fragment point\n@X@ @Y@ @Z@\n"), points);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().message,
+            "a.post: fragment 'point' does not use @POWER@, and the points have several "
+            "pulse energies; add it, or write a program for each energy");
+}
+
 TEST(PointProgram, AnEmptyCloudIsBeginAndEnd) {
   EXPECT_EQ(Written(Parsed("#fragment begin\nG21\n#fragment point\n@X@@Y@@Z@\n"), {}),
             "G21\n");

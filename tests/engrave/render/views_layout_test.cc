@@ -1,10 +1,13 @@
 #include "engrave/render/views_layout.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <string>
+
+#include "engrave/render/view_parts.h"
 
 namespace intaglio::render {
 namespace {
@@ -212,9 +215,44 @@ TEST(ViewsLayout, ACameraHasOneLargeViewOfThePartAboutTheWork) {
   // Near a wall the part stays within the block; unzoomed it is the block.
   const ViewsLayout wall = LayOutViews({Vec3(1, 1, 79)}, block, FullCaption(), options);
   EXPECT_TRUE(wall.panels[0].shown_mm.min_mm.isApprox(Vec3(0, 0, 60), 1e-12));
+  // Shifted by hand.
+  options.camera->middle_mm = Vec3(30, 40, 50);
+  const Panel shifted = LayOutViews(work, block, FullCaption(), options).panels[0];
+  EXPECT_TRUE(shifted.shown_mm.center_mm().isApprox(Vec3(30, 40, 50), 1e-12));
+  EXPECT_TRUE(shifted.shown_mm.size_mm().isApprox(block / 4, 1e-12));
+  EXPECT_NE(shifted.description.find("4 times enlarged about (30, 40, 50) mm"),
+            std::string::npos)
+      << shifted.description;
+  options.camera->middle_mm = std::nullopt;
   options.camera->zoom = 1;
   EXPECT_TRUE(LayOutViews(work, block, FullCaption(), options).panels[0].whole_block);
   EXPECT_GT(LayOutViews(work, block, FullCaption()).panels.size(), 1U);
+}
+
+// A bar of a round length beside it is the oracle of the scale: what the picture draws.
+TEST(ViewsLayout, AViewNamesItsGridAndItsScale) {
+  const Vec3 block(60, 60, 80);
+  const PointList work = {Vec3(10, 10, 10), Vec3(50, 20, 60), Vec3(30, 50, 30)};
+  ViewsOptions options;
+  options.grid_step_mm = 2.5;
+  for (const Panel& panel : LayOutViews(work, block, FullCaption(), options).panels) {
+    EXPECT_TRUE(StatusOf(panel).starts_with("grid 2.5 mm, ")) << StatusOf(panel);
+    if (panel.kind == PanelKind::kPerspective) {
+      EXPECT_NE(StatusOf(panel).find("about"), std::string::npos);
+      continue;
+    }
+    const OrthographicView view = ViewOf(panel.kind);
+    const double width_px = panel.px_per_mm * block[view.right_axis];
+    EXPECT_LE(width_px, panel.cell.width);
+    EXPECT_NE(StatusOf(panel).find(fmt::format("{:.3g} pixels a mm", panel.px_per_mm)),
+              std::string::npos)
+        << StatusOf(panel);
+  }
+  // Without a step of its own a view has as many lines as are drawn: 10 to 30 or so.
+  for (const Panel& panel : LayOutViews(work, block, FullCaption()).panels) {
+    EXPECT_GT(80 / GridStepOf(panel), 5) << StatusOf(panel);
+    EXPECT_LT(80 / GridStepOf(panel), 200) << StatusOf(panel);
+  }
 }
 
 }  // namespace

@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
 #include <set>
+#include <vector>
 
 #include "tests/services/drivers/grbl_rig.h"
 
@@ -89,9 +91,15 @@ class Cell {
     }
     if (!feeds || !driver->up()) return;
     while (armed_through < last_tick && Open() < GrblDriver::kMaxUnsettled) {
-      ASSERT_TRUE(driver->Arm(
-          {armed_through + 1, true, {false, false, false, true}, false, energy_mj}));
+      ASSERT_TRUE(driver->Arm({armed_through + 1,
+                               true,
+                               {false, false, false, true},
+                               false,
+                               energies_mj.empty()
+                                   ? energy_mj
+                                   : energies_mj[armed_count % energies_mj.size()]}));
       armed_through += 4;
+      ++armed_count;
     }
   }
   std::size_t Open() const {
@@ -111,6 +119,8 @@ class Cell {
   std::uint64_t armed_through = 0, last_tick = 0;
   std::uint32_t run = 0;
   double energy_mj = 10;
+  std::vector<double> energies_mj;  // of the points, again and again; empty: energy_mj
+  std::size_t armed_count = 0;
   bool feeds = true;
 };
 
@@ -151,7 +161,7 @@ TEST(GrblDriver, TheEnergyIsAnSByTheCalibration) {
   }
 }
 
-TEST(GrblDriver, AnEnergyWithoutCalibrationOrBesideAnotherIsRefused) {
+TEST(GrblDriver, AnEnergyThatItCannotSetIsRefused) {
   const auto code_of = [](Cell& cell, std::uint64_t ahead, double mj) {
     const auto armed =
         cell.driver->Arm({cell.driver->status().tick + ahead, true, {true}, false, mj});
@@ -167,9 +177,25 @@ TEST(GrblDriver, AnEnergyWithoutCalibrationOrBesideAnotherIsRefused) {
   calibrated.Prepare();
   EXPECT_EQ(code_of(calibrated, 50, 3.9), ErrorCode::kUnsupported);
   EXPECT_EQ(code_of(calibrated, 50, 4), std::nullopt);
-  EXPECT_EQ(code_of(calibrated, 60, 5), ErrorCode::kRefused)
-      << "its S would be that of the pulse that is armed";
-  EXPECT_EQ(code_of(calibrated, 60, 4), std::nullopt);
+  EXPECT_EQ(code_of(calibrated, 60, 10.1), ErrorCode::kUnsupported);
+}
+
+TEST(GrblDriver, PulsesOfSeveralEnergiesAreArmedTogetherAndEachHasItsOwn) {
+  for (const bool stops : {false, true}) {
+    Cell cell;
+    cell.Calibrate();
+    cell.energies_mj = {4, 7, 7, 10};
+    cell.Prepare();
+    cell.Begin(24, 0.3, stops);
+    ASSERT_TRUE(cell.Until([&] { return cell.RunIsOver(); }));
+    EXPECT_EQ(cell.machine.grbl.motion().flashes().size(), 24u);
+    const auto& powers = cell.machine.grbl.motion_powers();
+    ASSERT_EQ(powers.size(), 24u);
+    for (std::size_t i = 0; i < powers.size(); ++i)
+      EXPECT_EQ(powers[i], (std::array{500.0, 750.0, 750.0, 1000.0}[i % 4])) << i;
+    for (const auto& [tick, outcome] : cell.outcomes)
+      EXPECT_EQ(outcome, TickOutcome::kFiredUnseen) << tick;
+  }
 }
 
 TEST(GrblDriver, PulsesLieWithinAStepOfTheirPoints) {

@@ -20,6 +20,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "tests/services/drivers/virtual_grbl_motion.h"
 
@@ -79,6 +80,8 @@ class VirtualGrbl {
   std::uint64_t lines_taken() const { return lines_taken_; }
   /// Every S above 0 that came.
   const std::set<double>& powers() const { return powers_; }
+  /// Those of motions, in their order.
+  const std::vector<double>& motion_powers() const { return motion_powers_; }
   /// Dead by a memory error of the firmware; only a power cycle helps.
   bool crashed() const { return crashed_; }
   Vec3 WorkPosition_mm() const { return motion_.Position_mm() - work_offset_mm_; }
@@ -159,6 +162,7 @@ class VirtualGrbl {
   bool absolute_ = true, rapid_ = true;
   double feed_mm_min_ = 0, power_ = 0;
   std::set<double> powers_;
+  std::vector<double> motion_powers_;
   Spindle spindle_ = Spindle::kOff;
   Vec3 work_offset_mm_ = Vec3::Zero();
 

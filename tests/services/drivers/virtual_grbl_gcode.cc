@@ -169,6 +169,7 @@ void VirtualGrbl::ExecuteGcode(const std::string& line, bool jog) {
     if (words.s && motion_.is_empty()) CommandSpindle(spindle_);
     return Answer(0);
   }
+  if (power_ > 0) motion_powers_.push_back(power_);
   if (const int bad = QueueMotion(words, false)) Answer(bad);
 }
 

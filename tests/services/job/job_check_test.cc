@@ -149,6 +149,24 @@ TEST(CheckJob, EachMistakeIsFoundByItself) {
        [](JobSpec& j) { j.mutable_laser()->set_wavelength_nm(1064); }},
       {"laser.pulse_energy_mj", "30",
        [](JobSpec& j) { j.mutable_laser()->set_pulse_energy_mj(31); }},
+      {"models[0].pulse_energy_mj", "30",
+       [](JobSpec& j) { j.mutable_models(0)->set_pulse_energy_mj(31); }},
+      {"models[0].min_spacing_mm", "is of a cloud of points",
+       [](JobSpec& j) { j.mutable_models(0)->set_min_spacing_mm(1); }},
+      {"models[0].objects", "is an object of a mesh file",
+       [](JobSpec& j) {
+         j.mutable_models(0)->clear_file();
+         j.mutable_models(0)->add_points_mm()->set_x(1);
+         j.mutable_models(0)->add_objects("head");
+       }},
+      {"models[0].min_spacing_mm", "is below discretization.min_spacing_mm",
+       [](JobSpec& j) {
+         j.mutable_models(0)->clear_file();
+         j.mutable_models(0)->add_points_mm()->set_x(1);
+         j.mutable_models(0)->set_min_spacing_mm(0.02);
+       }},
+      {"block.quarter_turns", "outside 0..3",
+       [](JobSpec& j) { j.mutable_block()->set_quarter_turns(4); }},
       {"laser.channels[0]", "outside 1..4",
        [](JobSpec& j) { j.mutable_laser()->add_channels(5); }},
       {"laser.channels[1]", "twice",

@@ -4,8 +4,10 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <filesystem>
+#include <map>
 #include <set>
 
 #include "tests/patience.h"
@@ -239,6 +241,29 @@ TEST_F(EngravingTest, EveryPulseHasTheJobsEnergyAndItsMeasurementIsKept) {
   ASSERT_TRUE(journal);
   for (const formats::PointHistory& point : formats::HistoryOf(*journal))
     EXPECT_EQ(point.measured_mj, 12.25F);
+}
+
+// In each window of the laser line there is one energy, so each change ends a window.
+TEST_P(EngravingModes, EveryPulseHasTheEnergyOfItsPoint) {
+  CellOptions options{.points = 60, .lockstep = GetParam()};
+  options.energies.distinct_mj = {2.5, 12.5, 30};
+  // Alternating, then in stretches.
+  for (std::uint32_t i = 0; i < 60; ++i)
+    options.energies.of_point.push_back(i < 20 ? i % 3 : i / 10 % 3);
+  FakeCell cell(options);
+  cell.Grant();
+  ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
+  EXPECT_EQ(cell.engraving->run_count(), 1);
+  EXPECT_THAT(cell.Disagreements(), IsEmpty());
+  ASSERT_EQ(cell.results.size(), 60u);
+  std::map<std::uint64_t, double> energy_of_tick;
+  for (const Crack& crack : cell.laser.cracks())
+    energy_of_tick[crack.tick] = crack.energy_mj;
+  for (const PulseResult& result : cell.results) {
+    const double expected_mj = std::array{
+        2.5, 12.5, 30.0}[result.point < 20 ? result.point % 3 : result.point / 10 % 3];
+    EXPECT_EQ(energy_of_tick.at(result.tick), expected_mj) << result.point;
+  }
 }
 
 TEST_F(EngravingTest, StartsAgainWhenTheRunCameTooLate) {

@@ -117,7 +117,7 @@ void FakeCell::Begin(JobBegun begun) {
   job.uid = "job";
   job.machine_points_mm = points_mm;
   job.plan.rate_hz = FakeLaser::kRateHz;
-  job.pulse_energy_mj = 12.5;
+  job.energies = options_.energies;
   job.plan.profile = motion::Profile::kMix;
   job.masks = options_.masks;
   job.max_missed_in_a_row = options_.max_missed_in_a_row;

@@ -23,6 +23,7 @@ struct CellOptions {
   std::uint32_t points = 40;
   bool lockstep = false;
   std::vector<ChannelMask> masks = {};  ///< of the points; empty: all in channel 1
+  PointEnergies energies = {{12.5}, {}};
   std::uint32_t max_missed_in_a_row = 5;
   bool photosensor_feedback = true;
   bool asks_when_uncertain = false;

@@ -238,6 +238,47 @@ TEST(Rays, InsideOfASphereIsFilledEvenly) {
   EXPECT_GT(static_cast<double>(cloud.size()), cells - 2.2 * rays);
 }
 
+TEST(Rays, AGridThroughTheOriginIsTheSameForAllModels) {
+  const auto cloud_of = [](const mesh::TriangleMesh& mesh, const RayOptions& options) {
+    SpacedCloud cloud;
+    const auto source = MakeRays(mesh, options);
+    EXPECT_TRUE(source.has_value());
+    EXPECT_TRUE((*source)->AddPoints({}, 0, {}, cloud).has_value());
+    return cloud.points_mm;
+  };
+  RayOptions options;
+  options.distance_mm = 0.5;
+  options.grid_through_origin = true;
+  for (const auto& ball :
+       {Icosphere(2, 4, Vec3(5.1, 5.2, 5)), Icosphere(1.3, 4, Vec3(-7.3, 2.2, 1))}) {
+    const PointList points = cloud_of(ball, options);
+    EXPECT_GT(points.size(), 20u);
+    for (const Vec3& p : points) {
+      // A step is longer by 1e-9 (kRoundingAllowance).
+      EXPECT_NEAR(std::remainder(p.x(), 0.5), 0, 1e-7);
+      EXPECT_NEAR(std::remainder(p.y(), 0.5), 0, 1e-7);
+    }
+    options.grid_through_origin = false;
+    EXPECT_GT(std::abs(std::remainder(cloud_of(ball, options)[0].x(), 0.5)), 1e-3);
+    options.grid_through_origin = true;
+  }
+  // Between two rays.
+  EXPECT_TRUE(cloud_of(Icosphere(0.2, 3, Vec3(0.25, 0.25, 1)), options).empty());
+}
+
+TEST(Rays, ADirectionInTheModelsAxesIsTheOneTurned) {
+  const auto torus = Torus(Vec3(5, 6, 7), 3, 1, 24, 16);
+  RayOptions of_model{.distance_mm = 0.2, .direction = {Axis::kX, Vec3::Zero()}};
+  of_model.axes = Eigen::AngleAxisd(0.4, Vec3::UnitZ()).toRotationMatrix();
+  const RayOptions of_block{.distance_mm = 0.2, .direction = {Axis::kX, Vec3(0, 0, 0.4)}};
+  SpacedCloud by_model, by_block;
+  (void)MakeRays(torus, of_model).value()->AddPoints({}, 0, {}, by_model);
+  (void)MakeRays(torus, of_block).value()->AddPoints({}, 0, {}, by_block);
+  ASSERT_EQ(by_model.size(), by_block.size());
+  for (std::size_t i = 0; i < by_model.size(); ++i)
+    EXPECT_LT((by_model.points_mm[i] - by_block.points_mm[i]).norm(), 1e-9);
+}
+
 TEST(Rays, OpenPlacesHaveNoInside) {
   const auto source = MakeRays(OpenDome(5, 64, 16), {0.25, {}, true});
   SpacedCloud cloud;

@@ -18,6 +18,14 @@ PointHistory Pulse(PointOutcome outcome, float measured_mj, std::uint8_t missed 
   return point;
 }
 
+PulseEnergyReport EnergyOf(const std::vector<PointHistory>& history,
+                           double commanded_mj) {
+  JobReport report;
+  AddPulseEnergies(history, {{commanded_mj}, {}}, report);
+  EXPECT_EQ(report.pulse_energies_size(), 0);
+  return report.pulse_energy();
+}
+
 // By hand: 29, 30, 31 and 32.5 have the mean 30.625; their deviations from it are -1.625,
 // -0.625, 0.375, 1.875 with the mean square 1.671875.
 TEST(PulseFigures, MeanSpreadAndTheFurthestOff) {
@@ -26,7 +34,7 @@ TEST(PulseFigures, MeanSpreadAndTheFurthestOff) {
       Pulse(PointOutcome::kMade, 0),       Pulse(PointOutcome::kMade, 31),
       Pulse(PointOutcome::kSkipped, 100),  Pulse(PointOutcome::kMade, 32.5F),
       Pulse(PointOutcome::kUncertain, 100)};
-  const PulseEnergyReport report = PulseEnergiesOf(history, 30);
+  const PulseEnergyReport report = EnergyOf(history, 30);
   EXPECT_EQ(report.commanded_mj(), 30);
   EXPECT_EQ(report.measured_count(), 4u);
   EXPECT_NEAR(report.mean_mj(), 30.625, 1e-12);
@@ -37,10 +45,31 @@ TEST(PulseFigures, MeanSpreadAndTheFurthestOff) {
 
 TEST(PulseFigures, ALaserThatMeasuresNoneHasNoMean) {
   const std::vector<PointHistory> history = {Pulse(PointOutcome::kMade, 0)};
-  const PulseEnergyReport report = PulseEnergiesOf(history, 30);
+  const PulseEnergyReport report = EnergyOf(history, 30);
   EXPECT_EQ(report.commanded_mj(), 30);
   EXPECT_EQ(report.measured_count(), 0u);
   EXPECT_EQ(report.mean_mj(), 0);
+}
+
+TEST(PulseFigures, PointsOfSeveralEnergiesAreFiguredByTheirOwn) {
+  const std::vector<PointHistory> history = {
+      Pulse(PointOutcome::kMade, 5.5F), Pulse(PointOutcome::kMade, 30.5F),
+      Pulse(PointOutcome::kMade, 4.5F), Pulse(PointOutcome::kMade, 31.5F),
+      Pulse(PointOutcome::kMade, 0)};
+  JobReport report;
+  AddPulseEnergies(history, {{5, 30}, {0, 1, 0, 1, 1}}, report);
+  EXPECT_FALSE(report.has_pulse_energy());
+  ASSERT_EQ(report.pulse_energies_size(), 2);
+  const PulseEnergyReport& low = report.pulse_energies(0);
+  EXPECT_EQ(low.commanded_mj(), 5);
+  EXPECT_EQ(low.measured_count(), 2u);
+  EXPECT_EQ(low.mean_mj(), 5);
+  EXPECT_EQ(low.spread_mj(), 0.5);
+  const PulseEnergyReport& high = report.pulse_energies(1);
+  EXPECT_EQ(high.commanded_mj(), 30);
+  EXPECT_EQ(high.mean_mj(), 31);
+  EXPECT_EQ(high.furthest_mj(), 31.5);
+  EXPECT_EQ(high.furthest_point(), 3u);
 }
 
 TEST(PulseFigures, MissesAreCountedByChannel) {

@@ -96,6 +96,26 @@ TEST(JobMarks, LayersStayInTheirPlaceAndMissingOnesAreNamed) {
   EXPECT_THAT(none.error().message, HasSubstr("\"hole\", \"rim\""));
 }
 
+// Trochimczuk 2008 ch. 6.6.1: power and speed by the pen's colour.
+TEST(JobMarks, EveryPenOfAPlotHasItsPowerAndSpeed) {
+  const std::string plot = "IN;SP1;PU0,0;PD400,0;SP2;PU0,400;PD400,400;";
+  const auto set = Make(Job(R"(marks {
+      items { drawing { file: "plan.plt" layers: "SP1" }
+              placement { centre: false } pen { speed_mm_s: 300 power_ratio: 0.9 } }
+      items { drawing { file: "plan.plt" layers: "SP2" }
+              placement { centre: false } pen { speed_mm_s: 2000 power_ratio: 0.2 } } })"),
+                        {Bytes(plot), Bytes(plot)});
+  ASSERT_TRUE(set) << set.error().message;
+  ASSERT_EQ(set->marks.size(), 2U);
+  for (const mark::Mark& mark : set->marks) {
+    // 40 units of a plotter are a millimetre: pen 2 draws 10 mm above pen 1.
+    const bool is_second = mark::PlacesOf(mark, 0.001).front().y() > 5;
+    EXPECT_EQ(set->pens[mark.pen].speed_mm_s, is_second ? 2000 : 300);
+    EXPECT_EQ(set->pens[mark.pen].power_ratio, is_second ? 0.2 : 0.9);
+  }
+  EXPECT_NE(set->marks[0].pen, set->marks[1].pen);
+}
+
 // The plate of 40 x 20 with a hole of radius 5.
 TEST(JobMarks, FillsLeaveIslandsFree) {
   const auto set = Make(Job(R"(marks { items { drawing { file: "plate.svg" }

@@ -118,6 +118,21 @@ TEST_F(MeshMethod, OfRaysHasAllItsOptions) {
   EXPECT_EQ(Made(), PointsOf(discretize::MakeRays(Shape(), options)));
 }
 
+TEST_F(MeshMethod, OfRaysHasItsSystems) {
+  Placement& placement = *job_.mutable_models(0)->mutable_placement();
+  placement.mutable_rotate_deg()->set_x(40);
+  RaysMethod& rays = *asked_.mutable_rays();
+  discretize::RayOptions options;
+  options.distance_mm = 0.3;
+  rays.set_system(COORDINATE_SYSTEM_WORLD);
+  options.grid_through_origin = true;
+  EXPECT_EQ(Made(), PointsOf(discretize::MakeRays(Shape(), options)));
+  rays.set_system(COORDINATE_SYSTEM_OBJECT);
+  options.grid_through_origin = false;
+  options.axes = mesh::RotationOf(Vec3(40 * std::numbers::pi / 180, 0, 0));
+  EXPECT_EQ(Made(), PointsOf(discretize::MakeRays(Shape(), options)));
+}
+
 TEST_F(MeshMethod, OfEvenHasAllItsOptions) {
   EvenMethod& even = *asked_.mutable_even();
   discretize::EvenOptions options;

@@ -121,6 +121,20 @@ TEST(ReadingProcess, ANameThatResemblesAnOptionIsAName) {
   EXPECT_THAT(read.error().message, HasSubstr("--help.obj: it cannot be read as obj"));
 }
 
+TEST(ReadingProcess, ChoosesObjectsByTheirNamesWhateverTheyResemble) {
+  const std::string two =
+      "o --help\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+      "o a;b\nv 0 0 1\nv 1 0 1\nv 0 1 1\nf 4 5 6\n";
+  EXPECT_EQ(Read(two, "obj")->triangles.size(), 2u);
+  for (const char* name : {"--help", "a;b"}) {
+    const auto one = Read(two, "obj", {.objects = {name}});
+    ASSERT_TRUE(one) << one.error().message;
+    EXPECT_EQ(one->triangles.size(), 1u);
+  }
+  ExpectRefused(Read(two, "obj", {.objects = {"c"}}), ErrorCode::kMissing,
+                "its objects are \"--help\", \"a;b\"");
+}
+
 TEST(ReadingProcess, OneThatIsKilledReportsIt) {
   ExpectRefused(ReadBy(Script("kill -9 $$"), "file", "obj"), ErrorCode::kUnreadable,
                 "(Killed)");

@@ -54,7 +54,7 @@ TEST_F(MachinePreparationTest, RefusesAnEnergyThatTheLaserDoesNotMake) {
     bench_.laser.max_energy_mj = max_mj;
     bench_.PowerCycle();
     bench_.StepFor(600ms);
-    job_.pulse_energy_mj = asked_mj;
+    job_.energies.distinct_mj = {asked_mj};
     return preparation_.Refusal();
   };
   const std::string remedy =
@@ -67,6 +67,10 @@ TEST_F(MachinePreparationTest, RefusesAnEnergyThatTheLaserDoesNotMake) {
   EXPECT_EQ(refusal_of(1, 30, 0.5),
             "the laser makes no pulses of 0.5 mJ but 1..30 mJ" + remedy);
   EXPECT_EQ(refusal_of(10, 10, 10), "");
+  job_.energies = {{2, 10}, {1, 0, 1}};
+  EXPECT_EQ(preparation_.Refusal(),
+            "the laser makes no pulses of 2 mJ but 10 mJ alone" + remedy)
+      << "of one point of several";
   EXPECT_EQ(refusal_of(10, 10, 2),
             "the laser makes no pulses of 2 mJ but 10 mJ alone" + remedy);
 }

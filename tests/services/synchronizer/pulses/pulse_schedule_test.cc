@@ -40,6 +40,22 @@ TEST(PulseSchedule, DecidesOnlyAsManyPointsAsMayBeUnsettled) {
   EXPECT_EQ(schedule.LastTickFor(9), UINT64_MAX) << "no more are planned";
 }
 
+TEST(PulseSchedule, TicksOfPointsThatAreAlikeEndBeforeTheFirstThatIsNot) {
+  PulseSchedule schedule;
+  for (const std::uint32_t tick : {10, 12, 15, 20}) schedule.Add(tick, tick);
+  const auto through = [&](std::uint64_t first, std::uint64_t last) {
+    const auto alike = schedule.AlikeFrom(
+        first, last, [](std::uint32_t point) { return point < 15 ? 2.0 : 3.0; });
+    return std::pair(alike.last, alike.value);
+  };
+  EXPECT_EQ(through(8, 30), std::pair(std::uint64_t{14}, 2.0));
+  EXPECT_EQ(through(8, 13), std::pair(std::uint64_t{13}, 2.0));
+  EXPECT_EQ(through(13, 30), std::pair(std::uint64_t{30}, 3.0)) << "12 is too late";
+  EXPECT_EQ(through(21, 30), std::pair(std::uint64_t{30}, 0.0)) << "no point";
+  schedule.Decide(8, 14, kIgnoreArmed, kNoLate);
+  EXPECT_EQ(through(15, 19), std::pair(std::uint64_t{19}, 3.0));
+}
+
 TEST(PulseSchedule, WindowFiresExactlyThePlannedTicks) {
   PulseSchedule schedule;
   schedule.Add(10, 0);

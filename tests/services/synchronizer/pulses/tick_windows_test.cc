@@ -19,7 +19,9 @@ class TickWindowsTest : public testing::TestWithParam<bool> {
     bench_.laser.on_arm = [this](std::uint64_t tick) { armed_.push_back(tick); };
   }
   bool Arm(std::uint64_t last) {
-    return ticks_.Arm(last, 12, [this](std::uint32_t point) { late_.push_back(point); });
+    return ticks_.Arm(
+        last, [](std::uint32_t) { return 12.0; },
+        [this](std::uint32_t point) { late_.push_back(point); });
   }
   void Send() {
     journal_.AwaitDisk();

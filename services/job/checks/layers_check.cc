@@ -1,4 +1,4 @@
-#include "services/job/layers_check.h"
+#include "services/job/checks/layers_check.h"
 
 #include <google/protobuf/descriptor.h>
 
@@ -34,7 +34,7 @@ double RiseOf(const JobSpec& job, const Model& model, const Method& method) {
   const auto kind = KindOf(model);
   if (!kind || *kind == ModelKind::kMesh) return 1;
   const mesh::Placement placement = PlacementOf(model.placement(), job.block());
-  const Mat3 rotation = mesh::RotationOf(placement.rotation_rad);
+  const Mat3 rotation = mesh::ObjectAxesOf(placement);
   std::optional<Vec3> axis;
   if (method.layer_axis != nullptr) axis = method.layer_axis(model, rotation);
   const Vec3 normal = rotation * (mesh::UprightFrom(placement.up) * Vec3::UnitZ());

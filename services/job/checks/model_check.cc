@@ -1,0 +1,120 @@
+#include "services/job/checks/model_check.h"
+
+#include <filesystem>
+
+#include "engrave/io/lower_case.h"
+#include "services/job/methods/method_table.h"
+#include "services/job/model_kind.h"
+
+namespace intaglio {
+namespace {
+
+std::string FieldOf(Model::MethodCase method) {
+  const auto* field = Model::descriptor()->FindFieldByNumber(method);
+  return field == nullptr ? "" : field->name();
+}
+
+void CheckKindAndMethod(const Model& model, const std::string& path, Findings& findings) {
+  const auto kind = KindOf(model);
+  if (!kind) {
+    if (!model.file().empty()) {
+      findings.Wrong(path + ".file", model.file(), "{}", kind.error().message);
+    }
+    return;
+  }
+  const Model::MethodCase method = model.method_case();
+  if (method == Model::METHOD_NOT_SET || Suits(method, *kind)) return;
+  findings.Wrong(path + "." + FieldOf(method), NameOf(*kind),
+                 "cannot be made by this method; remove the method for the default one");
+}
+
+void CheckOwnPoints(const Model& model, const std::string& path, Findings& findings) {
+  if (model.points_mm_size() > 0 && (model.has_text() || !model.file().empty())) {
+    findings.Wrong(path + ".points_mm", model.points_mm_size(),
+                   "points are given beside {}; make two models",
+                   model.has_text() ? "a text" : "a file");
+  }
+}
+
+/// Fields that are of models of one kind alone.
+void CheckChosenParts(const Model& model, const std::string& path, Findings& findings) {
+  const auto kind = KindOf(model);
+  if (!kind) return;
+  if (model.layers_size() > 0 && *kind != ModelKind::kDrawing) {
+    findings.Wrong(path + ".layers", model.layers(0),
+                   "is a layer of a drawing, and the model is {}; remove it",
+                   NameOf(*kind));
+  }
+  if (model.objects_size() > 0 && *kind != ModelKind::kMesh) {
+    findings.Wrong(path + ".objects", model.objects(0),
+                   "is an object of a mesh file, and the model is {}; remove it",
+                   NameOf(*kind));
+  }
+  // A PLY is a mesh or a cloud by its content.
+  const bool may_be_cloud =
+      *kind == ModelKind::kCloud ||
+      io::LowerCaseExtension(std::filesystem::path(model.file()).extension().string()) ==
+          "ply";
+  if (model.has_min_spacing_mm() && !may_be_cloud) {
+    findings.Wrong(
+        path + ".min_spacing_mm", model.min_spacing_mm(),
+        "is of a cloud of points, and the model is {}; remove it, and give the "
+        "distance of its method",
+        NameOf(*kind));
+  }
+}
+
+/// A text without letters beside a file: the font of the texts in a DXF, and no more.
+void CheckFontOfDrawing(const Model& model, const std::string& path, Findings& findings) {
+  const std::string ending = std::filesystem::path(model.file()).extension().string();
+  if (io::LowerCaseExtension(ending) != "dxf") {
+    findings.Wrong(path + ".text", model.file(),
+                   "has a text without letters, which is the font of the texts in a DXF; "
+                   "remove it");
+  }
+  Text font_alone;
+  font_alone.set_font(model.text().font());
+  if (model.text().SerializeAsString() != font_alone.SerializeAsString()) {
+    findings.Wrong(path + ".text", model.file(),
+                   "gives its texts their heights and places: keep text.font alone");
+  }
+}
+
+}  // namespace
+
+void CheckModel(const Model& model, const std::string& path, Findings& findings) {
+  CheckOwnPoints(model, path, findings);
+  CheckChosenParts(model, path, findings);
+  CheckKindAndMethod(model, path, findings);
+  if (IsText(model) && !model.file().empty()) {
+    findings.Wrong(path + ".file", model.file(),
+                   "is given beside a text; make two models");
+  }
+  if (model.has_text() && !IsText(model)) CheckFontOfDrawing(model, path, findings);
+  if (IsText(model) && model.text().text().empty()) {
+    findings.Missing(path + ".text.text", "give the text to write");
+  }
+  if (model.text().shrink_to_fit() &&
+      model.placement().fit_case() != Placement::FIT_NOT_SET) {
+    findings.Wrong(path + ".text.shrink_to_fit", true,
+                   "excludes placement.fit, which decides the size of the text");
+  }
+  if (model.placement().has_fit_block() && !model.placement().fit_block()) {
+    findings.Wrong(path + ".placement.fit_block", false,
+                   "is not a fit; use true or remove the field");
+  }
+}
+
+void CheckOwnSpacing(const JobSpec& job, Findings& findings) {
+  const double block_mm = job.discretization().min_spacing_mm();
+  for (int i = 0; i < job.models_size(); ++i) {
+    const Model& model = job.models(i);
+    if (!model.has_min_spacing_mm() || model.min_spacing_mm() >= block_mm) continue;
+    findings.Wrong(fmt::format("models[{}].min_spacing_mm", i), model.min_spacing_mm(),
+                   "is below discretization.min_spacing_mm, {}, which all points of the "
+                   "block keep; increase it or remove it",
+                   block_mm);
+  }
+}
+
+}  // namespace intaglio
