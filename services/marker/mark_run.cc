@@ -123,12 +123,16 @@ std::uint64_t MarkRun::Settle(std::chrono::nanoseconds now) {
     ask_again_at_ = now + kAnswerTime / 4;
   }
   if (now < ask_again_at_) return 0;
+  const bool could_answer = state.number >= asked_at_status_ + kAnswerStatuses ||
+                            now >= ask_again_at_ + 9 * kAnswerTime;
+  if (questions_ > 0 && !could_answer) return 0;
   const bool remembers = state.remembers_marks && !state.power_up.empty() &&
                          PowerUpNumber(state.power_up) == record_.power_up();
   if (!remembers || questions_ >= kMaxQuestions) return GiveUp();
   ++questions_;
   known_.clear();
   ask_again_at_ = now + kAnswerTime;
+  asked_at_status_ = state.number;
   Ask();
   return 0;
 }

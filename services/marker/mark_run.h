@@ -20,8 +20,11 @@ class MarkRun {
   /// Intents ahead of the controller: a disk that takes 50 ms for each sync keeps up with
   /// marks of a fifth of a millisecond.
   static constexpr std::size_t kMaxArmed = 256;
-  /// For the answer of a controller that was asked, and how often it is.
+  /// For the answer of a controller that was asked, and how often it is. On a busy
+  /// computer its process may not have run in this time: it has sent so many statuses,
+  /// behind which the answer would have come, or it is waited for ten times as long.
   static constexpr std::chrono::milliseconds kAnswerTime{1000};
+  static constexpr std::uint64_t kAnswerStatuses = 10;
   static constexpr int kMaxQuestions = 3;
 
   /// All outlive this.
@@ -77,6 +80,7 @@ class MarkRun {
   std::uint64_t asked_session_ = 0;
   int questions_ = 0;
   std::chrono::nanoseconds ask_again_at_{0};
+  std::uint64_t asked_at_status_ = 0;
   std::map<std::uint32_t, std::uint32_t> known_;  // of each run, the newest it knows
   std::uint64_t by_memory_ = 0;
 };

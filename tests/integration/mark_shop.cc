@@ -104,7 +104,7 @@ bool MarkShop::AwaitDone(std::chrono::seconds bound) {
       [&] {
         if (!IsOpenOrOpens()) return false;
         Show();
-        if (IsIn("paused")) Type({"resume", "1"});
+        if (IsIn("paused") || IsIn("waiting")) Type({"resume", "1"});
         return IsIn("done");
       },
       bound);

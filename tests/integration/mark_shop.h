@@ -42,7 +42,8 @@ class MarkShop {
   /// What `intaglio show` says of it.
   const std::string& Show();
   bool IsIn(const std::string& state) const;
-  /// Until it has ended. A paused job is resumed, a shop that was closed is opened again.
+  /// Until it has ended. A job that is paused or waits for an arm is resumed, a shop that
+  /// was closed is opened again.
   bool AwaitDone(std::chrono::seconds bound);
   /// True once the shop is open; opens it when it was closed.
   bool IsOpenOrOpens() { return IsOpen() || Open(); }

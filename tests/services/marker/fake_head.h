@@ -29,6 +29,7 @@ class FakeHead final : public drivers::MarkDriver {
   int fd() const override { return -1; }
   const drivers::MarkDeviceState& state() const override { return state_; }
   std::vector<drivers::MarkEvent> TakeEvents() override {
+    if (state_.link_up && !silent) ++state_.number;
     return std::exchange(events_, {});
   }
   Status Permit(bool permitted) override {
@@ -143,7 +144,7 @@ class FakeHead final : public drivers::MarkDriver {
 
   std::size_t room = 4;
   std::uint32_t forgets_of_run = 0;
-  bool opens_shutter = true, mute = false, runs_on_without_host = false;
+  bool opens_shutter = true, silent = false, mute = false, runs_on_without_host = false;
   std::vector<std::uint32_t> handed;
   std::map<std::uint32_t, int> made, begun;
   int stops = 0, resets = 0, questions = 0;

@@ -264,6 +264,18 @@ TEST_F(MarkingTest, WithoutAnAnswerItIsUncertain) {
   for (const auto& [mark, times] : head_.begun) EXPECT_EQ(times, 1) << mark;
 }
 
+TEST_F(MarkingTest, AControllerWhoseProcessDoesNotRunIsWaitedFor) {
+  ASSERT_TRUE(TillMade(3));
+  head_.mute = head_.silent = true;
+  head_.LoseHost();
+  Turn();
+  ++inputs_.grant.renewal;
+  for (int i = 0; i < 1000; ++i) Turn();
+  head_.mute = head_.silent = false;
+  ASSERT_TRUE(ToItsEnd()) << marking_->message();
+  EXPECT_LE(marking_->ledger().count(PointState::kUncertain), 1u);
+}
+
 // Of a run that is longer than its memory it does not know what never came to it.
 TEST_F(MarkingTest, WhatNeverCameIsMade) {
   ASSERT_TRUE(TillMade(3));
