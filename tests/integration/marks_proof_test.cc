@@ -86,16 +86,19 @@ struct BurntCircles {
   double worst_place_um = 0, worst_diameter_um = 0;
 };
 
-/// Each circle of the record, beside the nearest place of the drawing, whose middle is
-/// the origin. A circle is the mean of its ticks' ways: nothing of the report is used.
-BurntCircles CirclesIn(const fs::path& file) {
+struct Circle {
+  Vec2 centre_mm = Vec2::Zero();
+  double radius_mm = 0;
+};
+
+/// Of each mark of the record the mean of its ticks' ways: nothing of the report is used.
+std::vector<Circle> AllCirclesIn(const fs::path& file) {
   const auto record = formats::ReadMarkRecord(file);
   EXPECT_TRUE(record) << file;
-  BurntCircles found;
-  if (!record) return found;
+  std::vector<Circle> circles;
+  if (!record) return circles;
   std::map<std::uint32_t, std::vector<formats::BurntTick>> of_mark;
   for (const auto& tick : record->ticks) of_mark[tick.mark].push_back(tick);
-  std::set<std::pair<int, int>> places;
   for (const auto& [mark, ticks] : of_mark) {
     Vec2 sum = Vec2::Zero();
     double length = 0;
@@ -103,18 +106,28 @@ BurntCircles CirclesIn(const fs::path& file) {
       sum += tick.way_mm.norm() * (tick.place_mm - tick.way_mm / 2);
       length += tick.way_mm.norm();
     }
-    const Vec2 centre = sum / length;
-    double radius = 0;
-    for (const auto& tick : ticks) radius += (tick.place_mm - centre).norm();
-    radius /= static_cast<double>(ticks.size());
-    const Vec2 cell(std::round((centre.x() + 15) / kPitchMm),
-                    std::round((centre.y() + 9) / kPitchMm));
+    Circle circle{sum / length, 0};
+    for (const auto& tick : ticks)
+      circle.radius_mm += (tick.place_mm - circle.centre_mm).norm();
+    circle.radius_mm /= static_cast<double>(ticks.size());
+    circles.push_back(circle);
+  }
+  return circles;
+}
+
+/// Each beside the nearest place of the drawing, whose middle is the origin.
+BurntCircles CirclesIn(const fs::path& file) {
+  BurntCircles found;
+  std::set<std::pair<int, int>> places;
+  for (const Circle& circle : AllCirclesIn(file)) {
+    const Vec2 cell(std::round((circle.centre_mm.x() + 15) / kPitchMm),
+                    std::round((circle.centre_mm.y() + 9) / kPitchMm));
     places.insert({static_cast<int>(cell.x()), static_cast<int>(cell.y())});
     const Vec2 planned = kPitchMm * cell - Vec2(15, 9);
     found.worst_place_um =
-        std::max(found.worst_place_um, 1e3 * (centre - planned).norm());
+        std::max(found.worst_place_um, 1e3 * (circle.centre_mm - planned).norm());
     found.worst_diameter_um =
-        std::max(found.worst_diameter_um, 2e3 * std::abs(radius - kRadiusMm));
+        std::max(found.worst_diameter_um, 2e3 * std::abs(circle.radius_mm - kRadiusMm));
   }
   found.count = places.size();
   return found;
@@ -178,6 +191,43 @@ TEST_F(MarksProof, AMarkTakenOutOfTheRecordIsMissedByName) {
   EXPECT_THAT(report.verdict().reasons(),
               ElementsAre(AllOf(HasSubstr("missing in the material"),
                                 HasSubstr("mark 7 (item 1) at ("))));
+}
+
+// Two circles above each other, eight times along a web that runs as fast as it may.
+TEST_F(MarksProof, ARunOfAWebIsProved) {
+  constexpr int kRepeats = 8;
+  constexpr double kRepeatMm = 20;
+  std::ofstream(folder_ / "pair.svg")
+      << R"(<svg xmlns="http://www.w3.org/2000/svg" width="2mm" height="8mm" )"
+      << R"(viewBox="0 0 2 8"><circle cx="1" cy="1" r="0.5"/>)"
+      << R"(<circle cx="1" cy="7" r="0.5"/></svg>)";
+  std::ofstream(folder_ / "job.textproto")
+      << "name: \"pairs\"\nmachine_file: \"galvo-web\"\n"
+      << "marks { items { drawing { file: \"pair.svg\" } } "
+      << "pen { speed_mm_s: 500 power_ratio: 0.5 } "
+      << "repeats { count: 8 pitch_mm: 20 } web {} }\n";
+  const Ended run = Run({});
+  ASSERT_TRUE(run.in_time) << run.output;
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+  const JobReport report = Report();
+  EXPECT_EQ(report.marks().counts().made(), 2u * kRepeats);
+  const MarkWebReport& web = report.marks().web();
+  EXPECT_GT(web.largest_mm_s(), 0);
+  EXPECT_NEAR(web.length_mm(), (kRepeats - 1) * kRepeatMm + 2 * kRadiusMm, 0.01);
+
+  std::map<bool, std::vector<double>> rows;
+  for (const Circle& circle : AllCirclesIn(folder_ / "out/session/marks.rec")) {
+    rows[circle.centre_mm.y() > 0].push_back(circle.centre_mm.x());
+    EXPECT_NEAR(circle.radius_mm, kRadiusMm, 0.010);
+    EXPECT_NEAR(std::abs(circle.centre_mm.y()), 3, 0.020);
+  }
+  ASSERT_EQ(rows.size(), 2u);
+  for (auto& [above, row] : rows) {
+    ASSERT_EQ(row.size(), static_cast<std::size_t>(kRepeats));
+    std::ranges::sort(row);
+    // Both ends of a pitch are within the tolerance.
+    for (int i = 1; i < kRepeats; ++i) EXPECT_NEAR(row[i] - row[i - 1], kRepeatMm, 0.040);
+  }
 }
 
 // A shop completes the folder of a job that has ended, and the history has its report.

@@ -1,5 +1,6 @@
 #include "services/cli/marks/virtual_web.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "engrave/core/try.h"
@@ -19,7 +20,9 @@ Result<double> VirtualWebSpeed(const JobSpec& job, const MachineSpec& machine,
   auto made = INTAGLIO_TRY(
       MakeJobMarks(job, machine, std::move(files), limits, ignored, nullptr));
   const auto ordered = INTAGLIO_TRY(OrderJobMarks(job, machine, std::move(made)));
-  return kVirtualWebShare * INTAGLIO_TRY(WebRunOf(job, machine, ordered)).max_mm_s;
+  const double largest_mm_s = INTAGLIO_TRY(WebRunOf(job, machine, ordered)).max_mm_s;
+  return std::min(kVirtualWebShare * largest_mm_s,
+                  machine.scan_head().field_mm() / kVirtualWebS);
 }
 
 }  // namespace intaglio::cli

@@ -112,10 +112,11 @@ Status KeepGlassRecord(const fs::path& record) {
 }
 
 Status KeepMarkRecord(const fs::path& record) {
-  const auto burnt = formats::ReadMarkRecord(record);
+  const auto header = formats::ReadMarkHeader(record);
+  std::error_code error;
   // None, or one of a piece without marks.
-  if (!burnt || burnt->ticks.empty()) return {};
-  return KeepRecord(record, fmt::format("marks-{:08x}.rec", burnt->header.power_up));
+  if (!header || fs::file_size(record, error) <= formats::kMarkHeaderSize) return {};
+  return KeepRecord(record, fmt::format("marks-{:08x}.rec", header->power_up));
 }
 
 void RemoveGlassRecords(const fs::path& folder, const std::set<std::uint32_t>& needed) {

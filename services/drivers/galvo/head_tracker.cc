@@ -1,5 +1,7 @@
 #include "services/drivers/galvo/head_tracker.h"
 
+#include <cmath>
+
 namespace intaglio::drivers {
 namespace {
 
@@ -30,7 +32,11 @@ void HeadTracker::Begin(std::uint16_t step_ticks) {
   const auto counts = first_.back().encoder_count - first_.front().encoder_count;
   const double speed_mm_s = static_cast<double>(counts) * count_mm_ /
                             (static_cast<double>(first_.size() - 1) * period_s_);
-  follower_.emplace(options, first_.front().encoder_count, speed_mm_s);
+  // Its first update is a period after what it begins with, and so is the first sample:
+  // a web of 1 m/s would be a millimetre ahead of itself until that has settled.
+  const auto before =
+      first_.front().encoder_count - std::llround(speed_mm_s * period_s_ / count_mm_);
+  follower_.emplace(options, before, speed_mm_s);
   for (const link::HeadWebSample& sample : first_)
     newest_mm_ = follower_->Update(sample.encoder_count, sample.edge_mm);
   first_.clear();

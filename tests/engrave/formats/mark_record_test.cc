@@ -7,6 +7,10 @@
 
 #include <filesystem>
 
+#include "engrave/io/atomic_file.h"
+#include "engrave/io/whole_file.h"
+#include "tests/test_folder.h"
+
 namespace intaglio::formats {
 namespace {
 
@@ -45,6 +49,28 @@ TEST(MarkRecord, IsReadableUpToWhereItWasCut) {
   bytes[3] ^= std::byte(1);
   EXPECT_FALSE(ParseMarkRecord(bytes));
   EXPECT_FALSE(ReadMarkRecord("/nonexistent/marks.rec"));
+}
+
+TEST(MarkRecord, AFileIsWrittenAsTheOtherWriterWroteIt) {
+  const auto record = ReadMarkRecord(kTwoTicks);
+  ASSERT_TRUE(record);
+  const std::filesystem::path copy = test::FreshFolder() / "copy.rec";
+  ASSERT_TRUE(WriteMarkRecord(copy, *record));
+  EXPECT_EQ(*io::ReadWholeFile(copy, 1000), *io::ReadWholeFile(kTwoTicks, 1000));
+}
+
+TEST(MarkRecord, TheHeaderIsReadAlone) {
+  const auto header = ReadMarkHeader(kTwoTicks);
+  ASSERT_TRUE(header) << header.error().message;
+  EXPECT_EQ(header->field_mm, 100);
+  EXPECT_EQ(header->power_up, 77u);
+  EXPECT_FALSE(ReadMarkHeader("/nonexistent/marks.rec"));
+  const std::filesystem::path cut = test::FreshFolder() / "cut.rec";
+  ASSERT_TRUE(io::WriteFileAtomically(cut, std::string_view("INTMARK1")));
+  const auto none = ReadMarkHeader(cut);
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().code, ErrorCode::kUnreadable);
+  EXPECT_NE(none.error().message.find("cut.rec"), std::string::npos);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "services/client/proof/glass_search.h"
 #include "services/platform/link/scan_head_protocol.h"
 #include "tests/test_folder.h"
 
@@ -113,6 +114,17 @@ TEST_F(MarkSearchTest, OfARunOfItsOwnNothingIsLeftOut) {
   EXPECT_EQ(burnt->ticks[0].mark, kNoMark);
   EXPECT_EQ(burnt->ticks[1].mark, 0u);
   EXPECT_EQ(burnt->ticks[2].mark, kNoMark);
+}
+
+// The next head begins its record anew.
+TEST_F(MarkSearchTest, ARecordWithMarksIsKeptUnderItsPowerUp) {
+  Record("marks.rec", 5, {});
+  ASSERT_TRUE(KeepMarkRecord(folder_ / "marks.rec"));
+  EXPECT_TRUE(fs::exists(folder_ / "marks.rec"));
+  Record("marks.rec", 5, {{10, 1, 0}});
+  ASSERT_TRUE(KeepMarkRecord(folder_ / "marks.rec"));
+  EXPECT_FALSE(fs::exists(folder_ / "marks.rec"));
+  EXPECT_TRUE(fs::exists(folder_ / "marks-00000005.rec"));
 }
 
 TEST_F(MarkSearchTest, RecordsThatNoOpenJobNeedsAreRemoved) {
