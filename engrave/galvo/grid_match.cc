@@ -243,13 +243,13 @@ Connected ConnectMarks(std::span<const Vec2> measured_mm, const Vec2& middle_mm,
                              (measured_mm[b] - middle_mm).norm();
                     });
   Grower grower(measured_mm, pitch_mm);
-  Connected most;
+  Connected largest;
   for (std::size_t i = 0; i < tried; ++i) {
     Connected connected = ConnectedFrom(grower, nearest[i]);
     if (connected.columns == nodes && connected.rows == nodes) return connected;
-    if (connected.marks.size() > most.marks.size()) most = std::move(connected);
+    if (connected.marks.size() > largest.marks.size()) largest = std::move(connected);
   }
-  return most;
+  return largest;
 }
 
 }  // namespace

@@ -9,11 +9,11 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <random>
 
 #include "engrave/formats/glass_record.h"
 #include "proto/machine_report.pb.h"
 #include "tests/integration/run_program.h"
+#include "tests/integration/scan_picture.h"
 #include "tests/test_folder.h"
 
 namespace intaglio {
@@ -86,7 +86,7 @@ class MachineMeasure : public ::testing::Test {
   }
 
   /// A picture of 20 um a pixel, turned by 2 degrees: dark spots of 95 um with soft edges
-  /// before a ground that falls off to the corners, and noise. 24 bits, from the bottom.
+  /// before the ground of scan_picture.h.
   fs::path Photo(const std::string& name) const {
     constexpr int kSide = 2600;
     constexpr double kPixelMm = 0.02, kRadiusPx = 2.4, kTurn = 0.0349;
@@ -108,29 +108,8 @@ class MachineMeasure : public ::testing::Test {
         }
       }
     }
-    std::mt19937 random(1);
-    std::normal_distribution<double> noise(0, 2);
-    std::string bytes(static_cast<std::size_t>(54 + 3 * kSide * kSide), '\0');
-    const auto put = [&](std::size_t at, std::uint32_t value) {
-      for (int k = 0; k < 4; ++k) bytes[at + k] = static_cast<char>(value >> 8 * k);
-    };
-    bytes[0] = 'B', bytes[1] = 'M';
-    put(2, static_cast<std::uint32_t>(bytes.size())), put(10, 54), put(14, 40);
-    put(18, kSide), put(22, kSide), put(26, 1 | 24 << 16);
-    for (int j = 0; j < kSide; ++j) {
-      for (int i = 0; i < kSide; ++i) {
-        const auto at = static_cast<std::size_t>(j * kSide + i);
-        const double r = std::hypot(i - kSide / 2, j - kSide / 2) / (kSide / 2);
-        const double light =
-            200 * (1 - 0.15 * r * r) * (1 - 0.5 * std::min(1.0F, covered[at])) +
-            noise(random);
-        for (std::size_t k = 0; k < 3; ++k) {
-          bytes[54 + 3 * at + k] = static_cast<char>(std::clamp(light, 0.0, 255.0));
-        }
-      }
-    }
     const fs::path file = folder_ / (name + ".bmp");
-    std::ofstream(file, std::ios::binary) << bytes;
+    testing::WriteScan(file, covered);
     return file;
   }
 

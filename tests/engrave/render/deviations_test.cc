@@ -16,7 +16,7 @@ Box3 RedOf(const Canvas& canvas, int from_px, int to_px) {
   return box;
 }
 
-TEST(Deviations, TheLongestArrowIsRedAndAsLongAsItsMagnificationSays) {
+TEST(Deviations, TheLongestArrowIsRedAndAsLongAsItsMagnification) {
   // 100 mm are 780 pixels wide.
   const std::vector<Deviation> deviations = {{{0, 0}, {0.001, 0}},
                                              {{100, 0}, {0, 0}},
