@@ -1,7 +1,7 @@
 #pragma once
 
 // A client that moves a machine by hand and teaches it. The motion bridge executes and
-// answers (services/motion_bridge/manual); an order that moves is held by repeating it:
+// answers (services/cell/manual); an order that moves is held by repeating it:
 // when this process ends, or stops polling, the stage is at rest within 200 ms and the
 // time of braking.
 

@@ -41,6 +41,7 @@
 #include "engrave/core/result.h"
 #include "engrave/mark/mark.h"
 #include "proto/machine.pb.h"
+#include "services/drivers/hand_motion.h"
 #include "services/platform/link/endpoint.h"
 #include "services/platform/link/steady_clock.h"
 
@@ -100,6 +101,9 @@ struct MarkDeviceState {
 class MarkDriver {
  public:
   virtual ~MarkDriver() = default;
+  /// Motion by hand, and the zero of a person; null: this family has none. While it moves
+  /// the state is not settled, and no run begins. The same object lives as long as this.
+  virtual HandMotion* hand() { return nullptr; }
 
   /// Moves the line's bytes and takes what came.
   virtual void Poll() = 0;

@@ -31,16 +31,20 @@ constexpr std::array kMotionKinds = {
 
 }  // namespace
 
-Status MotionDriver::Jog(const Vec3& /*axes*/, double /*speed_mm_s*/) {
+Status HandMotion::Jog(const Vec3& /*axes*/, double /*speed_mm_s*/) {
   return Fail(ErrorCode::kUnsupported,
               "the driver of this motion controller cannot move it by hand: use the "
               "controller's own panel");
 }
 
-Status MotionDriver::Home() {
+Status HandMotion::Home() {
   return Fail(ErrorCode::kUnsupported,
               "the driver of this motion controller cannot home it: use the "
               "controller's own panel");
+}
+
+Status HandMotion::SetZero(const Vec3& /*here*/, const std::array<bool, 3>& /*sets*/) {
+  return Fail(ErrorCode::kUnsupported, "this controller keeps no zero of a person's");
 }
 
 Box3 TravelOf(const MachineSpec& machine) {

@@ -16,36 +16,14 @@
 #include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
 #include "engrave/motion/segment.h"
-#include "idl/motion.h"
 #include "proto/machine.pb.h"
+#include "services/drivers/hand_motion.h"
 #include "services/platform/link/endpoint.h"
 #include "services/platform/link/steady_clock.h"
 
 namespace intaglio::drivers {
 
 class LaserController;
-
-/// The controller's newest report of its state.
-struct DriverState {
-  bool link_up = false;
-  bool taken_over = false;  ///< a newer host has the controller, for good
-  std::uint64_t tick = 0;
-  Vec3 position_mm = Vec3::Zero();
-  Vec3 velocity_mm_s = Vec3::Zero();
-  std::uint32_t run = 0;
-  std::uint64_t covered_through_tick = 0;
-  bool at_rest = false;
-  intaglio_MotionFault fault = intaglio_MOTION_LINK_LOST;
-  std::string message;  ///< the fault in a sentence that names the remedy
-  /// Why the controller that answers now is refused, and what to do; empty: it is not.
-  std::string refusal = {};
-  double following_error_max_um = 0;
-  std::uint32_t clock = 0;   ///< of its own, another number is another clock; 0: none
-  std::uint64_t number = 0;  ///< grows with every report of the controller
-  double position_tolerance_um = 0;  ///< of its in-position output; 0: not known
-  /// False: the controller does not know where its axes are; nothing but Home is right.
-  bool homed = true;
-};
 
 /// Actual positions at consecutive ticks, or at the times at which a clock of its own was
 /// notified of them.
@@ -97,15 +75,13 @@ struct LatchedPositions {
 /// MotionDriverKinds has `switches_laser`, and the profile's laser_line.protocol is
 /// "motion-output". Either Poll alone keeps the object alive; whoever uses both sides
 /// calls both. fd() is the same in both interfaces, and nothing else is.
-class MotionDriver {
+class MotionDriver : public HandMotion {
  public:
-  virtual ~MotionDriver() = default;
   /// Moves bytes both ways and opens a lost line again; never an error by itself:
   /// state() has it.
   virtual void Poll() = 0;
   /// For poll(2); -1 when there is none.
   virtual int fd() const = 0;
-  virtual const DriverState& state() const = 0;
   virtual std::vector<LatchedPositions> TakePositions() = 0;
 
   /// From rest, without a fault, at a tick to come. `start_ns` is that tick by the
@@ -120,20 +96,12 @@ class MotionDriver {
                         std::span<const std::uint64_t> end_ns) = 0;
   /// Brake to rest and forget the run.
   virtual Status AbortRun() = 0;
-  /// Clear a fault whose cause is gone.
-  virtual Status ClearFault() = 0;
 
   /// This object as a laser driver; null: the controller only moves.
   virtual LaserController* laser() { return nullptr; }
 
-  /// By hand: straight to `axes`, within the travel, at most at `speed_mm_s` of the focus
-  /// (mm/s; rad/s of a rotary axis that moves alone). A person holds it: the caller ends
-  /// it with Hold. kUnsupported: this family cannot.
-  virtual Status Jog(const Vec3& axes, double speed_mm_s);
-  /// By hand: to where the axes count from, as the controller does it.
-  virtual Status Home();
-  /// Ends both, braking to rest. As AbortRun, unless a family has another way.
-  virtual Status Hold() { return AbortRun(); }
+  /// As AbortRun, unless a family has another way.
+  Status Hold() override { return AbortRun(); }
 };
 
 /// The travel of a profile's linear axes, mm, machine frame.

@@ -79,7 +79,9 @@ Status MarkRun::Turn() {
 
 void MarkRun::ArmMore() {
   if (finished_) return;
-  while (armed_.size() < kMaxArmed) {
+  const std::size_t limit =
+      driver_.state().remembers_marks ? kMaxArmed : kMaxArmedUnremembered;
+  while (armed_.size() < limit) {
     const auto open = record_.ledger().NextOpen(next_);
     if (!open || !record_.Arm(*open)) return;
     armed_[*open] = {record_.run(), record_.appended(), false};

@@ -20,6 +20,9 @@ class MarkRun {
   /// Intents ahead of the controller: a disk that takes 50 ms for each sync keeps up with
   /// marks of a fifth of a millisecond.
   static constexpr std::size_t kMaxArmed = 256;
+  /// Of a controller that remembers no marks: of all that are armed nobody knows what
+  /// became of them when this process dies. A disk's sync between two marks is the price.
+  static constexpr std::size_t kMaxArmedUnremembered = 1;
   /// For the answer of a controller that was asked, and how often it is. On a busy
   /// computer its process may not have run in this time: it has sent so many statuses,
   /// behind which the answer would have come, or it is waited for ten times as long.

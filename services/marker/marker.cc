@@ -38,7 +38,10 @@ Marker::Marker(host::ServiceHost& host, const MachineSpec& machine,
       permission_(host.bus(), cell_),
       intake_(host.bus(), host.instance(), bus::kOrderedMarkBatch),
       task_publisher_(host.bus(), host.instance()),
-      interlocks_(host.bus(), bus::kInterlock, cell_) {}
+      interlocks_(host.bus(), bus::kInterlock, cell_) {
+  if (drivers::HandMotion* hand = driver_->hand())
+    desk_.emplace(host.bus(), cell_, *hand, teacher_);
+}
 
 Marker::~Marker() = default;
 
@@ -56,8 +59,17 @@ void Marker::Turn(std::chrono::nanoseconds now) {
   }
   TakeMarks();
   TakePrepared();
+  TurnByHand();
   if (marking_) TurnMarking();
   PublishInterlock();
+}
+
+// A run does not begin before the driver is settled: motion by hand ends by the arm.
+void Marker::TurnByHand() {
+  if (!desk_) return;
+  const bool runs = marking_ && marking_->phase() != Marking::Phase::kWaiting &&
+                    marking_->phase() != Marking::Phase::kDone;
+  desk_->Turn(runs, permission_.stop().pressed(), now_);
 }
 
 // Once for each device that is refused; a line that comes and goes raises no more.

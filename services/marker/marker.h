@@ -12,8 +12,10 @@
 
 #include "proto/machine.pb.h"
 #include "proto/task.pb.h"
+#include "services/cell/manual/manual_desk.h"
 #include "services/cell/permission_intake.h"
 #include "services/cell/task_publisher.h"
+#include "services/marker/hand_teacher.h"
 #include "services/marker/marking.h"
 #include "services/marker/marking_preparation.h"
 #include "services/platform/host/process/service_host.h"
@@ -47,6 +49,9 @@ class Marker {
     loop.Attach(tasks_);
     permission_.AttachTo(loop);
     loop.Attach(intake_.reader());
+    if (!desk_) return;
+    loop.Attach(desk_->commands());
+    loop.Attach(desk_->interlocks());
   }
 
  private:
@@ -58,6 +63,7 @@ class Marker {
   void Prepare(std::optional<mark::MarkSet> marks);
   void TakePrepared();
   void WatchMachine();
+  void TurnByHand();
   void TurnMarking();
   void AlarmRefusal();
   void PublishInterlock();
@@ -78,6 +84,8 @@ class Marker {
   cell::TaskPublisher task_publisher_;
   bus::Writer<intaglio_Interlock> interlocks_;
   cell::PermissionChain chain_;
+  HandTeacher teacher_;
+  std::optional<cell::ManualDesk> desk_;  ///< of a controller that a person can move
 
   std::optional<FrozenJob> job_;
   std::uint32_t attempt_ = 0;

@@ -66,7 +66,8 @@ Bridge::Bridge(host::ServiceHost& host, const MachineSpec& machine, std::string 
       states_(host.bus(), bus::kMotionState, cell_),
       positions_(host.bus(), bus::kPositionReport, cell_),
       credit_(host.bus(), host.instance()),
-      manual_(host.bus(), machine, std::move(profile), *driver_) {}
+      teacher_(machine, std::move(profile)),
+      manual_(host.bus(), cell_, *driver_, teacher_) {}
 
 void Bridge::Turn(std::chrono::nanoseconds now) {
   driver_->Poll();

@@ -10,10 +10,10 @@
 //     +--------------------------------------------------------------- <-+  appended
 //
 // kBeginning clears a fault and brakes an old run first. A batch of an older run is
-// dropped. Motion by hand (manual/manual_control.h) is executed in kIdle alone; a run
-// that comes ends it, and begins when the stage is at rest. Flow: batch 0 opens the run's
-// Credit stream (MotionStream in the header of the synchronizer's side), a batch is
-// consumed once the controller has all of it.
+// dropped. Motion by hand (services/cell/manual/manual_control.h) is executed in kIdle
+// alone; a run that comes ends it, and begins when the stage is at rest. Flow: batch 0
+// opens the run's Credit stream (MotionStream in the header of the synchronizer's side),
+// a batch is consumed once the controller has all of it.
 
 #include <chrono>
 #include <cstdint>
@@ -21,8 +21,9 @@
 #include <string>
 #include <vector>
 
+#include "services/cell/manual/manual_desk.h"
 #include "services/drivers/motion_driver.h"
-#include "services/motion_bridge/manual/manual_desk.h"
+#include "services/motion_bridge/profile_teacher.h"
 #include "services/platform/bus/flow.h"
 #include "services/platform/host/process/service_host.h"
 #include "services/platform/host/safety/stop_latch.h"
@@ -41,7 +42,7 @@ class Bridge {
 
   bus::Reader<intaglio_MotionSegmentBatch>& batches() { return batches_; }
   bus::Reader<intaglio_EmergencyStop>& stops() { return stops_; }
-  ManualDesk& manual() { return manual_; }
+  cell::ManualDesk& manual() { return manual_; }
   int fd() const { return driver_->fd(); }
   /// Of the controller; null: it only moves.
   drivers::LaserController* laser() { return driver_->laser(); }
@@ -84,7 +85,8 @@ class Bridge {
   bus::Writer<intaglio_PositionReport> positions_;
   bus::CreditGrantor credit_;
 
-  ManualDesk manual_;
+  ProfileTeacher teacher_;
+  cell::ManualDesk manual_;
   bool abort_owed_ = false;
   Phase phase_ = Phase::kIdle;
   std::uint32_t run_ = 0;

@@ -2,7 +2,7 @@
 
 // Drives the stage to the taught sample position before a job and to the park position
 // after it, by CellMove, which the motion bridge executes as motion by hand
-// (services/motion_bridge/manual/manual_control.h): within its limits, only while key,
+// (services/cell/manual/manual_control.h): within its limits, only while key,
 // door and stops hold, and as long as this process repeats it. It ends when the place is
 // reached, when the bridge refuses it, has ended it kAttempts times, or after kPatience:
 // a job never waits longer.

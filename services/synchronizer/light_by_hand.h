@@ -1,7 +1,7 @@
 #pragma once
 
 // Lamp and shutters by hand: switches what the motion bridge publishes as held by a
-// person (ManualState; services/motion_bridge/manual/manual_control.h decides who may),
+// person (ManualState; services/cell/manual/manual_control.h decides who may),
 // for as long as it is.
 //
 //   closed --held, fresh, free, key and door--> disarming --disarmed()--> lit

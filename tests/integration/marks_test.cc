@@ -22,7 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
-using testing::Ended;
 using testing::Eventually;
 using ::testing::HasSubstr;
 using testing::MarkJudgement;
@@ -155,55 +154,6 @@ TEST_F(WebShop, WithoutASpeedTheLargestIsShownAndWhatIsNotMarked) {
                                       "made up to "));
   EXPECT_THAT(shop.shown(), HasSubstr("warning    label.svg"));
   EXPECT_EQ(shop.Judge().made, kWebMarks);
-}
-
-// A mill on the virtual grbl, with a spindle: its record has a line for each time that
-// the tool is driven down.
-TEST(CourseShop, AMillCutsAPlateOut) {
-  const fs::path folder = test::FreshFolder();
-  const std::string tag = "mill" + std::to_string(getpid());
-  const auto with = [&](std::vector<std::string> words) {
-    words.insert(words.end(), {"--domain", "49", "--tag", tag});
-    return words;
-  };
-  std::ofstream(folder / "plate.svg")
-      << R"(<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="30mm" )"
-      << R"(viewBox="0 0 40 30"><rect x="5" y="5" width="30" height="20"/>)"
-      << R"(<circle cx="20" cy="15" r="4"/></svg>)";
-  std::ofstream(folder / "job.textproto")
-      << "name: \"plate\" machine_file: \"mill.textproto\" course { files: "
-      << "\"plate.svg\" make: COURSE_MAKE_CUT tool_diameter_mm: 2 depth_mm: 1 "
-      << "speed_mm_s: 50 plunge_mm_s: 10 }\n";
-  std::string profile =
-      testing::TextIn(INTAGLIO_SOURCE_DIR "/deploy/machines/mill.textproto");
-  const std::string device = "/dev/ttyUSB0";
-  profile.replace(profile.find(device), device.size(), (folder / "line").string());
-  std::ofstream(folder / "mill.textproto") << profile;
-  Running controller(fs::path(INTAGLIO_BIN_DIR).parent_path() / "tests/virtual-grbl",
-                     {"--hal", "--spindle", "--line", (folder / "line").string(),
-                      "--record", (folder / "record.txt").string()},
-                     folder / "controller.log");
-  ASSERT_TRUE(Eventually([&] { return fs::exists(folder / "line"); }, 20s));
-  Running up(
-      Program("intaglio"),
-      with({"up", "--real-machine", "--machine", (folder / "mill.textproto").string(),
-            "--folder", (folder / "shop").string(), "--materials",
-            (folder / "materials.db").string()}),
-      folder / "up.log");
-  ASSERT_TRUE(Eventually(
-      [&] { return up.Output().find("the shop is open") != std::string::npos; }, 60s))
-      << up.Output();
-  Running submit(
-      Program("intaglio"),
-      with({"submit", (folder / "job.textproto").string(), "--arm", "--watch"}),
-      folder / "typed.txt");
-  const Ended ended = submit.WaitForEnd(kBound);
-  EXPECT_TRUE(ended.in_time);
-  EXPECT_THAT(ended.output, ::testing::HasSubstr("job 1 done")) << up.Output();
-  const std::string record = testing::TextIn(folder / "record.txt");
-  EXPECT_GE(std::count(record.begin(), record.end(), '\n'), 4) << record;
-  up.Signal(SIGTERM);
-  up.WaitForEnd(20s);
 }
 
 // INTAGLIO_MARK_KILLS: kills of each program, one unless it is set; over as many jobs as

@@ -212,8 +212,11 @@ int TeachZero(const ZeroOptions& options) {
 
 void AddZero(command_line::Command teach) {
   auto options = std::make_shared<ZeroOptions>();
-  command_line::Command command = teach.AddCommand(
-      "zero", "the focus is at the block's corner: save it for a channel and lens");
+  command_line::Command command =
+      teach.AddCommand("zero",
+                       "the focus is at the block's corner: save it for a channel and "
+                       "lens; of a mill or a "
+                       "cutter: the tool is at the work zero");
   AddTeachFlags(command, *options);
   command.AddOption("--channel", options->channel, "channel").Within(1, 4).ShowDefault();
   command.AddOption("--lens", options->lens,
@@ -221,7 +224,7 @@ void AddZero(command_line::Command teach) {
   const auto height = command.AddOption(
       "--height", options->height_mm,
       "the focus is at the corner of the top face of a block of this height, mm; default "
-      "at the lower corner");
+      "at the lower corner. Of a mill: the tool is so far above the zero, as on a gauge");
   height.Within(0.0, 1000.0);
   command.AddOption("--axes", options->axes, "the axes that are set, of x, y and z")
       .ShowDefault();
@@ -234,7 +237,9 @@ void AddZero(command_line::Command teach) {
   command.SetFooter(
       "Example: intaglio teach zero --lens f43 --height 40   focus on the top face\n"
       "  intaglio teach zero --lens f43 --by 0.2 0 0         cracks were 0.2 mm too far "
-      "left");
+      "left\n"
+      "  intaglio teach zero --axes xy                       a mill's tool is over the "
+      "corner");
   command.SetAction([options] { return TeachZero(*options); });
 }
 
@@ -333,7 +338,13 @@ void AddHistory(command_line::Command teach) {
   command.SetAction([options] {
     if (!options->file.empty()) return ShowHistory(options->file, options->json);
     return WithMachine(*options, [&](TeachClient& client) {
-      return ShowHistory(client.view().profile, options->json);
+      if (!client.view().profile.empty())
+        return ShowHistory(client.view().profile, options->json);
+      return Complain({ErrorCode::kUnsupported,
+                       client.view().cell +
+                           " has no history: its work zero is in the controller; see it "
+                           "with `intaglio teach status`",
+                       ""});
     });
   });
 }

@@ -80,7 +80,9 @@ std::string TextOf(const client::MachineView& view) {
       fmt::format("  by hand: {}\n", !view.held_by.empty()  ? "moved by " + view.held_by
                                      : view.refusal.empty() ? "allowed"
                                                             : view.refusal);
-  text += fmt::format("  taught: version {} of {}\n", view.taught_number, view.profile);
+  text += view.profile.empty() ? "  taught: the work zero, which the controller keeps\n"
+                               : fmt::format("  taught: version {} of {}\n",
+                                             view.taught_number, view.profile);
   return text;
 }
 

@@ -59,7 +59,8 @@ GrblCourseDriver::GrblCourseDriver(const MachineSpec& machine, link::StreamOpene
       options_(OptionsOf(tool_)),
       line_(std::move(open), std::move(clock), ExpectedAtMarkLine(machine),
             options_.tool),
-      program_(options_) {}
+      program_(options_),
+      hand_motion_(line_, clock_, [this] { return Reset(); }) {}
 
 void GrblCourseDriver::Poll() {
   std::vector<GrblLine::Event> events;
@@ -70,9 +71,14 @@ void GrblCourseDriver::Poll() {
     FeedStop();
   else if (recovers_)
     FeedRecovery();
+  else if (hand_motion_.active())
+    hand_motion_.Feed();
   else
     Feed();
   Report();
+  hand_motion_.TakeState(state_, grbl_, run_.has_value());
+  state_.settled = state_.settled && !hand_motion_.active();
+  state_.at_rest = state_.at_rest && !hand_motion_.active();
 }
 
 std::vector<MarkEvent> GrblCourseDriver::TakeEvents() {
@@ -97,7 +103,7 @@ Status GrblCourseDriver::Begin(std::uint32_t run, std::span<const mark::Pen> pen
   if (!state_.link_up) return RefuseCourse("the line to the controller is down");
   if (!state_.settled || run_) return RefuseCourse("a run is not at its end");
   if (!state_.fault.empty()) return RefuseCourse(state_.fault);
-  if (!line_.takes_lines() || grbl_.state != GrblState::kIdle)
+  if (!line_.takes_lines() || grbl_.state != GrblState::kIdle || hand_motion_.active())
     return RefuseCourse("the controller is not idle: check door, hold and zero");
   if (run <= state_.newest_run)
     return RefuseCourse(fmt::format("run {} is not above {}", run, state_.newest_run));

@@ -39,6 +39,7 @@
 #include <string>
 #include <vector>
 
+#include "services/drivers/grbl/grbl_course_hand.h"
 #include "services/drivers/grbl/grbl_course_program.h"
 #include "services/drivers/grbl/grbl_line.h"
 #include "services/drivers/mark_driver.h"
@@ -58,6 +59,7 @@ class GrblCourseDriver final : public MarkDriver {
   void Poll() override;
   int fd() const override { return line_.fd(); }
   const MarkDeviceState& state() const override { return state_; }
+  HandMotion* hand() override { return &hand_motion_; }
   std::vector<MarkEvent> TakeEvents() override;
   Status Permit(bool permitted) override;
   Status Begin(std::uint32_t run, std::span<const mark::Pen> pens) override;
@@ -104,6 +106,7 @@ class GrblCourseDriver final : public MarkDriver {
   void EndStop();
   void FeedRecovery();
   void Fault(std::string why);
+  void EndFault();
   void AddEvent(std::uint32_t mark, MarkFate fate);
   void Report();
   bool spindle() const { return options_.tool == GrblTool::kSpindle; }
@@ -114,6 +117,7 @@ class GrblCourseDriver final : public MarkDriver {
   CourseToolOptions options_;
   GrblLine line_;
   GrblCourseProgram program_;
+  GrblCourseHand hand_motion_;
   GrblStatus grbl_;
   MarkDeviceState state_;
   bool has_status_ = false;

@@ -17,6 +17,14 @@ constexpr char kMarkBarrier[] = "G4P0";
 }  // namespace
 
 void GrblCourseDriver::Take(const GrblLine::Event& event) {
+  const bool of_line = std::holds_alternative<GrblOk>(event) ||
+                       std::holds_alternative<GrblError>(event) ||
+                       std::holds_alternative<GrblHomed>(event);
+  if (of_line && hand_motion_.active()) {
+    hand_motion_.Take(event);
+    if (std::holds_alternative<GrblHomed>(event)) EndFault();
+    return;
+  }
   if (std::holds_alternative<GrblUp>(event)) return TakeUp();
   if (std::holds_alternative<GrblLost>(event)) return TakeLost();
   if (std::holds_alternative<GrblOk>(event)) return TakeOk();
@@ -32,10 +40,12 @@ void GrblCourseDriver::Take(const GrblLine::Event& event) {
 void GrblCourseDriver::TakeUp() {
   has_status_ = unsettled_ = recovers_ = false;
   grbl_ = {};
+  hand_motion_.End();
 }
 
 void GrblCourseDriver::TakeLost() {
   has_status_ = recovers_ = false;
+  hand_motion_.End();
   if (!run_) return;
   DropQueue();
   unsettled_ = !in_flight_.empty() || turns_;
@@ -190,6 +200,7 @@ void GrblCourseDriver::DropQueue() {
 void GrblCourseDriver::Fault(std::string why) {
   if (state_.fault.empty()) state_.fault = std::move(why);
   state_.safe_state = true;
+  hand_motion_.End();
   if (run_ && !stopping_) BeginStop();
 }
 
@@ -223,6 +234,11 @@ void GrblCourseDriver::EndStop() {
   EndRun();
 }
 
+void GrblCourseDriver::EndFault() {
+  state_.safe_state = false;
+  state_.fault.clear();
+}
+
 // Out of a hold and a closed door by a reset at rest, which forgets what was queued; out
 // of an alarm by $X.
 void GrblCourseDriver::FeedRecovery() {
@@ -236,8 +252,7 @@ void GrblCourseDriver::FeedRecovery() {
     stop_at_ = now();
   } else if (line_.takes_lines() && grbl_.state == GrblState::kIdle) {
     recovers_ = false;
-    state_.safe_state = false;
-    state_.fault.clear();
+    EndFault();
   }
 }
 

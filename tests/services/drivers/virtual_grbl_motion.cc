@@ -140,7 +140,8 @@ double VirtualGrblMotion::RunBlock(double us) {
   const double to_brake = std::max(0.0, (v * v - exit * exit) / (2 * a));
   if (to_brake >= left - kTinyMm) {
     const double took = Accelerate(block, v, exit, us);
-    if (took < us || v <= exit) block.done_mm = block.length_mm;
+    // us in s and back may be less than us by a rounding.
+    if (took < us - 1e-6 || v <= exit) block.done_mm = block.length_mm;
     return took;
   }
   if (v < block.nominal_mm_s) {

@@ -287,6 +287,20 @@ TEST_F(MarkingTest, WhatNeverCameIsMade) {
   for (const auto& [mark, times] : head_.begun) EXPECT_EQ(times, 1) << mark;
 }
 
+// As a mill: what the marker had armed when it died is not known, and that is one mark,
+// however much room its controller has.
+TEST_F(MarkingTest, OfAControllerWithoutMemoryOneMarkIsUncertain) {
+  head_.state_.remembers_marks = false;
+  head_.room = 64;
+  ASSERT_TRUE(TillMade(3));
+  Restart();
+  ++inputs_.grant.number;
+  ASSERT_TRUE(ToItsEnd()) << marking_->message();
+  EXPECT_EQ(marking_->ledger().count(PointState::kUncertain), 1u);
+  EXPECT_EQ(marking_->ledger().count(PointState::kMade), kCount - 1);
+  for (const auto& [mark, times] : head_.begun) EXPECT_EQ(times, 1) << mark;
+}
+
 TEST_F(MarkingTest, APowerCycleLeavesWhatWasHandedOverUncertain) {
   ASSERT_TRUE(TillMade(3));
   head_.PowerCycle();

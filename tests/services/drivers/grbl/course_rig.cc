@@ -5,13 +5,14 @@
 namespace intaglio::drivers {
 namespace {
 
-grbl::VirtualGrblOptions OptionsFor(CourseToolKind kind) {
+grbl::VirtualGrblOptions OptionsFor(CourseToolKind kind, CourseRig::Change change) {
   grbl::VirtualGrblOptions options = grbl::Grbl11();
   // So fine that rounding to steps is below what is compared.
   options.motion.steps_per_mm = 10000;
   options.motion.acceleration_mm_s2 = 1000;
   options.arc_tolerance_mm = 0.001;
   options.laser_mode = kind == COURSE_TOOL_LASER;
+  if (change != nullptr) change(options);
   return options;
 }
 
@@ -63,8 +64,8 @@ mark::MarkSet Squares(const mark::Pen& pen, int count) {
   return set;
 }
 
-CourseRig::CourseRig(CourseToolKind kind, const std::string& serial_number)
-    : machine(OptionsFor(kind)), profile(CourseProfile(kind)) {
+CourseRig::CourseRig(CourseToolKind kind, const std::string& serial_number, Change change)
+    : machine(OptionsFor(kind, change)), profile(CourseProfile(kind)) {
   if (!serial_number.empty())
     profile.mutable_mark_line()->set_serial_number(serial_number);
   MakeDriver();

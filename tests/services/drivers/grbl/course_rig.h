@@ -22,7 +22,9 @@ struct SeenPlace {
 
 class CourseRig {
  public:
-  explicit CourseRig(CourseToolKind kind, const std::string& serial_number = "");
+  using Change = void (*)(grbl::VirtualGrblOptions&);
+  explicit CourseRig(CourseToolKind kind, const std::string& serial_number = "",
+                     Change change = nullptr);
 
   /// 1 ms: the controller, then the host, which permits while it is told to.
   void Step();

@@ -37,9 +37,9 @@
 
 #include "engrave/core/geometry.h"
 #include "idl/teach.h"
-#include "services/drivers/motion_driver.h"
+#include "services/drivers/hand_motion.h"
 
-namespace intaglio::motion_bridge {
+namespace intaglio::cell {
 
 struct ManualOrder {
   std::string sender;
@@ -49,6 +49,7 @@ struct ManualOrder {
   double speed_mm_s = 0;
   bool by_cell = false;       ///< the synchronizer, for a job that is armed
   std::uint32_t channel = 1;  ///< of a shutter
+  std::uint8_t sets = 7;      ///< of a zero: bit 0..2, x, y, z
 };
 
 /// What the bridge knows of the rest of the machine.
@@ -83,11 +84,12 @@ class ManualControl {
   static constexpr std::chrono::seconds kLightTime{2};
 
   /// `limits`: in the axes' units; `names`: of the axes, for messages.
-  ManualControl(drivers::MotionDriver& driver, const Box3& limits,
+  ManualControl(drivers::HandMotion& driver, const Box3& limits,
                 std::array<std::string, 3> names)
       : driver_(driver), limits_(limits), names_(std::move(names)) {}
 
-  /// Of the machine; default 1.
+  /// Of the machine, whose shutters and lamp are switched by hand; default 1, 0: it has
+  /// none.
   void SetChannels(std::uint32_t count) { channels_ = count; }
   void SetLimits(const Box3& limits) { limits_ = limits; }
   /// A ManualState of this number goes out.
@@ -133,7 +135,7 @@ class ManualControl {
   }
   std::optional<Nanoseconds> PublishedAt(std::uint64_t number) const;
 
-  drivers::MotionDriver& driver_;
+  drivers::HandMotion& driver_;
   Box3 limits_;
   std::array<std::string, 3> names_;
   std::deque<std::pair<std::uint64_t, Nanoseconds>> published_;
@@ -151,4 +153,4 @@ class ManualControl {
   ManualAnswer answer_;
 };
 
-}  // namespace intaglio::motion_bridge
+}  // namespace intaglio::cell

@@ -1,6 +1,6 @@
-#include "tests/services/motion_bridge/manual_bench.h"
+#include "tests/services/cell/manual/manual_bench.h"
 
-namespace intaglio::motion_bridge {
+namespace intaglio::cell {
 namespace {
 
 using ::testing::HasSubstr;
@@ -23,6 +23,37 @@ TEST_F(ManualControlTest, WithoutCompressedAirNothingMoves) {
   EXPECT_EQ(driver_.jogs, 0);
   EXPECT_EQ(control_.answer().code, intaglio_MANUAL_REFUSED);
   EXPECT_EQ(control_.answer().message, "no compressed air");
+}
+
+// Under the same conditions as motion, and done when the controller has it.
+TEST_F(ManualControlTest, AZeroOfTheControllerIsSetAtRest) {
+  ManualOrder zero = Jog(1);
+  zero.kind = intaglio_TEACH_ZERO;
+  zero.place = Vec3(0, 0, 0.1);
+  zero.sets = 5;
+  conditions_.door_closed = false;
+  Give(zero);
+  EXPECT_EQ(control_.answer().code, intaglio_MANUAL_REFUSED);
+  EXPECT_EQ(driver_.zeros, 0);
+  conditions_.door_closed = true;
+  zero.number = 2;
+  Give(zero);
+  ASSERT_EQ(driver_.zeros, 1);
+  EXPECT_EQ(driver_.target, Vec3(0, 0, 0.1));
+  EXPECT_EQ(driver_.set_axes, (std::array{true, false, true}));
+  EXPECT_EQ(control_.answer().code, intaglio_MANUAL_ACCEPTED);
+  ComeToRest();
+  EXPECT_EQ(control_.answer().code, intaglio_MANUAL_DONE);
+  EXPECT_THAT(control_.answer().message, HasSubstr("the work zero is set"));
+}
+
+TEST_F(ManualControlTest, WithoutChannelsThereIsNoLampAndNoShutter) {
+  control_.SetChannels(0);
+  ManualOrder lamp = Jog(1);
+  lamp.kind = intaglio_MANUAL_LAMP;
+  Give(lamp);
+  EXPECT_EQ(control_.answer().code, intaglio_MANUAL_REFUSED);
+  EXPECT_THAT(control_.answer().message, HasSubstr("neither lamp nor shutter"));
 }
 
 // The dead-man: 200 ms after the newest command was made, whenever it came.
@@ -196,4 +227,4 @@ TEST_F(ManualControlTest, AFamilyThatCannotIsReported) {
 }
 
 }  // namespace
-}  // namespace intaglio::motion_bridge
+}  // namespace intaglio::cell

@@ -1,4 +1,4 @@
-#include "services/motion_bridge/manual/manual_control.h"
+#include "services/cell/manual/manual_control.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace intaglio::motion_bridge {
+namespace intaglio::cell {
 namespace {
 
 // At 50 states a second, more than two seconds; what is older is stale anyway.
@@ -16,6 +16,12 @@ constexpr std::size_t kMaxSenders = 256;
 
 bool IsLight(intaglio_ManualCommandKind kind) {
   return kind == intaglio_MANUAL_LAMP || kind == intaglio_MANUAL_SHUTTER;
+}
+
+std::string DoneText(const ManualOrder& order, const Vec3& position) {
+  if (order.kind != intaglio_TEACH_ZERO) return "";
+  return fmt::format("the work zero is set: the tool is at {:.3f}, {:.3f}, {:.3f}",
+                     position.x(), position.y(), position.z());
 }
 
 }  // namespace
@@ -36,6 +42,9 @@ std::string WhyNoMotionByHand(const ManualConditions& conditions,
     return "key and door are not known, because the laser controller does not answer: "
            "check the synchronizer and the laser line";
   }
+  // On many machines one chain.
+  if (!conditions.key_on && !conditions.door_closed && !conditions.stop_released)
+    return "key, door and stop button are open: close them";
   if (!conditions.key_on) return "the key is off: turn it on";
   if (!conditions.door_closed) return "the door is open: close it";
   if (!conditions.stop_released)
@@ -130,6 +139,10 @@ Result<Vec3> ManualControl::TargetOf(const ManualOrder& order) const {
 }
 
 Status ManualControl::Start(const ManualOrder& order) {
+  if (IsLight(order.kind) && channels_ == 0) {
+    return Fail(ErrorCode::kUnsupported,
+                "this machine has neither lamp nor shutter that is switched by hand");
+  }
   if (order.kind == intaglio_MANUAL_LAMP) return {};
   if (order.kind == intaglio_MANUAL_SHUTTER) {
     if (order.channel >= 1 && order.channel <= channels_) return {};
@@ -138,6 +151,10 @@ Status ManualControl::Start(const ManualOrder& order) {
         fmt::format("channel {}: the machine has 1 to {}", order.channel, channels_));
   }
   if (order.kind == intaglio_MANUAL_HOME) return driver_.Home();
+  if (order.kind == intaglio_TEACH_ZERO) {
+    return driver_.SetZero(order.place, {(order.sets & 1) != 0, (order.sets & 2) != 0,
+                                         (order.sets & 4) != 0});
+  }
   if (!(order.speed_mm_s > 0)) {
     return Fail(ErrorCode::kInvalidValue,
                 fmt::format("speed {} mm/s: give one above 0", order.speed_mm_s));
@@ -213,7 +230,7 @@ void ManualControl::Turn(const ManualConditions& conditions, Nanoseconds now) {
       Brake(std::move(why));
     } else if (state.at_rest) {
       phase_ = Phase::kResting;
-      Answer(order_, intaglio_MANUAL_DONE, "");
+      Answer(order_, intaglio_MANUAL_DONE, DoneText(order_, state.position_mm));
     }
   }
   if (phase_ == Phase::kBraking) {
@@ -229,4 +246,4 @@ void ManualControl::Turn(const ManualConditions& conditions, Nanoseconds now) {
   }
 }
 
-}  // namespace intaglio::motion_bridge
+}  // namespace intaglio::cell

@@ -5,27 +5,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "services/motion_bridge/manual/manual_control.h"
+#include "services/cell/manual/manual_control.h"
 
-namespace intaglio::motion_bridge {
+namespace intaglio::cell {
 
 using namespace std::chrono_literals;
 using Nanoseconds = std::chrono::nanoseconds;
 
 /// A stage that does what the test says, and remembers what it was told to do.
-class FakeDriver final : public drivers::MotionDriver {
+class FakeDriver final : public drivers::HandMotion {
  public:
-  void Poll() override {}
-  int fd() const override { return -1; }
   const drivers::DriverState& state() const override { return now; }
-  std::vector<drivers::LatchedPositions> TakePositions() override { return {}; }
-  Status BeginRun(std::uint32_t, std::uint64_t, std::uint64_t) override { return {}; }
-  std::size_t Room() const override { return 0; }
-  Status Append(std::span<const motion::Segment>,
-                std::span<const std::uint64_t>) override {
-    return {};
-  }
-  Status AbortRun() override {
+  Status Hold() override {
     ++holds;
     return {};
   }
@@ -41,7 +32,17 @@ class FakeDriver final : public drivers::MotionDriver {
     return {};
   }
 
+  Status SetZero(const Vec3& here, const std::array<bool, 3>& sets) override {
+    ++zeros;
+    target = here;
+    set_axes = sets;
+    now.at_rest = false;
+    return {};
+  }
+
   drivers::DriverState now;
+  std::array<bool, 3> set_axes{};
+  int zeros = 0;
   int jogs = 0, holds = 0, clears = 0;
   Vec3 target = Vec3::Zero();
   double speed = 0;
@@ -86,4 +87,4 @@ class ManualControlTest : public ::testing::Test {
   std::uint64_t number_ = 1000;
 };
 
-}  // namespace intaglio::motion_bridge
+}  // namespace intaglio::cell

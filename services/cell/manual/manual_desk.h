@@ -1,7 +1,8 @@
 #pragma once
 
-// The bus side of motion by hand and of teaching: takes ManualCommand and CellMove, gives
-// them to ManualControl, saves what is taught in the profile, and publishes ManualState.
+// The bus side of motion by hand and of teaching, in the process that has the line to the
+// controller: takes ManualCommand and CellMove, gives them to ManualControl, has a
+// Teacher save what is taught, and publishes ManualState.
 //
 // A teaching is saved only while the stage is at rest, no run is active and the job
 // service answers that no job is armed: a job is engraved with the zero that it began
@@ -10,20 +11,19 @@
 
 #include <chrono>
 #include <cstdint>
-#include <filesystem>
 #include <string>
 
-#include "proto/machine.pb.h"
-#include "services/motion_bridge/manual/manual_control.h"
+#include "services/cell/manual/manual_control.h"
+#include "services/cell/manual/teacher.h"
 #include "services/platform/bus/bus.h"
 
-namespace intaglio::motion_bridge {
+namespace intaglio::cell {
 
 class ManualDesk {
  public:
-  /// `profile`: the file that `machine` was read from. `driver` outlives this.
-  ManualDesk(bus::Bus& bus, const MachineSpec& machine, std::filesystem::path profile,
-             drivers::MotionDriver& driver);
+  /// `motion` and `teacher` outlive this.
+  ManualDesk(bus::Bus& bus, const std::string& cell, drivers::HandMotion& motion,
+             Teacher& teacher);
 
   /// Once a turn, after the driver was polled.
   void Turn(bool run_active, bool stop_pressed, std::chrono::nanoseconds now);
@@ -39,15 +39,13 @@ class ManualDesk {
                     std::chrono::nanoseconds now);
   void Teach(const ManualOrder& order, const intaglio_ManualCommand& command,
              std::chrono::nanoseconds now);
-  Result<std::string> Save(const intaglio_ManualCommand& command);
   std::string WhyNoTeaching() const;
-  void ReadProfile();
   void Publish(std::chrono::nanoseconds now);
 
   std::string cell_;
-  std::filesystem::path profile_;
-  MachineSpec machine_;
-  drivers::MotionDriver& driver_;
+  drivers::HandMotion& motion_;
+  Teacher& teacher_;
+  TaughtAxes axes_;
   ManualControl control_;
   bus::Reader<intaglio_ManualCommand> commands_, cell_moves_;
   bus::Reader<intaglio_Interlock> interlocks_;
@@ -59,4 +57,4 @@ class ManualDesk {
   std::uint64_t number_;
 };
 
-}  // namespace intaglio::motion_bridge
+}  // namespace intaglio::cell

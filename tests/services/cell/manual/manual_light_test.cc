@@ -1,8 +1,8 @@
 // Lamp and shutters by hand: the same dead-man and the same conditions as motion.
 
-#include "tests/services/motion_bridge/manual_bench.h"
+#include "tests/services/cell/manual/manual_bench.h"
 
-namespace intaglio::motion_bridge {
+namespace intaglio::cell {
 namespace {
 
 using ::testing::HasSubstr;
@@ -142,4 +142,4 @@ TEST_F(ManualLight, ExcludesMotionAndIsExcludedByIt) {
 }
 
 }  // namespace
-}  // namespace intaglio::motion_bridge
+}  // namespace intaglio::cell

@@ -1,0 +1,60 @@
+#pragma once
+
+// What a person can do at a machine through its driver: move it by hand, and set the zero
+// that its controller keeps. Whether a person may is not decided here
+// (services/cell/manual/manual_control.h). Axes in mm or rad.
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "engrave/core/geometry.h"
+#include "engrave/core/result.h"
+#include "idl/motion.h"
+
+namespace intaglio::drivers {
+
+/// The controller's newest report of its state.
+struct DriverState {
+  bool link_up = false;
+  bool taken_over = false;  ///< a newer host has the controller, for good
+  std::uint64_t tick = 0;
+  Vec3 position_mm = Vec3::Zero();
+  Vec3 velocity_mm_s = Vec3::Zero();
+  std::uint32_t run = 0;
+  std::uint64_t covered_through_tick = 0;
+  bool at_rest = false;
+  intaglio_MotionFault fault = intaglio_MOTION_LINK_LOST;
+  std::string message;  ///< the fault in a sentence that names the remedy
+  /// Why the controller that answers now is refused, and what to do; empty: it is not.
+  std::string refusal = {};
+  double following_error_max_um = 0;
+  std::uint32_t clock = 0;   ///< of its own, another number is another clock; 0: none
+  std::uint64_t number = 0;  ///< grows with every report of the controller
+  double position_tolerance_um = 0;  ///< of its in-position output; 0: not known
+  /// False: the controller does not know where its axes are; nothing but Home is right.
+  bool homed = true;
+};
+
+class HandMotion {
+ public:
+  virtual ~HandMotion() = default;
+  virtual const DriverState& state() const = 0;
+  /// Clear a fault whose cause is gone.
+  virtual Status ClearFault() = 0;
+
+  /// Straight to `axes`, within the travel, at most at `speed_mm_s` of the focus or the
+  /// tool (mm/s; rad/s of a rotary axis that moves alone). A person holds it: the caller
+  /// ends it with Hold. kUnsupported: this family cannot.
+  virtual Status Jog(const Vec3& axes, double speed_mm_s);
+  /// To where the axes count from, as the controller does it.
+  virtual Status Home();
+  /// The controller counts the place where the tool is as `here` from now on, in the axes
+  /// that `sets` has. Nothing moves; at_rest is false until it is done. kUnsupported:
+  /// this family keeps no zero.
+  virtual Status SetZero(const Vec3& here, const std::array<bool, 3>& sets);
+  /// Ends Jog and Home, braking to rest.
+  virtual Status Hold() = 0;
+};
+
+}  // namespace intaglio::drivers

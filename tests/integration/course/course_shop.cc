@@ -1,0 +1,147 @@
+#include "tests/integration/course/course_shop.h"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "engrave/mark/mark_file.h"
+#include "tests/test_folder.h"
+
+namespace intaglio::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+std::string ProfileOf(CourseShop::Machine machine, const std::string& line) {
+  const std::string name =
+      machine == CourseShop::Machine::kMill ? "mill" : "laser-cutter";
+  std::string profile =
+      TextIn(INTAGLIO_SOURCE_DIR "/deploy/machines/" + name + ".textproto");
+  const std::string device = "/dev/ttyUSB0";
+  profile.replace(profile.find(device), device.size(), line);
+  return profile;
+}
+
+}  // namespace
+
+CourseShop::CourseShop(Machine machine)
+    : folder_(test::FreshFolder()), tag_("course" + std::to_string(getpid())) {
+  const std::string line = (folder_ / "line").string();
+  Write("machine.textproto", ProfileOf(machine, line));
+  std::vector<std::string> words = {
+      "--hal", "--line",           line, "--record", folder_ / "record.txt",
+      "--way", folder_ / "way.txt"};
+  if (machine == Machine::kMill) words.emplace_back("--spindle");
+  controller_ = std::make_unique<Running>(
+      fs::path(INTAGLIO_BIN_DIR).parent_path() / "tests/virtual-grbl", words,
+      folder_ / "controller.log");
+  EXPECT_TRUE(Eventually([&] { return fs::exists(line); }, 20s));
+}
+
+CourseShop::~CourseShop() {
+  if (!IsOpen()) return;
+  up_->Signal(SIGTERM);
+  up_->WaitForEnd(20s);
+}
+
+void CourseShop::Write(const std::string& name, const std::string& text) const {
+  std::ofstream(folder_ / name) << text;
+}
+
+fs::path CourseShop::WriteJob(const std::string& name, const std::string& fields) const {
+  Write(name + ".textproto", "name: \"" + name +
+                                 "\" machine_file: \"machine.textproto\" course { " +
+                                 fields + " }\n");
+  return folder_ / (name + ".textproto");
+}
+
+bool CourseShop::Open() {
+  up_.reset();
+  up_ = std::make_unique<Running>(
+      Program("intaglio"),
+      std::vector<std::string>{"up", "--real-machine", "--machine",
+                               folder_ / "machine.textproto", "--folder",
+                               folder_ / "shop", "--materials", folder_ / "materials.db",
+                               "--domain", "49", "--tag", tag_},
+      folder_ / ("up" + std::to_string(++opened_) + ".log"));
+  const auto is_open = [&] {
+    return up_->Output().find("the shop is open") != std::string::npos;
+  };
+  return Eventually([&] { return !up_->running() || is_open(); }, 60s) && up_->running();
+}
+
+std::vector<std::string> CourseShop::With(std::vector<std::string> words) const {
+  words.insert(words.end(), {"--domain", "49", "--tag", tag_});
+  return words;
+}
+
+std::string CourseShop::Type(std::vector<std::string> words) const {
+  Running run(Program("intaglio"), With(std::move(words)), folder_ / "typed.txt");
+  return run.WaitForEnd(60s).output;
+}
+
+bool CourseShop::Submit(const fs::path& job) const {
+  const std::string answer = Type({"submit", job, "--arm"});
+  EXPECT_NE(answer.find("job "), std::string::npos) << answer;
+  return answer.find("job ") != std::string::npos;
+}
+
+bool CourseShop::AwaitState(const std::string& state, std::chrono::seconds bound) {
+  return Eventually(
+      [&] {
+        shown_ = Type({"show", "1"});
+        return shown_.find("state      " + state) != std::string::npos;
+      },
+      bound);
+}
+
+void CourseShop::GoOn() {
+  shown_ = Type({"show", "1"});
+  if (shown_.find("state      paused") != std::string::npos) Type({"resume", "1"});
+  if (shown_.find("state      waiting for arm") != std::string::npos) Type({"arm", "1"});
+}
+
+bool CourseShop::AwaitDone(std::chrono::seconds bound) {
+  return Eventually(
+      [&] {
+        if (!IsOpen() && !Open()) return false;
+        GoOn();
+        return shown_.find("state      done") != std::string::npos;
+      },
+      bound);
+}
+
+int CourseShop::Kill(const std::string& service) const {
+  int killed = 0;
+  for (const pid_t process : ProcessesWith({"/" + service, tag_}))
+    killed += kill(process, SIGKILL) == 0;
+  return killed;
+}
+
+fs::path CourseShop::JobFolder() const {
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder_ / "shop/jobs", none))
+    if (entry.path().filename().string().starts_with("1-")) return entry.path();
+  return {};
+}
+
+mark::MarkSet CourseShop::Marks() const {
+  const auto marks = mark::ReadMarkFile(JobFolder() / "marks.bin");
+  EXPECT_TRUE(marks) << marks.error().message;
+  return marks ? *marks : mark::MarkSet();
+}
+
+std::vector<formats::PointOutcome> CourseShop::Outcomes(std::size_t count) const {
+  std::vector<formats::PointOutcome> last(count, formats::PointOutcome::kNone);
+  const auto journal = formats::ReadJournal(JobFolder() / "journal.bin");
+  EXPECT_TRUE(journal);
+  if (!journal) return last;
+  for (const formats::JournalRecord& one : journal->records)
+    if (one.kind == formats::JournalKind::kOutcome) last.at(one.point) = one.outcome;
+  return last;
+}
+
+}  // namespace intaglio::testing
