@@ -28,6 +28,10 @@ constexpr std::array kRows = {
                 &Properties::compressive_strength_mpa, 1, 100000},
     PropertyRow{"knoop_hardness_hk", "Knoop hardness", "HK",
                 &Properties::knoop_hardness_hk, 1, 10000},
+    PropertyRow{"impact_strength_kj_m2", "impact strength", "kJ/m2",
+                &Properties::impact_strength_kj_m2, 0.01, 1000},
+    PropertyRow{"brittleness_per_sqrt_um", "brittleness", "1/sqrt(um)",
+                &Properties::brittleness_per_sqrt_um, 0.01, 1000},
 };
 
 }  // namespace

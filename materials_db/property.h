@@ -26,6 +26,11 @@ struct Properties {
   std::optional<double> compressive_strength_mpa;
   /// Knoop hardness, kgf/mm^2 under 0.98 N for 20 s (HK 0.1/20).
   std::optional<double> knoop_hardness_hk;
+  /// Energy of a blow that breaks a rod, by its cross section (Charpy).
+  std::optional<double> impact_strength_kj_m2;
+  /// Hardness by fracture toughness, H / K_Ic, 1/sqrt(um): 6 to 9 for glasses (Lawn and
+  /// Marshall 1979). Above it grows a crack where a metal would flow.
+  std::optional<double> brittleness_per_sqrt_um;
 
   bool operator==(const Properties&) const = default;
 };

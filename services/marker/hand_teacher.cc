@@ -8,6 +8,13 @@ cell::TaughtAxes HandTeacher::axes() const {
   return axes;
 }
 
+Result<Vec3> HandTeacher::AxesAtZero(const intaglio_ManualCommand& /*command*/,
+                                     const Vec3& /*position*/) const {
+  return Fail(ErrorCode::kUnsupported,
+              "the work zero of a machine that follows contours is where its axes are 0: "
+              "use `intaglio teach move 0 0 H` with a height H above the work");
+}
+
 Result<std::string> HandTeacher::Save(const intaglio_ManualCommand& /*command*/,
                                       const Vec3& /*position*/) {
   return Fail(ErrorCode::kUnsupported,

@@ -17,6 +17,8 @@ class HandTeacher final : public cell::Teacher {
   cell::TaughtAxes axes() const override;
   std::uint32_t channel_count() const override { return 0; }
   bool zero_is_in_controller() const override { return true; }
+  Result<Vec3> AxesAtZero(const intaglio_ManualCommand& command,
+                          const Vec3& position) const override;
   Result<std::string> Save(const intaglio_ManualCommand& command,
                            const Vec3& position) override;
 };

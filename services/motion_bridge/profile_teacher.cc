@@ -91,6 +91,11 @@ cell::TaughtAxes ProfileTeacher::axes() const {
   return taught;
 }
 
+Result<Vec3> ProfileTeacher::AxesAtZero(const intaglio_ManualCommand& command,
+                                        const Vec3& position) const {
+  return intaglio::AxesAtZero(machine_, position, ChoiceOf(command));
+}
+
 Result<std::string> ProfileTeacher::Save(const intaglio_ManualCommand& command,
                                          const Vec3& position) {
   auto saved = Change(command, position);

@@ -20,6 +20,8 @@ class ProfileTeacher final : public cell::Teacher {
 
   cell::TaughtAxes axes() const override;
   std::uint32_t channel_count() const override { return machine_.laser().channels(); }
+  Result<Vec3> AxesAtZero(const intaglio_ManualCommand& command,
+                          const Vec3& position) const override;
   Result<std::string> Save(const intaglio_ManualCommand& command,
                            const Vec3& position) override;
 

@@ -95,8 +95,10 @@ TEST(Migrations, GlassesOfBeforeHaveNoTransmittanceAndMayGetOne) {
   Material own = *store->Find("our-crown");
   EXPECT_TRUE(own.transmittance.empty());
   EXPECT_FALSE(own.knoop_hardness_hk);
+  EXPECT_FALSE(own.brittleness_per_sqrt_um);
   own.transmittance = {{0.5, 0.99, 10}, {0.6, 0.995, 25}};
   own.bending_strength_mpa = 55;
+  own.impact_strength_kj_m2 = 1.9;
   ASSERT_TRUE(store->Replace(own));
   EXPECT_EQ(*store->Find("our-crown"), own);
 }

@@ -27,6 +27,8 @@ inline Material CompleteGlass() {
   glass.bending_strength_mpa = 61.3;
   glass.compressive_strength_mpa = 903.1;
   glass.knoop_hardness_hk = 610.7;
+  glass.impact_strength_kj_m2 = 1.85;
+  glass.brittleness_per_sqrt_um = 7.1;
   glass.transmittance = {
       {0.5, 0.9942, 25.1}, {0.5461, 0.9961, 25.1}, {1.06, 0.9973, 10.3}};
   return glass;

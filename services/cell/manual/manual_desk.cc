@@ -98,23 +98,36 @@ void ManualDesk::Turn(bool run_active, bool stop_pressed, std::chrono::nanosecon
 
 void ManualDesk::TakeCommands(bus::Reader<intaglio_ManualCommand>& reader, bool by_cell,
                               std::chrono::nanoseconds now) {
-  reader.TakeAll(
-      [&](const intaglio_ManualCommand& command, const bus::SampleOrigin& origin) {
-        if (!origin.alive) return control_.LoseSender(std::string(View(command.sender)));
-        if (commanded_at_.count() < 0 || now - commanded_at_ > kBusyTime)
-          next_state_ = now;
-        commanded_at_ = now;
-        const ManualOrder order = OrderOf(command, by_cell);
-        const bool of_person = IsTeaching(command.kind) ||
-                               command.kind == intaglio_MANUAL_LAMP ||
-                               command.kind == intaglio_MANUAL_SHUTTER;
-        if (by_cell && of_person) return;
-        const bool executed =
-            !IsTeaching(command.kind) ||
-            (command.kind == intaglio_TEACH_ZERO && teacher_.zero_is_in_controller());
-        if (executed) return control_.Take(order, now);
-        Teach(order, command, now);
-      });
+  reader.TakeAll([&](const intaglio_ManualCommand& command,
+                     const bus::SampleOrigin& origin) {
+    if (!origin.alive) return control_.LoseSender(std::string(View(command.sender)));
+    if (commanded_at_.count() < 0 || now - commanded_at_ > kBusyTime) next_state_ = now;
+    commanded_at_ = now;
+    const ManualOrder order = OrderOf(command, by_cell);
+    const bool of_person =
+        IsTeaching(command.kind) || command.kind == intaglio_MANUAL_LAMP ||
+        command.kind == intaglio_MANUAL_ZERO || command.kind == intaglio_MANUAL_SHUTTER;
+    if (by_cell && of_person) return;
+    if (command.kind == intaglio_MANUAL_ZERO) return GoToZero(order, command, now);
+    const bool executed =
+        !IsTeaching(command.kind) ||
+        (command.kind == intaglio_TEACH_ZERO && teacher_.zero_is_in_controller());
+    if (executed) return control_.Take(order, now);
+    Teach(order, command, now);
+  });
+}
+
+// A motion to a place by hand as any other, with its limits.
+void ManualDesk::GoToZero(ManualOrder order, const intaglio_ManualCommand& command,
+                          std::chrono::nanoseconds now) {
+  const auto axes = teacher_.AxesAtZero(command, motion_.state().position_mm);
+  if (axes) {
+    order.kind = intaglio_MANUAL_MOVE;
+    order.place = *axes;
+    return control_.Take(order, now);
+  }
+  if (control_.IsNew(order) && control_.IsFresh(order.seen, now))
+    control_.Answer(order, intaglio_MANUAL_REFUSED, axes.error().message);
 }
 
 std::string ManualDesk::WhyNoTeaching() const {

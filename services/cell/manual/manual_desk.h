@@ -39,6 +39,8 @@ class ManualDesk {
                     std::chrono::nanoseconds now);
   void Teach(const ManualOrder& order, const intaglio_ManualCommand& command,
              std::chrono::nanoseconds now);
+  void GoToZero(ManualOrder order, const intaglio_ManualCommand& command,
+                std::chrono::nanoseconds now);
   std::string WhyNoTeaching() const;
   void Publish(std::chrono::nanoseconds now);
 

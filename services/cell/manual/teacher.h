@@ -30,6 +30,10 @@ class Teacher {
   virtual std::uint32_t channel_count() const = 0;
   /// The zero is kept by the controller (HandMotion::SetZero), and not saved here.
   virtual bool zero_is_in_controller() const { return false; }
+  /// The axes where the focus is at the zero that `command` names, from `position`.
+  /// Errors are for the person.
+  virtual Result<Vec3> AxesAtZero(const intaglio_ManualCommand& command,
+                                  const Vec3& position) const = 0;
   /// Saves what `command` teaches with the axes at `position`; a sentence about it.
   /// Errors are for the person.
   virtual Result<std::string> Save(const intaglio_ManualCommand& command,

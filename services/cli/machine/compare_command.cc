@@ -26,6 +26,7 @@
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
 #include "services/job/machine/machine_axes.h"
+#include "services/job/machine/machine_room.h"
 #include "services/job/models/read_limits.h"
 #include "services/job/options.h"
 
@@ -168,6 +169,9 @@ Result<ComparedMachine> CompareOne(const CompareOptions& options,
   const FrozenJob job = INTAGLIO_TRY(BuildPathJob(flags, path_mm, options.materials_db));
   ComparedMachine of;
   NamePositioner(job.machine(), of);
+  const Vec2 room_mm = RoomOf(job.machine(), BlockSizeOf(job.job()));
+  of.set_room_x_mm(room_mm.x());
+  of.set_room_y_mm(room_mm.y());
   INTAGLIO_TRY(CompareStatics(job, options.force_n, of));
   INTAGLIO_TRY(CompareMotion(job, path_mm, of));
   return of;
@@ -179,10 +183,12 @@ std::string OrDash(bool known, double value) {
 
 void PrintText(const MachineComparison& comparison) {
   constexpr const char* kRow =
-      "{:<12} {:<14} {:>9} {:>9} {:>15} {:>9} {:>11} {:>13} {:>15} {:>12} {:>11} {:>9}\n";
+      "{:<12} {:<14} {:>9} {:>9} {:>15} {:>9} {:>11} {:>13} {:>15} {:>12} {:>11} {:>9} "
+      "{:>11}\n";
   std::cout << fmt::format(kRow, "machine", "positioner", "c1, N/um", "c2, N/um",
                            "source, N/um", "weakest", "yields, um", "repeats, um",
-                           "mm per unit", "points/tick", "time, s", "error, um");
+                           "mm per unit", "points/tick", "time, s", "error, um",
+                           "room, mm");
   for (const ComparedMachine& of : comparison.machines()) {
     const bool stiff = of.has_weakest_n_um();
     std::cout << fmt::format(
@@ -193,7 +199,8 @@ void PrintText(const MachineComparison& comparison) {
         fmt::format("{:g}", of.repeatability_um()),
         fmt::format("{:.3g} to {:.3g}", of.min_scale_mm(), of.max_scale_mm()),
         fmt::format("{:.4f}", of.utilisation()), fmt::format("{:.1f}", of.time_s()),
-        OrDash(of.has_predicted_max_error_um(), of.predicted_max_error_um()));
+        OrDash(of.has_predicted_max_error_um(), of.predicted_max_error_um()),
+        fmt::format("{:.0f} x {:.0f}", of.room_x_mm(), of.room_y_mm()));
   }
   std::cout << fmt::format(
       "{} points at {:g} Hz in a block of {:g} x {:g} x {:g} mm; yields: by {:g} N in "

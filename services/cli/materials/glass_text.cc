@@ -211,7 +211,42 @@ std::string OpticsAsTable(const OpticalValues& optics, const PrintedLight& light
          LightAsTable(optics);
 }
 
-std::string GlassAsJson(const Material& material, const PrintedLight& light) {
+std::string FocusAsTable(const PulseFocusRecord& focus) {
+  const auto known = [](bool has, const std::string& text) {
+    return has ? text : std::string("unknown");
+  };
+  const auto um = [&](bool has, double diameter_um) {
+    return known(has, fmt::format("{:.0f} um", diameter_um));
+  };
+  return fmt::format("A pulse of {:g} mJ at the focus of lens {}:\n",
+                     focus.pulse_energy_mj(), focus.lens()) +
+         Table({{"spot, by the beam's divergence",
+                 um(focus.has_spot_diameter_um(), focus.spot_diameter_um())},
+                {"peak power", known(focus.has_peak_power_mw(),
+                                     fmt::format("{:.2f} MW", focus.peak_power_mw()))},
+                {"peak power over the spot",
+                 known(focus.has_peak_irradiance_gw_cm2(),
+                       fmt::format("{:.0f} GW/cm2", focus.peak_irradiance_gw_cm2()))},
+                {"heat, by the melted volume of a crack",
+                 known(focus.has_heated_ratio(),
+                       fmt::format("{:.1f} % of the pulse", 100 * focus.heated_ratio()))},
+                {"heated to the melting point",
+                 um(focus.has_melted_diameter_um(), focus.melted_diameter_um())},
+                {"heated to the thermal strength",
+                 um(focus.has_strained_diameter_um(), focus.strained_diameter_um())},
+                {"a crack cools in",
+                 known(focus.has_cooling_s(),
+                       fmt::format("{:.2f} ms", 1e3 * focus.cooling_s()))},
+                {fmt::format("the next point is warmer, at {:g} Hz", focus.rate_hz()),
+                 known(focus.has_next_point_rise_k(),
+                       fmt::format("{:.1f} K", focus.next_point_rise_k()))},
+                {"a crack grows in",
+                 known(focus.has_crack_growth_s(),
+                       fmt::format("{:.0f} ns", 1e9 * focus.crack_growth_s()))}});
+}
+
+std::string GlassAsJson(const Material& material, const PrintedLight& light,
+                        const std::optional<PulseFocusRecord>& focus) {
   std::string json = "{\"material\":" + Json(RecordOf(material));
   const auto optics = materials_db::ComputeOptics(material, light.wavelength_nm,
                                                   light.numerical_aperture);
@@ -219,6 +254,7 @@ std::string GlassAsJson(const Material& material, const PrintedLight& light) {
     json += ",\"optics\":" +
             Json(RecordOf(*optics, light.wavelength_nm, light.numerical_aperture));
   }
+  if (focus) json += ",\"focus\":" + Json(*focus);
   return json + "}";
 }
 

@@ -1,14 +1,16 @@
 #pragma once
 
 // Glasses as text: tables for people, JSON for programs. A glass in JSON is an object of
-// two messages as report.json has them: "material" (MaterialRecord) and "optics"
-// (OpticalValuesRecord).
+// two messages as report.json has them, "material" (MaterialRecord) and "optics"
+// (OpticalValuesRecord), and of "focus" (PulseFocusRecord) where a machine is known.
 
+#include <optional>
 #include <span>
 #include <string>
 
 #include "materials_db/material.h"
 #include "materials_db/material_store.h"
+#include "proto/material.pb.h"
 
 namespace intaglio::cli {
 
@@ -33,8 +35,11 @@ std::string GlassAsTable(const materials_db::Material& material,
 /// All that is computed of it.
 std::string OpticsAsTable(const materials_db::OpticalValues& optics,
                           const PrintedLight& light);
-/// Both; "optics" is absent where it cannot be computed.
-std::string GlassAsJson(const materials_db::Material& material,
-                        const PrintedLight& light);
+/// What a pulse of the machine does at the focus.
+std::string FocusAsTable(const PulseFocusRecord& focus);
+/// Glass and optics, and the focus where it is given; "optics" is absent where it cannot
+/// be computed.
+std::string GlassAsJson(const materials_db::Material& material, const PrintedLight& light,
+                        const std::optional<PulseFocusRecord>& focus = {});
 
 }  // namespace intaglio::cli

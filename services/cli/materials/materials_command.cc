@@ -24,6 +24,8 @@
 #include "services/job/job_defaults.h"
 #include "services/job/job_file.h"
 #include "services/job/machine/focus_offset.h"
+#include "services/job/material_record.h"
+#include "services/job/quality/pulse_focus.h"
 
 namespace intaglio::cli {
 namespace {
@@ -56,11 +58,18 @@ struct Flags {
 
 using Action = Status (*)(const Flags& flags, MaterialStore& store);
 
+struct Beam {
+  PrintedLight light;
+  /// Absent where both values of the light are given on the command line.
+  std::optional<LaserHead> laser = {};
+  MachineLens lens = {};
+};
+
 /// Of the machine's laser and of its mounted lens, or of that with --focal; what is given
 /// on the command line comes first.
-Result<PrintedLight> LightOf(const Flags& flags) {
+Result<Beam> BeamOf(const Flags& flags) {
   if (flags.wavelength_nm && flags.numerical_aperture) {
-    return PrintedLight{*flags.wavelength_nm, *flags.numerical_aperture};
+    return Beam{PrintedLight{*flags.wavelength_nm, *flags.numerical_aperture}};
   }
   const auto file = INTAGLIO_TRY(FindMachineFile(flags.machine));
   const auto machine = INTAGLIO_TRY(ReadMachineFile(file.string()));
@@ -75,15 +84,16 @@ Result<PrintedLight> LightOf(const Flags& flags) {
                             flags.focal_mm.value_or(0), fmt::join(lengths_mm, " ")),
                 machine.name());
   }
-  return PrintedLight{flags.wavelength_nm.value_or(machine.laser().wavelength_nm()),
-                      flags.numerical_aperture.value_or(lens->numerical_aperture())};
+  return Beam{PrintedLight{flags.wavelength_nm.value_or(machine.laser().wavelength_nm()),
+                           flags.numerical_aperture.value_or(lens->numerical_aperture())},
+              machine.laser(), *lens};
 }
 
 // ---- What is known -------------------------------------------------------------
 
 Status List(const Flags& flags, MaterialStore& store) {
   const auto materials = INTAGLIO_TRY(store.List());
-  const PrintedLight light = INTAGLIO_TRY(LightOf(flags));
+  const PrintedLight light = INTAGLIO_TRY(BeamOf(flags)).light;
   if (flags.json) {
     std::cout << GlassesAsJson(materials, light) << "\n";
   } else {
@@ -97,15 +107,23 @@ Status List(const Flags& flags, MaterialStore& store) {
 /// wavelength.
 Status Show(const Flags& flags, MaterialStore& store) {
   const auto material = INTAGLIO_TRY(store.Find(flags.name));
-  const PrintedLight light = INTAGLIO_TRY(LightOf(flags));
+  const Beam beam = INTAGLIO_TRY(BeamOf(flags));
+  const PrintedLight& light = beam.light;
   const auto optics = materials_db::ComputeOptics(material, light.wavelength_nm,
                                                   light.numerical_aperture);
+  std::optional<PulseFocusRecord> focus;
+  if (optics && beam.laser) {
+    focus = PulseFocusOf(RecordOf(material),
+                         RecordOf(*optics, light.wavelength_nm, light.numerical_aperture),
+                         *beam.laser, beam.lens);
+  }
   if (flags.json) {
-    std::cout << GlassAsJson(material, light) << "\n";
+    std::cout << GlassAsJson(material, light, focus) << "\n";
   } else {
     const auto aliases = INTAGLIO_TRY(store.Aliases());
     std::cout << GlassAsTable(material, aliases);
     if (optics) std::cout << "\n" << OpticsAsTable(*optics, light);
+    if (focus) std::cout << "\n" << FocusAsTable(*focus);
   }
   if (!optics) return tl::unexpected(optics.error());
   return {};

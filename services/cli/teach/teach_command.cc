@@ -13,6 +13,7 @@
 #include "services/cli/complain.h"
 #include "services/cli/json/print_json.h"
 #include "services/cli/teach/teach_light.h"
+#include "services/cli/teach/teach_move.h"
 #include "services/cli/teach/teach_options.h"
 #include "services/cli/teach/teach_pulse.h"
 #include "services/client/exit_codes.h"
@@ -24,16 +25,6 @@ namespace {
 using client::TeachClient;
 using client::TeachOrder;
 using namespace std::chrono_literals;
-
-constexpr double kStepSpeedMmS = 10;
-
-/// A command below `teach`: its options, all of TeachOptions among them.
-struct MoveOptions : TeachOptions {
-  std::string axis;
-  double by = 0;
-  std::vector<double> to;
-  double speed_mm_s = kStepSpeedMmS;
-};
 
 struct ZeroOptions : TeachOptions {
   std::uint32_t channel = 1;
@@ -51,21 +42,6 @@ struct PlaceOptions : TeachOptions {
 struct HistoryOptions : TeachOptions {
   std::string file;
 };
-
-/// As long as the whole travel takes, and more.
-std::chrono::milliseconds TimeFor(const client::MachineView& view, double speed_mm_s) {
-  const double way = (view.limit_max - view.limit_min).norm();
-  return std::chrono::milliseconds(
-      static_cast<std::int64_t>(1000 * std::min(3600.0, 10 + 2 * way / speed_mm_s)));
-}
-
-int MoveTo(TeachClient& client, const Vec3& place, double speed_mm_s) {
-  TeachOrder order;
-  order.kind = intaglio_MANUAL_MOVE;
-  order.place = place;
-  order.speed_mm_s = speed_mm_s;
-  return ExecuteOrder(client, order, TimeFor(client.view(), speed_mm_s));
-}
 
 Vec3 VectorOf(const std::vector<double>& values) {
   return {values[0], values[1], values[2]};
@@ -92,6 +68,7 @@ int ShowStatus(const TeachOptions& options, const client::MachineView& view) {
   status.set_interlocks_known(view.interlocks_known);
   status.set_key_on(view.key_on);
   status.set_door_closed(view.door_closed);
+  status.set_door_locked(view.door_locked);
   status.set_stop_released(view.stop_released);
   status.set_lamp_on(view.lamp_on);
   status.set_lamp_warm(view.lamp_warm);
@@ -118,62 +95,6 @@ void AddStatus(command_line::Command teach) {
         usleep(10000);
       }
       return ShowStatus(*options, client.view());
-    });
-  });
-}
-
-void AddJog(command_line::Command teach) {
-  auto options = std::make_shared<MoveOptions>();
-  command_line::Command command = teach.AddCommand(
-      "jog", "move one axis by a step; let go with Ctrl-C, and the stage rests");
-  AddTeachFlags(command, *options);
-  command.AddOption("axis", options->axis, "name of the axis: x, y, z").Require();
-  command.AddOption("step", options->by, "mm, of a rotary axis rad").Require();
-  command.AddOption("--speed", options->speed_mm_s, "mm/s, at most 50")
-      .Within(0.01, 50.0)
-      .ShowDefault();
-  command.SetFooter("Example: intaglio teach jog x 1.5");
-  command.SetAction([options] {
-    return WithMachine(*options, [&](TeachClient& client) {
-      const auto axis = AxisByName(client.view(), options->axis);
-      if (!axis) return Complain(axis.error());
-      Vec3 place = client.view().position;
-      place[*axis] += options->by;
-      return MoveTo(client, place, options->speed_mm_s);
-    });
-  });
-}
-
-void AddMove(command_line::Command teach) {
-  auto options = std::make_shared<MoveOptions>();
-  command_line::Command command =
-      teach.AddCommand("move", "move the axes straight to a place");
-  AddTeachFlags(command, *options);
-  command.AddOption("place", options->to, "coordinates of the three axes, mm or rad")
-      .Require()
-      .TakeValues(3);
-  command.AddOption("--speed", options->speed_mm_s, "mm/s, at most 50")
-      .Within(0.01, 50.0)
-      .ShowDefault();
-  command.SetFooter("Example: intaglio teach move 10 20 5 --speed 20");
-  command.SetAction([options] {
-    return WithMachine(*options, [&](TeachClient& client) {
-      return MoveTo(client, VectorOf(options->to), options->speed_mm_s);
-    });
-  });
-}
-
-void AddHome(command_line::Command teach) {
-  auto options = std::make_shared<TeachOptions>();
-  command_line::Command command = teach.AddCommand(
-      "home", "drive to where the axes count from, as the controller does it");
-  AddTeachFlags(command, *options);
-  command.SetFooter("Example: intaglio teach home");
-  command.SetAction([options] {
-    return WithMachine(*options, [&](TeachClient& client) {
-      TeachOrder order;
-      order.kind = intaglio_MANUAL_HOME;
-      return ExecuteOrder(client, order, 300s);
     });
   });
 }
@@ -363,9 +284,7 @@ void AddTeachCommand(command_line::Command app) {
       "Example: intaglio teach");
   teach.SetAction([options] { return WithMachine(*options, ShowTeachScreen); });
   AddStatus(teach);
-  AddJog(teach);
-  AddMove(teach);
-  AddHome(teach);
+  AddMoveCommands(teach);
   AddZero(teach);
   AddPlace(teach, "sample", "the axes are at the position before a job: save it",
            intaglio_TEACH_SAMPLE);

@@ -69,12 +69,13 @@ std::string TextOf(const client::MachineView& view) {
   if (!view.interlocks_known) {
     text += "  key, door and stop: not known\n";
   } else {
-    text += fmt::format("  key {}, door {}, stop {}, lamp {}, shutters {}\n",
-                        closed(view.key_on, "on", "OFF"),
-                        closed(view.door_closed, "closed", "OPEN"),
-                        closed(view.stop_released, "released", "PRESSED"),
-                        view.lamp_on ? (view.lamp_warm ? "warm" : "warming up") : "off",
-                        view.shutters_open == 0 ? "closed" : "OPEN");
+    text += fmt::format(
+        "  key {}, door {}, stop {}, lamp {}, shutters {}\n",
+        closed(view.key_on, "on", "OFF"),
+        closed(view.door_closed, view.door_locked ? "locked" : "closed", "OPEN"),
+        closed(view.stop_released, "released", "PRESSED"),
+        view.lamp_on ? (view.lamp_warm ? "warm" : "warming up") : "off",
+        view.shutters_open == 0 ? "closed" : "OPEN");
   }
   text +=
       fmt::format("  by hand: {}\n", !view.held_by.empty()  ? "moved by " + view.held_by

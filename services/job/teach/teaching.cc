@@ -33,15 +33,18 @@ Result<TaughtPositions> Checked(const MachineSpec& machine, TaughtPositions taug
   return taught;
 }
 
+Status CheckChannel(const MachineSpec& machine, std::uint32_t channel) {
+  if (channel >= 1 && channel <= machine.laser().channels()) return {};
+  return Fail(ErrorCode::kNotFound,
+              fmt::format("channel {} is none of {}, which has 1 to {}", channel,
+                          machine.name(), machine.laser().channels()),
+              std::to_string(channel));
+}
+
 Result<TaughtPositions> WithOrigin(const MachineSpec& machine, const ZeroChoice& choice,
                                    const Vec3& origin_mm) {
   const std::string lens = INTAGLIO_TRY(TaughtLens(machine, choice.lens));
-  if (choice.channel < 1 || choice.channel > machine.laser().channels()) {
-    return Fail(ErrorCode::kNotFound,
-                fmt::format("channel {} is none of {}, which has 1 to {}", choice.channel,
-                            machine.name(), machine.laser().channels()),
-                std::to_string(choice.channel));
-  }
+  INTAGLIO_TRY(CheckChannel(machine, choice.channel));
   Vec3 wanted_mm = BlockOriginOf(machine, choice.channel, lens);
   for (int i = 0; i < 3; ++i) {
     if (choice.sets[static_cast<std::size_t>(i)]) wanted_mm[i] = origin_mm[i];
@@ -89,6 +92,14 @@ Result<TaughtPositions> WithZeroMoved(const MachineSpec& machine, const Vec3& by
   const std::string lens = INTAGLIO_TRY(TaughtLens(machine, choice.lens));
   return WithOrigin(machine, choice,
                     BlockOriginOf(machine, choice.channel, lens) + by_mm);
+}
+
+Result<Vec3> AxesAtZero(const MachineSpec& machine, const Vec3& axes,
+                        const ZeroChoice& choice) {
+  const std::string lens = INTAGLIO_TRY(TaughtLens(machine, choice.lens));
+  INTAGLIO_TRY(CheckChannel(machine, choice.channel));
+  const Vec3 corner_mm = BlockOriginOf(machine, choice.channel, lens);
+  return KinematicsOf(machine)->ToAxes(corner_mm + choice.at_glass_mm, axes);
 }
 
 Result<TaughtPositions> WithSample(const MachineSpec& machine,

@@ -42,6 +42,11 @@ Result<TaughtPositions> WithZero(const MachineSpec& machine, const Vec3& axes,
 /// optics/focus.h.
 Result<TaughtPositions> WithZeroMoved(const MachineSpec& machine, const Vec3& by_mm,
                                       const ZeroChoice& choice);
+/// The axes with which the focus is at `choice.at_glass_mm` by the zero of its channel
+/// and lens, taught or of the profile, nearest to `axes`; `sets` is not used. Also what
+/// the kinematics refuses. Limits are not checked.
+Result<Vec3> AxesAtZero(const MachineSpec& machine, const Vec3& axes,
+                        const ZeroChoice& choice);
 /// nullopt: it is driven to no more.
 Result<TaughtPositions> WithSample(const MachineSpec& machine,
                                    const std::optional<Vec3>& axes);

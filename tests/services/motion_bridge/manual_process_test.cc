@@ -174,5 +174,59 @@ TEST_F(ManualProcess, AZeroIsSavedWhereTheAxesAreAndUndone) {
   EXPECT_EQ(test::ContentOf(profile).find("zeros"), std::string::npos);
 }
 
+// The zero is taught where the axes are; away from it, and back by its name.
+TEST_F(ManualProcess, GoesToTheZeroThatWasTaughtAndNoFurtherThanItIsHeld) {
+  ASSERT_TRUE(HoldUntil(intaglio_MANUAL_MOVE, 1, [&] { return answered_ == 1; }));
+  ASSERT_EQ(answer_, intaglio_MANUAL_DONE) << message_;
+  const double taught_mm = x_mm_;
+  ASSERT_NEAR(taught_mm, 1, 1e-3);
+  const auto teach = [&](std::uint64_t number) {
+    return Eventually([&] {
+      Beat();
+      Send(intaglio_TEACH_ZERO, number, Vec3::Zero());
+      return answered_ == number;
+    });
+  };
+  ASSERT_TRUE(teach(2));
+  ASSERT_EQ(answer_, intaglio_MANUAL_DONE) << message_;
+  ASSERT_TRUE(HoldUntil(intaglio_MANUAL_JOG, 3, [&] { return held_ && x_mm_ > 6; }));
+  ASSERT_TRUE(Eventually([&] {
+    Beat();
+    Send(intaglio_MANUAL_NONE, 3);
+    return answered_ == 3;
+  }));
+  // Let go on the way: it rests before the zero.
+  const auto to_zero = [&](std::uint64_t number, const std::function<bool()>& until) {
+    return Eventually([&] {
+      Beat();
+      Send(intaglio_MANUAL_ZERO, number, Vec3::Zero());
+      return until();
+    });
+  };
+  ASSERT_TRUE(to_zero(4, [&] { return held_ && x_mm_ < 5; }));
+  ASSERT_TRUE(Eventually([&] {
+    Beat();
+    Send(intaglio_MANUAL_NONE, 4);
+    return answered_ == 4;
+  }));
+  EXPECT_EQ(answer_, intaglio_MANUAL_STOPPED);
+  EXPECT_GT(x_mm_, taught_mm + 0.5);
+  ASSERT_TRUE(to_zero(5, [&] { return answered_ == 5; }));
+  EXPECT_EQ(answer_, intaglio_MANUAL_DONE) << message_;
+  EXPECT_NEAR(x_mm_, taught_mm, 1e-3);
+}
+
+TEST_F(ManualProcess, AZeroOutsideTheLimitsIsNotGoneTo) {
+  // 1000 mm above the table.
+  ASSERT_TRUE(Eventually([&] {
+    Beat();
+    Send(intaglio_MANUAL_ZERO, 1, Vec3(0, 0, 1000));
+    return answered_ == 1;
+  }));
+  EXPECT_EQ(answer_, intaglio_MANUAL_REFUSED);
+  EXPECT_NE(message_.find("outside the limits"), std::string::npos) << message_;
+  EXPECT_FALSE(StageRuns());
+}
+
 }  // namespace
 }  // namespace intaglio::motion_bridge

@@ -203,12 +203,12 @@ Json SchemaOf(const Schema& schema) {
 
 Json GlassSchema(const std::string& name, const std::string& title,
                  const pb::Descriptor& material, const pb::Descriptor& optics,
-                 bool list) {
-  Json::Members glass = {{"type", {"object"}},
-                         {"properties",
-                          {Json::Members{{"material", {Reference(material)}},
-                                         {"optics", {Reference(optics)}}}}},
-                         {"required", Texts({"material"})}};
+                 const pb::Descriptor* focus, bool list) {
+  Json::Members members = {{"material", {Reference(material)}},
+                           {"optics", {Reference(optics)}}};
+  if (focus != nullptr) members.push_back({"focus", {Reference(*focus)}});
+  Json::Members glass = {
+      {"type", {"object"}}, {"properties", {members}}, {"required", Texts({"material"})}};
   Json::Members whole = Head(name, title);
   if (list) {
     whole.push_back({"type", {"array"}});
@@ -217,7 +217,8 @@ Json GlassSchema(const std::string& name, const std::string& title,
     for (auto& member : glass) whole.push_back(std::move(member));
   }
   std::map<std::string, const pb::Descriptor*> below;
-  for (const pb::Descriptor* message : {&material, &optics}) {
+  for (const pb::Descriptor* message : {&material, &optics, focus}) {
+    if (message == nullptr) continue;
     below.emplace(message->name(), message);
     CollectBelow(*message, below);
   }

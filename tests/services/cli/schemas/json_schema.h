@@ -37,9 +37,11 @@ struct Schema {
 /// The schema of one message as the whole text.
 Json SchemaOf(const Schema& schema);
 
-/// A glass of `materials --json`: an object of two messages; as the element of a list.
+/// A glass of `materials --json`: an object of messages, that of the focus only alone; as
+/// the element of a list.
 Json GlassSchema(const std::string& name, const std::string& title,
                  const google::protobuf::Descriptor& material,
-                 const google::protobuf::Descriptor& optics, bool list);
+                 const google::protobuf::Descriptor& optics,
+                 const google::protobuf::Descriptor* focus, bool list);
 
 }  // namespace intaglio::schemas

@@ -127,10 +127,11 @@ TEST(JsonSchemas, AreThoseOfTheMessagesThatCommandsWrite) {
   }
   const auto& material = protos.Message("material", "MaterialRecord");
   const auto& optics = protos.Message("material", "OpticalValuesRecord");
+  const auto& focus = protos.Message("material", "PulseFocusRecord");
   Compare("glass", GlassSchema("glass", "`intaglio materials show --json`", material,
-                               optics, false));
+                               optics, &focus, false));
   Compare("glasses", GlassSchema("glasses", "`intaglio materials list --json`", material,
-                                 optics, true));
+                                 optics, nullptr, true));
   names.insert({"glass.schema.json", "glasses.schema.json"});
   for (const auto& entry : fs::directory_iterator(kFolder)) {
     EXPECT_TRUE(names.contains(entry.path().filename().string())) << entry.path();

@@ -144,6 +144,32 @@ TEST(CheckKinematics, GoodProfilesAreGood) {
   }
 }
 
+// Trochimczuk 2008 ch. 8.1: an object of 100 mm each way, on one side of the table. Every
+// place of the block is reached, and comes back from its axes.
+TEST(MachineAxes, ThePolarMachineReachesABlockOf100Mm) {
+  MachineSpec machine =
+      ReadMachineFile(INTAGLIO_SOURCE_DIR "/deploy/machines/polar.textproto").value();
+  machine.mutable_block_origin_mm()->set_x(-50);
+  JobSpec job = GoodJob();
+  for (auto set : {&Vector3::set_x, &Vector3::set_y, &Vector3::set_z})
+    (job.mutable_block()->mutable_size_mm()->*set)(100);
+  EXPECT_THAT(CheckJobOnMachine(job, machine, kStageRatio), IsEmpty());
+  const auto kinematics = KinematicsOf(machine);
+  const Box3 travel = AxisLimitsOf(machine).travel_mm;
+  const Vec3 corner_mm = Vec3Of(machine.block_origin_mm());
+  Vec3 near = machine::BranchStart(travel);
+  for (int i = 0; i <= 20; ++i) {
+    for (int j = 0; j <= 20; ++j) {
+      const Vec3 place_mm = corner_mm + Vec3(5 * i, 5 * (i % 2 == 0 ? j : 20 - j), 50);
+      const auto axes = kinematics->ToAxes(place_mm, near);
+      ASSERT_TRUE(axes.has_value()) << place_mm.transpose();
+      EXPECT_TRUE(travel.Contains(*axes)) << axes->transpose();
+      EXPECT_LT((kinematics->ToPlace(*axes) - place_mm).norm(), 1e-9);
+      near = *axes;
+    }
+  }
+}
+
 TEST(CheckKinematics, ATableNeedsTravelOnItsOwnSide) {
   MachineSpec machine = TableProfile();
   // The corner is under the beam at axis 0, so the block needs -47 to -3.

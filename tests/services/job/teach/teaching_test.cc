@@ -78,6 +78,28 @@ TEST(Teaching, ThePlaceThatWasTaughtIsReachedWithTheAxesAsTheyWere) {
   }
 }
 
+// Init of the source's teach window: back to where the zero was taught, on all kinds of
+// axes, for the lens and the channel of that zero.
+TEST(Teaching, TheZeroIsWhereItWasTaught) {
+  for (const MachineSpec& machine : AllKinds()) {
+    const Vec3 near = machine::BranchStart(AxisLimitsOf(machine).travel_mm);
+    ZeroChoice choice;
+    choice.at_glass_mm = Vec3(0, 0, 40);
+    choice.lens = machine.lenses(0).name();
+    const Vec3 at = AxesAtZero(machine, near, choice).value() + Vec3(0.01, -0.02, 0.3);
+    const MachineSpec taught = With(machine, WithZero(machine, at, choice));
+    EXPECT_LT((AxesAtZero(taught, at, choice).value() - at).norm(), 1e-9);
+    ZeroChoice other = choice;
+    other.lens = machine.lenses(1).name();
+    EXPECT_GT((AxesAtZero(taught, at, other).value() - at).norm(), 0.01);
+    other.lens = "f99";
+    EXPECT_EQ(AxesAtZero(taught, at, other).error().code, ErrorCode::kNotFound);
+    other = choice;
+    other.channel = machine.laser().channels() + 1;
+    EXPECT_EQ(AxesAtZero(taught, at, other).error().code, ErrorCode::kNotFound);
+  }
+}
+
 // The picture in the glass is not mirrored by what moves: in the frame that is fixed to
 // the block, a table that is driven to +x takes the focus to -x. So along growing x of
 // the glass its axis has to fall, and the taught zero has no part in it.
