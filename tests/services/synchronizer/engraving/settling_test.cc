@@ -27,7 +27,8 @@ class SettlingTest : public testing::Test {
   void Arm(std::uint32_t count) {
     const std::uint64_t before = bench_.laser.tick();
     for (std::uint32_t i = 0; i < count; ++i) ticks_.schedule().Add(before + 1 + i, i);
-    ASSERT_TRUE(ticks_.Arm(before + count, 12, [](std::uint32_t) {}));
+    ASSERT_TRUE(ticks_.Arm(
+        before + count, [](std::uint32_t) { return 12.0; }, [](std::uint32_t) {}));
   }
   void Send() {
     journal_.AwaitDisk();
