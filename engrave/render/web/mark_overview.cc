@@ -16,6 +16,7 @@ constexpr int kOverviewTopPx = 44, kOverviewMarginPx = 26, kKeyPx = 30;
 constexpr double kLongestArrowPx = 60;
 constexpr double kArrowCellPx = 34;  // of several, the longest is drawn
 constexpr std::size_t kMaxRings = 200;
+constexpr double kNoticedMm = 1e-4;  // offsets of rounding alone stay short
 
 Box3 ExtentOfViews(const MarkViews& views) {
   Box3 box;
@@ -147,7 +148,8 @@ int OverviewHeight(const MarkViews& views, int width_px, int min_px, int max_px)
 double OffsetMagnification(const std::vector<ShownMark>& marks, double px_per_mm) {
   double longest_mm = 0;
   for (const ShownMark& mark : marks)
-    if (mark.offset_mm) longest_mm = std::max(longest_mm, mark.offset_mm->norm());
+    if (mark.offset_mm)
+      longest_mm = std::max({longest_mm, mark.offset_mm->norm(), kNoticedMm});
   if (longest_mm == 0) return 1;
   return std::max(1.0, RoundBelow(kLongestArrowPx / (px_per_mm * longest_mm)));
 }

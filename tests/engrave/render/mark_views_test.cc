@@ -50,6 +50,8 @@ TEST(MarkViews, AMissedMarkIsRedAndRinged) {
 TEST(MarkViews, ArrowsAreLongerThanOffsetsByARoundNumber) {
   MarkViews views = Strokes(4);
   EXPECT_EQ(OffsetMagnification(views.marks, 10), 1);
+  views.marks[0].offset_mm = Vec2(1e-15, 0);
+  EXPECT_EQ(OffsetMagnification(views.marks, 10), 50000);
   views.marks[0].offset_mm = Vec2(0.003, 0.004);
   // 60 pixels are 6 mm: 1200 times 5 um.
   EXPECT_EQ(OffsetMagnification(views.marks, 10), 1000);
