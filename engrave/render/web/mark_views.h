@@ -65,8 +65,8 @@ struct MarkViews {
 inline constexpr std::size_t kMaxCloseUps = 3;
 
 /// How much longer arrows are than the offsets, in a view where 1 mm is so many pixels: a
-/// round number (1, 2 or 5 times a power of ten) at which the longest, or one of 0.1 um if
-/// all are shorter, is 60 pixels or less; 1 or more.
+/// round number (1, 2 or 5 times a power of ten) at which the longest, or one of 0.1 um
+/// if all are shorter, is 60 pixels or less; 1 or more.
 double OffsetMagnification(const std::vector<ShownMark>& marks, double px_per_mm);
 
 /// How much larger deviations are drawn in a close-up: a round number at which the
