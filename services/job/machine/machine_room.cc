@@ -29,8 +29,7 @@ Vec2 RoomOfArmAndTable(const MachineSpec& machine, const Vec3& block_mm) {
   double radius_mm = machine.loading().table_radius_mm();
   for (const double x : {0.0, block_mm.x()}) {
     for (const double y : {0.0, block_mm.y()})
-      radius_mm =
-          std::max(radius_mm, std::hypot(corner_mm.x() + x, corner_mm.y() + y));
+      radius_mm = std::max(radius_mm, std::hypot(corner_mm.x() + x, corner_mm.y() + y));
   }
   const PolarKinematics& polar = machine.polar();
   Vec2 low_mm(-radius_mm, -radius_mm);
@@ -39,8 +38,8 @@ Vec2 RoomOfArmAndTable(const MachineSpec& machine, const Vec3& block_mm) {
   constexpr int kSteps = 360;
   const RotaryAxis& arm = polar.arm();
   for (int i = 0; i <= kSteps; ++i) {
-    const double angle = arm.travel_min_rad() +
-                         (arm.travel_max_rad() - arm.travel_min_rad()) * i / kSteps;
+    const double angle =
+        arm.travel_min_rad() + (arm.travel_max_rad() - arm.travel_min_rad()) * i / kSteps;
     const Vec2 beam_mm = kinematics->ToPlace({angle, 0, 0}).head<2>();
     low_mm = low_mm.cwiseMin(beam_mm);
     high_mm = high_mm.cwiseMax(beam_mm);
