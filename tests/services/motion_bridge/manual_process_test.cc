@@ -176,7 +176,10 @@ TEST_F(ManualProcess, AZeroIsSavedWhereTheAxesAreAndUndone) {
 
 // The zero is taught where the axes are; away from it, and back by its name.
 TEST_F(ManualProcess, GoesToTheZeroThatWasTaughtAndNoFurtherThanItIsHeld) {
-  ASSERT_TRUE(HoldUntil(intaglio_MANUAL_MOVE, 1, [&] { return answered_ == 1; }));
+  const auto ended = [&](std::uint64_t number) {
+    return answered_ == number && answer_ != intaglio_MANUAL_ACCEPTED;
+  };
+  ASSERT_TRUE(HoldUntil(intaglio_MANUAL_MOVE, 1, [&] { return ended(1); }));
   ASSERT_EQ(answer_, intaglio_MANUAL_DONE) << message_;
   const double taught_mm = x_mm_;
   ASSERT_NEAR(taught_mm, 1, 1e-3);
@@ -193,7 +196,7 @@ TEST_F(ManualProcess, GoesToTheZeroThatWasTaughtAndNoFurtherThanItIsHeld) {
   ASSERT_TRUE(Eventually([&] {
     Beat();
     Send(intaglio_MANUAL_NONE, 3);
-    return answered_ == 3;
+    return ended(3);
   }));
   // Let go on the way: it rests before the zero.
   const auto to_zero = [&](std::uint64_t number, const std::function<bool()>& until) {
@@ -207,11 +210,11 @@ TEST_F(ManualProcess, GoesToTheZeroThatWasTaughtAndNoFurtherThanItIsHeld) {
   ASSERT_TRUE(Eventually([&] {
     Beat();
     Send(intaglio_MANUAL_NONE, 4);
-    return answered_ == 4;
+    return ended(4);
   }));
   EXPECT_EQ(answer_, intaglio_MANUAL_STOPPED);
   EXPECT_GT(x_mm_, taught_mm + 0.5);
-  ASSERT_TRUE(to_zero(5, [&] { return answered_ == 5; }));
+  ASSERT_TRUE(to_zero(5, [&] { return ended(5); }));
   EXPECT_EQ(answer_, intaglio_MANUAL_DONE) << message_;
   EXPECT_NEAR(x_mm_, taught_mm, 1e-3);
 }
