@@ -12,7 +12,7 @@ using drivers::MarkFate;
 using formats::PointOutcome;
 
 void MarkRun::TakeUp(const std::vector<ArmedMark>& armed) {
-  for (const ArmedMark& one : armed) armed_[one.mark] = {one.run, 0, true};
+  for (const ArmedMark& one : armed) armed_[one.mark] = {one.run, 0, true, 0};
 }
 
 // It remembers the newest marks, and those of a run come in rising order: behind one that
@@ -79,14 +79,27 @@ Status MarkRun::Turn() {
 
 void MarkRun::ArmMore() {
   if (finished_) return;
-  const std::size_t limit =
-      driver_.state().remembers_marks ? kMaxArmed : kMaxArmedUnremembered;
-  while (armed_.size() < limit) {
+  const bool remembers = driver_.state().remembers_marks;
+  const std::size_t least = remembers ? kMinArmed : kMaxArmedUnremembered;
+  const std::size_t limit = remembers ? kMaxArmed : kMaxArmedUnremembered;
+  double ahead_s = 0;
+  for (const auto& [mark, armed] : armed_) ahead_s += armed.time_s;
+  while (armed_.size() < limit && (armed_.size() < least || ahead_s < kArmedAheadS)) {
     const auto open = record_.ledger().NextOpen(next_);
     if (!open || !record_.Arm(*open)) return;
-    armed_[*open] = {record_.run(), record_.appended(), false};
+    const double time_s = SecondsOf(*open);
+    armed_[*open] = {record_.run(), record_.appended(), false, time_s};
+    ahead_s += time_s;
     next_ = *open + 1;
   }
+}
+
+/// At least.
+double MarkRun::SecondsOf(std::uint32_t mark) const {
+  constexpr double kJumpS = 1e-3;
+  const mark::Mark& one = set_.marks[mark];
+  const mark::Pen& pen = set_.pens[one.pen];
+  return kJumpS + pen.pass_count * mark::LengthOf(one) / pen.speed_mm_s;
 }
 
 Status MarkRun::HandOver() {

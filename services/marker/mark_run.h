@@ -18,8 +18,11 @@ namespace intaglio::marker {
 class MarkRun {
  public:
   /// Intents ahead of the controller: a disk that takes 50 ms for each sync keeps up with
-  /// marks of a fifth of a millisecond.
-  static constexpr std::size_t kMaxArmed = 256;
+  /// marks of a fifth of a millisecond. All of them are uncertain when host and
+  /// controller lose their power together, so there are not more than this time of marks,
+  /// a millisecond each at least, or two.
+  static constexpr std::size_t kMaxArmed = 256, kMinArmed = 2;
+  static constexpr double kArmedAheadS = 0.25;
   /// Of a controller that remembers no marks: of all that are armed nobody knows what
   /// became of them when this process dies. A disk's sync between two marks is the price.
   static constexpr std::size_t kMaxArmedUnremembered = 1;
@@ -63,8 +66,10 @@ class MarkRun {
     std::uint32_t run = 0;
     std::uint64_t journaled_at = 0;  ///< durable when so many records are
     bool handed = false;
+    double time_s = 0;
   };
   void ArmMore();
+  double SecondsOf(std::uint32_t mark) const;
   Status HandOver();
   void Ask();
   bool NeverCame(const drivers::MarkEvent& event) const;
