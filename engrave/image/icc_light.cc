@@ -45,19 +45,20 @@ cmsUInt32Number FormatOf(const PixelKind& kind) {
          FLAVOR_SH(flips ? 1 : 0);
 }
 
-cmsColorSpaceSignature SpaceOf(IccColours colours) {
+/// A profile may have any number there, which its enumeration has not.
+cmsUInt32Number SpaceOf(IccColours colours) {
   if (colours == IccColours::kGrey) return cmsSigGrayData;
   return colours == IccColours::kRgb ? cmsSigRgbData : cmsSigCmykData;
 }
 
 /// "RGB", of four characters.
-std::string SpaceName(cmsColorSpaceSignature space) {
+std::string SpaceName(cmsUInt32Number space) {
   std::string name;
   for (int shift = 24; shift >= 0; shift -= 8) {
     const char c = static_cast<char>(space >> shift & 255U);
     if (c > ' ' && c < 127) name.push_back(c);
   }
-  return name;
+  return name.empty() ? "unknown" : name;
 }
 
 tl::unexpected<Error> Bad(std::string_view what) {
@@ -78,7 +79,7 @@ Result<IccLight> IccLight::Open(std::string_view bytes, const PixelKind& kind) {
   if (!profile) return Bad("is damaged");
   IccLight light;
   light.kind_ = kind;
-  const cmsColorSpaceSignature space = cmsGetColorSpace(profile.get());
+  const auto space = static_cast<cmsUInt32Number>(cmsGetColorSpace(profile.get()));
   light.grey_by_rgb_ = kind.colours == IccColours::kGrey && space == cmsSigRgbData;
   if (light.grey_by_rgb_) {
     light.kind_ = {.colours = IccColours::kRgb, .alpha = false, .wide = true};

@@ -179,7 +179,7 @@ class GalvoCalibration : public ::testing::Test {
     constexpr int kSide = 2800;
     constexpr double kTurn = 1.5708 + 0.02;
     std::vector<float> covered(kSide * kSide);
-    const auto to_px = [&](const Vec2& mm) {
+    const auto to_px = [&](const Vec2& mm) -> Vec2 {
       return Vec2(std::cos(kTurn) * mm.x() - std::sin(kTurn) * mm.y(),
                   std::sin(kTurn) * mm.x() + std::cos(kTurn) * mm.y()) /
                  kScanPixelMm +

@@ -163,6 +163,16 @@ TEST(IccLight, JpegAndItsGreyByAProfileOfRgb) {
   EXPECT_NEAR(image->at(4, 4), 65535 * std::pow(128 / 255.0, kGamma), kRounding);
 }
 
+// Found by a fuzzer: a number of colours that lcms2 has no name for.
+TEST(IccLight, UnknownColoursAreAnErrorWithItsRemedy) {
+  std::string profile = WideProfile();
+  profile.replace(16, 4, 4, '\xff');  // data colour space (ICC.1:2010, 7.2.8)
+  const auto light = IccLight::Open(profile, {PixelKind::Colours::kRgb, false, false});
+  ASSERT_FALSE(light.has_value());
+  EXPECT_THAT(light.error().message,
+              HasSubstr("is of unknown colours and the picture of RGB"));
+}
+
 TEST(IccLight, ADamagedProfileIsAnErrorWithItsRemedy) {
   const std::string plain = EncodePng(4, 4, PaintedIcc), profile = WideProfile();
   const auto error_of = [](const std::string& file) {
