@@ -93,7 +93,8 @@ void DrawCloseUp(Canvas& canvas, const Rect& cell, const CloseUp& close_up,
   for (std::size_t i = 1; i < mark.way_mm.size(); ++i)
     DrawLine(canvas, scale(mark.way_mm[i - 1]), scale(mark.way_mm[i]), 1.2,
              {palette.dim_text});
-  const Color color = mark.look == MarkLook::kMade ? palette.warning : ColorOf(mark.look);
+  const Color color =
+      mark.state == MarkState::kMade ? palette.warning : ColorOf(mark.state);
   for (const BurntStroke& stroke : close_up.burnt)
     DrawLine(canvas, scale(magnified_mm(stroke.from_mm)),
              scale(magnified_mm(stroke.to_mm)), 2, {color});

@@ -35,8 +35,8 @@ void DrawWays(Canvas& canvas, const MarkViews& views, const MarkScale& scale,
               bool faults) {
   std::size_t rings = 0;
   for (const ShownMark& mark : views.marks) {
-    if (mark.way_mm.empty() || faults != (mark.look != MarkLook::kMade)) continue;
-    const Color color = ColorOf(mark.look);
+    if (mark.way_mm.empty() || faults != (mark.state != MarkState::kMade)) continue;
+    const Color color = ColorOf(mark.state);
     for (std::size_t i = 1; i < mark.way_mm.size(); ++i)
       DrawLine(canvas, scale(mark.way_mm[i - 1]), scale(mark.way_mm[i]),
                faults ? 2.2 : 1.3, {color, faults ? 1.0F : 0.85F});
@@ -88,13 +88,13 @@ void DrawOffsets(Canvas& canvas, const MarkViews& views, const MarkScale& scale,
 
 /// The meaning of the colours that occur, below the view.
 void DrawKey(Canvas& canvas, const Rect& cell, const MarkViews& views, double by) {
-  constexpr std::array<std::pair<MarkLook, const char*>, 6> kLooks = {
-      {{MarkLook::kMade, "made"},
-       {MarkLook::kSkipped, "skipped"},
-       {MarkLook::kMissed, "missed"},
-       {MarkLook::kIncomplete, "incomplete"},
-       {MarkLook::kDoubled, "doubled"},
-       {MarkLook::kUncertain, "uncertain"}}};
+  constexpr std::array<std::pair<MarkState, const char*>, 6> kStates = {
+      {{MarkState::kMade, "made"},
+       {MarkState::kSkipped, "skipped"},
+       {MarkState::kMissed, "missed"},
+       {MarkState::kIncomplete, "incomplete"},
+       {MarkState::kDoubled, "doubled"},
+       {MarkState::kUncertain, "uncertain"}}};
   const Palette palette;
   const double y_px = cell.bottom() - 14;
   double x_px = cell.x + 18;
@@ -104,9 +104,9 @@ void DrawKey(Canvas& canvas, const Rect& cell, const MarkViews& views, double by
              {.cap_height_px = 9.5, .color = palette.dim_text});
     x_px += 30 + TextWidth(text, 9.5) + 26;
   };
-  for (const auto& [look, name] : kLooks) {
-    if (std::ranges::find(views.marks, look, &ShownMark::look) != views.marks.end())
-      entry(ColorOf(look), name);
+  for (const auto& [state, name] : kStates) {
+    if (std::ranges::find(views.marks, state, &ShownMark::state) != views.marks.end())
+      entry(ColorOf(state), name);
   }
   if (by > 0)
     entry(palette.warning, fmt::format("error of place, {} times as long; red: beyond "
@@ -116,11 +116,11 @@ void DrawKey(Canvas& canvas, const Rect& cell, const MarkViews& views, double by
 
 }  // namespace
 
-const Color& ColorOf(MarkLook look) {
+const Color& ColorOf(MarkState state) {
   static const std::array<Color, 6> colors = {Srgb(0x62C7F2), Srgb(0x7C8A9C),
                                               Srgb(0xFF4D4D), Srgb(0xFF9A3C),
                                               Srgb(0xE76BF3), Srgb(0xFFE45C)};
-  return colors[static_cast<std::size_t>(look)];
+  return colors[static_cast<std::size_t>(state)];
 }
 
 double RoundBelow(double limit) {

@@ -7,7 +7,7 @@
 
 namespace intaglio::render {
 
-const Color& ColorOf(MarkLook look);
+const Color& ColorOf(MarkState state);
 
 /// 1, 2 or 5 times a power of ten, not above `limit` > 0.
 double RoundBelow(double limit);

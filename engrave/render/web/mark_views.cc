@@ -18,7 +18,7 @@ constexpr int kErrorsTopPx = 44, kErrorsSidePx = 74;
 /// The largest error of the marks of one column of pixels.
 struct ErrorColumn {
   double error_um = 0;
-  MarkLook look = MarkLook::kMade;
+  MarkState state = MarkState::kMade;
   bool any = false;
 };
 
@@ -29,7 +29,7 @@ std::vector<ErrorColumn> ColumnsOf(const std::vector<MarkError>& errors, int cou
                                   std::max<std::size_t>(1, errors.size())];
     column.any = true;
     column.error_um = std::max(column.error_um, errors[i].error_um);
-    if (errors[i].look != MarkLook::kMade) column.look = errors[i].look;
+    if (errors[i].state != MarkState::kMade) column.state = errors[i].state;
   }
   return columns;
 }
@@ -60,10 +60,10 @@ void DrawErrors(Canvas& canvas, const Rect& cell, const MarkViews& views) {
       DrawLine(canvas, {x_px, static_cast<double>(room.bottom())},
                {x_px, y_of(column.error_um)}, width_px,
                {beyond ? palette.bad : palette.good});
-    if (column.look != MarkLook::kMade)
+    if (column.state != MarkState::kMade)
       DrawLine(canvas, {x_px, static_cast<double>(room.bottom())},
                {x_px, static_cast<double>(room.y)}, std::max(2.0, width_px),
-               {ColorOf(column.look)});
+               {ColorOf(column.state)});
   }
   const auto level = [&](double um, const Color& color, const std::string& text) {
     DrawLine(canvas, {static_cast<double>(room.x), y_of(um)},

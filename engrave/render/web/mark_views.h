@@ -17,7 +17,7 @@
 
 namespace intaglio::render {
 
-enum class MarkLook : std::uint8_t {
+enum class MarkState : std::uint8_t {
   kMade,
   kSkipped,
   kMissed,
@@ -30,14 +30,14 @@ enum class MarkLook : std::uint8_t {
 struct ShownMark {
   std::vector<Vec2> way_mm;  ///< of a closed one with its first place repeated
   Vec2 middle_mm = Vec2::Zero();
-  MarkLook look = MarkLook::kMade;
+  MarkState state = MarkState::kMade;
   std::optional<Vec2> offset_mm;  ///< of what was burnt; none: not measured
 };
 
 /// The error of one mark; of all marks in their order.
 struct MarkError {
   double error_um = 0;  ///< of one that was not measured: 0
-  MarkLook look = MarkLook::kMade;
+  MarkState state = MarkState::kMade;
 };
 
 struct BurntStroke {

@@ -39,10 +39,10 @@ const Color kMissedColor = Srgb(0xFF4D4D), kDoubledColor = Srgb(0xE76BF3);
 TEST(MarkViews, AMissedMarkIsRedAndRinged) {
   MarkViews views = Strokes(4);
   EXPECT_EQ(CountOf(DrawMarkViews(views), kMissedColor, kAll), 0);
-  views.marks[2].look = MarkLook::kMissed;
+  views.marks[2].state = MarkState::kMissed;
   const int one = CountOf(DrawMarkViews(views), kMissedColor, kAll);
   EXPECT_GT(one, 100);
-  views.marks[1].look = MarkLook::kMissed;
+  views.marks[1].state = MarkState::kMissed;
   EXPECT_GT(CountOf(DrawMarkViews(views), kMissedColor, kAll), 1.5 * one);
   EXPECT_EQ(CountOf(DrawMarkViews(views), kDoubledColor, kAll), 0);
 }
@@ -91,12 +91,12 @@ TEST(MarkViews, ErrorsBeyondTheToleranceAreRed) {
 TEST(MarkViews, DrawsWhatHasNoExtent) {
   EXPECT_EQ(DrawMarkViews({}).width(), kViewsWidth);
   MarkViews one;
-  one.marks = {{{Vec2(3, 4)}, Vec2(3, 4), MarkLook::kMissed, std::nullopt}};
-  one.errors = {{0, MarkLook::kMissed}};
+  one.marks = {{{Vec2(3, 4)}, Vec2(3, 4), MarkState::kMissed, std::nullopt}};
+  one.errors = {{0, MarkState::kMissed}};
   one.close_ups = {{"mark 1", {"a hole"}, one.marks[0], {}}};
   EXPECT_GT(CountOf(DrawMarkViews(one), kMissedColor, kAll), 10);
   MarkViews long_web = Strokes(3000);
-  long_web.errors.assign(3000, {1, MarkLook::kMade});
+  long_web.errors.assign(3000, {1, MarkState::kMade});
   EXPECT_EQ(DrawMarkViews(long_web).height(), kViewsHeight);
 }
 

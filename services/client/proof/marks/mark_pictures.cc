@@ -26,23 +26,23 @@ constexpr double kShownFields = 3;           // a web of a thousand repeats is a
 
 Tone GoodWhen(bool good) { return good ? Tone::kGood : Tone::kBad; }
 
-render::MarkLook LookOf(const proof::AccountedMark& mark) {
+render::MarkState StateOf(const proof::AccountedMark& mark) {
   // What the material shows comes first.
   switch (mark.outcome) {
     case MarkOutcome::kMade:
-      return mark.uncertain ? render::MarkLook::kUncertain : render::MarkLook::kMade;
+      return mark.uncertain ? render::MarkState::kUncertain : render::MarkState::kMade;
     case MarkOutcome::kSkipped:
-      return render::MarkLook::kSkipped;
+      return render::MarkState::kSkipped;
     case MarkOutcome::kMissed:
-      return render::MarkLook::kMissed;
+      return render::MarkState::kMissed;
     case MarkOutcome::kIncomplete:
-      return render::MarkLook::kIncomplete;
+      return render::MarkState::kIncomplete;
     case MarkOutcome::kDoubled:
-      return render::MarkLook::kDoubled;
+      return render::MarkState::kDoubled;
     case MarkOutcome::kUncertain:
       break;
   }
-  return render::MarkLook::kUncertain;
+  return render::MarkState::kUncertain;
 }
 
 render::ShownMark ShownOf(const MarkEvidence& evidence, std::size_t place) {
@@ -53,7 +53,7 @@ render::ShownMark ShownOf(const MarkEvidence& evidence, std::size_t place) {
     shown.way_mm.push_back(shown.way_mm.front());
   for (Vec2& p : shown.way_mm) p.x() -= mark.web_mm;
   shown.middle_mm = mark::MiddleOf(shown.way_mm);
-  shown.look = LookOf(evidence.account.marks[place]);
+  shown.state = StateOf(evidence.account.marks[place]);
   if (evidence.has_material &&
       evidence.account.marks[place].outcome == MarkOutcome::kMade)
     shown.offset_mm = evidence.compared.marks[place].offset_mm;
@@ -88,7 +88,7 @@ std::vector<std::string> CloseUpLines(const MarkEvidence& evidence, std::size_t 
   return lines;
 }
 
-/// What is wrong first; then the largest error of each item, for lines of one item look
+/// What is wrong first; then the largest error of each item, for lines of one item are
 /// alike.
 std::vector<std::size_t> CloseUpMarks(const MarkEvidence& evidence, double tolerance_um) {
   const auto gravest = GravestMarks(evidence, kCandidates);
@@ -262,7 +262,7 @@ render::MarkViews MarkViewsOf(const MarkEvidence& evidence, const JobReport& rep
     views.errors.push_back({mark.outcome == MarkOutcome::kMade
                                 ? LargestErrorUm(evidence.compared.marks[i])
                                 : 0,
-                            LookOf(mark)});
+                            StateOf(mark)});
   }
   AddCloseUps(evidence, views);
   return views;

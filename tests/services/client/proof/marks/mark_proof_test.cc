@@ -263,7 +263,7 @@ TEST(MarkProof, ThePictureShowsTheGravestMarksAndAllErrors) {
   EXPECT_EQ(views.caption.verdict, "NOT GOOD");
   ASSERT_EQ(views.errors.size(), 4u);
   EXPECT_NEAR(views.errors[1].error_um, 30, 0.1);
-  EXPECT_EQ(views.errors[2].look, render::MarkLook::kMissed);
+  EXPECT_EQ(views.errors[2].state, render::MarkState::kMissed);
   ASSERT_EQ(views.close_ups.size(), 3u);
   EXPECT_EQ(views.close_ups[0].title, "Mark 3");
   EXPECT_THAT(views.close_ups[0].burnt, IsEmpty());
