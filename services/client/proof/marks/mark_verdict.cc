@@ -35,8 +35,11 @@ std::string Named(const MarkReport& marks, std::uint64_t count, const Has& has) 
   return fmt::format(": {}{}", fmt::join(names, ", "), more);
 }
 
+/// Without those that the journal is uncertain about: they have a sentence of their own.
 auto Outcome(std::string_view outcome) {
-  return [outcome](const MarkFinding& finding) { return finding.outcome() == outcome; };
+  return [outcome](const MarkFinding& finding) {
+    return finding.outcome() == outcome && !finding.uncertain();
+  };
 }
 
 std::string UncertainText(const JobReport& report) {
@@ -83,12 +86,14 @@ void AddMarkFaults(const JobReport& report, Verdict& verdict) {
     });
   };
   need(counts.planned() > 0, [] { return std::string("the job has no marks"); });
-  none(counts.doubled(), "doubled", "made twice, in whole or in part");
-  none(counts.missed(), "missed",
+  none(counts.doubled() - counts.uncertain_doubled(), "doubled",
+       "made twice, in whole or in part");
+  none(counts.missed() - counts.uncertain_missed(), "missed",
        report.evidence() == kControllerEvidence
            ? "missed, as the controller reports"
            : "missing in the material, though the journal has them as begun");
-  none(counts.incomplete(), "incomplete", "made in part only");
+  none(counts.incomplete() - counts.uncertain_incomplete(), "incomplete",
+       "made in part only");
   none(counts.skipped(), "skipped", "not made: skipped, by the journal");
   need(counts.uncertain() == 0, [&] { return UncertainText(report); });
   need(counts.unaccounted() == 0, [&] {

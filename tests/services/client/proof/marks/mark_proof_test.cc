@@ -100,6 +100,15 @@ TEST(MarkProof, WhatTheMaterialHasOfAnUncertainMarkIsReported) {
   EXPECT_TRUE(report.marks().findings(0).uncertain());
 }
 
+// It is no second fault that a mark of which nobody knows is not there.
+TEST(MarkProof, AnUncertainMarkThatIsNotThereHasOneReason) {
+  MarkFolder made(false);
+  made.journal_[1] = PointOutcome::kUncertain;
+  made.burnt_[1].clear();
+  EXPECT_THAT(Reason(made), HasSubstr("0 whole, 0 in part, 1 not at all"));
+  EXPECT_EQ(Verified(made).marks().counts().missed(), 1u);
+}
+
 TEST(MarkProof, AMarkThatWasNotBegunAndIsThereIsUnaccounted) {
   MarkFolder made(false);
   made.journal_[2] = PointOutcome::kNone;
