@@ -91,7 +91,7 @@ void TryNext(Input& input, mark::MarkSet& set) {
   const auto taken = host::AppendMarks(batch, set);
   Require(mark::CheckMarks(set).has_value() || set.marks.empty(), "impossible marks");
   if (taken) {
-    Require(set.marks.size() == had + marks, "another number of marks");
+    Require(set.marks.size() == had + pen.size(), "another number of marks");
     return;
   }
   Require(!taken.error().message.empty(), "an error without a sentence");
