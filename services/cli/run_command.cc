@@ -76,7 +76,9 @@ class RunSession {
       : options_(std::move(options)),
         job_(std::move(job)),
         optics_(optics),
-        bar_(std::cerr, isatty(STDERR_FILENO) != 0) {}
+        bar_(std::cerr, isatty(STDERR_FILENO) != 0) {
+    if (job_.job.has_marks()) bar_.CountIn("marks");
+  }
 
   int Run();
 

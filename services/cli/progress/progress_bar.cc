@@ -77,8 +77,8 @@ std::string ProgressBar::Line() const {
   std::string line = fmt::format("{:<11}[{:#<{}}{:-<{}}] {:3.0f} %", stage_, "", full, "",
                                  kBarWidth - full, 100 * share);
   if (total_ > 0 && in_points_) {
-    line += fmt::format("  {} / {} points", client::GroupedDigits(done_),
-                        client::GroupedDigits(total_));
+    line += fmt::format("  {} / {} {}", client::GroupedDigits(done_),
+                        client::GroupedDigits(total_), things_);
   }
   if (done_ > 0 && elapsed_s_ > 0) {
     const double rate = static_cast<double>(done_) / elapsed_s_;

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <iosfwd>
 #include <string>
+#include <utility>
 
 namespace intaglio::cli {
 
@@ -17,6 +18,8 @@ class ProgressBar {
   /// `interactive`: the stream is a terminal.
   ProgressBar(std::ostream& out, bool interactive);
 
+  /// What is counted, in the plural; default points.
+  void CountIn(std::string things) { things_ = std::move(things); }
   /// A new stage begins when `stage` differs from the last call's. total 0: unknown.
   void Show(const std::string& stage, std::uint64_t done, std::uint64_t total,
             double elapsed_s, const std::string& note = {});
@@ -37,6 +40,7 @@ class ProgressBar {
   double SecondsLeft(double share) const;
   std::ostream& out_;
   bool interactive_;
+  std::string things_ = "points";
   std::string stage_, note_;
   std::uint64_t done_ = 0, total_ = 0;
   double elapsed_s_ = 0;

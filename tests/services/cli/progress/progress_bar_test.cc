@@ -37,6 +37,14 @@ TEST(ProgressBar, ShowsPointsRateAndTimeLeft) {
   EXPECT_THAT(out.str(), HasSubstr("500 /s  1.5 s left  a note\n"));
 }
 
+TEST(ProgressBar, CountsWhatItIsGiven) {
+  std::ostringstream out;
+  ProgressBar bar(out, false);
+  bar.CountIn("marks");
+  bar.Show("engrave", 250, 1000, 0.5);
+  EXPECT_THAT(out.str(), HasSubstr("250 / 1 000 marks  500 /s"));
+}
+
 // A stage that took 30 s for its first points would seem to need hours.
 TEST(ProgressBar, UntilThePaceIsKnownThePlanGivesTheTimeLeft) {
   std::ostringstream out;
