@@ -31,4 +31,11 @@ Result<materials_db::Material> FindGlass(JobAndMachine& job,
   return FindGlass(job, store);
 }
 
+Result<materials_db::OpticalValues> FindOptics(JobAndMachine& job,
+                                               const std::string& materials_db) {
+  const auto material = INTAGLIO_TRY(FindGlass(job, materials_db));
+  return materials_db::ComputeOptics(material, job.job.laser().wavelength_nm(),
+                                     job.job.lens().numerical_aperture());
+}
+
 }  // namespace intaglio::cli

@@ -1,10 +1,11 @@
 #pragma once
 
-// The glass that a job names, found in the material base.
+// The glass that a job names, found in the material base, and what it does to the beam.
 
 #include <string>
 
 #include "engrave/core/result.h"
+#include "materials_db/material.h"
 #include "materials_db/material_store.h"
 #include "services/cli/job_options.h"
 
@@ -18,5 +19,10 @@ Result<materials_db::Material> FindGlass(JobAndMachine& job,
 /// The same in the base of that file; empty: the user's.
 Result<materials_db::Material> FindGlass(JobAndMachine& job,
                                          const std::string& materials_db);
+
+/// At the wavelength and the numerical aperture of the job. Errors as of FindGlass
+/// and of ComputeOptics.
+Result<materials_db::OpticalValues> FindOptics(JobAndMachine& job,
+                                               const std::string& materials_db);
 
 }  // namespace intaglio::cli

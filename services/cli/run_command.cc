@@ -76,9 +76,7 @@ class RunSession {
       : options_(std::move(options)),
         job_(std::move(job)),
         optics_(optics),
-        bar_(std::cerr, isatty(STDERR_FILENO) != 0) {
-    if (job_.job.has_marks()) bar_.CountIn("marks");
-  }
+        bar_(std::cerr, isatty(STDERR_FILENO) != 0) {}
 
   int Run();
 
@@ -167,6 +165,7 @@ Result<client::ServiceSet> RunSession::StartServices(
 }
 
 int RunSession::Run() {
+  if (job_.job.has_marks()) bar_.CountIn("marks");
   for (const std::string& note : job_.notes) std::cerr << note << "\n";
   if (auto made = MakeFolders(); !made)
     return Complain(made.error(), client::kExitWrongInput);
@@ -318,9 +317,8 @@ int RunSession::Prove(const client::JobView& job, const client::JobClient& clien
   inputs.discretize = client.OutcomeOf(job.uid, intaglio_STAGE_DISCRETIZE);
   inputs.sort = client.OutcomeOf(job.uid, intaglio_STAGE_SORT);
   inputs.engrave = client.OutcomeOf(job.uid, intaglio_STAGE_ENGRAVE);
-  for (const std::string& note : job_.notes) {
+  for (const std::string& note : job_.notes)
     inputs.warnings.push_back(MakeWarning(WarningCode::kChosen, note));
-  }
   inputs.warnings.insert(inputs.warnings.end(), job.warnings.begin(), job.warnings.end());
   inputs.breakage_accepted_by = job.breakage_accepted_by;
   inputs.started_utc = started_utc_;
@@ -348,15 +346,11 @@ int RunJob(const RunOptions& given) {
   if (!job) return Complain(job.error(), client::kExitWrongInput);
   if (const auto refused = RefuseCourse(job->job); !refused.empty())
     return Complain(JoinErrors(refused), client::kExitWrongInput);
-  if (options.materials_db.empty()) {
+  if (options.materials_db.empty())
     options.materials_db = materials_db::DefaultDatabasePath().string();
-  }
   if (MakesMarks(job->job))
     return RunSession(std::move(options), std::move(*job), std::nullopt).Run();
-  const auto material = FindGlass(*job, options.materials_db);
-  if (!material) return Complain(material.error(), client::kExitWrongInput);
-  const auto optics = materials_db::ComputeOptics(
-      *material, job->job.laser().wavelength_nm(), job->job.lens().numerical_aperture());
+  const auto optics = FindOptics(*job, options.materials_db);
   if (!optics) return Complain(optics.error(), client::kExitWrongInput);
   return RunSession(std::move(options), std::move(*job), *optics).Run();
 }

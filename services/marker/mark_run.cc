@@ -80,11 +80,11 @@ Status MarkRun::Turn() {
 void MarkRun::ArmMore() {
   if (finished_) return;
   const bool remembers = driver_.state().remembers_marks;
-  const std::size_t least = remembers ? kMinArmed : kMaxArmedUnremembered;
+  const std::size_t min_armed = remembers ? kMinArmed : kMaxArmedUnremembered;
   const std::size_t limit = remembers ? kMaxArmed : kMaxArmedUnremembered;
   double ahead_s = 0;
   for (const auto& [mark, armed] : armed_) ahead_s += armed.time_s;
-  while (armed_.size() < limit && (armed_.size() < least || ahead_s < kArmedAheadS)) {
+  while (armed_.size() < limit && (armed_.size() < min_armed || ahead_s < kArmedAheadS)) {
     const auto open = record_.ledger().NextOpen(next_);
     if (!open || !record_.Arm(*open)) return;
     const double time_s = SecondsOf(*open);
