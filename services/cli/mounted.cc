@@ -116,7 +116,7 @@ std::string TextOf(const Mounted& mounted) {
     text += ", its glass is not known (--block-glass)";
   }
   if (known.lens) {
-    text += fmt::format("; lens {}: f {:g} mm, NA {:g} (--lens)", mounted.lens,
+    text += fmt::format("; lens {}: f {:g} mm, NA {:.3g} (--lens)", mounted.lens,
                         known.lens->focal_length_mm, known.lens->numerical_aperture);
   } else {
     text += "; its lens is not known (--lens)";

@@ -58,7 +58,7 @@ std::string LensMisfit(const FrozenJob& job, const optics::Lens& mounted) {
   const optics::Lens wanted = intaglio::LensOf(job.job());
   if (AreSame(wanted, mounted)) return "";
   const auto text = [&job](const optics::Lens& lens) {
-    return fmt::format("the lens {} (f {:g} mm, NA {:g})", NameOf(lens, job.machine()),
+    return fmt::format("the lens {} (f {:g} mm, NA {:.3g})", NameOf(lens, job.machine()),
                        lens.focal_length_mm, lens.numerical_aperture);
   };
   const std::string name = NameOf(wanted, job.machine());

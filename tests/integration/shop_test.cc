@@ -179,14 +179,14 @@ TEST_F(Shop, AJobForAnotherLensOrGlassIsNotFiredAndKeptForTheRightOnes) {
   const std::string job = Submit({"--arm"});
   ASSERT_TRUE(Reaches(job, "paused")) << last_;
   EXPECT_THAT(last_, HasSubstr("the job is for the lens f43"));
-  EXPECT_THAT(last_, HasSubstr("the lens f70 (f 70 mm, NA 0.124) is mounted"));
+  EXPECT_THAT(last_, HasSubstr("the lens f70 (f 70 mm, NA 0.0357) is mounted"));
   EXPECT_THAT(last_, HasSubstr("the job is for N-BK7 (refractive index 1.519"));
   EXPECT_THAT(last_, HasSubstr("has the index 1.460"));
   Close();
   Open({"50", "50", "30"});
   EXPECT_TRUE(Eventually([this] {
     return up_->Output().find("N-BK7 of index 1.519") != std::string::npos &&
-           up_->Output().find("lens f43: f 43 mm, NA 0.2") != std::string::npos;
+           up_->Output().find("lens f43: f 43 mm, NA 0.0581") != std::string::npos;
   }));
   ASSERT_TRUE(Eventually([&] { return Type({"show", job}).exit_code == 0; }, 40s));
   Type({"resume", job});

@@ -49,8 +49,11 @@ TEST_F(TeachFocus, ATestPulseIsWhereTheFocusIs) {
   Make({"pulse", "--out", (folder_ / "pulse").string()});
   const auto cracks = Cracks();
   ASSERT_EQ(cracks.size(), 1u);
-  // The beam model of the virtual engraver, N-BK7 at 532 nm and NA 0.2.
-  const double glass_per_stage = std::sqrt(1.51947 * 1.51947 - 0.04) / std::sqrt(0.96);
+  // The beam model of the virtual engraver, N-BK7 at 532 nm, a beam of 5 mm in a lens of
+  // 43 mm.
+  constexpr double kAperture = 5.0 / 2 / 43;
+  const double glass_per_stage = std::sqrt((1.51947 * 1.51947 - kAperture * kAperture) /
+                                           (1 - kAperture * kAperture));
   const Vec3 expected(12, 17, kHeightMm - 2 * glass_per_stage);
   EXPECT_LT((cracks[0].position_mm - expected).norm(), 0.003)
       << cracks[0].position_mm.transpose();
@@ -66,10 +69,10 @@ TEST_F(TeachFocus, ATestPulseIsWeakerThanAJobs) {
   Make({"pulse", "--energy", "30", "--out", (folder_ / "full").string()});
   const auto cracks = Cracks();
   ASSERT_EQ(cracks.size(), 3u);
-  // The laser's stability: 2 %.
-  EXPECT_NEAR(cracks[0].pulse_energy_mj, 3, 0.06);
-  EXPECT_NEAR(cracks[1].pulse_energy_mj, 2, 0.04);
-  EXPECT_NEAR(cracks[2].pulse_energy_mj, 30, 0.6);
+  // The splitter gives the channel a quarter. The laser's stability: 2 %.
+  EXPECT_NEAR(4 * cracks[0].pulse_energy_mj, 3, 0.06);
+  EXPECT_NEAR(4 * cracks[1].pulse_energy_mj, 2, 0.04);
+  EXPECT_NEAR(4 * cracks[2].pulse_energy_mj, 30, 0.6);
   // By the cube root of the energy, in whole um.
   const double full_mm = cracks[2].length_mm;
   EXPECT_GT(full_mm, 0.1);
