@@ -35,7 +35,7 @@ TEST(VirtualTruth, IsWhatTheProfileReportsAndWhatIsMounted) {
   EXPECT_EQ(truth.block().size_mm().x(), 50);
   EXPECT_EQ(truth.block().origin_mm().y(), 7);
   EXPECT_EQ(truth.block().refractive_index(), 1.52);
-  EXPECT_EQ(truth.block().numerical_aperture(), 5.0 / 86);
+  EXPECT_EQ(truth.block().numerical_aperture(), 0.2) << "of the lens that is mounted";
   PulseTiming& timing = *machine.mutable_laser()->mutable_timing();
   EXPECT_FALSE(truth.laser().has_trigger_max_delay_us());
   timing.set_max_qswitch_delay_us(30);

@@ -72,10 +72,11 @@ TEST_F(MachineCompare, RanksTheSuppliedMachines) {
   }
   // By hand: a head over the table of els-03 moves from -2 to 172 mm; the planar motor
   // carries a block of 30 mm 174 mm far. The arm's axis is 200 mm from the table's, whose
-  // block reaches sqrt(120^2 + 25^2) mm to all sides.
+  // block reaches sqrt(120^2 + 25^2) mm to all sides. At 3.3 rad the arm of 150 mm points
+  // away from the table.
   EXPECT_NEAR(machines["els-03"].room_x_mm(), 174, 1e-9);
   EXPECT_NEAR(machines["planar"].room_y_mm(), 30 + 174, 1e-9);
-  EXPECT_NEAR(polar.room_y_mm(), 200 + std::hypot(120, 25), 1e-9);
+  EXPECT_NEAR(polar.room_y_mm(), 200 - 150 * std::cos(3.3) + std::hypot(120, 25), 1e-9);
   // The arm's side: 150 mm from its axis.
   EXPECT_NEAR(polar.room_x_mm(), 150 + std::hypot(120, 25), 0.1);
   EXPECT_LE(machines["planar"].ticks(), machines["els-03"].ticks());

@@ -31,6 +31,7 @@ link::LaserIdentity GoodLaser() {
   laser.serial_number = "L-1";
   laser.min_energy_mj = 1;
   laser.max_energy_mj = 30;
+  laser.locks_door = true;
   return laser;
 }
 

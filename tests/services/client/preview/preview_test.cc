@@ -61,7 +61,7 @@ TEST(Preview, HasSizePointsTimeAndPictureOfTheJob) {
   EXPECT_EQ(figures.time().order(), "anneal");
   EXPECT_EQ(figures.time().warm_up_s(), 30);
   EXPECT_EQ(figures.time().machining_time_s(),
-            static_cast<double>(figures.time().ticks()) / 200);
+            static_cast<double>(figures.time().ticks()) / 100);
   EXPECT_GE(figures.time().ticks(), figures.point_count()) << "a tick makes one point";
   EXPECT_EQ(figures.breakage().risky_count(), 0u);
   ASSERT_EQ(figures.models_size(), 1);
