@@ -38,7 +38,7 @@ TEST_F(TeachJob, ATaughtZeroMovesTheNextJobsCracksByExactlyThat) {
   const auto all = Cracks();
   ASSERT_EQ(all.size(), 2 * first.size());
   // The beam model of the virtual engraver, N-BK7 at 532 nm.
-  const Vec3 expected(by.x(), by.y(), by.z() * GlassPerStage(1.51947, 0.2));
+  const Vec3 expected(by.x(), by.y(), by.z() * GlassPerStage(1.51947, 5.0 / 2 / 43));
   double farthest_mm = 0;
   for (const auto& before : first) {
     double nearest_mm = 1e9;
