@@ -1,30 +1,19 @@
-#include <chrono>
 #include <iostream>
 #include <string>
 
 #include "services/job/job_file.h"
 #include "services/marker/marker.h"
 #include "services/platform/command_line/program.h"
-#include "services/platform/host/process/only_instance.h"
-#include "services/platform/host/process/poll_loop.h"
+#include "services/platform/host/process/cell_loop.h"
 
 namespace {
 
 using namespace intaglio;
-using namespace std::chrono_literals;
 
 struct Options {
   std::string machine_file;
   std::string device;
 };
-
-// A job that is armed before the controller answers has to be armed again, because key
-// and door were not watched. So the first jobs wait a moment for it.
-constexpr auto kLineTime = 2s;
-
-std::chrono::nanoseconds Now() {
-  return std::chrono::steady_clock::now().time_since_epoch();
-}
 
 int Serve(host::ServiceHost& host, const Options& options) {
   auto machine = ReadMachineFile(options.machine_file);
@@ -41,26 +30,7 @@ int Serve(host::ServiceHost& host, const Options& options) {
   host::OnlyInstance only(host, intaglio_ROLE_SYNCHRONIZER);
   if (only.AwaitTurn()) return only.EndAsSecond("marker");
   marker::Marker cell(host, *machine, std::move(*driver));
-  host::PollLoop loop(host.bus());
-  cell.AttachTo(loop);
-  const auto ready_at = Now() + kLineTime;
-  bool ready = false;
-  const auto turn = [&] {
-    cell.Turn(Now());
-    if (!ready && (cell.watches() || Now() >= ready_at)) {
-      ready = true;
-      host.SetHealth(intaglio_HEALTH_READY);
-    }
-    host.KeepAlive();
-    loop.Wait(std::array{cell.line_fd(), cell.journal_fd()}, 5ms);
-  };
-  while (!host.stopping() && !cell.taken_over()) turn();
-  if (cell.taken_over()) return host::EndTakenOver(host, "marker");
-  cell.Stop();
-  for (const auto end = Now() + 3s; !cell.stopped() && !cell.taken_over() && Now() < end;)
-    turn();
-  for (int i = 0; i < 2; ++i) turn();
-  return 0;
+  return host::RunCell(host, "marker", cell);
 }
 
 }  // namespace

@@ -3,14 +3,12 @@
 #include "engrave/core/try.h"
 #include "services/job/job_file.h"
 #include "services/platform/command_line/program.h"
-#include "services/platform/host/process/only_instance.h"
-#include "services/platform/host/process/poll_loop.h"
+#include "services/platform/host/process/cell_loop.h"
 #include "services/synchronizer/synchronizer.h"
 
 namespace {
 
 using namespace intaglio;
-using namespace std::chrono_literals;
 
 struct Options {
   std::string machine_file;
@@ -19,14 +17,6 @@ struct Options {
   std::string lens;
   double refractive_index = 0;
 };
-
-// A job that is armed before the laser answers has to be armed again, because key and
-// door were not watched. So the first jobs wait a moment for it.
-constexpr auto kLaserTime = 2s;
-
-std::chrono::nanoseconds Now() {
-  return std::chrono::steady_clock::now().time_since_epoch();
-}
 
 Result<synchronizer::MountedParts> MountedOf(const Options& options,
                                              const MachineSpec& machine) {
@@ -60,27 +50,7 @@ int Serve(host::ServiceHost& host, const Options& options) {
   if (only.AwaitTurn()) return only.EndAsSecond("synchronizer");
   synchronizer::Synchronizer cell(host, *machine, options.machine_file, *mounted,
                                   std::move(*laser));
-  host::PollLoop loop(host.bus());
-  cell.AttachTo(loop);
-  const auto ready_at = Now() + kLaserTime;
-  bool ready = false;
-  const auto turn = [&] {
-    cell.Turn(Now());
-    if (!ready && (cell.watches() || Now() >= ready_at)) {
-      ready = true;
-      host.SetHealth(intaglio_HEALTH_READY);
-    }
-    host.KeepAlive();
-    loop.Wait(std::array{cell.laser_fd(), cell.journal_fd()}, 5ms);
-  };
-  while (!host.stopping() && !cell.taken_over()) turn();
-  if (cell.taken_over()) return host::EndTakenOver(host, "synchronizer");
-  cell.Stop();
-  for (const auto end = Now() + 3s; !cell.stopped() && !cell.taken_over() && Now() < end;)
-    turn();
-  // What the last turn queued, the lamp off among it, is sent by the next.
-  for (int i = 0; i < 2; ++i) turn();
-  return 0;
+  return host::RunCell(host, "synchronizer", cell);
 }
 
 }  // namespace

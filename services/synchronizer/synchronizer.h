@@ -45,7 +45,7 @@ class Synchronizer {
   /// The laser controller answers: from now on openings of key and door are counted.
   bool watches() const { return laser_.up(); }
 
-  int laser_fd() const { return laser_.fd(); }
+  int line_fd() const { return laser_.fd(); }
   int journal_fd() const { return journal_ ? journal_->event_fd() : -1; }
   template <typename Loop>
   void AttachTo(Loop& loop) {

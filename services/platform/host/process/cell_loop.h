@@ -1,0 +1,54 @@
+#pragma once
+
+// The life of a service that fires the laser of one machine, the synchronizer or the
+// marker, from its first turn to its last.
+
+#include <array>
+#include <chrono>
+#include <string>
+
+#include "services/platform/host/process/only_instance.h"
+#include "services/platform/host/process/poll_loop.h"
+#include "services/platform/host/process/service_host.h"
+
+namespace intaglio::host {
+
+// A job that is armed before the controller answers has to be armed again, because key
+// and door were not watched. So the first jobs wait a moment for it.
+inline constexpr std::chrono::seconds kControllerTime{2};
+// Time for the shutters to close when the service is stopped.
+inline constexpr std::chrono::seconds kStopTime{3};
+
+/// Turns `cell` until the host stops or a newer host has taken the machine. Returns the
+/// exit code of the process. `name` is the kind of service, "synchronizer".
+///
+/// Cell has AttachTo(PollLoop&), Turn(now), watches() (its controller answers), Stop(),
+/// stopped(), taken_over(), line_fd() of its controller and journal_fd().
+template <typename Cell>
+int RunCell(ServiceHost& host, const std::string& name, Cell& cell) {
+  using namespace std::chrono_literals;
+  const auto now = [] { return std::chrono::steady_clock::now().time_since_epoch(); };
+  PollLoop loop(host.bus());
+  cell.AttachTo(loop);
+  const auto ready_at = now() + kControllerTime;
+  bool ready = false;
+  const auto turn = [&] {
+    cell.Turn(now());
+    if (!ready && (cell.watches() || now() >= ready_at)) {
+      ready = true;
+      host.SetHealth(intaglio_HEALTH_READY);
+    }
+    host.KeepAlive();
+    loop.Wait(std::array{cell.line_fd(), cell.journal_fd()}, 5ms);
+  };
+  while (!host.stopping() && !cell.taken_over()) turn();
+  if (cell.taken_over()) return EndTakenOver(host, name);
+  cell.Stop();
+  const auto end = now() + kStopTime;
+  while (!cell.stopped() && !cell.taken_over() && now() < end) turn();
+  // What the last turn queued, the lamp off among it, is sent by the next.
+  for (int i = 0; i < 2; ++i) turn();
+  return 0;
+}
+
+}  // namespace intaglio::host
