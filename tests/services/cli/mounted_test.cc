@@ -24,7 +24,7 @@ TEST(Mounted, OfAVirtualMachineEverythingIsKnown) {
   EXPECT_EQ(mounted->description.lens->focal_length_mm, 43);
   EXPECT_THAT(TextOf(*mounted),
               AllOf(HasSubstr("100 x 100 x 100 mm"), HasSubstr("N-BK7 of index 1.51947"),
-                    HasSubstr("lens f43: f 43 mm, NA 0.0581395")));
+                    HasSubstr("lens f43: f 43 mm, NA 0.0581")));
 }
 
 TEST(Mounted, OfARealMachineOnlyWhatWasGiven) {

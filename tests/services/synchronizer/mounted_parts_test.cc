@@ -26,8 +26,8 @@ TEST(MountedParts, TheJobsOwnBlockGlassAndLensFit) {
 TEST(MountedParts, AJobForAnotherLensIsNamedWithBothAndTheRemedy) {
   EXPECT_THAT(
       MountMisfit(GoodTask(), {.lens = kF70}),
-      AllOf(HasSubstr("for the lens f43 (f 43 mm, NA 0.0581395)"),
-            HasSubstr("the lens f70 (f 70 mm, NA 0.0357143) is mounted"),
+      AllOf(HasSubstr("for the lens f43 (f 43 mm, NA 0.0581)"),
+            HasSubstr("the lens f70 (f 70 mm, NA 0.0357) is mounted"),
             HasSubstr("no pulse is fired"), HasSubstr("`intaglio up --lens f43`")));
 }
 

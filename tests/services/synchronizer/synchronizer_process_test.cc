@@ -425,7 +425,7 @@ TEST_P(MountedOtherwise, IsNotFiredAndReportsWhatIsMountedAndWanted) {
 INSTANTIATE_TEST_SUITE_P(
     LensGlassAndBlock, MountedOtherwise,
     ::testing::Values(WrongMount{{"--lens", "f70"},
-                                 "the lens f70 (f 70 mm, NA 0.0357143) is mounted"},
+                                 "the lens f70 (f 70 mm, NA 0.0357) is mounted"},
                       WrongMount{{"--block-index", "1.46"}, "has the index 1.46"},
                       WrongMount{{"--block", "50,50,40"}, "50 x 50 x 40 mm"}));
 
