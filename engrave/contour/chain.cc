@@ -1,17 +1,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <unordered_map>
 
 #include "engrave/contour/fragments.h"
+#include "engrave/core/geometry.h"
 
 namespace intaglio::contour {
 namespace {
 
 constexpr std::uint32_t kNone = UINT32_MAX;
 constexpr double kSameCarrier_mm = 1e-6;
-constexpr double kTwoPi = 2 * std::numbers::pi;
 
 /// Numbers places; those nearer than kVertex_mm have one number. A square of the grid is
 /// far wider than that, so nearly every place is searched in one square only.

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "engrave/core/geometry.h"
 
 namespace intaglio::contour {
 namespace {
 
-constexpr double kTwoPi = 2 * std::numbers::pi;
 // Lines and circles that miss each other by less are taken to touch, mm.
 constexpr double kTouch_mm = 1e-9;
 

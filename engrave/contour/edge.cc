@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "engrave/core/check.h"
+#include "engrave/core/geometry.h"
 
 namespace intaglio::contour {
 namespace {
-
-constexpr double kTwoPi = 2 * std::numbers::pi;
 
 /// The angle in [0, 2 pi).
 double PositiveAngle(double angle_rad) {

@@ -8,9 +8,12 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 namespace intaglio {
+
+inline constexpr double kTwoPi = 2 * std::numbers::pi;
 
 using Vec2 = Eigen::Vector2d;
 using Vec3 = Eigen::Vector3d;

@@ -18,7 +18,7 @@ namespace {
 /// A rounding error beyond the limit is none.
 constexpr double kKept = 1.0001;
 /// What a round aims at.
-constexpr double kAim = 0.985;
+constexpr double kLoadAim = 0.985;
 constexpr double kMaxFall = 0.7, kMaxRise = 1.25;
 constexpr double kMinSpeedMmS = 0.05;
 /// The last rounds only lower speeds, and solve the axes' equations.
@@ -59,7 +59,7 @@ void ChangeSpeeds(const Path& path, const SpeedLaw& law,
   for (std::size_t node = first_free; node + 1 < path.node_count(); ++node) {
     double load = std::max(load_ratio[node], 1e-9);
     if (node == first_free && before > 1) load = std::max(load, before);
-    double factor = std::clamp(kAim / load, kMaxFall, max_rise);
+    double factor = std::clamp(kLoadAim / load, kMaxFall, max_rise);
     if (load <= 1) factor = std::max(factor, 1.0);
     double& v = speeds.node_mm_s[node];
     // A limit that is not reached has no effect: fall from what is passed.

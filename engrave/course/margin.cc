@@ -9,7 +9,7 @@ namespace intaglio::course {
 namespace {
 
 /// A trial aims at this share of what the last one suggests.
-constexpr double kAim = 0.98;
+constexpr double kErrorAim = 0.98;
 /// Below it another corner speed does not help.
 constexpr double kMinPlannedRatio = 0.2;
 
@@ -68,7 +68,7 @@ Result<PlanWithMargin> PlanWithin(const Path& path, const AxisPair& axes,
     found.planned_ratio = trial.planned_ratio;
     if (found.margin.holds || !found.plan.holds) return found;
     trial.planned_ratio *=
-        kAim * std::min(1.0, options.tolerance_mm / found.margin.worst.worst_mm);
+        kErrorAim * std::min(1.0, options.tolerance_mm / found.margin.worst.worst_mm);
     if (trial.planned_ratio < kMinPlannedRatio) return found;
   }
   return found;

@@ -34,7 +34,7 @@ namespace {
 constexpr int kMaxStates = static_cast<int>(kMaxOrder);
 using Matrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxStates, kMaxStates>;
-using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxStates, 1>;
+using StateVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxStates, 1>;
 
 /// The cubic in a time whose unit is `unit_s`.
 Cubic InTimeOf(const Cubic& c, double unit_s) {
@@ -140,7 +140,7 @@ AxisState LinearDrive::Follow(const AxisState& state, const Cubic& command,
                               double duration_s) const {
   const States settled = SettledStates(command);
   const auto n = static_cast<Eigen::Index>(order_);
-  Vector rest(n);
+  StateVector rest(n);
   rest[0] = state.position_u - settled[0].position_u;
   for (std::size_t i = 1; i < order_; ++i)
     rest[static_cast<Eigen::Index>(i)] = state.inner[i - 1] - settled[i].position_u;

@@ -1,9 +1,9 @@
 #include "engrave/drive/planar_motor.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "engrave/core/check.h"
+#include "engrave/core/geometry.h"
 
 // With the signals s = sin p + a and c = g cos(p + f) + b the angle that is read is p + d
 // with, in the first order, d = a cos p - b sin p - (g - 1) sin p cos p + f sin^2 p: the
@@ -12,8 +12,6 @@
 
 namespace intaglio::drive {
 namespace {
-
-constexpr double kTwoPi = 2 * std::numbers::pi;
 
 double Phase(double x_mm, double tooth_period_mm, double third_harmonic_ratio) {
   Require(tooth_period_mm > 0, "tooth_period_mm {} must be positive", tooth_period_mm);

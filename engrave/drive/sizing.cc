@@ -5,12 +5,12 @@
 #include <numbers>
 
 #include "engrave/core/check.h"
+#include "engrave/core/geometry.h"
 
 namespace intaglio::drive {
 namespace {
 
 constexpr double kGravityMS2 = 9.81;  // as in the source
-constexpr double kTwoPi = 2 * std::numbers::pi;
 
 void Check(const ScrewAxis& axis, const Motor& motor) {
   Require(axis.mass_kg >= 0 && axis.lead_m > 0 && axis.friction_ratio >= 0 &&

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 
 #include "engrave/core/check.h"
+#include "engrave/core/geometry.h"
 #include "engrave/drive/sampled_axis.h"
 
 // The loop is tau s^2 + s + K, so zeta = 1 / (2 sqrt(K tau)). The derivative of a
@@ -16,7 +16,6 @@
 namespace intaglio::drive {
 namespace {
 
-constexpr double kTwoPi = 2 * std::numbers::pi;
 // Ten samples in what the loop can bear: its phase turns by a few degrees.
 constexpr double kPeriodMargin = 10;
 

@@ -12,7 +12,7 @@ namespace {
 constexpr double kRadiusInLengths = 2;
 constexpr double kApartInRadii = 4;
 constexpr double kApartInDiagonals = 0.1;
-constexpr std::size_t kPlacesPerTask = 4096;
+constexpr std::size_t kBallsPerTask = 4096;
 // A ball with so many points is beyond any limit; counting further would take quadratic
 // time.
 constexpr std::uint32_t kMaxPlacesCounted = 4096;
@@ -28,9 +28,9 @@ std::vector<std::uint32_t> CountInBalls(const DistinctPlaces& places,
                                         const Executor& executor) {
   const std::size_t count = places.places_mm.size();
   std::vector<std::uint32_t> in_ball(count, 0);
-  RunEach(executor, (count + kPlacesPerTask - 1) / kPlacesPerTask, [&](std::size_t task) {
-    const std::size_t end = std::min(count, (task + 1) * kPlacesPerTask);
-    for (std::size_t at = task * kPlacesPerTask; at < end; ++at) {
+  RunEach(executor, (count + kBallsPerTask - 1) / kBallsPerTask, [&](std::size_t task) {
+    const std::size_t end = std::min(count, (task + 1) * kBallsPerTask);
+    for (std::size_t at = task * kBallsPerTask; at < end; ++at) {
       std::uint32_t points = 0, met = 0;
       tree.ForEachWithin(places.places_mm[at], radius_mm * radius_mm,
                          [&](std::uint32_t place, double) {

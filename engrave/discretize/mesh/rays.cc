@@ -28,7 +28,7 @@ void CountRay(std::size_t crossings, MethodStatistics& statistics) {
   statistics.odd_ray_count += crossings % 2;
 }
 
-Status Cancelled() { return Fail(ErrorCode::kCancelled, "casting rays was cancelled"); }
+Status CastingCancelled() { return Fail(ErrorCode::kCancelled, "casting rays was cancelled"); }
 
 /// Appends points to a list without checking its capacity for each one.
 class PointsBehind {
@@ -150,7 +150,7 @@ class Crossings final : public RaySource {
   Result<MethodStatistics> AddPoints(const HeightRange& range, std::uint32_t source,
                                      const ProgressSink& progress,
                                      SpacedCloud& cloud) const override {
-    if (progress && !progress(0, 1)) return tl::unexpected(Cancelled().error());
+    if (progress && !progress(0, 1)) return tl::unexpected(CastingCancelled().error());
     const bool all = HoldsAll(range);
     MethodStatistics statistics;
     if (HoldsLowest(range) && !all) {
@@ -222,7 +222,7 @@ class Insides final : public RaySource {
     if (HoldsLowest(range)) statistics = statistics_;
     for (std::size_t i = 0; i < ways_.size(); ++i) {
       if (progress && i % 4096 == 0 && !progress(i, ways_.size())) {
-        return tl::unexpected(Cancelled().error());
+        return tl::unexpected(CastingCancelled().error());
       }
       const auto [first, last] = StepsIn(ways_[i], range);
       INTAGLIO_TRY(CheckCandidateCount(static_cast<double>(cloud.size()) + last - first));

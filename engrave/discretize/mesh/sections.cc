@@ -112,7 +112,7 @@ void CountContour(const Contour& contour, MethodStatistics& statistics) {
   ++(contour.closed ? statistics.closed_contour_count : statistics.open_contour_count);
 }
 
-Status Cancelled() {
+Status CuttingCancelled() {
   return Fail(ErrorCode::kCancelled, "cutting sections was cancelled");
 }
 
@@ -184,7 +184,7 @@ Status Sections::AddLevel(const HeightRange& range, const ProgressSink& progress
   Contours contours;
   tracer_.Trace(planes, contours, [&](std::uint32_t plane) {
     if (progress && !progress(plane - planes.first, planes.end - planes.first)) {
-      status = Cancelled();
+      status = CuttingCancelled();
     }
     for (const Contour& contour : contours.list) {
       const ContourSteps steps = StepsOf(contours, contour);
@@ -213,7 +213,7 @@ Status Sections::AddAslant(const HeightRange& range, const ProgressSink& progres
         stretch.low_mm - kRoundingMm >= range.high_mm) {
       continue;
     }
-    if (progress && i % 256 == 0 && !progress(i, stretches_.size())) return Cancelled();
+    if (progress && i % 256 == 0 && !progress(i, stretches_.size())) return CuttingCancelled();
     const Contour& contour = contours_.list[stretch.contour];
     const MeasuredContour part = PartOf(contours_, contour);
     if (stretch.begin == 0 && range.Contains(part.points_mm.front().z())) {
