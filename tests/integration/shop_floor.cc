@@ -2,12 +2,15 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <regex>
+#include <stdexcept>
 
 #include "engrave/formats/point_file.h"
 #include "tests/test_folder.h"
@@ -65,9 +68,27 @@ fs::file_time_type BuiltAt() {
   return newest;
 }
 
-/// Made once for all tests of a build: what one needs, the others have.
+/// Until it is destroyed no other process has the same.
+class LockedFile {
+ public:
+  explicit LockedFile(const fs::path& file)
+      : file_(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
+    if (file_ < 0 || flock(file_, LOCK_EX) != 0)
+      throw std::runtime_error("cannot lock " + file.string());
+  }
+  ~LockedFile() { close(file_); }
+  LockedFile(const LockedFile&) = delete;
+  LockedFile& operator=(const LockedFile&) = delete;
+
+ private:
+  int file_;
+};
+
+/// Made once for all tests of a build: what one needs, the others have, and wait for.
 PointList MakeUndisturbed() {
   const fs::path folder = fs::path(INTAGLIO_TEST_DIR) / "undisturbed";
+  fs::create_directories(folder.parent_path());
+  const LockedFile lock(folder.string() + ".lock");
   const fs::path glass_file = folder / "out" / "glass.ply";
   if (!fs::exists(glass_file) || fs::last_write_time(glass_file) < BuiltAt()) {
     test::FreshFolder("undisturbed");
