@@ -67,26 +67,23 @@ class Network : public ::testing::Test {
     cell_ = std::make_unique<TestHost>("10.77.0.2");
     cable_ = std::make_unique<Cable>(*office_, *cell_, kSeed);
     std::cout << "  seed of the cable " << kSeed << "\n";
+    const fs::path folder = test::FreshFolder();
     ShopFloor::Options options;
     options.bus = {"--domain",    kDomain, "--tag",      "network",
-                   "--interface", "eth0",  "--security", Keys().string()};
+                   "--interface", "eth0",  "--security", Keys(folder).string()};
     options.office = office_.get();
     options.cell = cell_.get();
-    floor_ = std::make_unique<ShopFloor>(test::FreshFolder(), options);
+    floor_ = std::make_unique<ShopFloor>(folder, options);
   }
 
-  /// Identities of all roles; made once, which takes a second.
-  static fs::path Keys() {
-    static const fs::path keys = [] {
-      const fs::path folder = test::FreshFolder("network_keys");
-      testing::Running make(testing::Program("intaglio"),
-                            {"security", "new", (folder / "keys").string(), "--domain",
-                             kDomain, "--cell", "els-03"},
-                            folder / "made.txt");
-      EXPECT_EQ(make.WaitForEnd(60s).exit_code, 0) << make.Output();
-      return folder / "keys";
-    }();
-    return keys;
+  /// Identities of all roles, in this folder.
+  static fs::path Keys(const fs::path& folder) {
+    testing::Running make(testing::Program("intaglio"),
+                          {"security", "new", (folder / "keys").string(), "--domain",
+                           kDomain, "--cell", "els-03"},
+                          folder / "made.txt");
+    EXPECT_EQ(make.WaitForEnd(60s).exit_code, 0) << make.Output();
+    return folder / "keys";
   }
 
   bool Begin(std::int64_t cracks) {
