@@ -51,7 +51,8 @@ closing_line() { # LOG FAILED_COUNT FOLDER_OF_SANITIZER_REPORTS
   echo "$passed passed, $failed failed, $skipped skipped"
 }
 
-# Runs ctest and, when something failed while the host took a tenth of the processors' time
+# Runs ctest, one test more at a time than there are processors, for the longest mostly wait
+# for a machine in real time, and, when something failed while the host took a tenth of the processors' time
 # or more, what failed once more, alone: a test in real time needs a processor. Prints the
 # tests that were run twice with both results and, as the last line, the closing line; both
 # are kept in BUILD/tests.summary. Fails when a test failed (twice, if it was run twice) or
@@ -62,7 +63,7 @@ run_tests() { # BUILD [ARGUMENTS OF CTEST]
   shift
   rm -f "$build/tests.summary" "$again" "$reports"/*
   read -r worked stolen < <(worked_and_stolen)
-  run_ctest "$build" -j "$(nproc)" "$@" 2>&1 | tee "$log" || status=$?
+  run_ctest "$build" -j $(($(nproc) + 1)) "$@" 2>&1 | tee "$log" || status=$?
   taken=$(stolen_percent "$worked" "$stolen")
   failed=$(tests_that failed "$log" | wc -l)
   if [[ $failed -gt 0 && $taken -ge 10 ]]; then
