@@ -28,7 +28,9 @@ void CountRay(std::size_t crossings, MethodStatistics& statistics) {
   statistics.odd_ray_count += crossings % 2;
 }
 
-Status CastingCancelled() { return Fail(ErrorCode::kCancelled, "casting rays was cancelled"); }
+Status CastingCancelled() {
+  return Fail(ErrorCode::kCancelled, "casting rays was cancelled");
+}
 
 /// Appends points to a list without checking its capacity for each one.
 class PointsBehind {

@@ -208,12 +208,13 @@ Status Sections::AddAslant(const HeightRange& range, const ProgressSink& progres
   for (std::size_t i = 0; i < stretches_.size(); ++i) {
     const Stretch& stretch = stretches_[i];
     // Except for rounding, no point of a segment is above or below both of its ends.
-    constexpr double kRoundingMm = 1e-9;
-    if (stretch.high_mm + kRoundingMm < range.low_mm ||
-        stretch.low_mm - kRoundingMm >= range.high_mm) {
+    constexpr double kHeightRoundingMm = 1e-9;
+    if (stretch.high_mm + kHeightRoundingMm < range.low_mm ||
+        stretch.low_mm - kHeightRoundingMm >= range.high_mm) {
       continue;
     }
-    if (progress && i % 256 == 0 && !progress(i, stretches_.size())) return CuttingCancelled();
+    if (progress && i % 256 == 0 && !progress(i, stretches_.size()))
+      return CuttingCancelled();
     const Contour& contour = contours_.list[stretch.contour];
     const MeasuredContour part = PartOf(contours_, contour);
     if (stretch.begin == 0 && range.Contains(part.points_mm.front().z())) {
