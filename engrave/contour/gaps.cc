@@ -22,7 +22,7 @@ Vec2 NearestOn(const Edge& edge, const Vec2& point) {
 /// through the centre of an arc.
 class GapFinder {
  public:
-  GapFinder(const Edge& first, const Edge& second) : first_(first), second_(second) {
+  GapFinder(const Edge& first, const Edge& second) {
     for (const Vec2& end : {first.begin_mm, first.end_mm})
       Try(end, NearestOn(second, end));
     for (const Vec2& end : {second.begin_mm, second.end_mm})
@@ -63,8 +63,6 @@ class GapFinder {
     return way >= 0 && way <= arc.length_mm;
   }
 
-  const Edge& first_;
-  const Edge& second_;
   EdgeGap gap_{std::numeric_limits<double>::infinity(), Vec2::Zero(), Vec2::Zero()};
 };
 

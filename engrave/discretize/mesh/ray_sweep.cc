@@ -227,7 +227,8 @@ void RaySweep::SetSpans() {
 [[gnu::noinline]] void RaySweep::SetSlender(const Met& met, double pv,
                                             RaySpan& span) const {
   if (span.begin == span.end) return;
-  const auto& [a, b, c] = CornersOf(met.triangle);
+  const Corners corners = CornersOf(met.triangle);
+  const RayCorner &a = corners.low, &b = corners.middle, &c = corners.high;
   const auto height = [&](std::uint32_t column) {
     const double pu = grid_.U(column);
     const auto weight = [&](const RayCorner& from, const RayCorner& to) {
