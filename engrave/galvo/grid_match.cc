@@ -71,16 +71,19 @@ class Grower {
   Grower(std::span<const Vec2> marks_mm, double pitch_mm)
       : marks_mm_(marks_mm), pitch_mm_(pitch_mm), cells_(marks_mm, pitch_mm) {}
 
-  /// Nodes and their marks, from this one outwards.
+  /// Nodes and their marks, from this one outwards. Each mark is one node at most.
   std::map<Node, std::size_t> From(std::size_t first) {
     nodes_ = {{{0, 0}, first}};
+    std::vector<bool> is_node(marks_mm_.size(), false);
+    is_node[first] = true;
     std::deque<Node> open = {{0, 0}};
     for (; !open.empty(); open.pop_front()) {
       for (const auto& [dx, dy] : {Node{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
         const Node node{open.front().first + dx, open.front().second + dy};
         if (nodes_.contains(node)) continue;
         const auto mark = MarkAt(open.front(), {dx, dy});
-        if (!mark) continue;
+        if (!mark || is_node[*mark]) continue;
+        is_node[*mark] = true;
         nodes_[node] = *mark;
         open.push_back(node);
       }

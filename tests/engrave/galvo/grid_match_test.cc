@@ -132,5 +132,19 @@ TEST(GridMatch, RefusesAGridOfAnotherSize) {
   EXPECT_FALSE(MatchGrid({}, 9, 12).has_value());
 }
 
+// A picture of noise: from some of its marks the same ones are reached again and again.
+TEST(GridMatch, OfMarksInReachOfEachOtherEachIsOneNodeAtMost) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(-3, 3);
+  for (int i = 0; i < 200; ++i) {
+    std::vector<Vec2> marks_mm(60);
+    for (Vec2& mark : marks_mm) mark = Vec2(place(random), place(random));
+    const auto match = MatchGrid(marks_mm, 5, 1);
+    if (match) {
+      EXPECT_LE(match->marks.size(), marks_mm.size());
+    }
+  }
+}
+
 }  // namespace
 }  // namespace intaglio::galvo
