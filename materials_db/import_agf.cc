@@ -197,9 +197,11 @@ class CatalogReader {
       return a.wavelength_um != b.wavelength_um ? a.wavelength_um < b.wavelength_um
                                                 : a.thickness_mm > b.thickness_mm;
     });
-    const auto repeated =
-        std::ranges::unique(table, {}, &optics::Transmittance::wavelength_um);
-    table.erase(repeated.begin(), repeated.end());
+    // Not std::ranges::unique: clang 14, which builds the fuzz targets, cannot.
+    const auto repeated = std::unique(
+        table.begin(), table.end(),
+        [](const auto& a, const auto& b) { return a.wavelength_um == b.wavelength_um; });
+    table.erase(repeated, table.end());
   }
 
   void ReadCoefficients(std::string_view rest) {

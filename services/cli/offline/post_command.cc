@@ -8,7 +8,6 @@
 #include <iostream>
 #include <memory>
 #include <numbers>
-#include <ranges>
 #include <span>
 #include <string>
 #include <utility>
@@ -192,13 +191,11 @@ Status MakeCourseProgram(const PostOptions& options, const JobSpec& job) {
   program.out = options.out;
   const auto written =
       INTAGLIO_TRY(WriteContourPrograms(work, whole, job.course(), program));
+  const std::vector<std::string> names(written.begin(), written.end());
   fmt::print("{} contours and {} holes: {} {}\n",
              client::GroupedDigits(work.paths.size()),
              client::GroupedDigits(work.hole_count),
-             written.size() == 1 ? "program" : "programs",
-             fmt::join(written | std::views::transform(
-                                     [](const fs::path& file) { return file.string(); }),
-                       ", "));
+             names.size() == 1 ? "program" : "programs", fmt::join(names, ", "));
   return {};
 }
 

@@ -8,8 +8,6 @@
 
 namespace intaglio::drivers {
 
-using Outcome = link::TickOutcome;
-
 void IselDriver::TakeAnswers() {
   std::vector<IselLine::Event> events;
   line_.Poll(events);
@@ -103,7 +101,7 @@ void IselDriver::TakeCheck(const IselSteps& place) {
     is_checked_ = true;
     return;
   }
-  ticks_.Settle(pulse_tick_, Outcome::kNotInPosition);
+  ticks_.Settle(pulse_tick_, link::TickOutcome::kNotInPosition);
   pulse_tick_ = 0;
   SetFault(intaglio_MOTION_FOLLOWING_ERROR,
            "the controller is not at the place of its last move: check its zero, then "
@@ -114,9 +112,9 @@ void IselDriver::TakePulse(char on, char off) {
   const std::uint64_t tick = std::exchange(pulse_tick_, 0);
   is_fired_ = is_checked_ = false;
   if (tick != 0) {
-    ticks_.Settle(tick, on == '0'   ? Outcome::kFiredUnseen
-                        : on == 'H' ? Outcome::kInterlocked
-                                    : Outcome::kNotInPosition);
+    ticks_.Settle(tick, on == '0'   ? link::TickOutcome::kFiredUnseen
+                        : on == 'H' ? link::TickOutcome::kInterlocked
+                                    : link::TickOutcome::kNotInPosition);
   }
   if (on != '0') return Refuse(on, "a pulse");
   if (off != '0') Refuse(off, "to switch its output off");
