@@ -113,13 +113,17 @@ int SubmitJob(const JobSpec& spec, const JobsOptions& options) {
     if (effect != client::kExitGood && !options.watch) return effect;
   }
   if (options.watch) return Watch(client, submitted->uid, options);
-  if (!options.arm)
-    options.human() << "intaglio arm " << submitted->number << " arms it\n";
   client.Poll(500ms);
   const client::JobView& job = client.jobs().at(submitted->uid);
+  if (job.ended() && job.state != intaglio_JOB_DONE) {
+    return ComplainOf(
+        {ErrorCode::kFault,
+         fmt::format("job {} {}: {}", job.number, client::NameOf(job.state), job.message),
+         job.uid});
+  }
+  if (!options.arm) options.human() << "intaglio arm " << job.number << " arms it\n";
   const bool asks = options.arm && job.open_consent() != nullptr;
-  return asks || (job.ended() && job.state != intaglio_JOB_DONE) ? client::kExitMachine
-                                                                 : client::kExitGood;
+  return asks ? client::kExitMachine : client::kExitGood;
 }
 
 }  // namespace

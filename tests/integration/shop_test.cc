@@ -66,13 +66,18 @@ class Shop : public ::testing::Test {
                 folder_ / ("typed" + std::to_string(++typed_) + ".txt"));
     return run.WaitForEnd(60s);
   }
-  std::string Submit(std::vector<std::string> more) {
+  /// Exit code 4: the job may fail while it is submitted, and the reason is printed.
+  std::string Submit(std::vector<std::string> more, bool is_refused = false) {
     std::vector<std::string> words = {
         "submit", std::string(INTAGLIO_SOURCE_DIR) + "/deploy/jobs/sample.textproto",
         "--height", "6"};
     words.insert(words.end(), more.begin(), more.end());
     const Ended ended = Type(words);
-    EXPECT_EQ(ended.exit_code, 0) << ended.output;
+    if (is_refused && ended.exit_code == 4) {
+      EXPECT_THAT(ended.output, HasSubstr("failed: "));
+    } else {
+      EXPECT_EQ(ended.exit_code, 0) << ended.output;
+    }
     std::smatch number;
     EXPECT_TRUE(std::regex_search(ended.output, number, std::regex("job ([0-9]+)")))
         << ended.output;
@@ -200,7 +205,7 @@ TEST_F(Shop, AJobWithAProfileThatIsNotTheCellsIsRefused) {
   own << std::ifstream(INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto").rdbuf();
   std::ofstream(profile) << std::regex_replace(
       own.str(), std::regex("travel_max_mm: 172"), "travel_max_mm: 400");
-  const std::string job = Submit({"--machine", profile});
+  const std::string job = Submit({"--machine", profile}, true);
   ASSERT_TRUE(Reaches(job, "failed")) << last_;
   EXPECT_THAT(last_, HasSubstr("x.travel_max_mm is 400 in the job's profile and 172"));
   EXPECT_THAT(last_, HasSubstr("z.travel_max_mm"));
