@@ -244,6 +244,11 @@ std::string Marking::TextFor(Missing missing) const {
                                     : state.message);
     case Missing::kSafeState:
       return "the controller is in its safe state: resume to reset it";
+    case Missing::kShutter:
+      return "the beam was switched off, because this computer was too busy to permit it "
+             "in time, or the shutter closed: reduce the load, check the shutter's "
+             "drive, "
+             "then resume";
     default:
       return TextOf(missing);
   }

@@ -114,6 +114,17 @@ bool CourseShop::AwaitDone(std::chrono::seconds bound) {
       bound);
 }
 
+std::size_t CourseShop::Lapses() const {
+  const std::string log = TextIn(folder_ / "shop" / "marker.log");
+  std::size_t count = 0;
+  for (const char* sign :
+       {"too busy to permit it", "the line to the controller is down"}) {
+    for (auto at = log.find(sign); at != std::string::npos; at = log.find(sign, at + 1))
+      ++count;
+  }
+  return count;
+}
+
 int CourseShop::Kill(const std::string& service) const {
   int killed = 0;
   for (const pid_t process : ProcessesWith({"/" + service, tag_}))

@@ -48,6 +48,9 @@ class CourseShop {
   bool AwaitState(const std::string& state, std::chrono::seconds bound);
   const std::string& shown() const { return shown_; }
   std::string Log() const { return up_ ? up_->Output() : ""; }
+  /// How often this computer was too busy for the line or for permitting the beam: each
+  /// time the contour in hand was ended.
+  std::size_t Lapses() const;
 
   /// SIGKILL; how many there were.
   int Kill(const std::string& service) const;

@@ -378,6 +378,22 @@ TEST_F(MarkingTest, AShutterThatDoesNotOpenIsAFault) {
   EXPECT_TRUE(head_.handed.empty());
 }
 
+// As a controller does that was not permitted the beam in time.
+TEST_F(MarkingTest, AShutterThatClosesInMidMarkNamesTheLoadAndEndsTheMarkInHand) {
+  ASSERT_TRUE(TillMade(2));
+  head_.opens_shutter = false;
+  ASSERT_TRUE(TurnUntil([&] { return marking_->faulted(); }));
+  EXPECT_THAT(marking_->message(), HasSubstr("this computer was too busy"));
+  EXPECT_FALSE(head_.at_work());
+  const auto made = head_.made.size();
+  head_.opens_shutter = true;
+  EXPECT_FALSE(TurnUntil([&] { return head_.made.size() > made; }, 200));
+  ++inputs_.grant.number;
+  ASSERT_TRUE(ToItsEnd()) << marking_->message();
+  EXPECT_LE(marking_->ledger().count(PointState::kUncertain), 1U);
+  for (const auto& [mark, times] : head_.begun) EXPECT_EQ(times, 1) << mark;
+}
+
 TEST_F(MarkingTest, ACancelledJobEndsAtOnce) {
   ASSERT_TRUE(TillMade(3));
   marking_->Stop("the job was cancelled");
