@@ -51,12 +51,15 @@ closing_line() { # LOG FAILED_COUNT FOLDER_OF_SANITIZER_REPORTS
   echo "$passed passed, $failed failed, $skipped skipped"
 }
 
+# A test in real time needs a processor. More failures than this have another reason than
+# the tests beside it, unless the host took a tenth of the processors' time.
+few_failures=5
+
 # Runs ctest, one test more at a time than there are processors, for the longest mostly wait
-# for a machine in real time, and, when something failed while the host took a tenth of the processors' time
-# or more, what failed once more, alone: a test in real time needs a processor. Prints the
-# tests that were run twice with both results and, as the last line, the closing line; both
-# are kept in BUILD/tests.summary. Fails when a test failed (twice, if it was run twice) or
-# a sanitizer reported.
+# for a machine in real time, and what failed for want of a processor, perhaps, once more,
+# alone. Prints the tests that were run twice with both results and, as the last line, the
+# closing line; both are kept in BUILD/tests.summary. Fails when a test failed (twice, if it
+# was run twice) or a sanitizer reported.
 run_tests() { # BUILD [ARGUMENTS OF CTEST]
   local build=$1 log=$1/tests.log again=$1/tests_again.log reports=$1/reports
   local status=0 worked stolen taken failed
@@ -66,8 +69,8 @@ run_tests() { # BUILD [ARGUMENTS OF CTEST]
   run_ctest "$build" -j $(($(nproc) + 1)) "$@" 2>&1 | tee "$log" || status=$?
   taken=$(stolen_percent "$worked" "$stolen")
   failed=$(tests_that failed "$log" | wc -l)
-  if [[ $failed -gt 0 && $taken -ge 10 ]]; then
-    echo "the host took $taken % of the processors' time; what failed is run again, alone"
+  if [[ $failed -gt 0 && ($failed -le $few_failures || $taken -ge 10) ]]; then
+    echo "$failed failed, and the host took $taken % of the processors' time: again, alone"
     status=0
     run_ctest "$build" --rerun-failed "$@" 2>&1 | tee "$again" || status=$?
     report_second_runs "$log" "$again" > "$build/tests.summary"

@@ -54,14 +54,25 @@ expect_end() { # LINES
 expect_one_run() { expect "what was run again" "$(cat "$build/run_again")" ""; }
 expect_status() { expect "the status" "$status" "$1"; }
 
-FailureWithoutStolenTimeIsNotRunAgain() {
-  first=(A.B=passed C.D=Failed)
-  second=(C.D=passed)
+ManyFailuresWithoutStolenTimeAreNotRunAgain() {
+  first=(A.B=passed C.1=Failed C.2=Failed C.3=Failed C.4=Timeout C.5=Failed C.6=Failed)
+  second=(C.1=passed C.2=passed C.3=passed C.4=passed C.5=passed C.6=passed)
   host_took=99  # of 1099: 9 %
   run
   expect_one_run
-  expect "what is kept" "$(cat "$build/tests.summary")" "1 passed, 1 failed, 0 skipped"
-  expect_end "1 passed, 1 failed, 0 skipped"
+  expect "what is kept" "$(cat "$build/tests.summary")" "1 passed, 6 failed, 0 skipped"
+  expect_end "1 passed, 6 failed, 0 skipped"
+  expect_status 8
+}
+AFewFailuresAreRunAgain() {
+  first=(A.B=passed C.1=Failed C.2=Failed)
+  second=(C.1=passed C.2=Failed)
+  host_took=0
+  run
+  expect_end "flaky: C.1 failed, then passed alone
+failed twice: C.2 failed, then failed alone
+2 tests were run again: 1 flaky, 1 failed twice
+2 passed, 1 failed, 0 skipped"
   expect_status 8
 }
 FlakyTestIsListedBesideTheClosingLine() {
@@ -97,6 +108,7 @@ AllPassedIsTheClosingLineAlone() {
 }
 CrashesAndTimeoutsAreFailures() {
   first=("A.B=Exception: SegFault" C.D=Timeout "E.F=Not Run" G.H=passed)
+  second=("A.B=Exception: SegFault" C.D=Timeout "E.F=Not Run")
   run
   expect_end "1 passed, 3 failed, 0 skipped"
   expect_status 8
