@@ -143,17 +143,23 @@ TEST_F(TeachFocus, LampAndShutterAreOnWhileTheyAreHeldAndNoLonger) {
 }
 
 TEST_F(TeachFocus, AKilledClientAndAnOpenDoorSwitchLampAndShutterOff) {
-  const auto held = [&](const char* file) {
-    return std::make_unique<Running>(Program("intaglio"), With({"teach", "shutter", "1"}),
-                                     folder_ / file);
-  };
   const auto is_open = [&] { return StatusNow().shutters_open_size() == 1; };
-  auto client = held("killed.txt");
-  ASSERT_TRUE(Eventually(is_open, 20s)) << client->Output();
+  std::unique_ptr<Running> client;
+  // On a computer that is too busy the machine lets go; the operator holds it again.
+  const auto holds_open = [&](const char* file) {
+    for (int i = 0; i < 10; ++i) {
+      client = std::make_unique<Running>(Program("intaglio"),
+                                         With({"teach", "shutter", "1"}), folder_ / file);
+      bool open = false;
+      Eventually([&] { return (open = is_open()) || !client->running(); }, 20s);
+      if (open) return true;
+    }
+    return false;
+  };
+  ASSERT_TRUE(holds_open("killed.txt")) << client->Output();
   client->Signal(SIGKILL);
   EXPECT_TRUE(Eventually([&] { return !is_open(); }, 10s));
-  client = held("door.txt");
-  ASSERT_TRUE(Eventually(is_open, 20s)) << client->Output();
+  ASSERT_TRUE(holds_open("door.txt")) << client->Output();
   EXPECT_TRUE(StatusNow().door_locked());
   EXPECT_THAT(testing::AskPanel(shop(), "door open"), HasSubstr("the door is locked"));
   testing::AskPanel(shop(), "door force");
