@@ -247,8 +247,7 @@ std::string Marking::TextFor(Missing missing) const {
     case Missing::kShutter:
       return "the beam was switched off, because this computer was too busy to permit it "
              "in time, or the shutter closed: reduce the load, check the shutter's "
-             "drive, "
-             "then resume";
+             "drive, then resume";
     default:
       return TextOf(missing);
   }
