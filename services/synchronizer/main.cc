@@ -50,7 +50,7 @@ int Serve(host::ServiceHost& host, const Options& options) {
   if (only.AwaitTurn()) return only.EndAsSecond("synchronizer");
   synchronizer::Synchronizer cell(host, *machine, options.machine_file, *mounted,
                                   std::move(*laser));
-  return host::RunCell(host, "synchronizer", cell);
+  return host::RunCellService(host, "synchronizer", cell);
 }
 
 }  // namespace

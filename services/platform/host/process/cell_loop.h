@@ -25,7 +25,7 @@ inline constexpr std::chrono::seconds kStopTime{3};
 /// Cell has AttachTo(PollLoop&), Turn(now), watches() (its controller answers), Stop(),
 /// stopped(), taken_over(), line_fd() of its controller and journal_fd().
 template <typename Cell>
-int RunCell(ServiceHost& host, const std::string& name, Cell& cell) {
+int RunCellService(ServiceHost& host, const std::string& name, Cell& cell) {
   using namespace std::chrono_literals;
   const auto now = [] { return std::chrono::steady_clock::now().time_since_epoch(); };
   PollLoop loop(host.bus());
