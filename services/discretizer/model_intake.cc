@@ -47,6 +47,8 @@ Result<bool> ModelIntake::Poll() {
     if (chunk.part != part_.index || chunk.part_attempt != part_.attempt) return;
     status = Accept(chunk);
   });
+  // What has come was sent under the credit of earlier turns.
+  if (status) status = credit_.Consumed(stream_, expected_, complete_);
   if (!status) return tl::unexpected(status.error());
   return complete_;
 }
@@ -57,6 +59,7 @@ Status ModelIntake::Check(const intaglio_ModelChunk& chunk) const {
                 fmt::format("chunk {} of the models is missing: assign the task again",
                             expected_));
   }
+  INTAGLIO_TRY(credit_.CheckGranted(stream_, chunk.sequence_number));
   const bool begins = chunk.offset == 0 && chunk.model == files_.size() &&
                       (files_.empty() || files_.back().size() == file_size_);
   const bool continues = !files_.empty() && chunk.model + 1 == files_.size() &&
@@ -95,7 +98,7 @@ Status ModelIntake::Accept(const intaglio_ModelChunk& chunk) {
   files_.back().insert(files_.back().end(), bytes.begin(), bytes.end());
   ++expected_;
   complete_ = chunk.last;
-  return credit_.Consumed(stream_, expected_, complete_);
+  return {};
 }
 
 }  // namespace intaglio::discretizer

@@ -145,7 +145,7 @@ void Marker::TakeMarks() {
   const auto taken = intake_.Poll();
   if (!job_ || marking_ || preparation_) return;
   if (!taken) return FailTask(taken.error());
-  if (*taken) Prepare(intake_.TakeMarks());
+  if (*taken) Prepare(intake_.TakeContent());
 }
 
 void Marker::Prepare(std::optional<mark::MarkSet> marks) {

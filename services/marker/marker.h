@@ -19,7 +19,7 @@
 #include "services/marker/marking.h"
 #include "services/marker/marking_preparation.h"
 #include "services/platform/host/process/service_host.h"
-#include "services/platform/host/stage/mark_flow.h"
+#include "services/platform/host/stage/flow.h"
 #include "services/platform/host/threads/computation.h"
 
 namespace intaglio::marker {

@@ -137,6 +137,13 @@ void Bridge::Accept(const intaglio_MotionSegmentBatch& sample) {
     AbortRun();
     return;
   }
+  if (const auto granted = credit_.CheckGranted(stream_, sample.sequence_number);
+      !granted) {
+    host_.RaiseAlarm(intaglio_ALARM_FAULT, ErrorCodeName(granted.error().code),
+                     granted.error().message);
+    AbortRun();
+    return;
+  }
   ++expected_batch_;
   const auto times = View(sample.controller_ns);
   queue_.push_back({sample.sequence_number,

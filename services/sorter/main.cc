@@ -4,6 +4,7 @@
 #include "services/job/machine/mark_job_check.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/host/process/service_host.h"
+#include "services/platform/host/stage/flow.h"
 #include "services/platform/host/stage/stage_output.h"
 #include "services/sorter/sort_job.h"
 
@@ -37,11 +38,11 @@ class PointOrMarkInput final : public host::StageInput {
       const host::StageTask& task) override {
     estimate_ticks_ = std::make_shared<std::atomic<std::uint64_t>>(0);
     if (MakesMarks(task.job.job())) {
-      return [job = task.job, marks = marks_.TakeMarks()](const ProgressSink&) mutable {
+      return [job = task.job, marks = marks_.TakeContent()](const ProgressSink&) mutable {
         return sorter::SortMarks(job, std::move(marks));
       };
     }
-    return [job = task.job, cloud = points_.TakeCloud(),
+    return [job = task.job, cloud = points_.TakeContent(),
             estimate = estimate_ticks_](const ProgressSink& progress) mutable {
       return sorter::SortJob(job, std::move(cloud), *estimate, progress);
     };
@@ -56,7 +57,7 @@ class PointOrMarkInput final : public host::StageInput {
   }
 
  private:
-  host::CloudIntake<intaglio_PointBatch> points_;
+  host::PointIntake points_;
   host::MarkIntake marks_;
   std::shared_ptr<std::atomic<std::uint64_t>> estimate_ticks_;  // of the newest task
 };

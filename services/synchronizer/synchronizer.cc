@@ -45,7 +45,7 @@ Synchronizer::Synchronizer(host::ServiceHost& host, const MachineSpec& machine,
       by_hand_(host.bus(), bus::kManualState, cell_),
       credit_(host.bus(), bus::RolePartition(bus::CellRole(cell_))),
       segments_(host.bus(), bus::kMotionSegmentBatch, cell_),
-      intake_(host.bus(), host.instance()),
+      intake_(host.bus(), host.instance(), bus::kPathBatch),
       publisher_(host.bus(), cell_, host.instance()),
       laser_driver_(std::move(laser)),
       laser_(*laser_driver_),
@@ -79,7 +79,7 @@ void Synchronizer::Turn(std::chrono::nanoseconds now) {
     TakePath();
     if (!drive_.drives()) TakePrepared();
   } else {
-    intake_.Drop();
+    (void)intake_.Poll();  // what is left would wake the loop again and again
   }
   if (engraving_) Engrave(now);
   publisher_.PublishLaser(laser_, stop_, now);
@@ -175,8 +175,9 @@ void Synchronizer::FailTask(const Error& error) {
 }
 
 void Synchronizer::TakePath() {
-  if (auto taken = intake_.Poll(); !taken) return FailTask(taken.error());
-  if (intake_.complete()) Prepare(intake_.TakePath());
+  const auto whole = intake_.Poll();
+  if (!whole) return FailTask(whole.error());
+  if (*whole) Prepare(intake_.TakeContent());
 }
 
 void Synchronizer::Prepare(std::optional<PointCloud> path) {

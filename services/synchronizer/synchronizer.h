@@ -13,13 +13,13 @@
 #include "proto/task.pb.h"
 #include "services/platform/host/process/service_host.h"
 #include "services/platform/host/safety/stop_latch.h"
+#include "services/platform/host/stage/flow.h"
 #include "services/synchronizer/cell_drive.h"
 #include "services/synchronizer/engraving.h"
 #include "services/synchronizer/job_planner.h"
 #include "services/synchronizer/lamp_hold.h"
 #include "services/synchronizer/light_by_hand.h"
 #include "services/synchronizer/mounted_parts.h"
-#include "services/synchronizer/path_intake.h"
 #include "services/synchronizer/publisher.h"
 
 namespace intaglio::synchronizer {
@@ -105,7 +105,7 @@ class Synchronizer {
   bus::Reader<intaglio_ManualState> by_hand_;
   bus::CreditBook credit_;
   bus::Writer<intaglio_MotionSegmentBatch> segments_;
-  PathIntake intake_;
+  host::PathIntake intake_;
   JobPlanner planner_;
   Publisher publisher_;
   std::unique_ptr<drivers::LaserController> laser_driver_;

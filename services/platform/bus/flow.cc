@@ -61,6 +61,19 @@ Status CreditGrantor::Consumed(const std::string& stream, std::uint64_t consumed
   return written;
 }
 
+Status CreditGrantor::CheckGranted(const std::string& stream,
+                                   std::uint64_t number) const {
+  const auto found = streams_.find(stream);
+  const std::uint64_t end =
+      found == streams_.end() ? 0 : found->second.published + found->second.window;
+  if (number < end) return {};
+  return Fail(ErrorCode::kFault,
+              fmt::format("batch {} of {} exceeds the granted credit, batches below {}: "
+                          "the sender has another version or is faulty; restart it and "
+                          "submit the job again",
+                          number, stream, end));
+}
+
 Status CreditGrantor::Cancel(const std::string& stream) {
   const auto found = streams_.find(stream);
   if (found == streams_.end()) return {};

@@ -31,6 +31,10 @@ class CreditGrantor {
   /// Batches 0 .. consumed-1 are finished. Published at a quarter of the window, and at
   /// once when `now` is set.
   Status Consumed(const std::string& stream, std::uint64_t consumed, bool now = false);
+  /// kFault: batch `number` was not granted: the stream is not open, or its consumer has
+  /// published no credit for so many. Every consumer asks it of every batch that it
+  /// keeps.
+  Status CheckGranted(const std::string& stream, std::uint64_t number) const;
   /// Publishes the grants of every stream again, once a second at most; to be called
   /// while one is waited for. A producer that was away for longer than a lease (stopped,
   /// or cut off) takes all of its streams for ended, and nothing else would correct that.

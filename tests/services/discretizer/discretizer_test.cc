@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "services/platform/bus/error_code.h"
-#include "services/platform/host/stage/cloud_flow.h"
+#include "services/platform/host/stage/flow.h"
 #include "tests/services/discretizer/box_model.h"
 #include "tests/services/platform/host/stage/stage_shop.h"
 
@@ -41,11 +41,11 @@ class DiscretizerTest : public testing::Test {
     Eventually([&] { return taken = intake.Poll(), !taken || *taken; }, 20s);
     if (!taken) return tl::unexpected(taken.error());
     if (!*taken) return Fail(ErrorCode::kTimedOut, "the cloud does not come");
-    return intake.TakeCloud();
+    return intake.TakeContent();
   }
 
   StageShop shop{"intaglio-discretizer", intaglio_STAGE_DISCRETIZE, bus::kDiscretizeTask};
-  host::CloudIntake<intaglio_PointBatch> intake{shop.bus(), "sorter", bus::kPointBatch};
+  host::PointIntake intake{shop.bus(), "sorter", bus::kPointBatch};
 };
 
 TEST_F(DiscretizerTest, MakesThePointsOfACube) {
@@ -132,7 +132,7 @@ TEST_F(DiscretizerTest, PartsTogetherAreTheCloudOfOneBitForBit) {
   }
   taken = intake.Poll();
   ASSERT_TRUE(taken && *taken);
-  const PointCloud parts = intake.TakeCloud();
+  const PointCloud parts = intake.TakeContent();
   EXPECT_EQ(parts.points_mm, whole->points_mm);
   EXPECT_EQ(parts.source, whole->source);
   EXPECT_EQ(point_count, whole->size());

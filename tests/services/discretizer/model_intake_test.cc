@@ -109,6 +109,14 @@ TEST_F(ModelIntakeTest, RefusesTooMuchBeforeItTakesTheMemory) {
   ExpectRefused(ErrorCode::kTooLarge);
 }
 
+TEST_F(ModelIntakeTest, RefusesWhatExceedsTheCredit) {
+  Open(1);
+  // More than a window in one turn.
+  for (std::uint64_t i = 0; i < 65; ++i) Send(0, i, 1000, {1}, false);
+  ASSERT_TRUE(writer.WaitForAcknowledgements(std::chrono::seconds(5)));
+  ExpectRefused(ErrorCode::kFault);
+}
+
 TEST_F(ModelIntakeTest, DropsWhatIsSentToOthers) {
   Open(1);
   for (const host::TaskPart others : {host::TaskPart{2, 8, 1}, host::TaskPart{3, 8, 0}}) {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "services/platform/host/stage/cloud_flow.h"
+#include "services/platform/host/stage/flow.h"
 #include "tests/services/discretizer/box_model.h"
 #include "tests/services/platform/host/stage/stage_shop.h"
 
@@ -56,11 +56,11 @@ class PartsAheadTest : public testing::Test {
     Result<bool> taken = false;
     Eventually([&] { return taken = intake.Poll(), !taken || *taken; }, 20s);
     EXPECT_TRUE(taken && *taken) << (taken ? "not whole" : taken.error().message);
-    return taken && *taken ? intake.TakeCloud() : PointCloud();
+    return taken && *taken ? intake.TakeContent() : PointCloud();
   }
 
   StageShop shop{"intaglio-discretizer", intaglio_STAGE_DISCRETIZE, bus::kDiscretizeTask};
-  host::CloudIntake<intaglio_PointBatch> intake{shop.bus(), "sorter", bus::kPointBatch};
+  host::PointIntake intake{shop.bus(), "sorter", bus::kPointBatch};
 };
 
 TEST_F(PartsAheadTest, TheNextOneIsMadeWhileTheOneBeforeWaitsToBeSent) {

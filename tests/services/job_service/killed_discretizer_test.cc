@@ -10,7 +10,7 @@
 
 #include "services/platform/bus/role_names.h"
 #include "services/platform/bus/samples.h"
-#include "services/platform/host/stage/cloud_flow.h"
+#include "services/platform/host/stage/flow.h"
 #include "tests/services/job/test_job.h"
 #include "tests/services/job_service/fake_shop.h"
 #include "tests/services/platform/bus/child_program.h"
@@ -72,7 +72,7 @@ class KilledDiscretizerTest : public testing::Test {
         },
         std::chrono::seconds(60));
     EXPECT_TRUE(taken && *taken) << (taken ? "not whole" : taken.error().message);
-    return taken && *taken ? intake_.TakeCloud() : PointCloud();
+    return taken && *taken ? intake_.TakeContent() : PointCloud();
   }
   /// As Begin, until the job service had seen so many discretizers that the job is in
   /// this many parts.
@@ -131,7 +131,7 @@ class KilledDiscretizerTest : public testing::Test {
   FakeShop shop_{test::PrivateBusOptions()};
   bus::Reader<intaglio_ServiceHealth> health_{bus_, bus::kServiceHealth};
   bus::Reader<intaglio_TaskStatus> statuses_{bus_, bus::kTaskStatus};
-  host::CloudIntake<intaglio_PointBatch> intake_{bus_, "s", bus::kPointBatch};
+  host::PointIntake intake_{bus_, "s", bus::kPointBatch};
   std::optional<ServiceProcess> service_;
 };
 

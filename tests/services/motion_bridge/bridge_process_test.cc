@@ -227,6 +227,28 @@ TEST_F(BridgeProcess, AMissingBatchAbortsTheRunAndRaisesAnAlarm) {
   EXPECT_TRUE(StageComesToRest());
 }
 
+// The stage is far from the end of the first batch, so nothing more was granted.
+TEST_F(BridgeProcess, BatchesBeyondTheCreditAbortTheRunAndRaiseAnAlarm) {
+  ASSERT_TRUE(StartLongRun(1));
+  const std::uint64_t start = state_->tick + 100;
+  const std::vector<double> still(100, state_->x_mm);
+  for (std::uint64_t i = 0; i < 200; ++i)
+    Write(2, i, start,
+          {still, std::vector<double>(100, 0), std::vector<std::uint32_t>(100, kTick)},
+          false);
+  std::string code, message;
+  EXPECT_TRUE(Eventually([&] {
+    alarms_.Take([&](const intaglio_Alarm& alarm) {
+      code = View(alarm.code);
+      message = View(alarm.message);
+    });
+    return !code.empty();
+  }));
+  EXPECT_EQ(code, "fault");
+  EXPECT_NE(message.find("exceeds the granted credit"), std::string::npos) << message;
+  EXPECT_TRUE(StageComesToRest());
+}
+
 TEST_F(BridgeProcess, ALineThatIsGoneIsAFaultInItsState) {
   engraver_.program().Signal(SIGKILL);
   EXPECT_TRUE(

@@ -10,8 +10,8 @@
 
 #include "services/platform/bus/error_code.h"
 #include "services/platform/bus/role_names.h"
-#include "services/platform/host/stage/cloud_flow.h"
-#include "services/platform/host/stage/mark_flow.h"
+#include "services/platform/host/stage/flow.h"
+#include "services/platform/host/stage/flow.h"
 #include "tests/services/platform/host/stage/stage_shop.h"
 
 namespace intaglio {
@@ -106,7 +106,7 @@ class SorterTest : public testing::Test {
   }
 
   StageShop shop{"intaglio-sorter", intaglio_STAGE_SORT, bus::kSortTask};
-  host::CloudSender<intaglio_PointBatch> sender{shop.bus(), bus::kPointBatch, ""};
+  host::PointSender sender{shop.bus(), bus::kPointBatch, ""};
   bus::Reader<intaglio_PathBatch> path_reader{shop.bus(), bus::kPathBatch};
   bus::CreditGrantor credit{shop.bus(), "synchronizer",
                             bus::RolePartition(bus::CellRole("els-03"))};
@@ -346,7 +346,7 @@ TEST_F(SorterTest, AWebThatIsTooFastIsRefusedBeforeItIsArmed) {
     job.set_job_uid(uid);
     shop.Give(job, 1, "");
     EXPECT_TRUE(shop.AwaitHealth(intaglio_HEALTH_BUSY));
-    marks.Begin(uid, 1, 0, set, Clock::now());
+    marks.Begin(uid, 1, {}, set, Clock::now());
     EXPECT_TRUE(
         Eventually([&] { return marks.Advance(Clock::now()).value_or(true); }, 20s));
     return shop.AwaitEnd(uid, 1);

@@ -165,4 +165,26 @@ Status AppendMarks(const intaglio_MarkBatch& batch, mark::MarkSet& set) {
   return {};
 }
 
+Status MarkCodec::Receiver::Append(const Batch& batch) {
+  const std::uint64_t places = place_count_ + batch.x_mm._length;
+  if (places > kMaxPlaces) {
+    return MarkFault(fmt::format("mark batch {}: {} places have come, above {}",
+                                 batch.sequence_number, places, kMaxPlaces));
+  }
+  INTAGLIO_TRY(AppendMarks(batch, content));
+  place_count_ = places;
+  return {};
+}
+
+Status MarkCodec::CheckTotal(const Batch& batch, std::uint64_t others) {
+  const std::uint64_t total = others + batch.total_count;
+  if (batch.total_count <= kMaxMarks && total <= kMaxMarks) return {};
+  return MarkFault(fmt::format("mark batch {}: total_count is {}, above {}",
+                               batch.sequence_number, total, kMaxMarks));
+}
+
+mark::MarkSet MarkCodec::Join(std::vector<mark::MarkSet> parts) {
+  return parts.empty() ? mark::MarkSet() : std::move(parts.front());
+}
+
 }  // namespace intaglio::host

@@ -1,6 +1,6 @@
 #pragma once
 
-// Marks (engrave/mark) as batches on the bus and back: the one place that knows the
+// Marks (engrave/mark) as batches on the bus and back: the codec (flow.h) that knows the
 // arrays of idl/cloud.idl MarkBatch. Nothing of a batch is taken over unchecked.
 
 #include <cstddef>
@@ -10,6 +10,7 @@
 #include "engrave/core/result.h"
 #include "engrave/mark/mark.h"
 #include "idl/cloud.h"
+#include "services/platform/host/stage/task_part.h"
 
 namespace intaglio::host {
 
@@ -47,5 +48,39 @@ Status CheckMarkRoom(const mark::MarkSet& set);
 /// arrays that disagree, values that are not possible, or more than is allowed; `set` is
 /// unchanged then.
 Status AppendMarks(const intaglio_MarkBatch& batch, mark::MarkSet& set);
+
+/// Unlike a cloud of points, marks come in one part.
+struct MarkCodec {
+  using Batch = intaglio_MarkBatch;
+  using Content = mark::MarkSet;
+  using Columns = MarkColumns;
+  static constexpr std::uint32_t kWindowBatches = 32;  // 6 MB in flight
+  static constexpr const char* kItems = "marks";
+
+  class Receiver {
+   public:
+    std::size_t size() const { return content.marks.size(); }
+    /// kFault: as AppendMarks, and when more than kMaxPlaces have come.
+    Status Append(const Batch& batch);
+    mark::MarkSet content;
+
+   private:
+    std::uint64_t place_count_ = 0;
+  };
+
+  static TaskPart PartOf(const Batch& batch) { return {0, 1, batch.part_attempt}; }
+  static std::uint64_t FirstOf(const Batch& batch) { return batch.first_mark; }
+  static std::size_t CountOf(const Batch& batch) { return batch.pen._length; }
+  static std::size_t SizeOf(const mark::MarkSet& set) { return set.marks.size(); }
+  /// kFault: more than kMaxMarks, which no sender makes (CheckMarkRoom).
+  static Status CheckTotal(const Batch& batch, std::uint64_t others);
+  static mark::MarkSet Join(std::vector<mark::MarkSet> parts);
+  static std::size_t CountAt(const mark::MarkSet& set, std::size_t first) {
+    return BatchSizeAt(set, first);
+  }
+  static void SetPlace(Batch& batch, const TaskPart&, std::size_t first) {
+    batch.first_mark = first;
+  }
+};
 
 }  // namespace intaglio::host

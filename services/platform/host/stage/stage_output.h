@@ -4,8 +4,7 @@
 
 #include <utility>
 
-#include "services/platform/host/stage/cloud_flow.h"
-#include "services/platform/host/stage/mark_flow.h"
+#include "services/platform/host/stage/flow.h"
 #include "services/platform/host/stage/stage_worker.h"
 
 namespace intaglio::host {
@@ -20,7 +19,7 @@ class CloudOrMarkOutput final : public StageOutput {
 
   void Begin(const StageTask& task, StageResult result, TimePoint now) override {
     if (result.marks) {
-      marks_.Begin(task.job_uid, task.attempt, task.part.attempt,
+      marks_.Begin(task.job_uid, task.attempt, {.attempt = task.part.attempt},
                    std::move(*result.marks), now);
     } else {
       points_.Begin(task.job_uid, task.attempt, task.part, std::move(result.cloud), now);
@@ -44,7 +43,7 @@ class CloudOrMarkOutput final : public StageOutput {
   }
 
  private:
-  CloudSender<Batch> points_;
+  Sender<PointCodec<Batch>> points_;
   MarkSender marks_;
 };
 

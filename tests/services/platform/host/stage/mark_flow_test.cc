@@ -1,5 +1,3 @@
-#include "services/platform/host/stage/mark_flow.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,6 +6,7 @@
 
 #include "engrave/mark/mark_file.h"
 #include "services/platform/bus/samples.h"
+#include "services/platform/host/stage/flow.h"
 #include "tests/services/platform/bus/private_bus.h"
 
 namespace intaglio::host {
@@ -49,7 +48,7 @@ void ExpectSame(const mark::MarkSet& got, const mark::MarkSet& sent) {
 class MarkFlowTest : public testing::Test {
  protected:
   Result<mark::MarkSet> Transfer(const mark::MarkSet& set, const std::string& job_uid) {
-    sender.Begin(job_uid, 1, 0, set, Clock::now());
+    sender.Begin(job_uid, 1, {}, set, Clock::now());
     if (auto opened = intake.Open(job_uid, 1); !opened)
       return tl::unexpected(opened.error());
     Result<bool> taken = false, sent = false;
@@ -61,7 +60,7 @@ class MarkFlowTest : public testing::Test {
       if (!taken) return tl::unexpected(taken.error());
     }
     EXPECT_TRUE(sent.value() && taken.value());
-    return intake.TakeMarks();
+    return intake.TakeContent();
   }
   void OpenFor(const std::string& job_uid) {
     ASSERT_TRUE(intake.Open(job_uid, 1));
@@ -101,7 +100,7 @@ TEST_F(MarkFlowTest, AMarkOfManyPlacesTravelsWhole) {
 
 TEST_F(MarkFlowTest, NoMoreIsSentThanAWindowOfBatches) {
   ASSERT_TRUE(intake.Open("j", 1));
-  sender.Begin("j", 1, 0, MarksOf((kWindow + 8) * kBatchMarks), Clock::now());
+  sender.Begin("j", 1, {}, MarksOf((kWindow + 8) * kBatchMarks), Clock::now());
   bus::Reader<intaglio_MarkBatch> listener(bus, bus::kMarkBatch);
   std::uint64_t sent_count = 0;
   const auto listen = [&] {
@@ -116,7 +115,7 @@ TEST_F(MarkFlowTest, NoMoreIsSentThanAWindowOfBatches) {
 }
 
 TEST_F(MarkFlowTest, AConsumerThatGoesEndsTheSending) {
-  sender.Begin("j", 1, 0, MarksOf(500'000), Clock::now());
+  sender.Begin("j", 1, {}, MarksOf(500'000), Clock::now());
   ASSERT_TRUE(intake.Open("j", 1));
   Result<bool> sent = false;
   ASSERT_TRUE(Eventually(
@@ -128,7 +127,7 @@ TEST_F(MarkFlowTest, AConsumerThatGoesEndsTheSending) {
 
 TEST_F(MarkFlowTest, AConsumerThatNeverComesIsGivenUp) {
   const auto start = Clock::now();
-  sender.Begin("nobody", 1, 0, MarksOf(10), start);
+  sender.Begin("nobody", 1, {}, MarksOf(10), start);
   EXPECT_FALSE(sender.Advance(start + 59s).value());
   const auto late = sender.Advance(start + 61s);
   ASSERT_FALSE(late);
@@ -306,7 +305,7 @@ TEST_F(MarkFlowTest, ALaterSenderBeginsAnewAndAnEarlierOneIsDropped) {
   const mark::MarkSet set = MarksOf((kWindow + 8) * kBatchMarks);
   MarkSender second(bus, bus::kMarkBatch, "");
   ASSERT_TRUE(intake.Open("j", 1));
-  sender.Begin("j", 1, 0, set, Clock::now());
+  sender.Begin("j", 1, {}, set, Clock::now());
   bus::CreditBook book(bus);
   const std::string stream = bus::PartStreamName("j", 1, bus::kMarkBatch.name, 0, 0);
   ASSERT_TRUE(Eventually([&] {
@@ -316,7 +315,7 @@ TEST_F(MarkFlowTest, ALaterSenderBeginsAnewAndAnEarlierOneIsDropped) {
     return book.Find(stream).consumed > 0;
   }));
   // It begins with as many batches as have come of the first one.
-  second.Begin("j", 1, 1, set, Clock::now());
+  second.Begin("j", 1, {.attempt = 1}, set, Clock::now());
   Result<bool> sent = false, taken = false;
   ASSERT_TRUE(Eventually(
       [&] {
@@ -326,7 +325,7 @@ TEST_F(MarkFlowTest, ALaterSenderBeginsAnewAndAnEarlierOneIsDropped) {
       },
       10s));
   ASSERT_TRUE(sent && taken);
-  ExpectSame(intake.TakeMarks(), set);
+  ExpectSame(intake.TakeContent(), set);
   Result<bool> old = false;
   ASSERT_TRUE(Eventually([&] { return old = sender.Advance(Clock::now()), !old; }));
   EXPECT_EQ(old.error().code, ErrorCode::kLinkLost);
@@ -334,15 +333,23 @@ TEST_F(MarkFlowTest, ALaterSenderBeginsAnewAndAnEarlierOneIsDropped) {
 
 TEST_F(MarkFlowTest, BatchesOfAnotherAttemptAreDropped) {
   OpenFor("j");
-  OneMarkBatch old("j"), unknown("j");
+  OneMarkBatch old("j");
   old.batch.attempt = 0;
-  unknown.batch.part_attempt = kMaxPartAttempts;
   ASSERT_TRUE(writer.Write(old.batch));
-  ASSERT_TRUE(writer.Write(unknown.batch));
   const mark::MarkSet set = MarksOf(5);
   const auto got = Transfer(set, "j");
   ASSERT_TRUE(got) << got.error().message;
   ExpectSame(*got, set);
+}
+
+TEST_F(MarkFlowTest, AnImpossiblePartIsRefused) {
+  OpenFor("j");
+  OneMarkBatch unknown("j");
+  unknown.batch.part_attempt = kMaxPartAttempts;
+  ASSERT_TRUE(writer.Write(unknown.batch));
+  const auto refused = PollUntilDecided();
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kFault);
 }
 
 }  // namespace

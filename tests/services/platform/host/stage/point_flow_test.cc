@@ -1,11 +1,11 @@
-#include "services/platform/host/stage/cloud_flow.h"
-
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <thread>
 
 #include "services/platform/bus/samples.h"
+#include "services/platform/host/stage/flow.h"
 #include "tests/services/platform/bus/private_bus.h"
 
 namespace intaglio::host {
@@ -25,7 +25,7 @@ PointCloud CloudOf(std::size_t count) {
   return cloud;
 }
 
-class CloudFlowTest : public testing::Test {
+class PointFlowTest : public testing::Test {
  protected:
   /// The whole way; empty when it fails.
   Result<PointCloud> Transfer(const PointCloud& cloud, const std::string& job_uid) {
@@ -41,7 +41,7 @@ class CloudFlowTest : public testing::Test {
       if (!taken) return tl::unexpected(taken.error());
     }
     EXPECT_TRUE(sent.value());
-    return intake.TakeCloud();
+    return intake.TakeContent();
   }
 
   /// Opens the intake and waits until this test may write batches to it.
@@ -56,12 +56,12 @@ class CloudFlowTest : public testing::Test {
   }
 
   bus::Bus bus{test::PrivateBusOptions()};
-  CloudSender<intaglio_PointBatch> sender{bus, bus::kPointBatch, ""};
-  CloudIntake<intaglio_PointBatch> intake{bus, "consumer", bus::kPointBatch};
+  PointSender sender{bus, bus::kPointBatch, ""};
+  PointIntake intake{bus, "consumer", bus::kPointBatch};
   bus::Writer<intaglio_PointBatch> writer{bus, bus::kPointBatch};
 };
 
-TEST_F(CloudFlowTest, CarriesCloudsBitForBitOneAfterAnother) {
+TEST_F(PointFlowTest, CarriesCloudsBitForBitOneAfterAnother) {
   // More than a window of batches, whole batches, one point, none.
   for (const std::size_t count : {300'000, 2 * 8192, 1, 0}) {
     const PointCloud cloud = CloudOf(count);
@@ -72,7 +72,7 @@ TEST_F(CloudFlowTest, CarriesCloudsBitForBitOneAfterAnother) {
   }
 }
 
-TEST_F(CloudFlowTest, AConsumerThatGoesEndsTheSending) {
+TEST_F(PointFlowTest, AConsumerThatGoesEndsTheSending) {
   sender.Begin("j", 1, {}, CloudOf(3'000'000), Clock::now());
   ASSERT_TRUE(intake.Open("j", 1));
   Result<bool> sent = false;
@@ -83,7 +83,7 @@ TEST_F(CloudFlowTest, AConsumerThatGoesEndsTheSending) {
   EXPECT_EQ(sent.error().code, ErrorCode::kLinkLost);
 }
 
-TEST_F(CloudFlowTest, AConsumerThatNeverComesIsGivenUp) {
+TEST_F(PointFlowTest, AConsumerThatNeverComesIsGivenUp) {
   const auto start = Clock::now();
   sender.Begin("nobody", 1, {}, CloudOf(10), start);
   EXPECT_FALSE(sender.Advance(start + 59s).value());
@@ -92,7 +92,7 @@ TEST_F(CloudFlowTest, AConsumerThatNeverComesIsGivenUp) {
   EXPECT_EQ(late.error().code, ErrorCode::kTimedOut);
 }
 
-TEST_F(CloudFlowTest, WhatContradictsItselfIsRefused) {
+TEST_F(PointFlowTest, WhatContradictsItselfIsRefused) {
   struct Case {
     const char* what;
     std::function<void(intaglio_PointBatch&)> spoil;
@@ -135,10 +135,8 @@ TEST_F(CloudFlowTest, WhatContradictsItselfIsRefused) {
 
 // What the parts of a job need of the intake: several senders as several processes have
 // them, each with a part of its own.
-class CloudPartsTest : public CloudFlowTest {
+class PointPartsTest : public PointFlowTest {
  protected:
-  using Sender = CloudSender<intaglio_PointBatch>;
-
   /// The points of this part, some of them empty.
   PointCloud PieceOf(std::uint32_t part, std::uint32_t count) const {
     PointCloud piece;
@@ -151,11 +149,11 @@ class CloudPartsTest : public CloudFlowTest {
     return piece;
   }
   /// Sends this part until it is taken; what came of it.
-  Result<bool> Send(Sender& by, TaskPart part) {
+  Result<bool> Send(PointSender& by, TaskPart part) {
     by.Begin("j", 1, part, PieceOf(part.index, part.count), Clock::now());
     return Finish(by);
   }
-  Result<bool> Finish(Sender& by) {
+  Result<bool> Finish(PointSender& by) {
     Result<bool> sent = false;
     EXPECT_TRUE(Eventually([&] {
       sent = by.Advance(Clock::now());
@@ -166,17 +164,17 @@ class CloudPartsTest : public CloudFlowTest {
   }
   void ExpectWhole() {
     ASSERT_TRUE(taken && *taken);
-    const PointCloud got = intake.TakeCloud();
+    const PointCloud got = intake.TakeContent();
     EXPECT_EQ(got.points_mm, whole.points_mm);
     EXPECT_EQ(got.source, whole.source);
   }
 
   const PointCloud whole = CloudOf(600'000);
-  Sender second{bus, bus::kPointBatch, ""};
+  PointSender second{bus, bus::kPointBatch, ""};
   Result<bool> taken = false;
 };
 
-TEST_F(CloudPartsTest, ComeTogetherInAnyOrder) {
+TEST_F(PointPartsTest, ComeTogetherInAnyOrder) {
   ASSERT_TRUE(intake.Open("j", 1, 5));
   for (const std::uint32_t part : {3u, 0u, 4u, 2u}) {
     ASSERT_TRUE(Send(sender, {part, 5, 0}));
@@ -186,7 +184,7 @@ TEST_F(CloudPartsTest, ComeTogetherInAnyOrder) {
   ExpectWhole();
 }
 
-TEST_F(CloudPartsTest, ComeSideBySide) {
+TEST_F(PointPartsTest, ComeSideBySide) {
   ASSERT_TRUE(intake.Open("j", 1, 2));
   sender.Begin("j", 1, {1, 2, 0}, PieceOf(1, 2), Clock::now());
   second.Begin("j", 1, {0, 2, 0}, PieceOf(0, 2), Clock::now());
@@ -200,7 +198,7 @@ TEST_F(CloudPartsTest, ComeSideBySide) {
   ExpectWhole();
 }
 
-TEST_F(CloudPartsTest, OneBegunAgainTakesTheOldOnesPlace) {
+TEST_F(PointPartsTest, OneBegunAgainTakesTheOldOnesPlace) {
   ASSERT_TRUE(intake.Open("j", 1, 2));
   // Its process is killed, or thought to be, in the middle: a window's batches are there.
   sender.Begin("j", 1, {1, 2, 0}, PieceOf(1, 2), Clock::now());
@@ -222,7 +220,7 @@ TEST_F(CloudPartsTest, OneBegunAgainTakesTheOldOnesPlace) {
 }
 
 // Its first sender died when it had sent everything and not reported it yet.
-TEST_F(CloudPartsTest, OneThatIsThereAlreadyIsAcknowledgedAndDropped) {
+TEST_F(PointPartsTest, OneThatIsThereAlreadyIsAcknowledgedAndDropped) {
   ASSERT_TRUE(intake.Open("j", 1, 2));
   ASSERT_TRUE(Send(sender, {1, 2, 0}));
   ASSERT_TRUE(Send(second, {1, 2, 1}));
@@ -233,7 +231,7 @@ TEST_F(CloudPartsTest, OneThatIsThereAlreadyIsAcknowledgedAndDropped) {
   ASSERT_TRUE(Send(sender, {0, 2, 1})) << "and when it was taken";
 }
 
-TEST_F(CloudPartsTest, OfAnotherCutAreRefused) {
+TEST_F(PointPartsTest, OfAnotherCutAreRefused) {
   struct Case {
     std::uint32_t part, part_count, part_attempt;
   };
@@ -256,7 +254,7 @@ TEST_F(CloudPartsTest, OfAnotherCutAreRefused) {
   EXPECT_FALSE(intake.Open("j", 1, kMaxParts + 1));
 }
 
-TEST_F(CloudPartsTest, TooManyTogetherAreRefused) {
+TEST_F(PointPartsTest, TooManyTogetherAreRefused) {
   ASSERT_TRUE(intake.Open("j", 1, 2));
   ASSERT_TRUE(Send(sender, {1, 2, 0}));
   intaglio_PointBatch batch{};
@@ -272,7 +270,36 @@ TEST_F(CloudPartsTest, TooManyTogetherAreRefused) {
   EXPECT_EQ(refused.error().code, ErrorCode::kTooLarge);
 }
 
-TEST_F(CloudFlowTest, BatchesOfAnotherAttemptAreDropped) {
+// All of it in one turn: the credit of a turn is that of the one before.
+TEST_F(PointFlowTest, WhatExceedsTheCreditIsRefused) {
+  constexpr std::uint64_t kWindowBatches =
+      PointCodec<intaglio_PointBatch>::kWindowBatches;
+  const std::string job_uid = "j";
+  const std::vector<double> one = {1};
+  const std::vector<std::uint32_t> source = {0};
+  OpenFor(job_uid);
+  for (std::uint64_t i = 0; i <= kWindowBatches; ++i) {
+    intaglio_PointBatch batch{};
+    batch.job_uid = Borrow(job_uid);
+    batch.attempt = 1;
+    batch.part_count = 1;
+    batch.sequence_number = batch.first_index = i;
+    batch.total_count = 1000;
+    Borrow(batch.x_mm, one);
+    Borrow(batch.y_mm, one);
+    Borrow(batch.z_mm, one);
+    Borrow(batch.source, source);
+    ASSERT_TRUE(writer.Write(batch));
+  }
+  ASSERT_TRUE(writer.WaitForAcknowledgements(5s));
+  const auto taken = intake.Poll();
+  ASSERT_FALSE(taken);
+  EXPECT_EQ(taken.error().code, ErrorCode::kFault);
+  EXPECT_THAT(taken.error().message,
+              testing::HasSubstr("exceeds the granted credit, batches below 32"));
+}
+
+TEST_F(PointFlowTest, BatchesOfAnotherAttemptAreDropped) {
   OpenFor("j");
   intaglio_PointBatch old{};
   const std::string job_uid = "j";
