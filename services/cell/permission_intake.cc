@@ -1,5 +1,7 @@
 #include "services/cell/permission_intake.h"
 
+#include <algorithm>
+
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/process/log.h"
 
@@ -10,6 +12,7 @@ using bus::View;
 
 // Permission is written every 20 ms; one or two lost samples are no withdrawal yet.
 constexpr std::chrono::milliseconds kLease{90};
+constexpr std::uint32_t kMinSpeedPercent = 1, kMaxSpeedPercent = 140;
 constexpr char kJobService[] = "job service";
 
 }  // namespace
@@ -17,28 +20,33 @@ constexpr char kJobService[] = "job service";
 PermissionIntake::PermissionIntake(bus::Bus& bus, const std::string& cell)
     : permissions_(bus, bus::kPermission, cell), stops_(bus, bus::kEmergencyStop, cell) {}
 
-void PermissionIntake::Take(std::chrono::nanoseconds now) {
+void PermissionIntake::Receive(std::chrono::nanoseconds now) {
   stop_came_ = false;
-  permissions_.TakeAll(
-      [&](const intaglio_Permission& sample, const bus::SampleOrigin& origin) {
-        if (!origin.alive) {
-          granted_ = false;
-          (void)stop_.TakeHeld(kJobService, {});
-          return;
-        }
-        received_at_ = now;
-        granted_ = sample.granted;
-        epoch_ = sample.epoch;
-        grant_ = {sample.grant, sample.renewal};
-        first_point_ = sample.first_point;
-        fire_uncertain_ = sample.fire_uncertain;
-        job_uid_ = View(sample.job_uid);
-        if (stop_.TakeHeld(kJobService, View(sample.bus_stops)))
-          NoteStop(kJobService, "it holds a press");
-      });
+  permissions_.TakeAll([&](const intaglio_Permission& sample,
+                           const bus::SampleOrigin& origin) {
+    if (!origin.alive) {
+      granted_ = false;
+      ReceiveHeld(kJobService, {});
+      return;
+    }
+    received_at_ = now;
+    granted_ = sample.granted;
+    epoch_ = sample.epoch;
+    grant_ = {sample.grant, sample.renewal};
+    first_point_ = sample.first_point;
+    fire_uncertain_ = sample.fire_uncertain;
+    job_uid_ = View(sample.job_uid);
+    speed_percent_ = std::clamp(sample.speed_percent, kMinSpeedPercent, kMaxSpeedPercent);
+    ReceiveHeld(kJobService, View(sample.bus_stops));
+  });
   stops_.Take([this](const intaglio_EmergencyStop& stop) {
     if (stop_.Take(stop)) NoteStop(View(stop.operator_name), View(stop.reason));
   });
+}
+
+void PermissionIntake::ReceiveHeld(std::string_view listener,
+                                   std::span<const intaglio_StopPress> presses) {
+  if (stop_.TakeHeld(listener, presses)) NoteStop(listener, "it holds a press");
 }
 
 void PermissionIntake::NoteStop(std::string_view source, std::string_view reason) {
@@ -57,6 +65,7 @@ GrantInputs PermissionIntake::InputsFor(const std::string& job_uid, std::uint64_
   inputs.grant = grant_;
   inputs.first_point = first_point_;
   inputs.fire_uncertain = fire_uncertain_;
+  inputs.speed_percent = speed_percent_;
   return inputs;
 }
 

@@ -1,9 +1,11 @@
 #pragma once
 
-// What a cell receives of the operator's permission and of emergency stops.
+// What a cell receives of the operator's permission and of emergency stops: the one
+// receiver of every kind of machine. Used from one thread.
 
 #include <chrono>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -18,7 +20,11 @@ class PermissionIntake {
   PermissionIntake(bus::Bus& bus, const std::string& cell);
 
   /// Once a turn, before the inputs are asked for.
-  void Take(std::chrono::nanoseconds now);
+  void Receive(std::chrono::nanoseconds now);
+  /// Behind Receive: the presses that another listener of this machine holds; empty:
+  /// none.
+  void ReceiveHeld(std::string_view listener,
+                   std::span<const intaglio_StopPress> presses);
   /// As far as the permission is that of this job; `job_uid` empty: of none.
   GrantInputs InputsFor(const std::string& job_uid, std::uint64_t epoch,
                         std::chrono::nanoseconds now) const;
@@ -43,7 +49,7 @@ class PermissionIntake {
   bool granted_ = false, fire_uncertain_ = false;
   std::uint64_t epoch_ = 0;
   Grant grant_;
-  std::uint32_t first_point_ = 0;
+  std::uint32_t first_point_ = 0, speed_percent_ = 100;
   std::string job_uid_;
 };
 

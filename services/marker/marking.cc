@@ -31,17 +31,15 @@ double LongestMarkS(const mark::MarkSet& set) {
 
 Marking::Marking(MarkingJob job, drivers::MarkDriver& driver,
                  cell::JournalWriter& journal, cell::PermissionChain& chain)
-    : job_(std::move(job)),
+    : WorkStates(chain, consent_),
+      job_(std::move(job)),
       driver_(driver),
-      chain_(chain),
       record_(job_.marks.marks.size(), journal),
       run_(job_.marks, driver, record_),
       consent_({job_.asks_when_uncertain, job_.earlier.uncertain_unanswered,
                 job_.earlier.consent_grant},
                record_, chain),
       longest_mark_s_(LongestMarkS(job_.marks)) {
-  // Armed before there was a path, and spent before it came.
-  if (chain_.has_spent()) message_ = TextOf(chain_.spent_by());
   if (job_.earlier.points.empty()) return;
   taken_up_ = true;
   phase_ = Phase::kHalting;
@@ -71,15 +69,28 @@ ChainLinks LinksOf(const drivers::MarkDeviceState& state, const GrantInputs& inp
   return links;
 }
 
+Marking::Activity Marking::activity() const {
+  switch (phase_) {
+    case Phase::kWaiting:
+      return Activity::kIdle;
+    case Phase::kOpening:
+    case Phase::kRunning:
+    case Phase::kPausing:
+      return Activity::kRuns;
+    case Phase::kHalting:
+      return Activity::kSettles;
+    case Phase::kDone:
+      break;
+  }
+  return Activity::kDone;
+}
+
 void Marking::Turn(const GrantInputs& inputs) {
   TakeEvents(inputs.now);
-  TurnChain(inputs);
-  if (!driver_.state().refusal.empty() && !stopping_) {
-    chain_.Latch(false);
-    lost_a_line_ = false;
-    message_ = driver_.state().refusal + ", then resume";
-  }
-  if (!stopping_) consent_.TakeConsent(inputs, phase_ == Phase::kHalting);
+  const Missing unseen = TurnChain(LinksOf(driver_.state(), inputs), inputs.now);
+  if (unseen != Missing::kNothing) Halt(unseen, TextFor(unseen), true, inputs.now);
+  RefuseOtherDevice(driver_.state().refusal);
+  ReceiveConsent(inputs);
   AskOverUncertain(inputs);
   switch (phase_) {
     case Phase::kWaiting:
@@ -110,33 +121,6 @@ void Marking::TakeEvents(std::chrono::nanoseconds now) {
     moved_at_ = now;
     if (run_.Take(event)) consent_.NoteUncertain();
   }
-}
-
-// Key, door and stop latch also before and between runs.
-void Marking::TurnChain(const GrantInputs& inputs) {
-  ChainLinks links = LinksOf(driver_.state(), inputs);
-  // A new arm counts when it can be acted on: a Reset is sent between runs.
-  if (phase_ == Phase::kHalting) links.permission_fresh = false;
-  const Missing spent_by = chain_.Turn(links, inputs.now);
-  if (spent_by == Missing::kNothing || stopping_) return;
-  if (phase_ == Phase::kRunning || phase_ == Phase::kOpening ||
-      phase_ == Phase::kPausing) {
-    // An interlock that is open now halts it by itself.
-    if (IsUnseen(spent_by)) Halt(spent_by, TextOf(spent_by), true, inputs.now);
-    return;
-  }
-  lost_a_line_ = false;
-  message_ = TextOf(spent_by);
-  if (consent_.was_asked()) message_ += "; " + Question();
-}
-
-// Also when nothing is open any more: the question spends the grant, as a fault does, and
-// the answer is a newer grant.
-void Marking::AskOverUncertain(const GrantInputs& inputs) {
-  if (stopping_ || phase_ != Phase::kWaiting || !consent_.MustAsk(inputs)) return;
-  const std::string why = faulted() && !lost_a_line_ ? message_ + "; " : "";
-  Explain(Missing::kNothing, why + Question(), true);
-  consent_.NoteAsked();
 }
 
 std::string Marking::Question() const {
@@ -324,14 +308,8 @@ void Marking::Halt(Missing missing, const std::string& text, bool fault,
   (void)driver_.Stop();
   stop_again_at_ = now + kStopPeriod;
   run_.End();
-  Explain(missing, text, fault);
+  Explain(text, missing == Missing::kLaserLine || missing == Missing::kSafeState, fault);
   phase_ = Phase::kHalting;
-}
-
-void Marking::Explain(Missing missing, const std::string& text, bool fault) {
-  message_ = text;
-  lost_a_line_ = missing == Missing::kLaserLine || missing == Missing::kSafeState;
-  if (fault) chain_.Latch(lost_a_line_);
 }
 
 void Marking::Settle(const GrantInputs& inputs) {
@@ -355,11 +333,6 @@ void Marking::Settle(const GrantInputs& inputs) {
   }
   if (inputs.grant.number == 0 && taken_up_ && run_.count() == 0) return;
   phase_ = Phase::kWaiting;
-}
-
-void Marking::Stop(const std::string& why) {
-  stopping_ = true;
-  message_ = why;
 }
 
 }  // namespace intaglio::marker

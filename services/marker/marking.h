@@ -25,6 +25,7 @@
 #include "services/cell/earlier_work.h"
 #include "services/cell/grant_inputs.h"
 #include "services/cell/permission_chain.h"
+#include "services/cell/work_states.h"
 #include "services/drivers/mark_driver.h"
 #include "services/marker/mark_record.h"
 #include "services/marker/mark_run.h"
@@ -43,7 +44,7 @@ struct MarkingJob {
 cell::ChainLinks LinksOf(const drivers::MarkDeviceState& state,
                          const cell::GrantInputs& inputs);
 
-class Marking {
+class Marking final : public cell::WorkStates {
  public:
   enum class Phase { kWaiting, kOpening, kRunning, kPausing, kHalting, kDone };
 
@@ -61,32 +62,20 @@ class Marking {
           cell::PermissionChain& chain);
 
   void Turn(const cell::GrantInputs& inputs);
-  /// The beam ends at once; what is open is settled over the next turns, or left open in
-  /// the journal when the line stays down. For cancelled jobs and the process's end.
-  void Stop(const std::string& why);
-
   Phase phase() const { return phase_; }
-  const cell::PointLedger& ledger() const { return record_.ledger(); }
-  /// What it waits for or why it halted; empty while all is well.
-  const std::string& message() const { return message_; }
-  /// Why it makes no progress, though nothing halts it; empty: it does.
-  const std::string& alarm() const { return alarm_; }
-  bool faulted() const { return chain_.has_spent(); }
-  bool lost_a_line() const { return lost_a_line_; }
-  bool asks() const { return consent_.asks(); }
-  /// Makes nothing until a person or an event outside allows it.
-  bool waits() const {
+  Activity activity() const override;
+  const cell::PointLedger& ledger() const override { return record_.ledger(); }
+  bool waits() const override {
     return (started() || faulted()) && phase_ != Phase::kRunning &&
            phase_ != Phase::kOpening && !message_.empty();
   }
-  bool started() const { return run_.count() > 0 || taken_up_; }
-  std::uint32_t run_count() const { return run_.count(); }
-  std::uint64_t settled_by_memory_count() const { return run_.settled_by_memory_count(); }
+  std::uint32_t run_count() const override { return run_.count(); }
+  std::uint64_t settled_by_memory_count() const override {
+    return run_.settled_by_memory_count();
+  }
 
  private:
   void TakeEvents(std::chrono::nanoseconds now);
-  void TurnChain(const cell::GrantInputs& inputs);
-  void AskOverUncertain(const cell::GrantInputs& inputs);
   void SendPermit(std::chrono::nanoseconds now);
   void WatchProgress(std::chrono::nanoseconds now);
 
@@ -100,25 +89,19 @@ class Marking {
 
   cell::Missing WhatIsMissing(const cell::GrantInputs& inputs,
                               bool with_permission) const;
-  std::string TextFor(cell::Missing missing) const;
+  std::string TextFor(cell::Missing missing) const override;
   void Halt(cell::Missing missing, const std::string& text, bool fault,
             std::chrono::nanoseconds now);
-  void Explain(cell::Missing missing, const std::string& text, bool fault);
-  std::string Question() const;
+  std::string Question() const override;
 
   MarkingJob job_;
   drivers::MarkDriver& driver_;
-  cell::PermissionChain& chain_;
   MarkRecord record_;
   MarkRun run_;
   cell::Consent consent_;
   double longest_mark_s_ = 0;
 
   Phase phase_ = Phase::kWaiting;
-  std::string message_, alarm_;
-  bool lost_a_line_ = false;
-  bool stopping_ = false;
-  bool taken_up_ = false;  // from an earlier life
   bool permitted_ = false;
   bool pause_sent_ = false;
   std::chrono::nanoseconds permit_at_{0}, opening_since_{0}, stop_again_at_{0},

@@ -21,8 +21,11 @@ CellDrive::CellDrive(bus::Bus& bus, std::string cell, std::string sender)
       states_(bus, bus::kManualState, cell_),
       moves_(bus, bus::kCellMove, cell_) {}
 
-void CellDrive::Start(const Vec3& axes, std::chrono::nanoseconds now) {
-  axes_ = axes;
+void CellDrive::Start(const char* name, const Vector3& axes, const std::string& job_uid,
+                      std::chrono::nanoseconds now) {
+  name_ = name;
+  job_uid_ = job_uid;
+  axes_ = Vec3(axes.x(), axes.y(), axes.z());
   drives_ = true;
   ++number_;
   attempts_ = 1;

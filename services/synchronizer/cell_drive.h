@@ -14,6 +14,7 @@
 #include <string>
 
 #include "engrave/core/geometry.h"
+#include "proto/machine.pb.h"
 #include "services/platform/bus/bus.h"
 
 namespace intaglio::synchronizer {
@@ -26,19 +27,25 @@ class CellDrive {
 
   CellDrive(bus::Bus& bus, std::string cell, std::string sender);
 
-  /// From the next Turn on, instead of what was driven to.
-  void Start(const Vec3& axes, std::chrono::nanoseconds now);
+  /// From the next Turn on, instead of what was driven to. `name`: of the taught position
+  /// `axes`, for people; of the job with this uid.
+  void Start(const char* name, const Vector3& axes, const std::string& job_uid,
+             std::chrono::nanoseconds now);
   void Stop();
   /// Once a turn.
   void Turn(std::chrono::nanoseconds now);
   bool drives() const { return drives_; }
   /// Why the last place was not reached; empty: it was.
   const std::string& message() const { return message_; }
+  /// Of the last place.
+  const std::string& name() const { return name_; }
+  const std::string& job_uid() const { return job_uid_; }
 
  private:
   void Send();
 
   std::string cell_, sender_;
+  std::string name_, job_uid_;
   bus::Reader<intaglio_ManualState> states_;
   bus::Writer<intaglio_ManualCommand> moves_;
   bool drives_ = false;

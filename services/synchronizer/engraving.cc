@@ -11,10 +11,6 @@ namespace {
 // stamps of all but so many ticks have to have come.
 constexpr std::uint64_t kMaxUnstampedTicks = 16;
 
-std::string TextFor(Missing missing, const MotionView& motion) {
-  return missing == Missing::kMotionFault ? motion.message : TextOf(missing);
-}
-
 SkipReason ReasonOf(Missing missing) {
   switch (missing) {
     case Missing::kLaserLine:
@@ -57,9 +53,9 @@ bool IsLostLine(Missing missing, intaglio_MotionFault motion_fault) {
 Engraving::Engraving(EngravingJob job, drivers::LaserController& laser, MotionFeed& feed,
                      JournalWriter& journal, PermissionChain& chain,
                      PulseSchedule::ResultSink results)
-    : job_(std::move(job)),
+    : WorkStates(chain, consent_),
+      job_(std::move(job)),
       laser_(laser),
-      chain_(chain),
       results_(std::move(results)),
       record_(job_.machine_points_mm.size(), job_.photosensor_feedback, journal,
               [this](const PulseResult& result) { Note(result); }),
@@ -71,8 +67,6 @@ Engraving::Engraving(EngravingJob job, drivers::LaserController& laser, MotionFe
       settling_(laser, feed, ticks_, record_),
       consent_(job_, record_, chain),
       progress_(job_.plan.rate_hz) {
-  // Armed before there was a path, and spent before it came.
-  if (chain_.has_spent()) message_ = TextOf(chain_.spent_by());
   if (job_.earlier.points.empty()) return;
   taken_up_ = true;
   phase_ = Phase::kHalting;
@@ -83,6 +77,25 @@ Engraving::Engraving(EngravingJob job, drivers::LaserController& laser, MotionFe
   consent_.TakeUp();
 }
 
+Engraving::Activity Engraving::activity() const {
+  switch (phase_) {
+    case Phase::kPreparing:
+    case Phase::kWaiting:
+      return Activity::kIdle;
+    case Phase::kRunning:
+      return Activity::kRuns;
+    case Phase::kHalting:
+      return Activity::kSettles;
+    case Phase::kDone:
+      break;
+  }
+  return Activity::kDone;
+}
+
+std::string Engraving::TextFor(Missing missing) const {
+  return missing == Missing::kMotionFault ? motion_message_ : TextOf(missing);
+}
+
 void Engraving::Note(const PulseResult& result) {
   if (result.reason != SkipReason::kLeftOut) run_.Note(result);
   disturbances_.Add(result);
@@ -91,18 +104,20 @@ void Engraving::Note(const PulseResult& result) {
 }
 
 ChainLinks Engraving::LinksNow(const EngravingInputs& inputs) const {
-  ChainLinks links = LinksOf(inputs, laser_, shutters_.run_mask());
+  ChainLinks links = LinksOf(inputs, inputs.motion, laser_, shutters_.run_mask());
   links.door_locked = !job_.needs_door_lock || laser_.Has(link::kDoorLocked);
   return links;
 }
 
 void Engraving::Turn(const EngravingInputs& inputs) {
   granted_ = inputs.permission_granted;
+  motion_message_ = inputs.motion.message;
   horizon_.Observe(inputs.now);
   settling_.TakeDisarmed();
-  TurnChain(inputs);
-  RefuseOtherDevice(inputs);
-  if (!stopping_) consent_.TakeConsent(inputs, phase_ == Phase::kHalting);
+  const Missing unseen = TurnChain(LinksNow(inputs), inputs.now);
+  if (unseen != Missing::kNothing) Halt({unseen, TextFor(unseen), true}, inputs);
+  RefuseOtherDevice(OtherDevice(inputs.motion, laser_));
+  ReceiveConsent(inputs);
   AskOverUncertain(inputs);
   WatchProgress(inputs);
   // While it runs every window flushes; afterwards the last outcomes would wait for long.
@@ -119,44 +134,6 @@ void Engraving::Turn(const EngravingInputs& inputs) {
     case Phase::kDone:
       return;
   }
-}
-
-// Key, door and stop latch also before and between runs.
-void Engraving::TurnChain(const EngravingInputs& inputs) {
-  ChainLinks links = LinksNow(inputs);
-  // A new arm counts when it can be acted on: a Reset is sent between runs.
-  if (phase_ == Phase::kHalting) links.permission_fresh = false;
-  const Missing spent_by = chain_.Turn(links, inputs.now);
-  if (spent_by == Missing::kNothing || stopping_) return;
-  if (phase_ == Phase::kRunning) {
-    // An interlock that is open now halts it by itself.
-    if (IsUnseen(spent_by)) Halt({spent_by, TextOf(spent_by), true}, inputs);
-    return;
-  }
-  starts_again_ = lost_a_line_ = false;
-  message_ = TextOf(spent_by);
-  if (consent_.was_asked()) message_ += "; " + consent_.Question();
-}
-
-// A line that leads to another machine is not a lost line: a person is changing cables,
-// and has to arm when that is done. So each arm is spent while another device answers.
-void Engraving::RefuseOtherDevice(const EngravingInputs& inputs) {
-  const std::string why = OtherDevice(inputs, laser_);
-  if (stopping_ || why.empty()) return;
-  chain_.Latch(false);
-  starts_again_ = lost_a_line_ = false;
-  if (faulted()) message_ = why + ", then resume";
-}
-
-// Also when nothing is open any more: the question spends the grant, as a fault does, and
-// the answer is a newer grant. Before any grant was received, there is none that could be
-// spent.
-void Engraving::AskOverUncertain(const EngravingInputs& inputs) {
-  const bool settled = phase_ == Phase::kPreparing || phase_ == Phase::kWaiting;
-  if (stopping_ || !settled || !consent_.MustAsk(inputs)) return;
-  const std::string why = faulted() && !lost_a_line_ ? message_ + "; " : "";
-  Explain({Missing::kNothing, why + consent_.Question(), true}, inputs.motion.fault);
-  consent_.NoteAsked();
 }
 
 // Armed, warm, and waiting for no person; a line that comes back by itself counts.
@@ -249,7 +226,7 @@ bool Engraving::MayFire(const EngravingInputs& inputs) {
   const Missing missing = chain_.WhatIsMissing(links, false);
   if (missing == Missing::kNothing) return true;
   starts_again_ = false;
-  if (!faulted()) message_ = TextFor(missing, inputs.motion);
+  if (!faulted()) message_ = TextFor(missing);
   return false;
 }
 
@@ -302,7 +279,7 @@ void Engraving::Run(const EngravingInputs& inputs) {
   const Missing missing = chain_.WhatIsMissing(links, shutters_.UpdateSeenOpen());
   if (missing != Missing::kNothing) {
     const bool fault = missing != Missing::kPermission;
-    return Halt({missing, TextFor(missing, inputs.motion), fault}, inputs);
+    return Halt({missing, TextFor(missing), fault}, inputs);
   }
   if (const auto reason = run_.Turn(inputs)) return Halt(*reason, inputs);
   if (!run_.is_finished(inputs)) return;
@@ -317,10 +294,8 @@ void Engraving::Halt(const HaltReason& reason, const EngravingInputs& inputs) {
 }
 
 void Engraving::Explain(const HaltReason& reason, intaglio_MotionFault motion_fault) {
-  message_ = reason.text;
-  starts_again_ = reason.starts_again();
-  lost_a_line_ = IsLostLine(reason.missing, motion_fault);
-  if (reason.fault) chain_.Latch(lost_a_line_);
+  WorkStates::Explain(reason.text, IsLostLine(reason.missing, motion_fault), reason.fault,
+                      reason.starts_again());
 }
 
 void Engraving::Settle(const EngravingInputs& inputs) {
@@ -357,7 +332,7 @@ void Engraving::CheckFaultBehindSkips(const EngravingInputs& inputs) {
   if (!run_.is_executed(inputs.motion)) links.motion_without_fault = true;
   const Missing missing = FirstMissing(links, false);
   if (missing == Missing::kNothing || missing == Missing::kPermission) return;
-  Explain({missing, TextFor(missing, inputs.motion), true}, inputs.motion.fault);
+  Explain({missing, TextFor(missing), true}, inputs.motion.fault);
 }
 
 // In lockstep no undecided tick passes: a lamp warms up by ticks, and a stage brakes by
@@ -376,10 +351,8 @@ void Engraving::Finish() {
   if (sent || !laser_.up()) phase_ = Phase::kDone;
 }
 
-void Engraving::Stop(const std::string& why, bool lamp_stays) {
-  stopping_ = true;
+void Engraving::NoteStop(bool lamp_stays) {
   lamp_stays_ = lamp_stays;
-  message_ = why;
   if (phase_ == Phase::kPreparing) Finish();
 }
 

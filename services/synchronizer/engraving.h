@@ -37,6 +37,7 @@
 
 #include "services/cell/journal_writer.h"
 #include "services/cell/permission_chain.h"
+#include "services/cell/work_states.h"
 #include "services/drivers/laser_controller.h"
 #include "services/synchronizer/cell_names.h"
 #include "services/synchronizer/engraving/consent.h"
@@ -56,7 +57,7 @@
 
 namespace intaglio::synchronizer {
 
-class Engraving {
+class Engraving final : public WorkStates {
  public:
   enum class Phase { kPreparing, kWaiting, kRunning, kHalting, kDone };
 
@@ -71,10 +72,6 @@ class Engraving {
   void Take(const link::PastReport& report) {
     if (phase_ == Phase::kHalting) settling_.Take(report);
   }
-  /// Shutters closed, lamp off, motion braked; what is armed is settled over the next
-  /// turns, or left open in the journal when the line stays down. For cancelled jobs and
-  /// the end of the process; `lamp_stays` for a job that will be taken up again.
-  void Stop(const std::string& why, bool lamp_stays = false);
 
   /// The tick of each point in an undisturbed pass, once it is known.
   void SetPlan(std::vector<std::uint32_t> point_ticks) {
@@ -82,33 +79,20 @@ class Engraving {
   }
 
   Phase phase() const { return phase_; }
-  const PointLedger& ledger() const { return record_.ledger(); }
-  /// What it waits for or why it halted; empty while all is well.
-  const std::string& message() const { return message_; }
-  /// Why it makes no progress, though nothing halts it for good; empty: it does.
-  const std::string& alarm() const { return alarm_; }
-  /// Halted by a fault, not by a withdrawn permission: the grant is spent.
-  bool faulted() const { return chain_.has_spent(); }
-  /// A line or a neighbouring process was lost, not the machine's safety: it may be
-  /// resumed without a person at the machine.
-  bool lost_a_line() const { return lost_a_line_; }
-  bool started() const { return run_.count() > 0 || taken_up_; }
-  /// It asks about uncertain points, and has no answer yet.
-  bool asks() const { return consent_.asks(); }
-  /// Fires nothing until a person or an event outside allows it.
-  bool waits() const {
+  Activity activity() const override;
+  const PointLedger& ledger() const override { return record_.ledger(); }
+  bool waits() const override {
     const bool begun = started() || faulted() || (granted_ && !job_.block_misfit.empty());
     return begun && phase_ != Phase::kRunning && !starts_again_ && !message_.empty();
   }
-  std::uint32_t run_count() const { return run_.count(); }
+  std::uint32_t run_count() const override { return run_.count(); }
   std::uint64_t first_fired_tick() const { return record_.first_fired_tick(); }
   std::uint64_t last_fired_tick() const { return record_.last_fired_tick(); }
   /// Speed overrides that motion was planned with, and how often they changed.
   std::uint32_t min_speed_percent() const { return run_.min_speed_percent(); }
   std::uint32_t max_speed_percent() const { return run_.max_speed_percent(); }
   std::uint32_t speed_changes() const { return run_.speed_changes(); }
-  /// Points made that are known from the controller's memory, not from a report.
-  std::uint64_t settled_by_memory_count() const {
+  std::uint64_t settled_by_memory_count() const override {
     return settling_.settled_by_memory_count();
   }
 
@@ -117,9 +101,10 @@ class Engraving {
   bool works(const EngravingInputs& inputs) const;
   void WatchProgress(const EngravingInputs& inputs);
   ChainLinks LinksNow(const EngravingInputs& inputs) const;
-  void TurnChain(const EngravingInputs& inputs);
-  void RefuseOtherDevice(const EngravingInputs& inputs);
-  void AskOverUncertain(const EngravingInputs& inputs);
+  std::string Question() const override { return consent_.Question(); }
+  std::string TextFor(Missing missing) const override;
+  /// Shutters closed, lamp off, motion braked.
+  void NoteStop(bool lamp_stays) override;
 
   void Prepare(const EngravingInputs& inputs);
   void Wait(const EngravingInputs& inputs);
@@ -139,7 +124,6 @@ class Engraving {
 
   EngravingJob job_;
   drivers::LaserController& laser_;
-  PermissionChain& chain_;
   PulseSchedule::ResultSink results_;
   PulseRecord record_;
   TickWindows ticks_;
@@ -154,13 +138,9 @@ class Engraving {
   bool laser_was_up_ = false, motion_was_up_ = false;
 
   Phase phase_ = Phase::kPreparing;
-  std::string message_, alarm_;
-  bool granted_ = false;       // by the newest permission
-  bool starts_again_ = false;  // by itself, after a run that was broken off
-  bool lost_a_line_ = false;
-  bool stopping_ = false;
+  bool granted_ = false;  // by the newest permission
+  std::string motion_message_;
   bool lamp_stays_ = false;
-  bool taken_up_ = false;  // from an earlier life
 };
 
 }  // namespace intaglio::synchronizer

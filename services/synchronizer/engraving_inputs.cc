@@ -2,8 +2,8 @@
 
 namespace intaglio::synchronizer {
 
-ChainLinks LinksOf(const EngravingInputs& inputs, const drivers::LaserController& laser,
-                   ChannelMask open_mask) {
+ChainLinks LinksOf(const GrantInputs& inputs, const MotionView& motion,
+                   const drivers::LaserController& laser, ChannelMask open_mask) {
   ChainLinks links;
   links.permission_fresh = inputs.permission_fresh;
   links.permission_granted = inputs.permission_granted;
@@ -16,20 +16,19 @@ ChainLinks LinksOf(const EngravingInputs& inputs, const drivers::LaserController
   links.no_safe_state = !laser.Has(link::kSafeState);
   links.lamp_sync_counted = !laser.Has(link::kNoLampSync);
   links.lamp_warm = laser.Has(link::kLampOn) && laser.Has(link::kLampWarm);
-  links.motion_fresh = inputs.motion.fresh;
-  links.motion_without_fault = inputs.motion.fault == intaglio_MOTION_OK;
+  links.motion_fresh = motion.fresh;
+  links.motion_without_fault = motion.fault == intaglio_MOTION_OK;
   // Another one that is open would let the pulses into another block.
   links.shutters_open = open_mask != 0 && laser.status().shutters_open == open_mask;
   links.counters = {laser.identity().power_up, laser.status().openings};
   return links;
 }
 
-std::string OtherDevice(const EngravingInputs& inputs,
-                        const drivers::LaserController& laser) {
+std::string OtherDevice(const MotionView& motion, const drivers::LaserController& laser) {
   if (!laser.refusal().empty()) return laser.refusal();
   const bool other_stage =
-      inputs.motion.fresh && inputs.motion.fault == intaglio_MOTION_WRONG_CONTROLLER;
-  return other_stage ? inputs.motion.message : std::string();
+      motion.fresh && motion.fault == intaglio_MOTION_WRONG_CONTROLLER;
+  return other_stage ? motion.message : std::string();
 }
 
 }  // namespace intaglio::synchronizer

@@ -47,11 +47,10 @@ struct EngravingInputs : GrantInputs {
 
 /// The links of the permission chain as the inputs and the laser controller have them.
 /// `open_mask`: the shutters that have to be open, and no other; 0: none may fire.
-ChainLinks LinksOf(const EngravingInputs& inputs, const drivers::LaserController& laser,
-                   ChannelMask open_mask);
+ChainLinks LinksOf(const GrantInputs& inputs, const MotionView& motion,
+                   const drivers::LaserController& laser, ChannelMask open_mask);
 
 /// Why one of the lines leads to another device than the profile's; empty: none does.
-std::string OtherDevice(const EngravingInputs& inputs,
-                        const drivers::LaserController& laser);
+std::string OtherDevice(const MotionView& motion, const drivers::LaserController& laser);
 
 }  // namespace intaglio::synchronizer

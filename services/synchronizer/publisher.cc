@@ -32,9 +32,8 @@ intaglio_PulseOutcome WireOutcome(PointOutcome outcome) {
 
 }  // namespace
 
-Publisher::Publisher(bus::Bus& bus, std::string cell, const std::string& worker)
+Publisher::Publisher(bus::Bus& bus, std::string cell)
     : cell_(std::move(cell)),
-      tasks_(bus, worker),
       pulses_(bus, bus::kPulseEventBatch, cell_),
       lamp_(bus, bus::kLampSync, cell_),
       interlocks_(bus, bus::kInterlock, cell_) {}

@@ -1,14 +1,13 @@
 #pragma once
 
-// What a cell publishes on the bus: the lamp's clock, the interlocks, the pulses, the
-// task.
+// What a cell that makes points publishes on the bus besides its task: the lamp's clock,
+// the interlocks, the pulses.
 
 #include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "services/cell/task_publisher.h"
 #include "services/drivers/laser_controller.h"
 #include "services/platform/bus/bus.h"
 #include "services/platform/host/safety/stop_latch.h"
@@ -19,11 +18,8 @@ namespace intaglio::synchronizer {
 
 class Publisher {
  public:
-  Publisher(bus::Bus& bus, std::string cell, const std::string& worker);
+  Publisher(bus::Bus& bus, std::string cell);
 
-  void PublishTask(const TaskReport& report, std::chrono::nanoseconds now) {
-    tasks_.Publish(report, now);
-  }
   /// Pulse results are gathered; a batch goes out when it is full or 20 ms old.
   void BeginJob(const std::string& job_uid);
   void Add(const PulseResult& result);
@@ -39,7 +35,6 @@ class Publisher {
                         const host::StopLatch& stop);
 
   std::string cell_;
-  cell::TaskPublisher tasks_;
   bus::Writer<intaglio_PulseEventBatch> pulses_;
   bus::Writer<intaglio_LampSync> lamp_;
   bus::Writer<intaglio_Interlock> interlocks_;

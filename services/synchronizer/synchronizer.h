@@ -1,37 +1,39 @@
 #pragma once
 
-// The service of one cell: takes an EngraveTask, its path, and has it made; publishes the
-// bus what is going on. Everything that decides about a pulse is in engraving.h.
+// The service of one cell that makes points: receives the path of the cell's task
+// (services/cell/cell_task.h), has it made, and publishes pulses, lamp and interlocks.
+// Everything that decides about a pulse is in engraving.h.
 
 #include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "proto/machine.pb.h"
 #include "proto/task.pb.h"
+#include "services/cell/cell_task.h"
+#include "services/cell/maker.h"
 #include "services/platform/host/process/service_host.h"
-#include "services/platform/host/safety/stop_latch.h"
 #include "services/platform/host/stage/flow.h"
 #include "services/synchronizer/cell_drive.h"
 #include "services/synchronizer/engraving.h"
 #include "services/synchronizer/job_planner.h"
 #include "services/synchronizer/lamp_hold.h"
 #include "services/synchronizer/light_by_hand.h"
+#include "services/synchronizer/motion_intake.h"
 #include "services/synchronizer/mounted_parts.h"
 #include "services/synchronizer/publisher.h"
 
 namespace intaglio::synchronizer {
 
-class Synchronizer {
+class Synchronizer final : private Maker {
  public:
   /// `machine`: the profile of this cell, read from `machine_file`; no value of the
   /// machine is taken from a task. `mounted`: as far as it is known. `laser`: not null.
   Synchronizer(host::ServiceHost& host, const MachineSpec& machine,
                std::string machine_file, const MountedParts& mounted,
                std::unique_ptr<drivers::LaserController> laser);
-  ~Synchronizer();
+  ~Synchronizer() override;
 
   /// One turn of the loop; never blocks.
   void Turn(std::chrono::nanoseconds now);
@@ -43,65 +45,51 @@ class Synchronizer {
   bool taken_over() const { return laser_.taken_over(); }
 
   /// The laser controller answers: from now on openings of key and door are counted.
-  bool watches() const { return laser_.up(); }
+  bool watches() const { return line_up(); }
 
   int line_fd() const { return laser_.fd(); }
   int journal_fd() const { return journal_ ? journal_->event_fd() : -1; }
   template <typename Loop>
   void AttachTo(Loop& loop) {
-    loop.Attach(tasks_);
-    loop.Attach(permissions_);
-    loop.Attach(stops_);
-    loop.Attach(motion_);
-    loop.Attach(positions_);
+    task_.AttachTo(loop);
+    motion_.AttachTo(loop);
     loop.Attach(by_hand_);
     loop.Attach(intake_.reader());
     loop.Attach(credit_.reader());
   }
 
  private:
-  void AlarmRefusal();
-  void TakeTasks();
-  void Begin(const intaglio_StageTask& task);
-  Status TakeTaught();
-  void TakePermission(std::chrono::nanoseconds now);
-  /// A press that was not known: this turn at least is stopped.
-  void NoteStop(std::string_view source, std::string_view reason);
+  WorkStates* work() override { return engraving_.get(); }
+  bool line_up() const override { return laser_.up(); }
+  std::string Refusal() const override { return laser_.refusal(); }
+  std::string WhyNoArmCounts() const override;
+  ChainLinks Links(const GrantInputs& inputs) const override;
+  Status Begin(FrozenJob& job, const intaglio_StageTask& task) override;
+  void TurnWork(const GrantInputs& inputs) override;
+  std::string PendingAtEnd() const override;
+  void NoteDone() override;
+  std::uint64_t estimate_ticks() const override { return plan_.ticks; }
+  void AddTo(EngraveOutcome& outcome) const override;
+  void Drop() override;
+  void NoteEnd(const std::string& job_uid, bool done) override;
+
+  Status ReadTaught();
   void SendStop();
-  void TakeMotion(std::chrono::nanoseconds now);
-  void TakePositions();
-  void TakePath();
+  void ReceivePath();
   /// `path`: none when it is in the job's folder already.
   void Prepare(std::optional<PointCloud> path);
-  void TakePrepared();
+  void AcceptPrepared();
   void StartEngraving(PreparedJob prepared);
-  /// `name`: of the taught position, for people; of the job with this uid.
-  void Drive(const char* name, bool taught, const Vector3& axes,
-             const std::string& job_uid);
+  void AcceptPlan();
   void TurnDrive();
   void TurnLight();
-  void TakePlan();
-  void FailTask(const Error& error);
-  void Engrave(std::chrono::nanoseconds now);
-  void RaiseNoProgress(const std::string& alarm);
-  void DropTask();
-  void EndTask(intaglio_TaskState state, intaglio_ErrorCode code,
-               const std::string& message);
-  EngraveOutcome Outcome() const;
-  EngravingInputs InputsAt(std::chrono::nanoseconds now);
-  /// While no path is there: an arm may have been given already.
-  void WatchMachine(std::chrono::nanoseconds now);
 
   host::ServiceHost& host_;
   MachineSpec machine_;
   std::string machine_file_;
   MountedParts mounted_;
   std::string cell_;
-  bus::Reader<intaglio_StageTask> tasks_;
-  bus::Reader<intaglio_Permission> permissions_;
-  bus::Reader<intaglio_EmergencyStop> stops_;
-  bus::Reader<intaglio_MotionState> motion_;
-  bus::Reader<intaglio_PositionReport> positions_;
+  MotionIntake motion_;
   bus::Reader<intaglio_ManualState> by_hand_;
   bus::CreditBook credit_;
   bus::Writer<intaglio_MotionSegmentBatch> segments_;
@@ -114,46 +102,13 @@ class Synchronizer {
   LampHold lamp_hold_;
   MotionFeed feed_;
   CellDrive drive_;
-  std::string drive_name_, drive_job_;
-  PermissionChain chain_;
   std::unique_ptr<JournalWriter> journal_;
   std::unique_ptr<Engraving> engraving_;
+  CellTask task_;
 
-  std::optional<FrozenJob> job_;
-  std::uint32_t attempt_ = 0;
   PlanSummary plan_;  ///< Of the whole job, without pauses; empty until it is computed.
   bool planned_ = false;  ///< The computation of plan_ has ended.
-  bool cancelled_ = false;
-  bool taken_up_ = false;  ///< from another process
-  bool leaves_ = false;
-  std::string logged_message_;
-  std::string alarmed_refusal_;
-  bool progress_alarmed_ = false;
   std::chrono::nanoseconds now_{0};
-  std::chrono::nanoseconds worked_{
-      0};  ///< at the job in hand, without what it waited for
-  std::chrono::nanoseconds turned_at_{0};  ///< when it was engraved last
-  MotionView motion_view_;
-  MotionClock motion_clock_;
-  /// What the clock's stamps are of: it, the laser's power-up, and the lamp's rate.
-  struct ClockPair {
-    std::uint32_t motion = 0, laser = 0;
-    double rate_hz = 0;
-    bool operator==(const ClockPair&) const = default;
-  };
-  ClockPair clock_pair_;
-  std::uint64_t clock_from_tick_ = 0;  ///< at this rate since then
-  std::chrono::nanoseconds motion_at_{-1};
-  std::chrono::nanoseconds permission_at_{-1};
-  bool permission_granted_ = false;
-  std::uint64_t permission_epoch_ = 0;
-  Grant permission_grant_;
-  std::uint32_t first_point_ = 0;
-  bool fire_uncertain_ = false;
-  std::string permission_job_;
-  std::uint32_t speed_percent_ = 100;
-  host::StopLatch stop_;
-  bool stop_came_ = false;  ///< in this turn, though it may be released by now
   std::uint64_t stop_sent_session_ = 0;  ///< to the laser; 0: not
 };
 

@@ -160,7 +160,8 @@ void FakeCell::AwaitLaser() {
     now += 1ms;
     Poll();
   }
-  chain.Watch(LinksOf(Inputs(), *controller, 0), now);
+  const EngravingInputs inputs = Inputs();
+  chain.Watch(LinksOf(inputs, inputs.motion, *controller, 0), now);
 }
 
 void FakeCell::Step() {

@@ -1,0 +1,56 @@
+#include "services/cell/work_states.h"
+
+namespace intaglio::cell {
+
+WorkStates::WorkStates(PermissionChain& chain, Consent& consent)
+    : chain_(chain), consent_(consent) {
+  // Armed before there was a path, and spent before it came.
+  if (chain_.has_spent()) message_ = TextOf(chain_.spent_by());
+}
+
+void WorkStates::Stop(const std::string& why, bool lamp_stays) {
+  stopping_ = true;
+  message_ = why;
+  NoteStop(lamp_stays);
+}
+
+Missing WorkStates::TurnChain(ChainLinks links, std::chrono::nanoseconds now) {
+  // A new arm counts when it can be acted on: a Reset is sent between runs.
+  if (activity() == Activity::kSettles) links.permission_fresh = false;
+  const Missing spent_by = chain_.Turn(links, now);
+  if (spent_by == Missing::kNothing || stopping_) return Missing::kNothing;
+  if (activity() == Activity::kRuns)
+    return IsUnseen(spent_by) ? spent_by : Missing::kNothing;
+  starts_again_ = lost_a_line_ = false;
+  message_ = TextFor(spent_by);
+  if (consent_.was_asked()) message_ += "; " + Question();
+  return Missing::kNothing;
+}
+
+void WorkStates::RefuseOtherDevice(const std::string& why) {
+  if (stopping_ || why.empty()) return;
+  chain_.Latch(false);
+  starts_again_ = lost_a_line_ = false;
+  if (faulted()) message_ = why + ", then resume";
+}
+
+void WorkStates::ReceiveConsent(const GrantInputs& inputs) {
+  if (!stopping_) consent_.TakeConsent(inputs, activity() == Activity::kSettles);
+}
+
+void WorkStates::AskOverUncertain(const GrantInputs& inputs) {
+  if (stopping_ || activity() != Activity::kIdle || !consent_.MustAsk(inputs)) return;
+  const std::string why = faulted() && !lost_a_line_ ? message_ + "; " : "";
+  Explain(why + Question(), false, true);
+  consent_.NoteAsked();
+}
+
+void WorkStates::Explain(const std::string& text, bool lost_a_line, bool fault,
+                         bool starts_again) {
+  message_ = text;
+  lost_a_line_ = lost_a_line;
+  starts_again_ = starts_again;
+  if (fault) chain_.Latch(lost_a_line_);
+}
+
+}  // namespace intaglio::cell
