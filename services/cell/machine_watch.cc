@@ -2,19 +2,26 @@
 
 #include <utility>
 
-#include "services/platform/host/safety/absence_limit.h"
-
 namespace intaglio::cell {
 
-using namespace std::chrono_literals;
+namespace {
 
-bool MachineWatch::Silence::IsTooLong(bool present, std::chrono::nanoseconds now) {
+bool IsAwayTooLong(host::AbsenceSum& absence, bool present,
+                   std::chrono::nanoseconds now) {
   if (present) {
-    since_ = -1ns;
-    return false;
+    absence.End(now);
+  } else {
+    absence.Begin(now);
   }
-  if (since_ < 0ns) since_ = now;
-  return now - since_ > host::kMaxAbsence;
+  return absence.IsTooLong(now);
+}
+
+}  // namespace
+
+void MachineWatch::AcceptSilences(std::chrono::nanoseconds now) {
+  for (host::AbsenceSum* absence : {&laser_, &motion_}) {
+    if (!absence->absent()) absence->Restart(now);
+  }
 }
 
 UnseenEvent MachineWatch::Compare(const Sight& sight) {
@@ -28,8 +35,8 @@ UnseenEvent MachineWatch::Compare(const Sight& sight) {
 }
 
 UnseenEvent MachineWatch::Update(const Sight& sight, std::chrono::nanoseconds now) {
-  const bool laser_away = laser_.IsTooLong(sight.laser_line_up, now);
-  const bool motion_away = motion_.IsTooLong(sight.motion_fresh, now);
+  const bool laser_away = IsAwayTooLong(laser_, sight.laser_line_up, now);
+  const bool motion_away = IsAwayTooLong(motion_, sight.motion_fresh, now);
   const UnseenEvent event = Compare(sight);
   if (event != UnseenEvent::kNone) return event;
   if (laser_away) return UnseenEvent::kLaserAway;

@@ -6,11 +6,14 @@
 // The laser controller draws a number at each power-up and counts since then how often an
 // interlock was opened. A different number of either, compared with the one known before,
 // is an event, also after a lost line or in another life of this process. So is a
-// controller that was silent for longer than host::kMaxAbsence. Every event costs the arm
-// that was given before it (permission_chain.h). Pure; used from one thread.
+// controller whose silences together exceed host::kMaxAbsence (host::AbsenceSum). Every
+// event costs the arm that was given before it (permission_chain.h). Pure; used from one
+// thread.
 
 #include <chrono>
 #include <cstdint>
+
+#include "services/platform/host/safety/absence_limit.h"
 
 namespace intaglio::cell {
 
@@ -44,22 +47,16 @@ class MachineWatch {
   UnseenEvent Update(const Sight& sight, std::chrono::nanoseconds now);
   /// The next comparison is with these, which an earlier process has left in the journal.
   void Expect(const MachineCounters& counters) { known_ = counters; }
+  /// A person has armed: silences that have ended are judged by that. One that lasts is
+  /// not, for who armed cannot have seen what the controller would show.
+  void AcceptSilences(std::chrono::nanoseconds now);
   const MachineCounters& counters() const { return known_; }
 
  private:
   UnseenEvent Compare(const Sight& sight);
 
-  /// Of one controller that is expected to speak.
-  class Silence {
-   public:
-    bool IsTooLong(bool present, std::chrono::nanoseconds now);
-
-   private:
-    std::chrono::nanoseconds since_{-1};  // -1: it speaks
-  };
-
   MachineCounters known_;
-  Silence laser_, motion_;
+  host::AbsenceSum laser_, motion_;
 };
 
 }  // namespace intaglio::cell

@@ -162,6 +162,7 @@ Missing PermissionChain::CheckForUnseenEvent(const ChainLinks& links,
 
 Missing PermissionChain::Turn(const ChainLinks& links, std::chrono::nanoseconds now) {
   Missing unseen = CheckForUnseenEvent(links, now);
+  if (links.grant.number > grant_.number) watch_.AcceptSilences(now);
   grant_ = std::max(grant_, links.grant);
   const bool had_worth = HasWorth();
   if (grant_.number == 0) {

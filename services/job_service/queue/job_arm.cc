@@ -24,7 +24,7 @@ bool SpendsTheGrant(intaglio_PauseReason reason) {
 
 KeptArm JobArm::ToKeep() const {
   KeptArm kept = kept_;
-  kept.armed = kept_.armed && !absent_since_;
+  kept.armed = kept_.armed && !absence_.absent();
   return kept;
 }
 
@@ -50,7 +50,7 @@ void JobArm::Arm(const CommandView& command, Nanoseconds now) {
       command.fire_uncertain && command.kind == intaglio_COMMAND_RESUME;
   kept_.armed = true;
   renewal_count_ = 0;
-  if (absent_since_) absent_since_ = now;
+  absence_.Restart(now);
   armed_at_ = std::max(now, withdrawn_at_ + kHold);
 }
 
@@ -71,10 +71,6 @@ void JobArm::Renew(std::uint64_t done_count, std::uint64_t renewal, Nanoseconds 
   ++renewal_count_;
   kept_.armed = true;
   renewal_ = renewal;
-}
-
-void JobArm::BeginAbsence(Nanoseconds since) {
-  if (!absent_since_) absent_since_ = since;
 }
 
 }  // namespace intaglio::job_service

@@ -20,10 +20,10 @@
 //    is needed.
 
 #include <cstdint>
-#include <optional>
 #include <string>
 
 #include "services/job_service/queue/job_views.h"
+#include "services/platform/host/safety/absence_limit.h"
 
 namespace intaglio::job_service {
 
@@ -99,11 +99,10 @@ class JobArm {
   std::uint64_t renewal() const { return renewal_; }
 
   /// The synchronizer is absent since then, unless it was absent before.
-  void BeginAbsence(Nanoseconds since);
-  void EndAbsence() { absent_since_.reset(); }
-  bool IsAbsentLongerThan(Nanoseconds limit, Nanoseconds now) const {
-    return absent_since_ && now - *absent_since_ > limit;
-  }
+  void BeginAbsence(Nanoseconds since) { absence_.Begin(since); }
+  void EndAbsence(Nanoseconds now) { absence_.End(now); }
+  /// By all its absences since it was last there for host::kMaxAbsence without a gap.
+  bool IsAbsentForTooLong(Nanoseconds now) const { return absence_.IsTooLong(now); }
 
  private:
   KeptArm kept_;
@@ -112,7 +111,7 @@ class JobArm {
   std::uint64_t renewal_ = 0;
   std::uint32_t renewal_count_ = 0;    // without a point made between them
   std::uint64_t done_at_renewal_ = 0;  // points
-  std::optional<Nanoseconds> absent_since_;
+  host::AbsenceSum absence_;
 };
 
 }  // namespace intaglio::job_service

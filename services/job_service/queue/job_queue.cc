@@ -335,7 +335,7 @@ void JobQueue::StageDone(JobRecord& job, const TaskView& task, Nanoseconds now) 
 }
 
 void JobQueue::EngraveStatus(JobRecord& job, const TaskView& task, Nanoseconds now) {
-  job.arm.EndAbsence();
+  job.arm.EndAbsence(now);
   if (task.estimate_ticks != 0) job.estimate_ticks = task.estimate_ticks;
   if (task.state == intaglio_TASK_PAUSED) return arming_.TakePaused(job, task, now);
   const bool loaded = task.state == intaglio_TASK_RUNNING && task.total_count > 0;

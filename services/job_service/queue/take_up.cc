@@ -4,9 +4,13 @@
 
 #include <vector>
 
-#include "services/platform/host/safety/absence_limit.h"
-
 namespace intaglio::job_service {
+namespace {
+
+// Turns come some 20 ms apart; a longer time without one is an absence of this process.
+constexpr Nanoseconds kLongTurn = std::chrono::seconds(1);
+
+}  // namespace
 
 void TakeUp::Restore(JobRecord& job, bool arm_counts, Nanoseconds now) {
   const bool waited = job.state == intaglio_JOB_PAUSED && !job.arm.armed();
@@ -62,11 +66,22 @@ void TakeUp::GiveToFree(JobRecord& job, Nanoseconds now) {
   tasks_.GiveTakeUp(job, now);
 }
 
-void TakeUp::EndAbsences(Nanoseconds now) {
-  const bool paused = last_turn_ && now - *last_turn_ > host::kMaxAbsence;
+// This process itself was stopped, or the computer was too busy for it.
+bool TakeUp::WasPausedForTooLong(Nanoseconds now) {
+  bool too_long = false;
+  if (last_turn_ && now - *last_turn_ > kLongTurn) {
+    own_absence_.Begin(*last_turn_);
+    too_long = own_absence_.IsTooLong(now);
+    own_absence_.End(now);
+  }
   last_turn_ = now;
+  return too_long;
+}
+
+void TakeUp::EndAbsences(Nanoseconds now) {
+  const bool paused = WasPausedForTooLong(now);
   arming_.EndArms(intaglio_PAUSE_ABSENCE, now, [&](const JobRecord& job) -> std::string {
-    const bool absent = job.arm.IsAbsentLongerThan(host::kMaxAbsence, now);
+    const bool absent = job.arm.IsAbsentForTooLong(now);
     if (!paused && !absent) return {};
     return fmt::format("{} was absent for more than {} s",
                        absent ? "the synchronizer of " + job.cell : "the job service",

@@ -20,6 +20,7 @@
 
 #include "services/job_service/queue/arming.h"
 #include "services/job_service/queue/task_handout.h"
+#include "services/platform/host/safety/absence_limit.h"
 
 namespace intaglio::job_service {
 
@@ -49,10 +50,13 @@ class TakeUp {
   bool AnswersAnOldRevocation(const TaskView& task) const;
 
  private:
+  bool WasPausedForTooLong(Nanoseconds now);
+
   JobBook& book_;
   TaskHandout& tasks_;
   Arming& arming_;
   std::optional<Nanoseconds> last_turn_;
+  host::AbsenceSum own_absence_;  ///< of this process
 };
 
 }  // namespace intaglio::job_service

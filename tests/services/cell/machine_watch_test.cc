@@ -5,6 +5,7 @@
 #include <optional>
 #include <random>
 
+#include "services/cell/permission_chain.h"
 #include "services/platform/host/safety/absence_limit.h"
 
 namespace intaglio::cell {
@@ -67,6 +68,67 @@ TEST(MachineWatch, SilenceBeyondTheLimitIsAnEventAsLongAsItLasts) {
     EXPECT_EQ(watch.Update(Seen(kFirst), 100s), UnseenEvent::kNone);
     EXPECT_EQ(watch.Update(silent, 200s), UnseenEvent::kNone) << "it begins anew";
   }
+}
+
+// 25 s away, 1 s back, 25 s away: nobody has watched the block for 50 s.
+TEST(MachineWatch, SilencesAreAddedUpUntilItSpeaksForTheLimitWithoutAGap) {
+  for (const bool laser : {true, false}) {
+    Sight silent = Seen(kFirst);
+    (laser ? silent.laser_line_up : silent.motion_fresh) = false;
+    const UnseenEvent away = laser ? UnseenEvent::kLaserAway : UnseenEvent::kMotionAway;
+    for (const auto back : {1s, 29s, 30s}) {
+      MachineWatch watch;
+      watch.Expect(kFirst);
+      EXPECT_EQ(watch.Update(silent, 10s), UnseenEvent::kNone);
+      EXPECT_EQ(watch.Update(Seen(kFirst), 35s), UnseenEvent::kNone);
+      EXPECT_EQ(watch.Update(silent, 35s + back), UnseenEvent::kNone);
+      EXPECT_EQ(watch.Update(silent, 40s + back), UnseenEvent::kNone);
+      EXPECT_EQ(watch.Update(silent, 41s + back),
+                back < host::kMaxAbsence ? away : UnseenEvent::kNone);
+    }
+  }
+}
+
+TEST(MachineWatch, AnArmJudgesTheSilencesThatHaveEnded) {
+  MachineWatch watch;
+  watch.Expect(kFirst);
+  Sight silent = Seen(kFirst);
+  silent.laser_line_up = false;
+  (void)watch.Update(silent, 10s);
+  (void)watch.Update(Seen(kFirst), 35s);
+  watch.AcceptSilences(36s);
+  EXPECT_EQ(watch.Update(silent, 37s), UnseenEvent::kNone);
+  watch.AcceptSilences(38s);
+  EXPECT_EQ(watch.Update(silent, 67s), UnseenEvent::kNone);
+  EXPECT_EQ(watch.Update(silent, 68s), UnseenEvent::kLaserAway) << "it lasts since 37 s";
+}
+
+// As the permission chain has it: a line that is lost twice costs the arm, though a
+// person would not have been asked for either loss.
+TEST(MachineWatch, TwoSilencesThatTogetherExceedTheLimitSpendTheGrant) {
+  PermissionChain chain;
+  ChainLinks whole;
+  whole.permission_fresh = whole.permission_granted = whole.stop_not_pressed = true;
+  whole.laser_line_up = whole.key_on = whole.door_closed = whole.stop_released = true;
+  whole.motion_fresh = true;
+  whole.counters = kFirst;
+  chain.Watch(whole, 1s);
+  whole.grant = {4, 0};
+  EXPECT_EQ(chain.Turn(whole, 2s), Missing::kNothing);
+  ChainLinks silent = whole;
+  silent.laser_line_up = false;
+  EXPECT_EQ(chain.Turn(silent, 10s), Missing::kNothing);
+  EXPECT_EQ(chain.Turn(whole, 35s), Missing::kNothing);
+  EXPECT_EQ(chain.Turn(silent, 36s), Missing::kNothing);
+  EXPECT_EQ(chain.Turn(silent, 42s), Missing::kLaserAway);
+  EXPECT_TRUE(chain.has_lost(whole.grant));
+  // A greater grant does not inherit what was before it.
+  chain.Turn(whole, 61s);
+  whole.grant = {5, 0};
+  chain.Turn(whole, 62s);
+  silent.grant = whole.grant;
+  EXPECT_EQ(chain.Turn(silent, 63s), Missing::kNothing);
+  EXPECT_FALSE(chain.has_lost(whole.grant));
 }
 
 // Against a machine that is watched by an oracle that misses nothing: whatever happens

@@ -147,13 +147,25 @@ TEST(JobArm, IsNotKeptDuringAnAbsence) {
   arm.BeginAbsence(120s);
   EXPECT_FALSE(arm.ToKeep().armed);
   EXPECT_TRUE(arm.armed());
-  EXPECT_FALSE(arm.IsAbsentLongerThan(30s, 140s));
-  EXPECT_TRUE(arm.IsAbsentLongerThan(30s, 141s)) << "since the first loss";
+  EXPECT_FALSE(arm.IsAbsentForTooLong(140s));
+  EXPECT_TRUE(arm.IsAbsentForTooLong(141s)) << "since the first loss";
   arm.Arm(Command(intaglio_COMMAND_RESUME), 150s);
-  EXPECT_FALSE(arm.IsAbsentLongerThan(30s, 180s)) << "a person armed it meanwhile";
-  arm.EndAbsence();
+  EXPECT_FALSE(arm.IsAbsentForTooLong(180s)) << "a person armed it meanwhile";
+  arm.EndAbsence(180s);
   EXPECT_TRUE(arm.ToKeep().armed);
-  EXPECT_FALSE(arm.IsAbsentLongerThan(30s, 1000s));
+  EXPECT_FALSE(arm.IsAbsentForTooLong(1000s));
+}
+
+TEST(JobArm, AbsencesAreAddedUp) {
+  JobArm arm = Armed(100s);
+  arm.BeginAbsence(110s);
+  arm.EndAbsence(135s);
+  arm.BeginAbsence(136s);
+  EXPECT_FALSE(arm.IsAbsentForTooLong(141s));
+  EXPECT_TRUE(arm.IsAbsentForTooLong(142s)) << "25 s, and more than 5";
+  arm.EndAbsence(150s);
+  arm.BeginAbsence(180s);
+  EXPECT_FALSE(arm.IsAbsentForTooLong(210s)) << "it was there for 30 s meanwhile";
 }
 
 TEST(JobArm, WhatSpendsAGrant) {

@@ -85,6 +85,25 @@ TEST_F(TakeUpUnitTest, SoDoesALongTimeBetweenTwoTurns) {
   ExpectPaused(intaglio_PAUSE_ABSENCE, false);
 }
 
+TEST_F(TakeUpUnitTest, SoDoTwoShorterTimesWithLessThanTheLimitBetweenThem) {
+  for (const bool rests_between : {true, false}) {
+    take_up_.EndAbsences(now_);
+    now_ += 25s;
+    take_up_.EndAbsences(now_);
+    for (const Nanoseconds end = now_ + (rests_between ? 30s : 1s); now_ < end;) {
+      now_ += 500ms;
+      take_up_.EndAbsences(now_);
+    }
+    now_ += 25s;
+    take_up_.EndAbsences(now_);
+    EXPECT_EQ(job_->arm.armed(), rests_between);
+    for (int i = 0; rests_between && i < 60; ++i) {
+      now_ += 500ms;
+      take_up_.EndAbsences(now_);
+    }
+  }
+}
+
 TEST_F(TakeUpUnitTest, ClosingACellEndsItsArmAlone) {
   take_up_.CloseCell("another", now_);
   EXPECT_TRUE(job_->arm.armed());
