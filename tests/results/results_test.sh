@@ -6,15 +6,24 @@ source "$(dirname "${BASH_SOURCE[0]}")/results.sh"
 build=$(mktemp -d)
 trap 'rm -rf "$build"' EXIT
 
-# A line for each test "NAME=RESULT", as ctest prints it; fails when one has failed.
+# What each test prints, and how long it takes; what is not here prints nothing in 0.02 s.
+declare -A prints=() takes=()
+
+# A line for each test "NAME=RESULT", as ctest prints it; fails when one has failed. Keeps the
+# outputs where ctest keeps them.
 ctest_log() {
-  local number=0 each status=0
+  local number=0 each name status=0 outputs=$build/Testing/Temporary/LastTest.log
+  mkdir -p "${outputs%/*}"
+  echo "Start testing: Nov 26 12:00 UTC" > "$outputs"
   for each in "$@"; do
     number=$((number + 1))
+    name=${each%=*}
     case ${each#*=} in
-      passed) echo " $number/$# Test  #$number: ${each%=*} .......   Passed    0.02 sec" ;;
-      *) echo "$number/$# Test #$number: ${each%=*} ...***${each#*=}   0.30 sec" ;;
+      passed) echo " $number/$# Test  #$number: $name .......   Passed    ${takes[$name]:-0.02} sec" ;;
+      *) echo "$number/$# Test #$number: $name ...***${each#*=}   ${takes[$name]:-0.02} sec" ;;
     esac
+    printf '%s\n' "$number/$# Testing: $name" "Command: \"/a/test\"" "Output:" "-----" \
+      "${prints[$name]:-}" "<end of output>" >> "$outputs"
     [[ ${each#*=} == @(passed|Skipped|"Not Run (Disabled)") ]] || status=8
   done
   return "$status"
@@ -51,39 +60,35 @@ expect() { # WHAT ACTUAL EXPECTED
 expect_end() { # LINES
   expect "the end of the output" "$(tail -n "$(wc -l <<< "$1")" "$build/output")" "$1"
 }
+expect_lines() { # LINES, one below the other, anywhere in the output
+  [[ $(cat "$build/output") == *"$1"* ]] && return
+  printf 'the output has not\n%s\nThe whole output:\n' "$1"
+  cat "$build/output"
+  exit 1
+}
 expect_one_run() { expect "what was run again" "$(cat "$build/run_again")" ""; }
 expect_status() { expect "the status" "$status" "$1"; }
 
-ManyFailuresWithoutStolenTimeAreNotRunAgain() {
-  first=(A.B=passed C.1=Failed C.2=Failed C.3=Failed C.4=Timeout C.5=Failed C.6=Failed)
-  second=(C.1=passed C.2=passed C.3=passed C.4=passed C.5=passed C.6=passed)
+FailuresWithoutStolenTimeAreNotRunAgain() {
+  first=(A.B=passed C.D=Failed)
+  second=(C.D=passed)
   host_took=99  # of 1099: 9 %
   run
   expect_one_run
-  expect "what is kept" "$(cat "$build/tests.summary")" "1 passed, 6 failed, 0 skipped"
-  expect_end "1 passed, 6 failed, 0 skipped"
+  expect "what is kept" "$(cat "$build/tests.summary")" "slowest: A.B 0.02 s, C.D 0.02 s
+1 passed, 1 failed, 0 skipped"
+  expect_end "1 passed, 1 failed, 0 skipped"
   expect_status 8
 }
-AFewFailuresAreRunAgain() {
-  first=(A.B=passed C.1=Failed C.2=Failed)
-  second=(C.1=passed C.2=Failed)
-  host_took=0
-  run
-  expect_end "flaky: C.1 failed, then passed alone
-failed twice: C.2 failed, then failed alone
-2 tests were run again: 1 flaky, 1 failed twice
-2 passed, 1 failed, 0 skipped"
-  expect_status 8
-}
-FlakyTestIsListedBesideTheClosingLine() {
+FlakyTestIsListedAndCountedApart() {
   first=(A.B=passed "Each/C.D/a b=Failed" E.F=Failed G.H=Skipped)
   second=("Each/C.D/a b=passed" E.F=passed)
   host_took=250  # of 1250: 20 %
   run
-  expect_end "flaky: Each/C.D/a b failed, then passed alone
+  expect_lines "flaky: Each/C.D/a b failed, then passed alone
 flaky: E.F failed, then passed alone
-2 tests were run again: 2 flaky, 0 failed twice
-3 passed, 0 failed, 1 skipped"
+2 tests were run again: 2 flaky, 0 failed twice"
+  expect_end "1 passed, 0 failed, 1 skipped, 2 flaky"
   expect_status 0
 }
 TestThatFailsTwiceFails() {
@@ -91,20 +96,53 @@ TestThatFailsTwiceFails() {
   second=(C.D=Failed E.F=passed)
   host_took=9000
   run
-  expect_end "failed twice: C.D failed, then failed alone
+  expect_lines "failed twice: C.D failed, then failed alone
 flaky: E.F failed, then passed alone
-2 tests were run again: 1 flaky, 1 failed twice
-2 passed, 1 failed, 0 skipped"
+2 tests were run again: 1 flaky, 1 failed twice"
+  expect_end "1 passed, 1 failed, 0 skipped, 1 flaky"
   expect_status 8
 }
-AllPassedIsTheClosingLineAlone() {
-  first=(A.B=passed C.D=Skipped "E.F=Not Run (Disabled)")
+AllPassedAreCounted() {
+  first=(A.B=passed C.D=passed)
   host_took=9000
   run
   expect_one_run
-  expect "what is kept" "$(cat "$build/tests.summary")" "1 passed, 0 failed, 2 skipped"
-  expect_end "1 passed, 0 failed, 2 skipped"
+  expect "what is kept" "$(cat "$build/tests.summary")" "slowest: A.B 0.02 s, C.D 0.02 s
+2 passed, 0 failed, 0 skipped"
+  expect_end "2 passed, 0 failed, 0 skipped"
   expect_status 0
+}
+SkippedTestsAreCountedByReason() {
+  first=(A.B=passed C.1=Skipped C.2=Skipped C.3=Skipped "C.4=Not Run (Disabled)" C.5=Skipped)
+  prints=([A.B]="a_test.cc:7: Skipped
+this one passed"
+    [C.1]="[ RUN      ] C.1
+a_test.cc:17: Skipped
+no rs274: install it
+
+[  SKIPPED ] C.1 (0 ms)" [C.2]="a_test.cc:19: Skipped
+as root" [C.3]="b_test.cc:1: Skipped
+no rs274: install it" [C.5]="a script says it at its end")
+  run
+  expect_lines "skipped: 2 because: no rs274: install it
+skipped: 1 because: a script says it at its end
+skipped: 1 because: as root
+skipped: 1 because: it gives no reason"
+  expect_end "1 passed, 0 failed, 5 skipped"
+  expect_status 0
+}
+TheTenSlowestAreNamed() {
+  local i
+  first=(Quick.A=passed "Each/C.D/a b=Failed")
+  takes=(["Each/C.D/a b"]=100.25)
+  for i in 1 2 3 4 5 6 7 8 9 10; do
+    first+=("A.$i=passed")
+    takes[A.$i]=$i.50
+  done
+  run
+  expect_end "slowest: Each/C.D/a b 100.25 s, A.10 10.50 s, A.9 9.50 s, A.8 8.50 s, A.7 7.50 s, \
+A.6 6.50 s, A.5 5.50 s, A.4 4.50 s, A.3 3.50 s, A.2 2.50 s
+11 passed, 1 failed, 0 skipped"
 }
 CrashesAndTimeoutsAreFailures() {
   first=("A.B=Exception: SegFault" C.D=Timeout "E.F=Not Run" G.H=passed)
@@ -124,8 +162,8 @@ ReportOfASanitizerFails() {
     ctest_log "${first[@]}"
   }
   run
-  expect_end "WARNING: ThreadSanitizer: data race
-1 passed, 1 failed, 0 skipped"
+  expect_lines "WARNING: ThreadSanitizer: data race"
+  expect_end "1 passed, 1 failed, 0 skipped"
   expect_status 1
 }
 NoTestsFail() {
@@ -137,14 +175,15 @@ NoTestsFail() {
 }
 SumOfBuilds() {
   mkdir "$build/release" "$build/asan"
-  printf '%s\n' "flaky: A.B failed, then passed alone" "7 passed, 1 failed, 2 skipped" \
+  printf '%s\n' "flaky: A.B failed, then passed alone" \
+    "7 passed, 1 failed, 2 skipped, 1 flaky" \
     > "$build/release/tests.summary"
   echo "20 passed, 3 failed, 0 skipped" > "$build/asan/tests.summary"
   sum_up "$build/release" "$build/asan" > "$build/output" || status=$?
   expect "the output" "$(cat "$build/output")" "release: flaky: A.B failed, then passed alone
-release: 7 passed, 1 failed, 2 skipped
+release: 7 passed, 1 failed, 2 skipped, 1 flaky
 asan: 20 passed, 3 failed, 0 skipped
-27 passed, 4 failed, 2 skipped"
+27 passed, 4 failed, 2 skipped, 1 flaky"
   expect_status 0
 }
 BuildWithoutResultsFails() {
