@@ -129,8 +129,9 @@ run_tests() { # BUILD [ARGUMENTS OF CTEST]
   return "$status"
 }
 
+# test_path: the PATH of the tests, if it is another than this.
 run_ctest() { # BUILD [ARGUMENTS OF CTEST]
-  ctest --test-dir "$1" --timeout 300 --output-on-failure --no-label-summary \
+  PATH=${test_path:-$PATH} ctest --test-dir "$1" --timeout 300 --output-on-failure --no-label-summary \
     --no-tests=error "${@:2}"
 }
 
