@@ -1,12 +1,15 @@
 // cmake --install into a folder that is then moved: what is there, and that it works
 // without the source tree, from another working directory and for another user.
 
+#include <fnmatch.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <map>
 #include <regex>
 #include <set>
+#include <sstream>
 
 #include "tests/integration/run_program.h"
 #include "tests/test_folder.h"
@@ -21,6 +24,29 @@ using ::testing::HasSubstr;
 using ::testing::IsSupersetOf;
 using ::testing::Not;
 using testing::Running;
+
+/// The patterns of what deploy/debian/*.install takes from the installation, "usr/bin/x".
+std::vector<std::string> PackagedPatterns() {
+  std::vector<std::string> patterns;
+  for (const auto& entry :
+       fs::directory_iterator(fs::path(INTAGLIO_SOURCE_DIR) / "deploy/debian")) {
+    if (entry.path().extension() != ".install") continue;
+    std::istringstream lines(testing::TextIn(entry.path()));
+    for (std::string line; std::getline(lines, line);) {
+      const std::string pattern = line.substr(0, line.find(' '));
+      if (pattern.starts_with("usr/")) patterns.push_back(pattern);
+    }
+  }
+  return patterns;
+}
+
+/// Whether debhelper takes `file` for `pattern`: the file or a folder that it is in.
+bool IsTakenFor(const std::string& pattern, fs::path file) {
+  for (; !file.empty(); file = file.parent_path()) {
+    if (fnmatch(pattern.c_str(), file.c_str(), FNM_PATHNAME) == 0) return true;
+  }
+  return false;
+}
 
 class Installation : public ::testing::Test {
  protected:
@@ -85,6 +111,28 @@ TEST_F(Installation, HasAllThatBelongsToIt) {
   }
   pages.insert({"intaglio-run.1", "intaglio-submit.1", "intaglio-recording.1"});
   EXPECT_THAT(NamesIn(moved_ / "share/man/man1"), IsSupersetOf(pages));
+}
+
+// What no pattern names fails in deploy/package (dh_missing), and so does a pattern that
+// names nothing (dh_install).
+TEST_F(Installation, EveryFileIsInAPackage) {
+  std::map<std::string, int> taken;
+  for (const std::string& pattern : PackagedPatterns()) taken[pattern] = 0;
+  ASSERT_GE(taken.size(), 10u);
+  for (const auto& entry : fs::recursive_directory_iterator(moved_)) {
+    if (entry.is_directory() && !entry.is_symlink()) continue;
+    const fs::path file = "usr" / entry.path().lexically_relative(moved_);
+    bool packaged = false;
+    for (auto& [pattern, count] : taken) {
+      if (!IsTakenFor(pattern, file)) continue;
+      packaged = true;
+      ++count;
+    }
+    EXPECT_TRUE(packaged) << file << " is installed and in no package: name it in "
+                          << "deploy/debian/intaglio.install";
+  }
+  for (const auto& [pattern, count] : taken)
+    EXPECT_GT(count, 0) << "deploy/debian: " << pattern << " is not installed";
 }
 
 // Documents refer to each other, to example jobs and to message schemas; sources are not
