@@ -39,7 +39,7 @@ std::string_view VerbOf(Effect effect) {
   return "";
 }
 
-std::string SentenceOf(std::string_view file, const Finding& finding) {
+std::string SentenceOf(std::string_view file, const FileFinding& finding) {
   std::string text = fmt::format("{}: {} x {}", file, finding.count, finding.what);
   if (!finding.where.empty()) {
     text += fmt::format(" ({}{})", finding.count > 1 ? "the first: " : "", finding.where);
@@ -52,10 +52,10 @@ std::string SentenceOf(std::string_view file, const Finding& finding) {
 
 }  // namespace
 
-void Findings::Add(Finding finding) {
+void FileFindings::Add(FileFinding finding) {
   finding.what = Printable(finding.what);
   finding.where = Printable(finding.where);
-  const auto same = [&](const Finding& known) {
+  const auto same = [&](const FileFinding& known) {
     return known.effect == finding.effect && known.what == finding.what;
   };
   auto known = std::ranges::find_if(all_, same);
@@ -71,25 +71,25 @@ void Findings::Add(Finding finding) {
   known->area_mm2 += finding.area_mm2;
 }
 
-std::uint64_t Findings::CountOf(std::string_view what) const {
+std::uint64_t FileFindings::CountOf(std::string_view what) const {
   std::uint64_t count = 0;
-  for (const Finding& finding : all_) {
+  for (const FileFinding& finding : all_) {
     if (finding.what == what) count += finding.count;
   }
   return count;
 }
 
-Status CheckMeaning(std::string_view file, const Findings& findings) {
-  for (const Finding& finding : findings) {
+Status CheckMeaning(std::string_view file, const FileFindings& findings) {
+  for (const FileFinding& finding : findings) {
     if (finding.effect != Effect::kMeaningLost) continue;
     return Fail(ErrorCode::kUnsupported, SentenceOf(file, finding), finding.what);
   }
   return {};
 }
 
-Warnings WarningsOf(std::string_view file, const Findings& findings) {
+Warnings WarningsOf(std::string_view file, const FileFindings& findings) {
   Warnings warnings;
-  for (const Finding& finding : findings) {
+  for (const FileFinding& finding : findings) {
     Warning warning = MakeWarning(WarningCode::kLeftOut, SentenceOf(file, finding));
     warning.weight = finding.effect == Effect::kNothingSeen ? WarningWeight::kNote
                                                             : WarningWeight::kWarning;

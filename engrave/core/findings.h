@@ -25,7 +25,7 @@ namespace intaglio {
 
 enum class Effect { kNothingSeen, kLost, kChanged, kMeaningLost };
 
-struct Finding {
+struct FileFinding {
   std::string what;         ///< the element or command, printable: "clip-path", "TEXT"
   std::string where;        ///< of the first one: "line 12"; empty: not known
   std::string remedy;       ///< "convert them to curves"; empty: none is known
@@ -34,15 +34,15 @@ struct Finding {
   double area_mm2 = 0;
   Effect effect = Effect::kLost;
 
-  bool operator==(const Finding&) const = default;
+  bool operator==(const FileFinding&) const = default;
 };
 
 /// The findings of one file, one of each name and effect, in the order in which they were
 /// met. A file cannot fill the memory with them: names are cut after 60 bytes and shown
 /// with "?" for what is not printable, and behind 64 names all are "other".
-class Findings {
+class FileFindings {
  public:
-  void Add(Finding finding);
+  void Add(FileFinding finding);
 
   /// How many of this name were met, of every effect; 0: none.
   std::uint64_t CountOf(std::string_view what) const;
@@ -51,17 +51,17 @@ class Findings {
   auto begin() const { return all_.begin(); }
   auto end() const { return all_.end(); }
 
-  bool operator==(const Findings&) const = default;
+  bool operator==(const FileFindings&) const = default;
 
  private:
-  std::vector<Finding> all_;
+  std::vector<FileFinding> all_;
 };
 
 /// kUnsupported with the first finding whose effect is kMeaningLost; `file` is what
 /// errors call the file.
-Status CheckMeaning(std::string_view file, const Findings& findings);
+Status CheckMeaning(std::string_view file, const FileFindings& findings);
 
 /// One warning a finding, of the code kLeftOut and with the weight of its effect.
-Warnings WarningsOf(std::string_view file, const Findings& findings);
+Warnings WarningsOf(std::string_view file, const FileFindings& findings);
 
 }  // namespace intaglio

@@ -11,7 +11,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-Finding Met(std::string what, Effect effect, std::string where = "") {
+FileFinding Met(std::string what, Effect effect, std::string where = "") {
   return {.what = std::move(what),
           .where = std::move(where),
           .remedy = "",
@@ -20,7 +20,7 @@ Finding Met(std::string what, Effect effect, std::string where = "") {
 }
 
 TEST(Findings, TheEffectAloneDecidesWhatFollows) {
-  Findings findings;
+  FileFindings findings;
   findings.Add(Met("VS", Effect::kNothingSeen));
   findings.Add(Met("TEXT", Effect::kLost));
   findings.Add(Met("mask", Effect::kChanged));
@@ -44,8 +44,8 @@ TEST(Findings, TheEffectAloneDecidesWhatFollows) {
 }
 
 TEST(Findings, CountsThoseOfOneNameAndKeepsTheFirstPlace) {
-  Findings findings;
-  Finding clip = Met("clip-path", Effect::kChanged, "line 3");
+  FileFindings findings;
+  FileFinding clip = Met("clip-path", Effect::kChanged, "line 3");
   clip.area_mm2 = 2.5;
   findings.Add(clip);
   clip.where = "line 9";
@@ -59,14 +59,14 @@ TEST(Findings, CountsThoseOfOneNameAndKeepsTheFirstPlace) {
 }
 
 TEST(Findings, AFileCannotFillTheMemory) {
-  Findings findings;
+  FileFindings findings;
   for (int i = 0; i < 1000; ++i) {
     findings.Add(Met("a" + std::to_string(i), Effect::kLost));
   }
   findings.Add(Met(std::string(100000, '\x01'), Effect::kNothingSeen));
   EXPECT_LE(findings.size(), 66U);
   EXPECT_EQ(findings.CountOf("other"), 1000U - 64 + 1);
-  Findings cut;
+  FileFindings cut;
   cut.Add(Met(std::string(59, 'x') + "\xC3\xA4", Effect::kLost));
   EXPECT_EQ(cut.begin()->what, std::string(59, 'x') + "...");
   cut.Add(Met("Fr\xC3\xA4sen", Effect::kLost));
