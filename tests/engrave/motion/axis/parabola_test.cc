@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "engrave/core/check.h"
-#include "engrave/motion/axis/parabola_controls.h"
+#include "tests/published/parabola_controls.h"
 
 namespace intaglio::motion {
 namespace {

@@ -1,4 +1,4 @@
-#include "engrave/drive/screw_drive.h"
+#include "tests/published/screw_drive.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engrave/course/stream.h"
+#include "tests/published/stream.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "engrave/motion/axis/inverse_dynamics.h"
+#include "tests/published/inverse_dynamics.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 // law come out, a bounded length behind. What came out does not change any more.
 //
 // The speed of a node depends on what lies a braking distance before it, and on the
-// memory of axes and kernel. So look_ahead_mm() of known path suffice; until it is known
+// memory of axes and kernel. So a look-ahead of known path suffices; until it is known
 // that the path goes on, its last known node is a stop.
 
 #include <vector>
@@ -32,7 +32,6 @@ class CourseStream {
   /// each call, but for a piece that is longer.
   double pending_mm() const;
   double max_pending_mm() const { return look_ahead_mm_ + block_mm_; }
-  double look_ahead_mm() const { return look_ahead_mm_; }
 
   /// So far: whether everything allowed was kept, and the law's duration.
   bool holds() const { return holds_; }

@@ -1,4 +1,4 @@
-#include "engrave/drive/planar_motor.h"
+#include "tests/published/planar_motor.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "engrave/motion/axis/fastest_parabola.h"
+#include "tests/published/fastest_parabola.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "engrave/motion/axis/fastest_parabola.h"
+#include "tests/published/fastest_parabola.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "engrave/core/check.h"
-#include "engrave/motion/axis/parabola_controls.h"
+#include "tests/published/parabola_controls.h"
 
 namespace intaglio::motion {
 namespace {

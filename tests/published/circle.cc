@@ -1,4 +1,4 @@
-#include "engrave/drive/circle.h"
+#include "tests/published/circle.h"
 
 #include <cmath>
 #include <numbers>
