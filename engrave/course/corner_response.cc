@@ -110,14 +110,6 @@ double Maximum(const F& f, double lo, double hi) {
 
 }  // namespace
 
-double RampTail(const AxisDynamics& axis, double t_s) {
-  const auto residues = ResiduesOf(axis);
-  double sum = 0;
-  for (std::size_t k = 0; k < residues.size(); ++k)
-    sum += (residues[k] * std::exp(axis.poles()[k] * t_s)).real();
-  return sum;
-}
-
 CornerError CornerResponse(const AxisPair& axes, const Vec2& before, const Vec2& behind) {
   const Corner corner(axes, before, behind);
   const double end_s = corner.end_s();

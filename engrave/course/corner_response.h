@@ -26,9 +26,6 @@ struct CornerError {
 /// where both legs are equally far; it is refined to 1e-6 of its size.
 CornerError CornerResponse(const AxisPair& axes, const Vec2& before, const Vec2& behind);
 
-/// The ramp response minus t - lag: dies out. t >= 0, s.
-double RampTail(const AxisDynamics& axis, double t_s);
-
 /// On a circle of radius R mm at v mm/s, settled: the greatest distance from the circle,
 /// in radii, for rate = v / R rad/s.
 double CircleError(const AxisPair& axes, double rate_rad_s);

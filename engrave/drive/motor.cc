@@ -75,10 +75,6 @@ double DampingRatio(const ServoLoop& axis) {
          (2 * std::sqrt(axis.position_gain_per_s * axis.velocity_time_s));
 }
 
-double NaturalRadPerSecond(const ServoLoop& axis) {
-  return std::sqrt(axis.position_gain_per_s / axis.velocity_time_s);
-}
-
 double MotorCurrent(const Motor& motor, double inertia_kg_m2, double lead_m,
                     double acceleration_m_s2, double speed_m_s, double torque_nm) {
   const double metres = MetresPerRadian(lead_m);

@@ -76,8 +76,6 @@ double StaticError(const ServoLoop& axis, double load_acceleration);
 double LagSeconds(const ServoLoop& axis);
 /// zeta = (1 + D) / (2 sqrt(K tau)).
 double DampingRatio(const ServoLoop& axis);
-/// sqrt(K / tau), rad/s.
-double NaturalRadPerSecond(const ServoLoop& axis);
 /// Motor current, A, of a screw axis that accelerates (m/s^2) and moves (m/s) against a
 /// torque.
 double MotorCurrent(const Motor& motor, double inertia_kg_m2, double lead_m,

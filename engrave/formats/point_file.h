@@ -96,10 +96,6 @@ Result<PointTable> ReadXyz(const std::filesystem::path& file,
 Result<PointTable> ReadCft(const std::filesystem::path& file,
                            const PointFileLimits& limits = {});
 
-/// kUnreadable when cut off or damaged anywhere, kUnsupported when of a newer version.
-Result<PointTable> ReadScl(const std::filesystem::path& file,
-                           const PointFileLimits& limits = {});
-
 /// The POINT entities of an ASCII DXF's section ENTITIES, in mm by its $INSUNITS (taken
 /// for mm where it is absent or 0). All other entities are skipped, and a comment gives
 /// their number. kUnsupported: a binary DXF, or a unit that has no place in a block.
@@ -110,6 +106,7 @@ Result<PointTable> ReadDxf(const std::filesystem::path& file,
 Result<PointTable> ParsePly(std::string_view bytes, const PointFileLimits& limits = {});
 Result<PointTable> ParseXyz(std::string_view bytes, const PointFileLimits& limits = {});
 Result<PointTable> ParseCft(std::string_view bytes, const PointFileLimits& limits = {});
+/// kUnreadable when cut off or damaged anywhere, kUnsupported when of a newer version.
 Result<PointTable> ParseScl(std::string_view bytes, const PointFileLimits& limits = {});
 Result<PointTable> ParseDxf(std::string_view bytes, const PointFileLimits& limits = {});
 

@@ -327,9 +327,4 @@ Result<PointTable> ParseScl(std::string_view bytes, const PointFileLimits& limit
   return table;
 }
 
-Result<PointTable> ReadScl(const std::filesystem::path& file,
-                           const PointFileLimits& limits) {
-  return ReadAndParse(file, limits, ParseScl);
-}
-
 }  // namespace intaglio::formats

@@ -76,7 +76,6 @@ class GrblCourseProgram {
   void AddPlunge(double z_mm);
   void AddCommand(std::string text);
   void AddPass();
-  void AddBegin();
   void AddEnd();
   void Divide(Leg& leg) const;
   std::optional<CourseLine> LineOf(const Leg& leg);

@@ -90,8 +90,6 @@ struct Method {
   const google::protobuf::Descriptor& message() const;     ///< its type
   const std::string& name() const;                         ///< "sections"
   bool Suits(ModelKind kind) const;
-  /// nullptr when the message has no such field.
-  const MethodField* FindField(std::string_view name) const;
 };
 
 }  // namespace intaglio

@@ -80,12 +80,6 @@ bool Method::Suits(ModelKind kind) const {
   return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
 }
 
-const MethodField* Method::FindField(std::string_view name) const {
-  const auto found = std::find_if(fields.begin(), fields.end(),
-                                  [&](const MethodField& f) { return f.name == name; });
-  return found == fields.end() ? nullptr : &*found;
-}
-
 std::span<const Method> Methods() {
   static const std::vector<Method> kTable = MakeTable();
   return kTable;
