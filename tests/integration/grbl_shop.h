@@ -31,7 +31,7 @@ class GrblShop {
     bool hal = true;   ///< grblHAL, with a buffer of 1023 bytes; else grbl 1.1, 128
     bool tcp = false;  ///< else a pseudo-terminal, as a serial line
     /// Of a job file: models, block, discretization.
-    std::string job = Knot(3.2);
+    std::string job = Knot(2.2);
   };
   /// The supplied model, so high; and a file of one's own.
   static std::string Knot(double height_mm);
