@@ -39,7 +39,7 @@ struct ExcellonOptions {
 struct DrillFile {
   std::vector<Hole> holes;
   std::vector<Element> slots;  ///< tracks and arc tracks, as wide as their tool
-  FileFindings findings;           ///< commands that are skipped
+  FileFindings findings;       ///< commands that are skipped
 };
 
 /// Errors name the file, the line and the remedy: kUnreadable (no drill file, a line that

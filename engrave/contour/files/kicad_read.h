@@ -37,7 +37,7 @@ struct KicadBoard {
   std::vector<Hole> holes;           ///< of vias and pads
   std::vector<Element> slots;        ///< drills longer than wide
   std::vector<Edges> outline;        ///< of the board: closed loops, may be empty
-  FileFindings findings;                 ///< expressions that are not read
+  FileFindings findings;             ///< expressions that are not read
 };
 
 /// Errors name the file, the line and the remedy: kUnreadable (no board, brackets that do
