@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <numeric>
 
 #include "engrave/contour/simple_loops.h"
 
@@ -10,6 +12,8 @@ namespace intaglio::contour {
 namespace {
 
 using std::numbers::pi;
+// Below it a tree costs more than it saves.
+constexpr std::size_t kEdgesForTree = 32;
 
 double DepthOfPolygon(const Area& area, const Vec2& p) {
   const std::size_t count = area.core_mm.size();
@@ -31,6 +35,10 @@ double DepthOfPolygon(const Area& area, const Vec2& p) {
 }
 
 double DepthOfLoops(const Area& area, const Vec2& p) {
+  if (area.tree) {
+    const double distance = area.tree->DistanceTo(p);
+    return area.tree->IsInside(p) ? -distance : distance;
+  }
   double nearest = std::numeric_limits<double>::infinity();
   for (const Edge& edge : area.edges) nearest = std::min(nearest, DistanceTo(edge, p));
   return IsInLoops(area.edges, p) ? -nearest : nearest;
@@ -112,7 +120,16 @@ Area LoopArea(const std::vector<Edges>& loops) {
     area.edges.insert(area.edges.end(), loop.begin(), loop.end());
   }
   Finish(area);
+  if (area.edges.size() >= kEdgesForTree)
+    area.tree = std::make_shared<const EdgeTree>(area.edges);
   return area;
+}
+
+std::vector<std::uint32_t> EdgesNear(const Area& area, const FlatBox& box_mm) {
+  if (area.tree) return area.tree->EdgesIn(box_mm);
+  std::vector<std::uint32_t> all(area.edges.size());
+  std::iota(all.begin(), all.end(), 0U);
+  return all;
 }
 
 }  // namespace intaglio::contour

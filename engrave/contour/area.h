@@ -4,9 +4,11 @@
 // area to their left, and the signed distance of any point.
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "engrave/contour/edge_tree.h"
 #include "engrave/contour/element.h"
 
 namespace intaglio::contour {
@@ -24,6 +26,7 @@ struct Area {
     double reach_mm;
   };
   std::vector<Middle> middles;
+  std::shared_ptr<const EdgeTree> tree;  ///< of loops with many edges, else null
   Vec2 min_mm;
   Vec2 max_mm;
   std::uint32_t element = 0;
@@ -32,6 +35,9 @@ struct Area {
 /// Negative inside. Of a polygon without a margin, outside near a corner: the distance to
 /// the lines through its sides, which is at most that to the polygon.
 double Depth(const Area& area, const Vec2& point_mm);
+
+/// The numbers of the area's edges that may come near to this box, ascending.
+std::vector<std::uint32_t> EdgesNear(const Area& area, const FlatBox& box_mm);
 
 /// Appends the areas of a rounded element grown by radius_mm >= 0, all with this number.
 /// Most elements are one area; an outline that is not a convex polygon is its inside and

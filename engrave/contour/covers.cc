@@ -33,23 +33,30 @@ CoverFinder::CoverFinder(std::span<const Area> areas, double tolerance_mm)
 void CoverFinder::Sort(Side& side, std::uint32_t other, std::vector<Cover>& covers) {
   const Area& area = areas_[side.area];
   side.count = 0;
-  for (std::uint32_t k = 0; k < area.edges.size(); ++k) {
+  const auto sort = [&](std::uint32_t k) {
     const auto& [middle, reach] = area.middles[k];
     const double depth = Depth(areas_[other], middle);
-    if (depth > reach + kSlack_mm) continue;
+    if (depth > reach + kSlack_mm) return;
     const Edge& edge = area.edges[k];
     if (depth < -reach - kSlack_mm) {
       touch_ = true;
       covers.push_back({first_edge_[side.area] + k, other, CoverKind::kInside, 0,
                         edge.length_mm, edge.begin_mm, edge.end_mm, depth});
-      continue;
+      return;
     }
     if (side.divided.size() == side.count) side.divided.emplace_back();
     Divided& divided = side.divided[side.count++];
     divided.edge = k;
     divided.cuts.clear();
     divided.shared.clear();
+  };
+  if (!area.tree) {
+    for (std::uint32_t k = 0; k < area.edges.size(); ++k) sort(k);
+    return;
   }
+  const Vec2 slack = Vec2::Constant(2 * kSlack_mm);
+  const FlatBox near{areas_[other].min_mm - slack, areas_[other].max_mm + slack};
+  for (const std::uint32_t k : EdgesNear(area, near)) sort(k);
 }
 
 void CoverFinder::Meet(Divided& a, Divided& b) {

@@ -58,7 +58,8 @@ using Shape = std::variant<Circle, Square, Octagon, Track, ArcTrack, Outline>;
 
 struct Element {
   Shape shape;
-  std::string name;  ///< for messages, e.g. "R1-2"; may be empty
+  std::string name = {};  ///< for messages, e.g. "R1-2"; may be empty
+  std::string net = {};   ///< that it belongs to; empty: not known, or none
 };
 
 enum class Corners {

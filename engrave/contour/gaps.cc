@@ -6,6 +6,7 @@
 #include <map>
 
 #include "engrave/contour/area.h"
+#include "engrave/contour/equal_elements.h"
 #include "engrave/contour/near_pairs.h"
 #include "engrave/core/try.h"
 
@@ -66,11 +67,19 @@ class GapFinder {
   EdgeGap gap_{std::numeric_limits<double>::infinity(), Vec2::Zero(), Vec2::Zero()};
 };
 
-EdgeGap GapBetween(const Area& first, const Area& second) {
+/// The box that whatever is nearer than width_mm to the area reaches into.
+FlatBox Around(const Area& area, double width_mm) {
+  const Vec2 width = Vec2::Constant(width_mm);
+  return {area.min_mm - width, area.max_mm + width};
+}
+
+/// Infinite when the areas are farther apart than width_mm.
+EdgeGap GapBetween(const Area& first, const Area& second, double width_mm) {
   EdgeGap narrowest{std::numeric_limits<double>::infinity(), Vec2::Zero(), Vec2::Zero()};
-  for (const Edge& a : first.edges) {
-    for (const Edge& b : second.edges) {
-      const EdgeGap gap = GapBetween(a, b);
+  const auto seconds = EdgesNear(second, Around(first, width_mm));
+  for (const std::uint32_t a : EdgesNear(first, Around(second, width_mm))) {
+    for (const std::uint32_t b : seconds) {
+      const EdgeGap gap = GapBetween(first.edges[a], second.edges[b]);
       if (gap.distance_mm < narrowest.distance_mm) narrowest = gap;
     }
   }
@@ -87,8 +96,10 @@ Result<std::vector<Gap>> NarrowGaps(std::span<const Element> elements,
                                     std::span<const std::uint32_t> groups,
                                     double width_mm) {
   std::vector<Area> areas;
+  const std::vector<std::uint32_t> firsts = FirstsOfEqual(elements);
   for (std::uint32_t k = 0; k < elements.size(); ++k)
-    INTAGLIO_TRY(AppendGrown(elements[k], k, 0, Corners::kRound, areas));
+    if (firsts[k] == k)
+      INTAGLIO_TRY(AppendGrown(elements[k], k, 0, Corners::kRound, areas));
   std::vector<FlatBox> boxes;
   for (const Area& area : areas) boxes.push_back({area.min_mm, area.max_mm});
   std::map<std::pair<std::uint32_t, std::uint32_t>, Gap> narrowest;
@@ -96,7 +107,7 @@ Result<std::vector<Gap>> NarrowGaps(std::span<const Element> elements,
     const std::uint32_t a = areas[pair.first].element;
     const std::uint32_t b = areas[pair.second].element;
     if (groups[a] == groups[b]) continue;
-    const EdgeGap gap = GapBetween(areas[pair.first], areas[pair.second]);
+    const EdgeGap gap = GapBetween(areas[pair.first], areas[pair.second], width_mm);
     if (gap.distance_mm >= width_mm) continue;
     const Gap found{std::min(a, b), std::max(a, b), gap.distance_mm,
                     0.5 * (gap.on_first_mm + gap.on_second_mm)};

@@ -33,13 +33,14 @@ struct IsolationPass {
 struct Isolation {
   std::vector<IsolationPass> passes;  ///< the nearest to the copper first
   std::uint32_t net_count = 0;        ///< groups of elements that touch
-  double width_mm = 0;                ///< that is cut around the copper
+  std::uint32_t piece_count = 0;  ///< that the tool leaves: each has groups of one net
+  double width_mm = 0;            ///< that is cut around the copper
 };
 
 /// Elements with round corners, so that offsets are distances. Errors as of Unite;
-/// besides kInvalidValue for an option outside its range, and kUnsupported when nets are
-/// nearer to each other than the tool is wide: "cannot isolate A from B: gap 0.18 < tool
-/// 0.20", each with its place.
+/// besides kInvalidValue for an option outside its range, and kUnsupported when groups
+/// that do not have one net's name are nearer to each other than the tool is wide:
+/// "cannot isolate A from B: gap 0.18 < tool 0.20", each with its place.
 Result<Isolation> Isolate(std::span<const Element> elements,
                           const IsolationOptions& options);
 

@@ -22,14 +22,16 @@ class BoxGrid {
     }
     const double count = static_cast<double>(boxes.size());
     origin_ = min - Vec2::Constant(margin);
-    extent_ = max - origin_ + Vec2::Constant(margin);
+    const Vec2 extent = max + Vec2::Constant(margin) - origin_;
     cell_ = std::max(size / count, 1e-3);
-    while (extent_.x() / cell_ * (extent_.y() / cell_) > 4 * count + 64 ||
+    while (extent.x() / cell_ * (extent.y() / cell_) > 4 * count + 64 ||
            EntryCount() > kMaxEntriesPerBox * count) {
       cell_ *= 1.5;
     }
-    columns_ = static_cast<std::size_t>(extent_.x() / cell_) + 1;
-    rows_ = static_cast<std::size_t>(extent_.y() / cell_) + 1;
+    // By the expression that places the boxes: any other one rounds otherwise, and a box
+    // whose end lies on a line of the grid would reach beyond the last cell.
+    columns_ = Column(max.x() + margin) + 1;
+    rows_ = Row(max.y() + margin) + 1;
     Fill();
   }
 
@@ -101,7 +103,6 @@ class BoxGrid {
   std::span<const FlatBox> boxes_;
   double margin_;
   Vec2 origin_;
-  Vec2 extent_;
   double cell_ = 1;
   std::size_t columns_ = 0;
   std::size_t rows_ = 0;

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <utility>
 
 #include "engrave/contour/crossings.h"
+#include "engrave/contour/edge_tree.h"
 #include "engrave/contour/near_pairs.h"
 
 namespace intaglio::contour {
@@ -14,17 +17,6 @@ namespace {
 
 constexpr double kMinArea_mm2 = 1e-9;
 constexpr double kShared_mm = 1e-7;
-
-FlatBox BoxOf(const Edge& edge) {
-  FlatBox box{edge.begin_mm.cwiseMin(edge.end_mm), edge.begin_mm.cwiseMax(edge.end_mm)};
-  if (!edge.is_arc()) return box;
-  const Vec2 middle = PointAt(edge, edge.length_mm / 2);
-  const Vec2 reach =
-      Vec2::Constant(2 * edge.radius_mm * std::sin(std::abs(edge.sweep_rad) / 4));
-  box.min_mm = box.min_mm.cwiseMin(middle - reach);
-  box.max_mm = box.max_mm.cwiseMax(middle + reach);
-  return box;
-}
 
 /// The edges of all loops, each with the one behind it.
 struct Ring {
@@ -45,6 +37,39 @@ Ring AllEdges(const std::vector<Edges>& loops) {
   return ring;
 }
 
+bool IsEnd(const Edge& edge, const Vec2& place) {
+  return (place - edge.begin_mm).norm() < kVertex_mm ||
+         (place - edge.end_mm).norm() < kVertex_mm;
+}
+
+/// Loops that meet in a corner of both have an inside all the same.
+bool AreCornersOfBoth(const Edge& a, const Edge& b, const Vec2& place) {
+  return IsEnd(a, place) && IsEnd(b, place);
+}
+
+/// A loop that comes back to a corner is several: from each corner back to it.
+std::vector<Edges> DividedAtCorners(const Edges& loop) {
+  using Corner = std::pair<double, double>;
+  const auto corner_of = [](const Vec2& place) { return Corner(place.x(), place.y()); };
+  std::vector<Edges> loops;
+  Edges open;
+  std::map<Corner, std::size_t> begins;  // of the edges of `open`
+  for (const Edge& edge : loop) {
+    begins.emplace(corner_of(edge.begin_mm), open.size());
+    open.push_back(edge);
+    const auto back = begins.find(corner_of(edge.end_mm));
+    if (back == begins.end()) continue;
+    const std::size_t first = back->second;
+    loops.emplace_back(open.begin() + static_cast<std::ptrdiff_t>(first), open.end());
+    for (std::size_t k = first; k < open.size(); ++k)
+      begins.erase(corner_of(open[k].begin_mm));
+    open.resize(first);
+  }
+  // Ends that agree to 1 um only: as it is.
+  if (!open.empty()) return {loop};
+  return loops;
+}
+
 /// Where two edges of one outline touch although they should not.
 std::optional<Vec2> Contact(const Ring& ring, const Pair& pair) {
   const Edge& a = ring.edges[pair.first];
@@ -60,6 +85,7 @@ std::optional<Vec2> Contact(const Ring& ring, const Pair& pair) {
     };
     if (ring.next[pair.first] == pair.second && is_joint(a.end_mm, b.begin_mm)) continue;
     if (ring.next[pair.second] == pair.first && is_joint(b.end_mm, a.begin_mm)) continue;
+    if (AreCornersOfBoth(a, b, p)) continue;
     return p;
   }
   return std::nullopt;
@@ -76,30 +102,36 @@ tl::unexpected<Error> Wrong(const std::string& what, const Vec2& at) {
 }  // namespace
 
 // Parity of the polygon of all chords, and of the segments between chords and arcs.
+bool CountsInLoops(const Edge& e, const Vec2& p) {
+  const double side = Cross(e.end_mm - e.begin_mm, p - e.begin_mm);
+  const bool up = e.end_mm.y() > e.begin_mm.y();
+  const bool of_polygon =
+      (e.begin_mm.y() <= p.y()) != (e.end_mm.y() <= p.y()) && (side > 0) == up;
+  if (!e.is_arc()) return of_polygon;
+  // Of an arc that turns left the segment lies to the right of the chord. A point on
+  // the chord is to the right of it, as for the polygon, which takes a point at the
+  // height of a corner to be above it.
+  const bool above = e.begin_mm.y() == e.end_mm.y() && e.end_mm.x() > e.begin_mm.x();
+  const bool right = side < 0 || (side == 0 && !above);
+  if (e.begin_mm != e.end_mm && right != (e.sweep_rad > 0)) return of_polygon;
+  return of_polygon != ((p - e.center_mm).squaredNorm() < e.radius_mm * e.radius_mm);
+}
+
 bool IsInLoops(const Edges& edges, const Vec2& p) {
   bool inside = false;
-  for (const Edge& e : edges) {
-    const double side = Cross(e.end_mm - e.begin_mm, p - e.begin_mm);
-    const bool up = e.end_mm.y() > e.begin_mm.y();
-    if ((e.begin_mm.y() <= p.y()) != (e.end_mm.y() <= p.y()) && (side > 0) == up)
-      inside = !inside;
-    if (!e.is_arc()) continue;
-    // Of an arc that turns left the segment lies to the right of the chord. A point on
-    // the chord is to the right of it, as for the polygon, which takes a point at the
-    // height of a corner to be above it.
-    const bool above = e.begin_mm.y() == e.end_mm.y() && e.end_mm.x() > e.begin_mm.x();
-    const bool right = side < 0 || (side == 0 && !above);
-    if (e.begin_mm != e.end_mm && right != (e.sweep_rad > 0)) continue;
-    if ((p - e.center_mm).squaredNorm() < e.radius_mm * e.radius_mm) inside = !inside;
-  }
+  for (const Edge& edge : edges) inside ^= CountsInLoops(edge, p);
   return inside;
 }
 
-Result<std::vector<Edges>> OrientedLoops(const std::vector<Edges>& loops) {
+Result<std::vector<Edges>> OrientedLoops(const std::vector<Edges>& drawn) {
+  std::vector<Edges> loops;
+  for (const Edges& loop : drawn) {
+    for (Edges& part : DividedAtCorners(loop)) loops.push_back(std::move(part));
+  }
   const Ring ring = AllEdges(loops);
   if (ring.edges.empty()) return Fail(ErrorCode::kInvalidValue, "has no edges");
   std::vector<FlatBox> boxes;
-  for (const Edge& edge : ring.edges) boxes.push_back(BoxOf(edge));
+  for (const Edge& edge : ring.edges) boxes.push_back(FlatBoxOf(edge));
   for (const Pair& pair : NearPairs(boxes, kVertex_mm)) {
     if (const auto place = Contact(ring, pair))
       return Wrong("crosses or touches itself", *place);
@@ -112,7 +144,8 @@ Result<std::vector<Edges>> OrientedLoops(const std::vector<Edges>& loops) {
       return Wrong("has a loop without an area", loop[0].begin_mm);
     bool is_hole = false;
     for (const Edges& other : loops) {
-      if (&other != &loop && !other.empty() && IsInLoops(other, loop[0].begin_mm))
+      if (&other != &loop && !other.empty() &&
+          IsInLoops(other, PointAt(loop[0], loop[0].length_mm / 2)))
         is_hole = !is_hole;
     }
     oriented.push_back(loop);

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "engrave/contour/area.h"
+#include "engrave/contour/equal_elements.h"
 #include "engrave/contour/fragments.h"
 #include "engrave/contour/near_pairs.h"
 #include "engrave/contour/union_proof.h"
@@ -84,10 +85,11 @@ Contour MakeContour(std::span<const Area> areas, const Remains& remains,
 }
 
 /// Groups of elements, numbered in their order: the areas of one element belong together.
+/// An element that is drawn again has the areas of its first.
 void NumberGroups(std::span<const Area> areas, std::span<const std::uint32_t> of_areas,
-                  std::size_t element_count, Union& result) {
+                  std::span<const std::uint32_t> firsts, Union& result) {
   Groups joined(areas.size());
-  std::vector<std::uint32_t> area_of(element_count, UINT32_MAX);
+  std::vector<std::uint32_t> area_of(firsts.size(), UINT32_MAX);
   for (std::uint32_t a = 0; a < areas.size(); ++a) {
     joined.Join(a, of_areas[a]);
     std::uint32_t& first = area_of[areas[a].element];
@@ -97,8 +99,8 @@ void NumberGroups(std::span<const Area> areas, std::span<const std::uint32_t> of
       joined.Join(first, a);
   }
   std::vector<std::uint32_t> numbers(areas.size(), UINT32_MAX);
-  for (const std::uint32_t area : area_of) {
-    std::uint32_t& number = numbers[joined.Find(area)];
+  for (const std::uint32_t first : firsts) {
+    std::uint32_t& number = numbers[joined.Find(area_of[first])];
     if (number == UINT32_MAX) number = result.group_count++;
     result.groups.push_back(number);
   }
@@ -114,10 +116,12 @@ tl::unexpected<Error> Refuse(const Refusal& refusal, const Element& element) {
 }
 
 Result<std::vector<Area>> GrownAreas(std::span<const Element> elements,
+                                     std::span<const std::uint32_t> firsts,
                                      const UnionOptions& options) {
   std::vector<Area> areas;
   areas.reserve(elements.size());
   for (std::uint32_t k = 0; k < elements.size(); ++k) {
+    if (firsts[k] != k) continue;
     INTAGLIO_TRY(
         AppendGrown(elements[k], k, options.tool_radius_mm, options.corners, areas));
   }
@@ -133,7 +137,8 @@ Result<Union> Unite(std::span<const Element> elements, const UnionOptions& optio
         fmt::format("the tool's radius {} mm is not within 0 .. {} mm; correct it",
                     options.tool_radius_mm, kMaxRadius_mm));
   const std::vector<Element> rounded = INTAGLIO_TRY(Rounded(elements));
-  const std::vector<Area> areas = INTAGLIO_TRY(GrownAreas(rounded, options));
+  const std::vector<std::uint32_t> firsts = FirstsOfEqual(rounded);
+  const std::vector<Area> areas = INTAGLIO_TRY(GrownAreas(rounded, firsts, options));
   std::vector<FlatBox> boxes;
   boxes.reserve(areas.size());
   for (const Area& area : areas) boxes.push_back({area.min_mm, area.max_mm});
@@ -147,7 +152,7 @@ Result<Union> Unite(std::span<const Element> elements, const UnionOptions& optio
         result.contours.push_back(MakeContour(areas, attempt.remains, chained));
         result.area_mm2 += result.contours.back().area_mm2;
       }
-      NumberGroups(areas, attempt.groups, rounded.size(), result);
+      NumberGroups(areas, attempt.groups, firsts, result);
       return result;
     }
     if (!first) first = attempt.refusal;

@@ -32,6 +32,18 @@ std::string PartName(const std::string& name, std::size_t part) {
   return part == 0 ? name : fmt::format("{}_{}", name, part + 1);
 }
 
+Status RequireName(const Template& program, const std::string& name,
+                   std::size_t part_count) {
+  const auto max = static_cast<std::size_t>(program.SettingOf("max-name", kMaxName.max));
+  const std::string longest = PartName(name, part_count > 0 ? part_count - 1 : 0);
+  if (longest.size() <= max) return {};
+  return Fail(ErrorCode::kInvalidValue,
+              fmt::format("{}: the program's name {} has {} characters, and this "
+                          "controller takes {}; give --out a shorter file name",
+                          program.file, longest, longest.size(), max),
+              longest);
+}
+
 Status RequireSuited(const Template& program, const TemplateRules& rules,
                      const Cutting& cutting) {
   for (const std::string& variable : cutting.given) {

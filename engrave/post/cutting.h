@@ -14,6 +14,7 @@
 //   DIAMETER   of the tool, mm
 // Common settings:
 //   origin-x origin-y   subtracted from every place, mm (Siwiec 2016, ch. 4)
+//   max-name            most characters of a program's name, else it is refused, 1..255
 //   max-bytes           maximum size of a program; a longer one is divided, 200..1e9
 
 #include <algorithm>
@@ -82,5 +83,12 @@ constexpr auto WithCommon(const std::array<std::string_view, kCount>& others) {
 inline constexpr SettingRule kOriginX{"origin-x", -10000, 10000};
 inline constexpr SettingRule kOriginY{"origin-y", -10000, 10000};
 inline constexpr SettingRule kMaxBytes{"max-bytes", 200, 1e9};
+inline constexpr SettingRule kMaxName{"max-name", 1, 255};
+
+/// kInvalidValue where the name of the last of so many parts is longer than the
+/// template's max-name: the controller would not load it, and a file that has another
+/// name than its program neither.
+Status RequireName(const Template& program, const std::string& name,
+                   std::size_t part_count);
 
 }  // namespace intaglio::post

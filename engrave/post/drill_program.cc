@@ -18,7 +18,7 @@ constexpr FragmentRule kDrillFragments[] = {{"start", false, kToolVariables},
                                             {"cycle", true, kHoleVariables, kHolePlace},
                                             {"tool-change", false, kToolVariables},
                                             {"end", false, kToolVariables}};
-constexpr SettingRule kDrillSettings[] = {kOriginX, kOriginY, kMaxBytes};
+constexpr SettingRule kDrillSettings[] = {kOriginX, kOriginY, kMaxBytes, kMaxName};
 constexpr TemplateRules kDrillRules{kDrillFragments, kDrillSettings};
 enum { kDrillStart, kDrillCycle, kDrillToolChange, kDrillEnd };
 
@@ -129,7 +129,9 @@ Result<ProgramTexts> DrillPrograms(const Template& program,
       static_cast<std::size_t>(program.SettingOf("max-bytes", kMaxBytes.max));
   DrillWriter writer(program, cutting, whole_origin_mm, max_bytes.value_or(by_template));
   for (const DrillRound& round : rounds) INTAGLIO_TRY(writer.Add(round));
-  return writer.Take();
+  ProgramTexts texts = writer.Take();
+  INTAGLIO_TRY(RequireName(program, ProgramName(cutting.name), texts.size()));
+  return texts;
 }
 
 }  // namespace intaglio::post

@@ -10,6 +10,7 @@
 
 #include "engrave/core/try.h"
 #include "engrave/post/tab_parts.h"
+#include "engrave/post/written_arc.h"
 
 namespace intaglio::post {
 namespace {
@@ -33,6 +34,7 @@ constexpr FragmentRule kMillFragments[] = {{"start", false, kCommonVariables},
 constexpr SettingRule kMillSettings[] = {kOriginX,
                                          kOriginY,
                                          kMaxBytes,
+                                         kMaxName,
                                          {"tool-radius", 0, 50},
                                          {"chord", 1e-4, 1},
                                          {"axis-x", -10000, 10000},
@@ -58,6 +60,16 @@ bool Determines(const Template& program, std::size_t fragment) {
   const bool center = uses("I") && uses("J");
   return (end && (center || uses("CR") || (uses("AX") && uses("AY")))) ||
          (uses("P") && (center || (end && uses("R"))));
+}
+
+/// What the arcs of this template write; both directions determine the same.
+ArcVariables ArcVariablesOf(const Template& program) {
+  const auto uses = [&](std::string_view variable) {
+    return UsesVariable(program, kMillRules, kMillClockwise, variable) ||
+           UsesVariable(program, kMillRules, kMillCounterClockwise, variable);
+  };
+  return {uses("X") && uses("Y"), uses("I") && uses("J"), uses("AX") && uses("AY"),
+          uses("P")};
 }
 
 /// Writes programs part by part.
@@ -265,15 +277,19 @@ Result<ProgramTexts> MillPrograms(const Template& program,
   const bool chords = options.chords || program.fragments[kMillClockwise].pieces.empty();
   const double tolerance_mm =
       options.chord_tolerance_mm.value_or(program.SettingOf("chord", kDefaultChordMm));
+  const ArcVariables arcs = ArcVariablesOf(program);
   MillWriter writer(program, cutting, origin_mm, max_bytes);
   for (const ToolPath& path : paths) {
-    const ToolPath made = chords ? Chorded(path, tolerance_mm) : path;
+    const ToolPath made = chords ? Chorded(path, tolerance_mm)
+                                 : WritablePath(path, program, arcs, origin_mm);
     for (std::size_t pass = 0; pass < cutting.depths_mm.size(); ++pass) {
       for (const PathPart& part : PartsOfPass(made, cutting, pass))
         INTAGLIO_TRY(writer.Add(part.path, part.depth_mm));
     }
   }
-  return writer.Take();
+  ProgramTexts texts = writer.Take();
+  INTAGLIO_TRY(RequireName(program, ProgramName(cutting.name), texts.size()));
+  return texts;
 }
 
 Status RequireReachableOnLathe(std::span<const ToolPath> paths, const Vec2& axis_mm,

@@ -54,9 +54,13 @@ void AddEdge(const contour::Edge& edge, double tolerance_mm, ToolPath& path) {
 
 contour::Edge EdgeOf(const WorkMove& move, const Vec2& begin_mm) {
   if (move.kind == WorkKind::kLine) return contour::MakeLine(begin_mm, move.end_mm);
-  return contour::MakeArcBetween(begin_mm, move.end_mm,
-                                 begin_mm + move.center_from_begin_mm,
-                                 move.kind == WorkKind::kCounterClockwise);
+  const contour::Edge arc =
+      contour::MakeArcBetween(begin_mm, move.end_mm, begin_mm + move.center_from_begin_mm,
+                              move.kind == WorkKind::kCounterClockwise);
+  // Ends that agree to the rounding of doubles are a whole turn only if it is one.
+  if (std::abs(std::abs(arc.sweep_rad) - move.sweep_rad) > 1)
+    return contour::MakeLine(begin_mm, move.end_mm);
+  return arc;
 }
 
 double AxisSpeedAt(const Vec2& place_mm, const Vec2& direction, double speed_mm_s) {

@@ -12,6 +12,9 @@
 namespace intaglio::replayer {
 namespace {
 
+/// 30 years: no clock overflows, whatever times a file has.
+constexpr double kLongestWaitNs = 1e18;
+
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
@@ -143,8 +146,9 @@ PlayReport Player::Play(const PlayOptions& options, const PlayHooks& hooks) {
   const auto began = Clock::now();
   const auto due = [&](std::uint64_t log_time_ns) {
     if (options.by_credit) return began;
-    return began + std::chrono::nanoseconds(static_cast<std::int64_t>(
-                       static_cast<double>(log_time_ns - start_ns) / options.rate));
+    const double after_ns = static_cast<double>(log_time_ns - start_ns) / options.rate;
+    return began + std::chrono::nanoseconds(
+                       static_cast<std::int64_t>(std::min(after_ns, kLongestWaitNs)));
   };
   for (;;) {
     const auto message = cursor.Next();
@@ -164,8 +168,10 @@ PlayReport Player::Play(const PlayOptions& options, const PlayHooks& hooks) {
       ++(channel.stream.repeated ? report.restored_count : report.played_count);
   }
   // Silence at the end is part of it.
-  report.whole =
-      WaitUntil(due(std::max(start_ns, std::min(options.to_ns, EndOf(reader_)))), hooks);
+  report.whole = WaitUntil(
+      due(std::max(start_ns,
+                   std::min(options.to_ns.value_or(EndOf(reader_)), EndOf(reader_)))),
+      hooks);
   return report;
 }
 

@@ -8,8 +8,8 @@
 
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,7 +22,8 @@ namespace intaglio::replayer {
 
 struct PlayOptions {
   std::uint64_t from_ns = 0;  ///< log time, included; before it only what is retained
-  std::uint64_t to_ns = std::numeric_limits<std::uint64_t>::max();  ///< not included
+  /// Not included; absent: to the end.
+  std::optional<std::uint64_t> to_ns = std::nullopt;
   double rate = 1;         ///< times real time, above 0
   bool by_credit = false;  ///< as fast as consumers give credit; the rate does not count
 };

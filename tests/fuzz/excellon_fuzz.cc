@@ -11,7 +11,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   using intaglio::Require;
   intaglio::contour::ExcellonOptions options;
   options.max_holes = 10'000;
-  if (size > 0 && bytes[0] % 2 == 1) options.zeros = intaglio::contour::Zeros::kTrailing;
+  if (size > 0 && bytes[0] % 2 == 1) options.units = "INCH,TZ";
   const auto file = intaglio::contour::ReadExcellon(
       std::string_view(reinterpret_cast<const char*>(bytes), size), "a.drl", options);
   if (!file) {

@@ -3,42 +3,37 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <map>
+#include <optional>
 
+#include "engrave/contour/files/excellon_arc.h"
+#include "engrave/contour/files/excellon_numbers.h"
+#include "engrave/contour/files/excellon_pattern.h"
+#include "engrave/contour/files/excellon_terms.h"
 #include "engrave/core/try.h"
 #include "engrave/io/number_text.h"
 
 namespace intaglio::contour {
 namespace {
 
-constexpr double kInch_mm = 25.4;
-constexpr double kMax_mm = 10'000;
 constexpr int kMaxRepeats = 10'000;
-
-bool IsOfNumber(char c) {
-  return (c >= '0' && c <= '9') || c == '.' || c == '+' || c == '-';
-}
-
-/// Letters with numbers: "X1Y2" is X 1, Y 2. A letter may have none.
-struct Term {
-  char letter = 0;
-  std::string_view number;
-};
 
 class ExcellonReader {
  public:
   ExcellonReader(std::string_view text, std::string_view name,
                  const ExcellonOptions& options)
-      : text_(text),
-        name_(name),
-        options_(options),
-        zeros_(options.zeros),
-        unit_mm_(options.unit_mm) {}
+      : text_(text), name_(name), options_(options) {}
 
   Result<DrillFile> Read() {
     if (text_.size() > options_.max_file_bytes)
       return Wrong(ErrorCode::kTooLarge,
                    fmt::format("the file has {} bytes, the limit is {}; divide it",
                                text_.size(), options_.max_file_bytes));
+    if (!options_.units.empty()) {
+      if (auto read = numbers_.ReadUnits(options_.units); !read)
+        return Fail(read.error().code, "--drill-units: " + read.error().message,
+                    options_.units);
+    }
     for (std::size_t at = 0; at < text_.size() && !ended_;) {
       const std::size_t end = std::min(text_.find_first_of("\r\n", at), text_.size());
       INTAGLIO_TRY(ReadLine(text_.substr(at, end - at)));
@@ -47,6 +42,9 @@ class ExcellonReader {
         ++line_number_;
       at = end + 1;
     }
+    if (pattern_.IsOpen())
+      return Wrong(ErrorCode::kInvalidValue,
+                   "a pattern begins with M25 and does not end with M01; correct it");
     if (!known_)
       return Wrong(ErrorCode::kUnreadable,
                    "the file has neither a header (M48) nor a tool; it is no drill file");
@@ -60,12 +58,28 @@ class ExcellonReader {
                 std::string(value.substr(0, 80)));
   }
 
+  /// With file and line, of an error without a place.
+  tl::unexpected<Error> Placed(const Error& error) const {
+    return Wrong(error.code, error.message, error.value);
+  }
+  Status Placed(const Status& done) const {
+    return done ? done : Status{Placed(done.error())};
+  }
+  tl::unexpected<Error> NotObeyed(std::string_view command, std::string_view line) const {
+    return Wrong(ErrorCode::kUnsupported,
+                 fmt::format("{} would move holes and is not obeyed; export the file "
+                             "without it",
+                             command),
+                 line);
+  }
+
   Status ReadLine(std::string_view line) {
     while (!line.empty() && (line.back() == ' ' || line.back() == '\t'))
       line.remove_suffix(1);
     while (!line.empty() && (line.front() == ' ' || line.front() == '\t'))
       line.remove_prefix(1);
-    if (line.empty() || line.front() == ';' || line.front() == '/') return {};
+    if (line.empty() || line.front() == '/') return {};
+    if (line.front() == ';') return Placed(numbers_.ReadComment(line));
     if (line == "M48") {
       known_ = in_header_ = true;
       return {};
@@ -74,67 +88,40 @@ class ExcellonReader {
       in_header_ = false;
       return {};
     }
-    if (line.starts_with("METRIC") || line.starts_with("INCH")) return ReadUnits(line);
+    if (line.starts_with("METRIC") || line.starts_with("INCH"))
+      return Placed(numbers_.ReadUnits(line));
     if (line.starts_with("ICI")) {
       incremental_ = line.find("ON") != std::string_view::npos;
       return {};
     }
-    if (line.starts_with("M47")) return LeaveOut("M47");
+    for (const char* code : {"FMAT", "VER", "DETECT", "ATC", "TCST", "M47"})
+      if (line.starts_with(code)) return {};
     if (in_header_ && line.front() != 'T' && line.front() != 'M' && line.front() != 'G')
       return LeaveOut(line.substr(0, line.find(',')));
-    if (line.starts_with("TCST")) return LeaveOut("TCST");
     return ReadCommand(line);
   }
 
   Status LeaveOut(std::string_view command) {
-    ++file_.left_out[std::string(command.substr(0, 16))];
-    return {};
-  }
-
-  /// METRIC or INCH, then LZ, TZ or digits as 000.000, in any order.
-  Status ReadUnits(std::string_view line) {
-    unit_mm_ = line.front() == 'M' ? 1 : kInch_mm;
-    for (std::size_t comma = line.find(','); comma != std::string_view::npos;
-         comma = line.find(',', comma + 1)) {
-      const std::size_t end = line.find(',', comma + 1);
-      const std::string_view field = line.substr(comma + 1, end - comma - 1);
-      const std::size_t point = field.find('.');
-      if (field == "LZ" || field == "TZ") {
-        zeros_ = field == "LZ" ? Zeros::kLeading : Zeros::kTrailing;
-      } else if (point != std::string_view::npos && field.size() <= 12 &&
-                 field.find_first_not_of("0.") == std::string_view::npos) {
-        digits_ = {static_cast<int>(point), static_cast<int>(field.size() - point) - 1};
-      } else {
-        return Wrong(ErrorCode::kUnreadable,
-                     "expected LZ, TZ or digits such as 000.000; correct the header",
-                     field);
-      }
-    }
+    file_.findings.Add({std::string(command), fmt::format("line {}", line_number_), "", 1,
+                        0, Effect::kLost});
     return {};
   }
 
   Status ReadCommand(std::string_view line) {
-    std::vector<Term> terms;
-    for (std::size_t at = 0; at < line.size();) {
-      Term term{line[at], {}};
-      std::size_t end = ++at;
-      while (end < line.size() && IsOfNumber(line[end])) ++end;
-      term.number = line.substr(at, end - at);
-      if (term.letter < 'A' || term.letter > 'Z' || terms.size() == 16)
-        return Wrong(ErrorCode::kUnreadable,
-                     "expected a command of Excellon such as T1 or X1.5Y2; the file is "
-                     "damaged or of another kind",
-                     line);
-      terms.push_back(term);
-      at = end;
-    }
+    const std::vector<Term> terms = TermsOf(line);
+    if (terms.empty())
+      return Wrong(ErrorCode::kUnreadable,
+                   "expected a command of Excellon such as T1 or X1.5Y2; the file is "
+                   "damaged or of another kind",
+                   line);
     switch (terms[0].letter) {
       case 'T':
         return ReadTool(terms, line);
       case 'M':
-        return ReadMachineCode(terms[0], line);
+        return ReadMachineCode(terms, line);
       case 'R':
-        return Repeat(terms, line);
+        return terms.size() > 1 && terms[1].letter == 'M' ? RepeatPattern(terms, line)
+                                                          : Repeat(terms, line);
       default:
         return ReadMove(terms, line);
     }
@@ -150,62 +137,62 @@ class ExcellonReader {
     tool_ = static_cast<int>(*number);
     for (const Term& term : terms) {
       if (term.letter != 'C') continue;
-      if (!unit_mm_) return UnitsMissing();
-      const auto diameter = io::ParseFinite(term.number);
-      if (!diameter || !(*diameter > 0) || *diameter * *unit_mm_ > kMax_mm)
+      const auto diameter = numbers_.Diameter(term.number);
+      if (!diameter && diameter.error().code == ErrorCode::kMissing)
+        return Placed(diameter.error());
+      if (!diameter || !(*diameter > 0))
         return Wrong(ErrorCode::kInvalidValue,
                      "expected a positive diameter behind C; correct it", line);
-      tools_[tool_] = *diameter * *unit_mm_;
+      tools_[tool_] = *diameter;
     }
     return {};
   }
 
-  Status ReadMachineCode(const Term& term, std::string_view line) {
-    if (term.number == "71" || term.number == "72") {
-      unit_mm_ = term.number == "71" ? 1 : kInch_mm;
-    } else if (term.number == "15") {
+  Status ReadMachineCode(const std::vector<Term>& terms, std::string_view line) {
+    const double code = io::ParseFinite(terms[0].number).value_or(-1);
+    if (code == 71 || code == 72) {
+      numbers_.SetUnit(code == 71 ? 1 : 25.4);
+    } else if (code == 15) {
       down_ = true;
-    } else if (term.number == "16" || term.number == "17") {
+    } else if (code == 16 || code == 17) {
       down_ = false;
-    } else if (term.number == "30" || term.number == "00" || term.number == "0") {
+    } else if (code == 30 || code == 0) {
       ended_ = known_;
-    } else {
-      return LeaveOut(line);
+    } else if (code == 25) {
+      return Placed(pattern_.Begin(file_));
+    } else if (code == 1) {
+      return Placed(pattern_.End(file_));
+    } else if (code == 2) {
+      return RepeatPattern(terms, line);
+    } else if (code == 8) {
+      pattern_.Finish();
+    } else if (code == 70 || code == 80 || code == 90) {
+      return NotObeyed(code == 70 ? "M70 (axes exchanged)" : "a mirrored image", line);
+    } else if (code != 6 && code != 9) {  // stops of the operator move nothing
+      return LeaveOut(line.substr(0, 1 + terms[0].number.size()));
     }
     return {};
   }
 
-  tl::unexpected<Error> UnitsMissing() const {
-    return Wrong(
-        ErrorCode::kMissing,
-        "the file declares neither METRIC nor INCH before it has a length; export "
-        "it with units, or give the unit");
+  /// M02X5.0Y0.0 or, so many times, R2M02X5.0Y0.0: the pattern again, each time farther.
+  Status RepeatPattern(const std::vector<Term>& terms, std::string_view line) {
+    int count = 1;
+    Vec2 step = Vec2::Zero();
+    for (const Term& term : terms) {
+      if (term.letter == 'X' || term.letter == 'Y')
+        step[term.letter == 'Y'] = INTAGLIO_TRY(Length(term.number));
+      else if (term.letter == 'R')
+        count = INTAGLIO_TRY(CountOf(term, line));
+      else if (term.letter != 'M' || io::ParseFinite(term.number) != 2)
+        return NotObeyed("a pattern that is mirrored or turned", line);
+    }
+    return Placed(pattern_.Repeat(count, step, options_.max_holes, file_));
   }
 
   Result<double> Length(std::string_view number) const {
-    if (!unit_mm_) return UnitsMissing();
-    auto value = io::ParseFinite(number);
-    if (value && number.find('.') == std::string_view::npos) {
-      if (!zeros_)
-        return Wrong(
-            ErrorCode::kMissing,
-            "a coordinate has no decimal point and the header declares neither LZ "
-            "nor TZ; export with decimal points, or give which zeros are left out",
-            number);
-      const auto [before, behind] = Digits();
-      const bool sign = number.front() == '-' || number.front() == '+';
-      const int count = static_cast<int>(number.size()) - (sign ? 1 : 0);
-      const int shift = *zeros_ == Zeros::kLeading ? count - before : behind;
-      value = *value * std::pow(10, -shift);
-    }
-    if (value && std::abs(*value * *unit_mm_) <= kMax_mm) return *value * *unit_mm_;
-    return Wrong(ErrorCode::kInvalidValue,
-                 fmt::format("expected a length of at most {} mm; correct it", kMax_mm),
-                 number);
-  }
-  std::pair<int, int> Digits() const {
-    if (digits_.first + digits_.second > 0) return digits_;
-    return *unit_mm_ == 1 ? std::pair(3, 3) : std::pair(2, 4);
+    auto length = numbers_.Length(number);
+    if (length) return length;
+    return Placed(length.error());
   }
 
   Result<double> ToolDiameter() const {
@@ -223,9 +210,9 @@ class ExcellonReader {
     double& axis = term.letter == 'X' ? place.x() : place.y();
     const double length = INTAGLIO_TRY(Length(term.number));
     axis = incremental_ ? axis + length : length;
-    if (std::abs(axis) <= kMax_mm) return {};
+    if (std::abs(axis) <= kMaxExcellon_mm) return {};
     return Wrong(ErrorCode::kInvalidValue,
-                 fmt::format("a place is beyond {} mm; correct it", kMax_mm),
+                 fmt::format("a place is beyond {} mm; correct it", kMaxExcellon_mm),
                  term.number);
   }
 
@@ -248,10 +235,14 @@ class ExcellonReader {
           request.moves = true;
           break;
         case 'G':
-          if (term.number == "85")
+          if (term.number == "04") return {};  // a dwell, whose X is a time
+          if (term.number == "85") {
             request.slot_from = request.to;
-          else
+          } else if (term.number == "92" || term.number == "93") {
+            return ReadZeroSet(terms, line);
+          } else {
             INTAGLIO_TRY(SetMode(term.number, line));
+          }
           break;
         case 'A':
           request.radius_mm = INTAGLIO_TRY(Length(term.number));
@@ -267,7 +258,7 @@ class ExcellonReader {
         case 'S':
           break;
         default:
-          return LeaveOut(line);
+          return NotObeyed(fmt::format("{}{}", term.letter, term.number), line);
       }
     }
     return request.moves ? Execute(request) : Status{};
@@ -281,10 +272,24 @@ class ExcellonReader {
     else if (g == 0 || g == 1 || g == 2 || g == 3) {
       routing_ = true;
       motion_ = static_cast<int>(g);
-    } else if (g == 90 || g == 91)
+    } else if (g == 90 || g == 91) {
       incremental_ = g == 91;
-    else
-      return LeaveOut(line);
+    } else if (g != 40) {  // no compensation
+      return NotObeyed(fmt::format("G{}", code), line);
+    }
+    return {};
+  }
+
+  /// G93X0Y0: where the zero lies. Another one is taken differently by different
+  /// machines.
+  Status ReadZeroSet(const std::vector<Term>& terms, std::string_view line) {
+    for (const Term& term : terms) {
+      const bool axis = term.letter == 'X' || term.letter == 'Y';
+      if (!axis && term.letter != 'G') return NotObeyed("a zero set", line);
+      if (!axis) continue;
+      const double length = INTAGLIO_TRY(Length(term.number));
+      if (length != 0) return NotObeyed("a zero set elsewhere", line);
+    }
     return {};
   }
 
@@ -319,51 +324,38 @@ class ExcellonReader {
     return {};
   }
 
-  /// With a radius the shorter of the two arcs.
   Status AddArc(const Vec2& from, const Request& request) {
-    const bool left = motion_ == 3;
-    const Vec2 chord = request.to - from;
-    const double half = chord.norm() / 2;
-    Vec2 center = Vec2::Zero();
-    if (request.center_offset) {
-      center = from + *request.center_offset;
-    } else if (request.radius_mm && half > 0 && *request.radius_mm >= half * (1 - 1e-6)) {
-      const double r = *request.radius_mm;
-      const double off = std::sqrt(std::max(0.0, r * r - half * half));
-      center = from + chord / 2 + RightOf(chord.normalized()) * (left ? -off : off);
-    } else {
-      return Wrong(ErrorCode::kUnsupported,
-                   "an arc needs its radius A, at least half its chord, or I and J; "
-                   "export it again");
-    }
-    const double r = (from - center).norm();
-    if (r < 1e-6 || std::abs((request.to - center).norm() - r) > 0.01 + 1e-3 * r)
-      return Wrong(ErrorCode::kUnsupported,
-                   "the ends of an arc are not equally far from its centre; export it "
-                   "again");
-    return AddSlot(MakeArcBetween(from, request.to, center, left));
+    auto arc = ExcellonArc(from, request.to, request.center_offset, request.radius_mm,
+                           motion_ == 3);
+    return arc ? AddSlot(*arc) : Placed(arc.error());
+  }
+
+  Result<int> CountOf(const Term& term, std::string_view line) const {
+    const auto count = io::ParseFinite(term.number);
+    if (count && *count >= 1 && *count <= kMaxRepeats && *count == std::floor(*count))
+      return static_cast<int>(*count);
+    return Wrong(
+        ErrorCode::kInvalidValue,
+        fmt::format("expected a number of repeats of 1 .. {}; correct it", kMaxRepeats),
+        line);
   }
 
   /// R5X0.1: the last hole, five times more.
   Status Repeat(const std::vector<Term>& terms, std::string_view line) {
-    const auto count = io::ParseFinite(terms[0].number);
-    if (!count || *count < 1 || *count > kMaxRepeats || *count != std::floor(*count))
-      return Wrong(
-          ErrorCode::kInvalidValue,
-          fmt::format("expected a number of repeats of 1 .. {}; correct it", kMaxRepeats),
-          line);
+    const int count = INTAGLIO_TRY(CountOf(terms[0], line));
     Vec2 step = Vec2::Zero();
     for (const Term& term : terms) {
       if (term.letter == 'X' || term.letter == 'Y')
         step[term.letter == 'Y'] = INTAGLIO_TRY(Length(term.number));
     }
     const double diameter = INTAGLIO_TRY(ToolDiameter());
-    for (int k = 0; k < static_cast<int>(*count); ++k) {
+    for (int k = 0; k < count; ++k) {
       INTAGLIO_TRY(Count());
       place_ += step;
-      if (place_.cwiseAbs().maxCoeff() > kMax_mm)
+      if (place_.cwiseAbs().maxCoeff() > kMaxExcellon_mm)
         return Wrong(ErrorCode::kInvalidValue,
-                     fmt::format("a place is beyond {} mm; correct it", kMax_mm), line);
+                     fmt::format("a place is beyond {} mm; correct it", kMaxExcellon_mm),
+                     line);
       file_.holes.push_back({place_, diameter});
     }
     return {};
@@ -372,9 +364,8 @@ class ExcellonReader {
   std::string_view text_;
   std::string_view name_;
   ExcellonOptions options_;
-  std::optional<Zeros> zeros_;
-  std::optional<double> unit_mm_;
-  std::pair<int, int> digits_{0, 0};  ///< before and behind the point; 0, 0: by the unit
+  ExcellonNumbers numbers_;
+  ExcellonPattern pattern_;
   std::size_t line_number_ = 1;
   bool known_ = false;
   bool in_header_ = false;

@@ -200,8 +200,10 @@ class MacroReader {
   Status VectorLine(const std::vector<double>& n) {
     const Vec2 a(n[2], n[3]);
     const Vec2 b(n[4], n[5]);
-    if ((b - a).norm() == 0)
-      return Fail(ErrorCode::kInvalidValue, "a line of a macro has no length");
+    if ((b - a).norm() == 0) {  // its square ends, as viewers show it
+      const Vec2 h = Vec2::Constant(n[1] / 2), k(h.x(), -h.y());
+      return AddCorners({a - h, a + k, a + h, a - k}, Turn(n, 6), n[1]);
+    }
     const Vec2 side = n[1] / 2 * RightOf((b - a).normalized());
     return AddCorners({a + side, b + side, b - side, a - side}, Turn(n, 6), n[1]);
   }

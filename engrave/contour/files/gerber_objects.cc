@@ -22,13 +22,13 @@ Error GerberObjects::TooMany() const {
           {}};
 }
 
-Status GerberObjects::Add(Shape shape, const std::string& name) {
-  if (const auto* outline = std::get_if<Outline>(&shape)) {
+Status GerberObjects::Add(Element object) {
+  if (const auto* outline = std::get_if<Outline>(&object.shape)) {
     for (const Edges& loop : outline->loops) edge_count_ += loop.size();
   }
   if (objects_.size() >= limits_.max_elements || edge_count_ > 2 * limits_.max_edges)
     return tl::unexpected(TooMany());
-  objects_.push_back({std::move(shape), name});
+  objects_.push_back(std::move(object));
   are_clear_.push_back(clear_ ? 1 : 0);
   return {};
 }
@@ -43,7 +43,7 @@ Status GerberObjects::Repeat(const GerberRepeat& next) {
       for (std::size_t k = repeat_begin_; k < end; ++k) {
         const Element first = objects_[k];
         clear_ = are_clear_[k] != 0;
-        INTAGLIO_TRY(Add(Moved(first.shape, by), first.name));
+        INTAGLIO_TRY(Add({Moved(first.shape, by), first.name, first.net}));
       }
     }
   }

@@ -19,7 +19,7 @@ class GerberObjects {
   explicit GerberObjects(const GerberLimits& limits) : limits_(limits) {}
 
   void SetClear(bool clear) { clear_ = clear; }
-  Status Add(Shape shape, const std::string& name);
+  Status Add(Element object);
   /// Ends the block before: it is copied, first along y and then along x, each copy with
   /// its dark and clear objects in their order (Ucamco 2022, ch. 4.11).
   Status Repeat(const GerberRepeat& next);

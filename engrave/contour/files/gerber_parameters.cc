@@ -17,6 +17,22 @@ tl::unexpected<Error> WrongParameter(const char* sentence) {
   return Fail(ErrorCode::kInvalidValue, sentence);
 }
 
+/// Numbers, each behind one of the letters, e.g. A0.00B0, or one without a letter, that
+/// all have this value. None: the default, which is the value.
+bool AreAll(std::string_view values, std::string_view letters, double value) {
+  while (!values.empty()) {
+    if (!letters.empty()) {
+      if (letters.find(values.front()) == std::string_view::npos) return false;
+      values.remove_prefix(1);
+    }
+    const std::size_t end =
+        letters.empty() ? std::string_view::npos : values.find_first_of(letters);
+    if (io::ParseFinite(values.substr(0, end)) != value) return false;
+    values.remove_prefix(std::min(end, values.size()));
+  }
+  return true;
+}
+
 }  // namespace
 
 Result<GerberFormat> ParseGerberFormat(std::string_view block) {
@@ -79,14 +95,15 @@ Result<std::pair<int, GerberAperture>> ParseGerberAperture(std::string_view bloc
 }
 
 bool HasNoEffect(std::string_view block) {
-  if (block.starts_with("LR") || block.starts_with("LS")) {
-    const auto value = io::ParseFinite(block.substr(2));
-    return value == (block[1] == 'R' ? 0.0 : 1.0);
+  const std::string_view code = block.substr(0, 2), values = block.substr(2);
+  if (code == "LR" || code == "IR") return AreAll(values, "", 0);
+  if (code == "LS") return AreAll(values, "", 1);
+  if (code == "OF" || code == "MI") return AreAll(values, "AB", 0);
+  if (code == "SF") return AreAll(values, "AB", 1);
+  for (const char* name : {"TF", "TA", "LN", "IN"}) {
+    if (code == name) return true;
   }
-  for (const char* code : {"TF", "TA", "LN", "IN"}) {
-    if (block.starts_with(code)) return true;
-  }
-  for (const char* whole : {"IPPOS", "LMN", "ASAXBY", "MIA0B0", "OFA0B0", "IR0"}) {
+  for (const char* whole : {"IPPOS", "LMN", "ASAXBY", "ICAS"}) {
     if (block == whole) return true;
   }
   return false;

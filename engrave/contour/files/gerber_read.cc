@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "engrave/contour/files/gerber_aperture.h"
 #include "engrave/contour/files/gerber_objects.h"
@@ -17,6 +18,7 @@ namespace intaglio::contour {
 namespace {
 
 constexpr double kMaxPlace_mm = 10'000;
+constexpr std::size_t kMaxWithoutUnit = 10'000;
 
 class GerberReader {
  public:
@@ -120,10 +122,13 @@ class GerberReader {
       format_ = INTAGLIO_TRY(ParseGerberFormat(block));
     } else if (code == "MO") {
       unit_mm_ = INTAGLIO_TRY(ParseGerberUnit(block));
+      for (const std::string& earlier : std::exchange(without_unit_, {}))
+        INTAGLIO_TRY(AddAperture(earlier));
     } else if (code == "AD") {
-      const double unit = INTAGLIO_TRY(Unit());
-      auto [number, aperture] = INTAGLIO_TRY(ParseGerberAperture(block, macros_, unit));
-      apertures_[number] = std::move(aperture);
+      if (!unit_mm_ && without_unit_.size() < kMaxWithoutUnit)
+        without_unit_.push_back(block);
+      else
+        return AddAperture(block);
     } else if (code == "SR") {
       const double unit = INTAGLIO_TRY(Unit());
       const GerberRepeat repeat = INTAGLIO_TRY(ParseGerberRepeat(block, unit));
@@ -138,6 +143,14 @@ class GerberReader {
     return {};
   }
 
+  Status AddAperture(const std::string& block) {
+    if (!unit_mm_) return tl::unexpected(Unit().error());
+    auto [number, aperture] =
+        INTAGLIO_TRY(ParseGerberAperture(block, macros_, *unit_mm_));
+    apertures_[number] = std::move(aperture);
+    return {};
+  }
+
   Result<double> Unit() const {
     if (unit_mm_ && format_.digits > 0) return *unit_mm_;
     return Wrong(
@@ -149,10 +162,13 @@ class GerberReader {
   void ReadName(const std::string& block) {
     if (block.starts_with("TD")) {
       name_of_element_.clear();
+      net_.clear();
       named_by_pin_ = false;
       return;
     }
     const bool pin = block.starts_with("TO.P,");
+    // "N/C" is the net of what is connected to nothing else (Ucamco 2022, ch. 5.6.14).
+    if (block.starts_with("TO.N,")) net_ = block == "TO.N,N/C" ? "" : block.substr(5);
     if (!pin && (!block.starts_with("TO.N,") || named_by_pin_)) return;
     name_of_element_ = block.substr(5, 64);
     named_by_pin_ = pin;
@@ -337,7 +353,7 @@ class GerberReader {
   }
   tl::unexpected<Error> TooMany() const { return Wrong(objects_.TooMany(), {}); }
   Status Add(Shape shape) {
-    auto added = objects_.Add(std::move(shape), name_of_element_);
+    auto added = objects_.Add({std::move(shape), name_of_element_, net_});
     return added ? Status{} : Wrong(added.error(), {});
   }
 
@@ -350,6 +366,7 @@ class GerberReader {
   GerberFormat format_;
   std::optional<double> unit_mm_;
   GerberMacros macros_;
+  std::vector<std::string> without_unit_;  ///< apertures before the unit
   std::map<int, GerberAperture> apertures_;
   const GerberAperture* aperture_ = nullptr;
   Vec2 place_ = Vec2::Zero();
@@ -358,6 +375,7 @@ class GerberReader {
   bool single_quadrant_ = false;
   std::optional<Edges> region_;
   std::string name_of_element_;
+  std::string net_;
   bool named_by_pin_ = false;
   std::uint64_t edge_count_ = 0;  ///< of regions
   GerberObjects objects_;

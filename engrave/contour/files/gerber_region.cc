@@ -2,18 +2,85 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <utility>
+#include <vector>
+
+#include "engrave/contour/edge_tree.h"
+#include "engrave/contour/near_pairs.h"
 
 namespace intaglio::contour {
 namespace {
+
+constexpr double kShort_mm = 1e-4;
+constexpr double kOnLine_mm = 2e-5;
+constexpr double kMinArea_mm2 = 1e-9;
 
 using Node = std::array<std::int64_t, 2>;
 
 Node NodeAt(const Vec2& place) {
   return {std::llround(place.x() * 1e6), std::llround(place.y() * 1e6)};
+}
+
+/// Without lines that no layout program means, of rounding: the next begins where the one
+/// before ends.
+Edges WithoutShort(const Edges& path) {
+  Edges rest;
+  for (const Edge& edge : path) {
+    if (!edge.is_arc() && edge.length_mm < kShort_mm && !rest.empty()) continue;
+    rest.push_back(edge);
+  }
+  if (rest.size() < 3) return path;
+  for (std::size_t k = 0; k < rest.size(); ++k) {
+    Edge& edge = rest[k];
+    const Edge& next = rest[(k + 1) % rest.size()];
+    if ((edge.end_mm - next.begin_mm).norm() > 2 * kShort_mm || edge.is_arc()) continue;
+    edge = MakeLine(edge.begin_mm, next.begin_mm);
+  }
+  return rest;
+}
+
+/// Lines divided where ends of others lie on them: a line that is run back in parts, or
+/// beyond its end and back, is then run back line by line.
+Edges DividedAtEnds(const Edges& path) {
+  std::vector<FlatBox> boxes;
+  for (const Edge& edge : path) boxes.push_back(FlatBoxOf(edge));
+  std::vector<std::vector<std::pair<double, Vec2>>> cuts(path.size());
+  const auto cut = [&](std::size_t line, const Vec2& place) {
+    const Edge& edge = path[line];
+    if (edge.is_arc() || edge.length_mm == 0) return;
+    const double way = WayTo(edge, place);
+    if (way > kShort_mm && way < edge.length_mm - kShort_mm &&
+        DistanceTo(edge, place) < kOnLine_mm)
+      cuts[line].emplace_back(way, place);
+  };
+  for (const Pair& pair : NearPairs(boxes, kOnLine_mm)) {
+    for (const auto& [line, other] :
+         {std::pair(pair.first, pair.second), std::pair(pair.second, pair.first)}) {
+      cut(line, path[other].begin_mm);
+      cut(line, path[other].end_mm);
+    }
+  }
+  Edges divided;
+  for (std::size_t k = 0; k < path.size(); ++k) {
+    if (cuts[k].empty()) {
+      divided.push_back(path[k]);
+      continue;
+    }
+    std::sort(cuts[k].begin(), cuts[k].end(),
+              [](const auto& a, const auto& b) { return a.first < b.first; });
+    Vec2 at = path[k].begin_mm;
+    cuts[k].emplace_back(path[k].length_mm, path[k].end_mm);
+    for (const auto& [way, place] : cuts[k]) {
+      if (NodeAt(place) != NodeAt(at)) divided.push_back(MakeLine(at, place));
+      at = place;
+    }
+  }
+  return divided;
 }
 
 /// Lines that are not run back.
@@ -44,7 +111,7 @@ Edges WithoutCutIns(const Edges& path) {
 }  // namespace
 
 Result<Outline> RegionOutline(const Edges& path) {
-  const Edges edges = WithoutCutIns(path);
+  const Edges edges = WithoutCutIns(DividedAtEnds(WithoutShort(path)));
   std::map<Node, std::vector<std::size_t>> begins;
   for (std::size_t k = edges.size(); k-- > 0;)
     begins[NodeAt(edges[k].begin_mm)].push_back(k);
@@ -68,6 +135,8 @@ Result<Outline> RegionOutline(const Edges& path) {
       k = next.back();
     }
   }
+  std::erase_if(outline.loops,
+                [](const Edges& loop) { return std::abs(AreaOf(loop)) < kMinArea_mm2; });
   if (outline.loops.empty())
     return Fail(ErrorCode::kInvalidValue, "a region has no area; remove it");
   return outline;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "engrave/contour/files/gerber_region.h"
 #include "engrave/contour/files/kicad_shapes.h"
@@ -61,6 +62,12 @@ class KicadReader {
   }
   tl::unexpected<Error> Placed(const Error& error) const {
     return Wrong(error.code, error.message + "; save the board again");
+  }
+
+  void LeaveOut(std::string what, Effect effect = Effect::kLost,
+                std::string remedy = "draw it with tracks or polygons") {
+    board_.findings.Add({std::move(what), fmt::format("line {}", line_),
+                         std::move(remedy), 1, 0, effect});
   }
 
   /// (layers (0 "F.Cu" signal) ..): those of copper, front first.
@@ -125,10 +132,10 @@ class KicadReader {
     return bits;
   }
 
-  void Add(Shape shape, std::string name, std::string net, bool terminal,
+  void Add(Shape shape, std::string name, const std::string& net, bool terminal,
            std::uint32_t layers) {
     board_.elements.push_back(
-        {{std::move(shape), std::move(name)}, std::move(net), terminal, layers});
+        {{std::move(shape), std::move(name), net}, net, terminal, layers});
   }
 
   Status ReadSegment(const SExpression& item) {
@@ -136,7 +143,7 @@ class KicadReader {
     const Vec2 begin = origin.Of(INTAGLIO_TRY(KicadPoint(item, "start")));
     const Vec2 end = origin.Of(INTAGLIO_TRY(KicadPoint(item, "end")));
     const double width = INTAGLIO_TRY(KicadNumber(item, "width", 0));
-    std::string net = INTAGLIO_TRY(NetOf(item));
+    const std::string net = INTAGLIO_TRY(NetOf(item));
     Add(Track{begin, end, width}, net, net, false, LayersOf(item));
     return {};
   }
@@ -201,8 +208,8 @@ class KicadReader {
     }
     const auto fill = item.Find("fill");
     if (!filled && of_zone != 0 && !(fill && fill->Text(1) == "yes"))
-      return Fail(ErrorCode::kUnsupported,
-                  fmt::format("the zone of net '{}' is not filled; fill all zones", net));
+      LeaveOut(fmt::format("zone of net '{}' that is not filled", net), Effect::kLost,
+               "fill all zones and save the board");
     return {};
   }
 
@@ -231,7 +238,7 @@ class KicadReader {
     if (!outline && layers == 0) return {};
     const auto graphic = INTAGLIO_TRY(GraphicOf(item, place));
     if (!graphic) {
-      ++board_.left_out[std::string(item.name())];
+      LeaveOut(std::string(item.name()));
     } else if (outline) {
       edge_cuts_.insert(edge_cuts_.end(), graphic->edges.begin(), graphic->edges.end());
     } else {
@@ -276,7 +283,7 @@ class KicadReader {
     const std::string net = INTAGLIO_TRY(NetOf(pad));
     std::vector<std::string> left_out;
     auto shapes = INTAGLIO_TRY(PadShapes(pad, place, left_out));
-    for (const std::string& what : left_out) ++board_.left_out[what];
+    for (const std::string& what : left_out) LeaveOut(what, Effect::kChanged);
     for (Shape& shape : shapes)
       Add(std::move(shape), reference + "-" + pad.Text(1), net, true, layers);
     return {};

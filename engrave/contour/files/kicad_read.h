@@ -7,18 +7,18 @@
 // oval, roundrect, trapezoid as rect, custom with polygons) with their drills; the filled
 // polygons of zones; graphics of copper layers; the outline of the board on Edge.Cuts
 // (gr_line, gr_arc, gr_circle, gr_rect, gr_poly and those of footprints, fp_...). Text on
-// copper and what else changes the copper but is not read is counted by name. Zones that
-// are not filled are refused: their copper would be missing. Frame: drawing, mm, y up;
+// copper, zones that are not filled, and what else changes the copper but is not read are
+// findings. Frame: drawing, mm, y up;
 // KiCad's y points down, so y changes its sign.
 
 #include <cstdint>
-#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "engrave/contour/drill_plan.h"
 #include "engrave/contour/milling/nets.h"
+#include "engrave/core/findings.h"
 #include "engrave/core/result.h"
 
 namespace intaglio::contour {
@@ -37,7 +37,7 @@ struct KicadBoard {
   std::vector<Hole> holes;           ///< of vias and pads
   std::vector<Element> slots;        ///< drills longer than wide
   std::vector<Edges> outline;        ///< of the board: closed loops, may be empty
-  std::map<std::string, std::uint64_t> left_out;  ///< expressions that are not read
+  FileFindings findings;             ///< expressions that are not read
 };
 
 /// Errors name the file, the line and the remedy: kUnreadable (no board, brackets that do

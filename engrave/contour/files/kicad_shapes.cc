@@ -12,18 +12,18 @@ namespace intaglio::contour {
 namespace {
 
 using std::numbers::pi;
-constexpr double kMaxPlace_mm = 10'000;
+constexpr double kMaxKicadPlace_mm = 10'000;
 
 tl::unexpected<Error> WrongExpression(const SExpression& in, std::string_view name) {
   return Fail(ErrorCode::kInvalidValue,
               fmt::format("expected ({} ..) with numbers of at most {} mm in ({} ..)",
-                          name, kMaxPlace_mm, in.name()));
+                          name, kMaxKicadPlace_mm, in.name()));
 }
 
 Result<Vec2> PointOf(const SExpression& list) {
   const auto x = list.Number(1);
   const auto y = list.Number(2);
-  if (!x || !y || std::abs(*x) > kMaxPlace_mm || std::abs(*y) > kMaxPlace_mm)
+  if (!x || !y || std::abs(*x) > kMaxKicadPlace_mm || std::abs(*y) > kMaxKicadPlace_mm)
     return WrongExpression(list, list.name());
   return Vec2(*x, *y);
 }
@@ -145,7 +145,7 @@ Result<double> KicadNumber(const SExpression& in, std::string_view name,
   const auto list = in.Find(name);
   if (!list) return otherwise;
   const auto number = list->Number(1);
-  if (!number || std::abs(*number) > kMaxPlace_mm) return WrongExpression(in, name);
+  if (!number || std::abs(*number) > kMaxKicadPlace_mm) return WrongExpression(in, name);
   return *number;
 }
 

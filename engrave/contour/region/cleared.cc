@@ -54,7 +54,7 @@ Status AppendRest(const Element& element, const Region& cleared,
   }
   for (Region& part : ConnectedParts(combined.outside)) {
     if (AreaOf(part) > kNoArea_mm2)
-      rest.push_back({Outline{std::move(part.loops)}, element.name});
+      rest.push_back({Outline{std::move(part.loops)}, element.name, element.net});
   }
   return {};
 }

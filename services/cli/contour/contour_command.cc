@@ -52,7 +52,8 @@ struct ContourOptions {
   std::optional<std::uint32_t> tabs, passes, repeat, max_bytes;
   std::vector<double> start_mm, origin_mm;
   bool chords = false;
-  std::string mill_template, drill_template, out, picture, xml, frames, page, machine;
+  std::string mill_template, drill_template, out, picture, xml, frames, page, machine,
+      drill_units;
   std::optional<double> frame_step_s;
   double size_limits = 1;
 };
@@ -210,10 +211,12 @@ Status MakeContours(const ContourOptions& options) {
   INTAGLIO_TRY(TakeToolOf(options, typed));
   const Course whole = WithDefaults(typed);
   Warnings warnings;
-  const CourseFiles files =
-      INTAGLIO_TRY(ReadCourseFiles(whole, options.size_limits, warnings));
+  const auto read =
+      ReadCourseFiles(whole, options.size_limits, warnings, options.drill_units);
   for (const Warning& warning : warnings)
     std::cerr << client::WarningLine(warning) << "\n";
+  if (!read) return tl::unexpected(read.error());
+  const CourseFiles& files = *read;
   const Vec2 start_mm = PlaceOf(options.start_mm);
   const ContourWork work = INTAGLIO_TRY(MakeContourWork(whole, files, start_mm));
   for (const std::string& line : FiguresOf(work, whole)) fmt::print("{}\n", line);
@@ -248,6 +251,9 @@ void AddToolOptions(command_line::Command contour, ContourOptions& options) {
       .Within(0.5, 0.95);
   contour.AddOption("--layer", options.layer,
                     "of a board of KiCad, e.g. B.Cu; default its first of copper");
+  contour.AddOption("--drill-units", options.drill_units,
+                    "of drill files that declare none: the line of their header, e.g. "
+                    "INCH,TZ or METRIC,LZ,000.000");
   contour
       .AddOption("--lead", options.lead_mm,
                  "of cuts: mm, radius of the arc on which the tool comes and goes")

@@ -62,6 +62,13 @@ std::vector<std::string> FiguresOf(const ContourWork& work, const Course& whole)
   if (work.net_count) {
     lines.push_back(fmt::format("isolation     {} nets, {:.3g} mm around the copper",
                                 *work.net_count, work.isolated_mm));
+    lines.push_back(
+        work.piece_count == *work.net_count
+            ? fmt::format("pieces        {}, each net in one of its own",
+                          client::GroupedDigits(work.piece_count))
+            : fmt::format("pieces        {}, none with two nets; parts of one net that "
+                          "lie nearer than the tool is wide stay together",
+                          client::GroupedDigits(work.piece_count)));
   }
   if (work.proved_net_count) {
     lines.push_back(

@@ -2,6 +2,8 @@
 
 // The files of a course, read from this machine's disks.
 
+#include <string>
+
 #include "engrave/core/result.h"
 #include "engrave/core/warning.h"
 #include "proto/job.pb.h"
@@ -9,8 +11,9 @@
 
 namespace intaglio::cli {
 
-/// Errors of the disk, and as of CourseFilesOf.
+/// Errors of the disk, and as of CourseFilesOf; `warnings` are added before them, too.
 Result<CourseFiles> ReadCourseFiles(const Course& course, double size_limits,
-                                    Warnings& warnings);
+                                    Warnings& warnings,
+                                    const std::string& drill_units = {});
 
 }  // namespace intaglio::cli

@@ -1,16 +1,17 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
+#include <optional>
 
 #include "services/platform/recording/mcap_reader.h"
 
 namespace intaglio::cli {
 
 /// Seconds after the beginning of the recording as log time, ns; beyond 1e9 s, also
-/// infinity: after its end.
-inline std::uint64_t LogTimeAt(const recording::McapReader& reader, double seconds) {
-  if (!(seconds < 1e9)) return std::numeric_limits<std::uint64_t>::max();
+/// infinity, nothing: after its end. No time is after the last one that there is.
+inline std::optional<std::uint64_t> LogTimeAt(const recording::McapReader& reader,
+                                              double seconds) {
+  if (!(seconds < 1e9)) return std::nullopt;
   return reader.contents().statistics.start_ns +
          static_cast<std::uint64_t>(seconds * 1e9);
 }

@@ -59,7 +59,8 @@ int Copy(const Options& options, const std::string& default_ending) {
   recording::CopyOptions copy;
   copy.library = first.contents().header.library;
   copy.topics = options.topics;
-  if (options.from_s > 0) copy.from_ns = LogTimeAt(first, options.from_s);
+  if (options.from_s > 0)
+    copy.from_ns = LogTimeAt(first, options.from_s).value_or(UINT64_MAX);
   copy.to_ns = LogTimeAt(first, options.to_s);
   fs::path out = options.out;
   if (out.empty()) {
@@ -80,7 +81,8 @@ int Copy(const Options& options, const std::string& default_ending) {
 Status ExportMessages(const Options& options, const McapReader& reader,
                       std::ostream& out) {
   recording::MessageQuery query;
-  if (options.from_s > 0) query.from_ns = LogTimeAt(reader, options.from_s);
+  if (options.from_s > 0)
+    query.from_ns = LogTimeAt(reader, options.from_s).value_or(UINT64_MAX);
   query.to_ns = LogTimeAt(reader, options.to_s);
   const std::string left_out = SentenceOf(recording::BulkRequestOf(reader));
   auto channels = recording::ChannelsOf(reader, options.topics);

@@ -195,7 +195,8 @@ int Replay::Run() {
   // The participants know each other by now; what is new are the writers.
   if (!Wait(bus_.discovery_time() / 3)) return client::kExitCancelled;
   replayer::PlayOptions play;
-  if (options_.start_s > 0) play.from_ns = LogTimeAt(reader_, options_.start_s);
+  if (options_.start_s > 0)
+    play.from_ns = LogTimeAt(reader_, options_.start_s).value_or(UINT64_MAX);
   play.to_ns = LogTimeAt(reader_, options_.stop_s);
   play.rate = options_.rate;
   play.by_credit = options_.fast || options_.step;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -14,8 +15,10 @@
 #include "engrave/contour/files/project_file.h"
 #include "engrave/contour/region/region_index.h"
 #include "engrave/core/check.h"
+#include "engrave/core/findings.h"
 #include "engrave/core/try.h"
 #include "engrave/io/lower_case.h"
+#include "services/job/course/course_holes.h"
 #include "services/job/model_kind.h"
 #include "services/job/models/flat_models.h"
 
@@ -72,21 +75,14 @@ Status AddLoops(const std::string& file, const drawing::Drawing& drawing,
   return {};
 }
 
-void WarnOfDrillFile(const std::string& file, const contour::DrillFile& drilled,
-                     Warnings& warnings) {
-  const auto warn = [&](std::string text) {
-    Warning warning = MakeWarning(WarningCode::kLeftOut, std::move(text));
-    warning.weight = WarningWeight::kWarning;
-    warnings.push_back(std::move(warning));
-  };
-  for (const auto& [command, count] : drilled.left_out) {
-    warn(fmt::format("{}: left out {} commands {}", FileName(file), count, command));
+void AddWarnings(const std::string& file, FileFindings findings,
+                 const std::vector<contour::Element>& slots, Warnings& warnings) {
+  if (!slots.empty()) {
+    findings.Add({"slots", contour::Describe(slots.front()),
+                  "mill them from a drawing with --make curves", slots.size(), 0,
+                  Effect::kLost});
   }
-  if (drilled.slots.empty()) return;
-  warn(fmt::format(
-      "{}: left out {} slots, the first {}; mill them from a drawing with "
-      "--make curves",
-      FileName(file), drilled.slots.size(), contour::Describe(drilled.slots.front())));
+  std::ranges::move(WarningsOf(FileName(file), findings), std::back_inserter(warnings));
 }
 
 Result<std::uint32_t> LayerOf(const contour::KicadBoard& board, const std::string& file,
@@ -107,14 +103,31 @@ Status AddKicadBoard(const std::string& file, std::string_view text,
   DrawnNets drawn{file, board.layers, INTAGLIO_TRY(LayerOf(board, file, layer)), {}};
   std::ranges::move(contour::ElementsOfLayer(board, drawn.layer),
                     std::back_inserter(files.elements));
-  contour::DrillFile drilled;
-  drilled.slots = std::move(board.slots);
-  drilled.left_out.insert(board.left_out.begin(), board.left_out.end());
-  WarnOfDrillFile(file, drilled, warnings);
+  AddWarnings(file, board.findings, board.slots, warnings);
   std::ranges::move(board.holes, std::back_inserter(files.holes));
   drawn.elements = std::move(board.elements);
   files.boards.push_back(std::move(drawn));
   return {};
+}
+
+Status AddDrillFile(const std::string& file, std::string_view text,
+                    const std::string& units, std::vector<DrilledFile>& drilled,
+                    Warnings& warnings) {
+  contour::ExcellonOptions options;
+  options.units = units;
+  auto read = INTAGLIO_TRY(contour::ReadExcellon(text, file, options));
+  AddWarnings(file, read.findings, read.slots, warnings);
+  drilled.push_back({FileName(file), std::move(read.holes)});
+  return {};
+}
+
+bool IsDrillFile(const std::string& file, std::string_view text) {
+  const std::string extension = io::LowerCase(fs::path(file).extension().string());
+  if (extension == ".kicad_pcb" || extension == ".xml") return false;
+  const std::string_view head = text.substr(0, kHeadBytes);
+  return head.find("%FS") == std::string_view::npos &&
+         head.find("%MO") == std::string_view::npos &&
+         head.find("M48") != std::string_view::npos;
 }
 
 Status AddBoard(const std::string& file, std::string_view text, const std::string& layer,
@@ -135,12 +148,6 @@ Status AddBoard(const std::string& file, std::string_view text, const std::strin
   if (has("%FS") || has("%MO")) {
     auto elements = INTAGLIO_TRY(contour::ReadGerber(text, file));
     std::ranges::move(elements, std::back_inserter(files.elements));
-    return {};
-  }
-  if (has("M48")) {
-    auto drilled = INTAGLIO_TRY(contour::ReadExcellon(text, file));
-    WarnOfDrillFile(file, drilled, warnings);
-    std::ranges::move(drilled.holes, std::back_inserter(files.holes));
     return {};
   }
   return Fail(ErrorCode::kUnreadable,
@@ -184,11 +191,13 @@ void AddOutlines(std::vector<DrawnLoop> loops, std::vector<contour::Element>& el
 
 Result<CourseFiles> CourseFilesOf(const Course& course,
                                   const std::vector<std::string_view>& texts,
-                                  const ReadLimits& limits, Warnings& warnings) {
+                                  const ReadLimits& limits, Warnings& warnings,
+                                  const std::string& drill_units) {
   Require(texts.size() == static_cast<std::size_t>(course.files_size()),
           "{} texts are those of {} files", texts.size(), course.files_size());
   CourseFiles files;
   std::vector<DrawnLoop> loops;
+  std::vector<DrilledFile> drilled;
   for (int i = 0; i < course.files_size(); ++i) {
     const std::string& file = course.files(i);
     const std::string_view text = texts[static_cast<std::size_t>(i)];
@@ -196,7 +205,9 @@ Result<CourseFiles> CourseFilesOf(const Course& course,
     model.set_file(file);
     const auto kind = KindOf(model);
     if (!kind || *kind != ModelKind::kDrawing) {
-      INTAGLIO_TRY(AddBoard(file, text, course.layer(), files, warnings));
+      INTAGLIO_TRY(IsDrillFile(file, text)
+                       ? AddDrillFile(file, text, drill_units, drilled, warnings)
+                       : AddBoard(file, text, course.layer(), files, warnings));
       continue;
     }
     const auto drawing = ReadDrawing(file, text, limits.drawings, warnings);
@@ -205,9 +216,15 @@ Result<CourseFiles> CourseFilesOf(const Course& course,
                                                      : AddLoops(file, *drawing, loops));
   }
   AddOutlines(std::move(loops), files.elements);
+  std::ranges::move(INTAGLIO_TRY(WarningsOfHoles(drilled, files.elements)),
+                    std::back_inserter(warnings));
+  for (const DrilledFile& file : drilled)
+    files.holes.insert(files.holes.end(), file.holes.begin(), file.holes.end());
   if (files.elements.empty() && files.holes.empty() && files.curves.empty()) {
-    return Fail(ErrorCode::kMissing, fmt::format("{}: holds nothing to make",
-                                                 fmt::join(course.files(), ", ")));
+    std::string why =
+        fmt::format("{}: holds nothing to make", fmt::join(course.files(), ", "));
+    if (!warnings.empty()) why += "; " + warnings.front().text;
+    return Fail(ErrorCode::kMissing, why);
   }
   return files;
 }

@@ -35,11 +35,14 @@ struct CourseFiles {
 /// .svg, .hpgl, .plt), projects by theirs (.xml), boards of KiCad by theirs (.kicad_pcb;
 /// course.layer of them), Gerber and Excellon files by what they hold. Drawings are
 /// curves for a course along curves, else outlines, of exact lines and arcs both: a
-/// contour in an odd number of others is a hole of the smallest of these. What is read
-/// and not made is added to `warnings`. Errors as of the readers; kUnreadable: none of
+/// contour in an odd number of others is a hole of the smallest of these. `drill_units`:
+/// the line of units that a drill file lacks. What is read and not made is added to
+/// `warnings`, also before an error, and so are holes of drill files beside all copper or
+/// over each other. Errors as of the readers; kUnreadable: none of
 /// these; kInvalidValue: a contour that is open, with its place.
 Result<CourseFiles> CourseFilesOf(const Course& course,
                                   const std::vector<std::string_view>& texts,
-                                  const ReadLimits& limits, Warnings& warnings);
+                                  const ReadLimits& limits, Warnings& warnings,
+                                  const std::string& drill_units = {});
 
 }  // namespace intaglio

@@ -53,6 +53,7 @@ Result<Contours> ContoursOf(const Course& course,
                    course.overlap_ratio()}));
     INTAGLIO_TRY(KeepCopper(elements, contour::Corners::kRound, work));
     work.net_count = made.net_count;
+    work.piece_count = made.piece_count;
     work.isolated_mm = made.width_mm;
     for (const DrawnNets& board : boards) {
       const auto report = INTAGLIO_TRY(ProveNets(board, made, course.tool_diameter_mm()));

@@ -23,6 +23,7 @@ struct ContourWork {
   std::vector<contour::Edges> copper;    ///< outlines of what the files hold
   std::size_t element_count = 0, hole_count = 0;
   std::optional<std::size_t> net_count;  ///< of an isolation
+  std::size_t piece_count = 0;           ///< of copper that an isolation leaves
   /// Of boards whose file has the nets: how many the copper that is left has, all of them
   /// as drawn.
   std::optional<std::size_t> proved_net_count;

@@ -53,6 +53,10 @@ class FileRecords {
 /// The summary of a complete file; nothing when the file is not complete, or when its
 /// summary is damaged or too sparse to read by.
 std::optional<RecordingContents> ReadSummary(const FileRecords& file);
+
+/// Behind the end of the data, `data_end`, lies nothing but the mark that the file has no
+/// summary (MCAP: summary_start 0), whole.
+bool EndsWithoutSummary(const FileRecords& file, std::uint64_t data_end);
 /// The same by walking through the file.
 Result<RecordingContents> ScanFile(const FileRecords& file);
 

@@ -25,6 +25,7 @@ class Scan {
       // A hole that the system filled with zeros is a torn end, too.
       if (!head || head->opcode == Opcode{} || head->opcode == Opcode::kFooter) break;
       if (head->opcode == Opcode::kDataEnd) {
+        contents_.complete = EndsWithoutSummary(file_, head->end());
         offset = file_.size();
         break;
       }

@@ -80,6 +80,14 @@ class Summary {
 
 }  // namespace
 
+bool EndsWithoutSummary(const FileRecords& file, std::uint64_t data_end) {
+  if (data_end > file.size() || file.size() - data_end != kEndSize) return false;
+  const auto magic = file.Raw(file.size() - kMagicSize, kMagicSize);
+  const auto footer = file.Get<Footer>(data_end, Opcode::kFooter);
+  return magic && std::memcmp(magic->data(), kMagic, kMagicSize) == 0 && footer &&
+         footer->summary_start == 0;
+}
+
 std::optional<RecordingContents> ReadSummary(const FileRecords& file) {
   if (file.size() < kEndSize) return std::nullopt;
   const std::uint64_t footer_at = file.size() - kEndSize;

@@ -51,7 +51,8 @@ struct RecordingContents {
   std::vector<MetadataIndex> metadata;
   Statistics statistics;
   std::uint64_t file_bytes = 0;
-  bool complete = false;             ///< ends with a summary, as a closed file does
+  /// Closed: ends with its summary, or with the mark that it has none.
+  bool complete = false;
   std::uint64_t torn_bytes = 0;      ///< after the last whole record
   std::vector<std::string> damages;  ///< a sentence each; what they name is left out
 };

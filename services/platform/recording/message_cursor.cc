@@ -20,7 +20,8 @@ MessageCursor::MessageCursor(const McapReader& reader, MessageQuery query)
 }
 
 bool MessageCursor::Wants(const MessageBlock& block) const {
-  if (block.end_ns < query_.from_ns || block.start_ns >= query_.to_ns) return false;
+  if (block.end_ns < query_.from_ns || (query_.to_ns && block.start_ns >= *query_.to_ns))
+    return false;
   if (!query_.channels || block.channels.empty()) return true;
   return std::any_of(block.channels.begin(), block.channels.end(),
                      [&](std::uint16_t id) { return query_.channels->contains(id); });
@@ -37,7 +38,8 @@ Status MessageCursor::OpenNextBlock() {
   ForEachRecord(open.records, [&](Opcode opcode, ByteView content, std::size_t) {
     MessageView message;
     if (opcode != Opcode::kMessage || !Decode(content, message)) return true;
-    if (message.log_time_ns < query_.from_ns || message.log_time_ns >= query_.to_ns ||
+    if (message.log_time_ns < query_.from_ns ||
+        (query_.to_ns && message.log_time_ns >= *query_.to_ns) ||
         !channels.contains(message.channel_id) ||
         (query_.channels && !query_.channels->contains(message.channel_id))) {
       return true;

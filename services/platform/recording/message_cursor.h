@@ -5,7 +5,6 @@
 // of a recorder's file.
 
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <set>
 #include <vector>
@@ -16,8 +15,9 @@ namespace intaglio::recording {
 
 struct MessageQuery {
   std::uint64_t from_ns = 0;  ///< log time, included
-  std::uint64_t to_ns = std::numeric_limits<std::uint64_t>::max();  ///< not included
-  std::optional<std::set<std::uint16_t>> channels;                  ///< absent: all
+  /// Not included; absent: to the end.
+  std::optional<std::uint64_t> to_ns = std::nullopt;
+  std::optional<std::set<std::uint16_t>> channels = std::nullopt;  ///< absent: all
 };
 
 class MessageCursor {

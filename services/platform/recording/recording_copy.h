@@ -15,7 +15,8 @@ namespace intaglio::recording {
 
 struct CopyOptions {
   std::uint64_t from_ns = 0;  ///< log time, included
-  std::uint64_t to_ns = std::numeric_limits<std::uint64_t>::max();  ///< not included
+  /// Not included; absent: to the end.
+  std::optional<std::uint64_t> to_ns = std::nullopt;
   std::vector<std::string> topics;  ///< names of channels' topics; empty: all
   std::string library;              ///< the writing program
 };

@@ -47,6 +47,21 @@ TEST(MillProgram, ExpandsAContour) {
                                   "end 7\n"));
 }
 
+TEST(MillProgram, RefusesNamesThatTheControllerDoesNotTake) {
+  const Template program = fixture::SuppliedMill("krl");
+  const std::string name(24, 'n');
+  EXPECT_TRUE(MillPrograms(program, std::vector{Triangle()}, {.name = name}));
+  const auto refused =
+      MillPrograms(program, std::vector{Triangle()}, {.name = name + "n"});
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("has 25 characters"));
+  // Parts have longer names.
+  MillOptions parts;
+  parts.max_bytes = 800;
+  EXPECT_FALSE(MillPrograms(program, std::vector<ToolPath>(20, Triangle()),
+                            {.name = name}, parts));
+}
+
 TEST(MillProgram, SubtractsTheOrigin) {
   const std::string shifted = "#origin-x 100\n#origin-y -1\n" + std::string(kPlain);
   MillOptions options;

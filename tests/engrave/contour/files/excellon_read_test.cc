@@ -44,7 +44,7 @@ TEST(Excellon, ReadsHolesAndSlotsWithPoints) {
   EXPECT_EQ(slot.begin_mm, Vec2(1, 2));
   EXPECT_EQ(slot.end_mm, Vec2(3, 2));
   EXPECT_EQ(slot.width_mm, 1);
-  EXPECT_EQ(file.left_out, (std::map<std::string, std::uint64_t>{{"FMAT", 1}}));
+  EXPECT_TRUE(file.findings.empty());
 }
 
 // One place, 12.34 mm and 0.5 mm, in every way of leaving zeros out.
@@ -63,7 +63,7 @@ TEST(Excellon, KnowsWhichZerosAreLeftOut) {
   EXPECT_THAT(RefusalOf(open),
               AllOf(HasSubstr("a.drl: line 6:"), HasSubstr("LZ nor TZ")));
   ExcellonOptions trailing;
-  trailing.zeros = Zeros::kTrailing;
+  trailing.units = "METRIC,TZ";
   ExpectHole(FileOf(open, trailing), 0, 12.34, 0.5, 1);
 }
 

@@ -121,8 +121,10 @@ TEST(Kicad, FillsZonesWithTheirCutIns) {
   open.Net("GND");
   open.Raw(
       " (zone (net 1) (net_name \"GND\") (layer \"F.Cu\") (polygon (pts (xy 0 0))))\n");
-  EXPECT_THAT(RefusalOfBoard(open.Text()),
-              HasSubstr("the zone of net 'GND' is not filled"));
+  const KicadBoard unfilled = BoardOf(open.Text());
+  ASSERT_EQ(unfilled.findings.size(), 1U);
+  EXPECT_EQ(unfilled.findings.begin()->what, "zone of net 'GND' that is not filled");
+  EXPECT_EQ(unfilled.findings.begin()->effect, Effect::kLost);
 }
 
 TEST(Kicad, DrawsOutlinesOfZonesBeforeVersion6) {
@@ -145,7 +147,7 @@ TEST(Kicad, ReadsGraphicsOnCopper) {
       " (gr_line (start 0 0) (end 9 9) (layer \"F.SilkS\") (width 1))\n");
   const KicadBoard board = BoardOf(text.Text());
   EXPECT_NEAR(AreaOfElements(board), 2 * pi * 2 * 0.2 + pi * 1.21 + 6, 1e-5);
-  EXPECT_EQ(board.left_out.at("gr_text"), 1U);
+  EXPECT_EQ(board.findings.CountOf("gr_text"), 1U);
 }
 
 TEST(Kicad, ReadsDrillsOfAllKinds) {

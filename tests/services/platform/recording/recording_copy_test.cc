@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "services/platform/recording/conventions.h"
 #include "services/platform/recording/mcap_writer.h"
 #include "tests/services/platform/recording/recorded.h"
@@ -48,6 +50,40 @@ class RecordingCopy : public ::testing::Test {
   }
   fs::path folder_;
 };
+
+/// Of other writers: files that are closed without a summary.
+fs::path OfOthers(const char* name) {
+  return fs::path(INTAGLIO_SOURCE_DIR) / "tests/data/recordings/others" / name;
+}
+
+TEST_F(RecordingCopy, AFileThatIsClosedWithoutASummaryIsWhole) {
+  for (const auto& [name, count] : {std::pair("complete_without_summary.mcap", 5U),
+                                    std::pair("last_time_stamp.mcap", 4U)}) {
+    const auto sources = Open({OfOthers(name)});
+    EXPECT_TRUE(sources[0].contents().complete) << name;
+    EXPECT_EQ(sources[0].contents().torn_bytes, 0U);
+    EXPECT_THAT(sources[0].contents().blocks, SizeIs(1));
+    EXPECT_EQ(sources[0].contents().statistics.message_count, count);
+    // One of the messages has the last time that there is.
+    const auto report = CopyRecordings(sources, folder_ / "out.mcap", {});
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_EQ(report->message_count, count) << name;
+    EXPECT_THAT(report->damages, IsEmpty());
+  }
+}
+
+// Cut anywhere behind the data, it is not.
+TEST_F(RecordingCopy, AFileThatIsCutBehindItsDataIsNotWhole) {
+  const std::string whole = test::ContentOf(OfOthers("complete_without_summary.mcap"));
+  for (std::size_t left_out = 1; left_out < 37; ++left_out) {
+    std::ofstream(folder_ / "cut.mcap", std::ios::binary)
+        << whole.substr(0, whole.size() - left_out);
+    const auto reader = McapReader::Open(folder_ / "cut.mcap");
+    ASSERT_TRUE(reader);
+    EXPECT_FALSE(reader->contents().complete) << left_out;
+    EXPECT_EQ(reader->contents().statistics.message_count, 5U);
+  }
+}
 
 TEST_F(RecordingCopy, MergesByTimeAndWritesWhatIsAlikeOnce) {
   const auto sources = Open({Write("a.mcap", 1000), Write("b.mcap", 1005)});
