@@ -39,6 +39,10 @@ GrantInputs CellTask::Inputs() const {
                                now_);
 }
 
+bool CellTask::has_grant() const {
+  return job_ && chain_.has_grant(maker_.Links(Inputs()));
+}
+
 // Once for each device that is refused; a line that comes and goes raises no more.
 void CellTask::AlarmRefusal() {
   const std::string refusal = maker_.Refusal();

@@ -56,6 +56,8 @@ class CellTask {
   bool has_job() const { return job_.has_value(); }
   const FrozenJob& job() const { return *job_; }
   bool leaves() const { return leaves_; }
+  /// A job is there, and its grant holds: submitting alone moves and lights nothing.
+  bool has_grant() const;
   PermissionChain& chain() { return chain_; }
   PermissionIntake& permission() { return permission_; }
   const PermissionIntake& permission() const { return permission_; }

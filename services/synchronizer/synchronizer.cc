@@ -65,7 +65,7 @@ void Synchronizer::Turn(std::chrono::nanoseconds now) {
   TurnLight();
   if (task_.has_job() && !engraving_) {
     ReceivePath();
-    if (!drive_.drives()) AcceptPrepared();
+    AcceptPrepared();
   } else {
     (void)intake_.Poll();  // what is left would wake the loop again and again
   }
@@ -103,9 +103,7 @@ Status Synchronizer::Begin(FrozenJob& job, const intaglio_StageTask& task) {
   INTAGLIO_TRY(ReadTaught());
   INTAGLIO_TRY(CheckTask(job, machine_, machine_file_));
   *job.mutable_machine() = machine_;
-  drive_.Stop();
-  if (machine_.taught().has_sample())
-    drive_.Start("sample", machine_.taught().sample(), job.job_uid(), now_);
+  approach_ = ApproachState::kDue;
   if (task.take_up) {
     Prepare(std::nullopt);
     return {};
@@ -165,7 +163,9 @@ void Synchronizer::AcceptPlan() {
 }
 
 void Synchronizer::TurnWork(const GrantInputs& inputs) {
-  engraving_->Turn(motion_.InputsWith(inputs));
+  EngravingInputs with_motion = motion_.InputsWith(inputs);
+  with_motion.stage_approaches = approach_ != ApproachState::kOver;
+  engraving_->Turn(with_motion);
   AcceptPlan();
 }
 
@@ -202,15 +202,36 @@ void Synchronizer::AddTo(EngraveOutcome& outcome) const {
 }
 
 void Synchronizer::NoteEnd(const std::string& job_uid, bool done) {
-  drive_.Stop();
-  if (done && machine_.taught().has_park())
+  const bool had_grant = approach_ == ApproachState::kOver;
+  if (approach_ == ApproachState::kDrives) drive_.Stop();
+  approach_ = ApproachState::kNone;
+  if (done && had_grant && machine_.taught().has_park())
     drive_.Start("park", machine_.taught().park(), job_uid, now_);
+}
+
+// Submitting a job moves nothing: the drive to its beginning waits for its grant, ends
+// with it, and begins anew with the next one.
+void Synchronizer::Approach() {
+  if (!engraving_ || engraving_->activity() != WorkStates::Activity::kIdle) return;
+  const bool granted = task_.has_grant();
+  if (approach_ == ApproachState::kDue && granted) {
+    drive_.Stop();  // what parks after the job before
+    if (machine_.taught().has_sample())
+      drive_.Start("sample", machine_.taught().sample(), task_.job().job_uid(), now_);
+    approach_ = ApproachState::kDrives;
+  } else if (approach_ == ApproachState::kDrives && !granted && drive_.drives()) {
+    drive_.Stop();
+    approach_ = ApproachState::kDue;
+  }
 }
 
 // The stage is at rest then, or brakes: the bridge has ended the motion, or is ending it.
 void Synchronizer::TurnDrive() {
+  Approach();
   const bool drove = drive_.drives();
   drive_.Turn(now_);
+  if (approach_ == ApproachState::kDrives && !drive_.drives())
+    approach_ = ApproachState::kOver;
   if (!drove || drive_.drives() || drive_.message().empty()) return;
   host_.RaiseAlarm(intaglio_ALARM_WARNING, "position_not_reached",
                    fmt::format("the taught {} position was not reached, and the stage "
@@ -224,7 +245,7 @@ void Synchronizer::TurnLight() {
       [this](const intaglio_ManualState& state, const bus::SampleOrigin& origin) {
         light_.Take(state, origin.alive, now_);
       });
-  if (engraving_) {
+  if (engraving_ && engraving_->has_lamp()) {
     lamp_hold_.Yield();
     return light_.Yield();
   }

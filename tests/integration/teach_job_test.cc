@@ -5,6 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <regex>
+#include <string>
+#include <utility>
 
 #include "tests/integration/teach_shop.h"
 
@@ -16,7 +19,26 @@ using testing::Ended;
 using testing::Eventually;
 using ::testing::HasSubstr;
 
-class TeachJob : public testing::TeachShop {};
+class TeachJob : public testing::TeachShop {
+ protected:
+  std::string Panel() { return testing::AskPanel(shop(), "status"); }
+  /// As the virtual engraver has it, in its own words; empty without an answer.
+  std::string Stage() {
+    const std::string panel = Panel();
+    const auto from = panel.find("\"stage_mm\"");
+    if (from == std::string::npos) return "";
+    return panel.substr(from, panel.find(']', from) - from);
+  }
+  bool LampIsOn() {
+    std::smatch bits;
+    const std::string panel = Panel();
+    EXPECT_TRUE(std::regex_search(panel, bits, std::regex("\"interlocks\": ([0-9]+)")));
+    return !bits.empty() && (std::stoul(bits[1]) & kLampOn) != 0;
+  }
+
+ private:
+  static constexpr unsigned long kLampOn = 1 << 3;  // docs/protocols.md, LaserStatus
+};
 
 /// How much further the focus goes in the glass than the stage, by Snell's law at the
 /// marginal ray (engrave/optics/focus.h has it the other way round).
@@ -55,37 +77,62 @@ TEST_F(TeachJob, ATaughtZeroMovesTheNextJobsCracksByExactlyThat) {
             std::string::npos);
 }
 
-TEST_F(TeachJob, TheStageGoesToTheSamplePositionBeforeAJobAndToTheParkPositionAfterIt) {
-  const Vec3 sample(20, 30, 40), park(60, 50, 45);
+// By the record of the virtual engraver itself: stage and lamp are where they were until
+// somebody arms, and while the next job waits behind one that was made.
+TEST_F(TeachJob, AJobThatIsSubmittedMovesAndLightsNothingBeforeItIsArmed) {
+  const Vec3 sample(20, 30, 40), park(60, 50, 45), before(5, 5, 35);
   Do({"move", "20", "30", "40", "--speed", "50"});
   Do({"sample"});
   Do({"move", "60", "50", "45", "--speed", "50"});
   Do({"park"});
   Do({"move", "5", "5", "35", "--speed", "50"});
   const std::string job = Submit();
-  EXPECT_TRUE(Eventually([&] { return IsAt(sample); }, 30s)) << Logs();
+  ASSERT_TRUE(RunsTo(job, "waiting for arm")) << shown_;
+  EXPECT_FALSE(Eventually([&] { return !IsAt(before) || LampIsOn(); }, 5s)) << Panel();
   Type({"arm", job});
+  EXPECT_TRUE(Eventually([&] { return IsAt(sample); }, 30s)) << Logs();
+  EXPECT_TRUE(LampIsOn()) << Panel();
   ASSERT_TRUE(RunsTo(job, "done")) << shown_;
   EXPECT_TRUE(Eventually([&] { return IsAt(park); }, 30s)) << Logs();
   EXPECT_EQ(Logs().find("position_not_reached"), std::string::npos);
+  const std::string next = Submit();
+  ASSERT_TRUE(RunsTo(next, "waiting for arm")) << shown_;
+  EXPECT_FALSE(Eventually([&] { return !IsAt(park); }, 3s)) << Panel();
+  Type({"cancel", next});
 }
 
-TEST_F(TeachJob, APositionThatIsNotReachedIsAnAlarmAndTheStageRests) {
+TEST_F(TeachJob, ADriveToTheSamplePositionEndsWithItsGrantAndBeginsWithTheNext) {
+  const Vec3 before(5, 5, 35), sample(90, 90, 40);
   Do({"move", "90", "90", "40", "--speed", "50"});
   Do({"sample"});
   Do({"move", "5", "5", "35", "--speed", "50"});
+  const std::string job = Submit({"--arm"});
+  ASSERT_TRUE(Eventually([&] { return !IsAt(before); }, 30s)) << Logs();
   ASSERT_NE(testing::AskPanel(shop(), "door open"), "");
+  ASSERT_FALSE(IsAt(sample)) << "the door was opened too late";
+  testing::AskPanel(shop(), "door close");
+  // Nothing of it comes back by itself.
+  std::string rests;
+  ASSERT_TRUE(Eventually(
+      [&] { return std::exchange(rests, Stage()) == Stage() && !rests.empty(); }, 10s));
+  EXPECT_FALSE(Eventually([&] { return Stage() != rests; }, 2s)) << Panel();
+  EXPECT_TRUE(RunsTo(job, "done")) << shown_;
+  EXPECT_EQ(Logs().find("position_not_reached"), std::string::npos);
+}
+
+TEST_F(TeachJob, APositionThatIsNotReachedIsAnAlarmAndTheJobGoesOn) {
+  Do({"move", "60", "60", "40", "--speed", "50"});
+  Do({"sample"});
+  Do({"move", "5", "5", "35", "--speed", "50"});
   const std::string job = Submit();
+  ASSERT_TRUE(RunsTo(job, "waiting for arm")) << shown_;
+  ASSERT_NE(testing::AskPanel(shop(), "stick x"), "");
+  Type({"arm", job});
   ASSERT_TRUE(Eventually(
       [&] { return Logs().find("position_not_reached") != std::string::npos; }, 30s))
       << Logs();
   EXPECT_THAT(Logs(), HasSubstr("the taught sample position was not reached"));
-  EXPECT_THAT(Logs(), HasSubstr("the door is open"));
-  EXPECT_TRUE(IsAt(Vec3(5, 5, 35)));
-  // Nothing of it comes back by itself.
-  testing::AskPanel(shop(), "door close");
-  EXPECT_FALSE(Eventually([&] { return !IsAt(Vec3(5, 5, 35)); }, 2s));
-  Type({"arm", job});
+  testing::AskPanel(shop(), "unstick");
   EXPECT_TRUE(RunsTo(job, "done")) << shown_;
 }
 
