@@ -116,7 +116,8 @@ void Engraving::Turn(const EngravingInputs& inputs) {
   settling_.TakeDisarmed();
   const Missing unseen = TurnChain(LinksNow(inputs), inputs.now);
   if (unseen != Missing::kNothing) Halt({unseen, TextFor(unseen), true}, inputs);
-  RefuseOtherDevice(OtherDevice(inputs.motion, laser_));
+  const std::string other_device = OtherDevice(inputs.motion, laser_);
+  RefuseArms(other_device.empty() ? inputs.zero_refusal : other_device);
   ReceiveConsent(inputs);
   AskOverUncertain(inputs);
   WatchProgress(inputs);

@@ -6,7 +6,9 @@
 #include <utility>
 
 #include "engrave/core/try.h"
+#include "services/cell/begun_job.h"
 #include "services/job/job_file.h"
+#include "services/job/machine/zero_change.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/host/process/log.h"
 #include "services/synchronizer/cell_names.h"
@@ -61,6 +63,7 @@ void Synchronizer::Turn(std::chrono::nanoseconds now) {
   motion_.Receive(task_.permission(), laser_, now);
   SendStop();
   task_.ReceiveTasks();
+  CheckZeros();
   TurnDrive();
   TurnLight();
   if (task_.has_job() && !engraving_) {
@@ -90,7 +93,8 @@ void Synchronizer::Stop() {
 }
 
 std::string Synchronizer::WhyNoArmCounts() const {
-  return OtherDevice(motion_.view(), laser_);
+  const std::string other_device = OtherDevice(motion_.view(), laser_);
+  return other_device.empty() ? zero_refusal_ : other_device;
 }
 
 ChainLinks Synchronizer::Links(const GrantInputs& inputs) const {
@@ -104,7 +108,12 @@ Status Synchronizer::Begin(FrozenJob& job, const intaglio_StageTask& task) {
   INTAGLIO_TRY(CheckTask(job, machine_, machine_file_));
   *job.mutable_machine() = machine_;
   approach_ = ApproachState::kDue;
+  zeros_checked_ = {};
+  zero_refusal_.clear();
   if (task.take_up) {
+    // The zeros it was begun with; CheckZeros compares them with those of now.
+    const auto begun = INTAGLIO_TRY(ReadBegunJob(job.result_directory()));
+    if (begun) *job.mutable_machine()->mutable_taught() = begun->machine().taught();
     Prepare(std::nullopt);
     return {};
   }
@@ -164,6 +173,7 @@ void Synchronizer::AcceptPlan() {
 
 void Synchronizer::TurnWork(const GrantInputs& inputs) {
   EngravingInputs with_motion = motion_.InputsWith(inputs);
+  with_motion.zero_refusal = zero_refusal_;
   with_motion.stage_approaches = approach_ != ApproachState::kOver;
   engraving_->Turn(with_motion);
   AcceptPlan();
@@ -207,6 +217,46 @@ void Synchronizer::NoteEnd(const std::string& job_uid, bool done) {
   approach_ = ApproachState::kNone;
   if (done && had_grant && machine_.taught().has_park())
     drive_.Start("park", machine_.taught().park(), job_uid, now_);
+}
+
+// A zero may be taught while a job waits, and a profile be edited: each grant is compared
+// before anything is made by it. What is not begun is prepared anew; what is begun has to
+// be made with the zero that it has.
+void Synchronizer::CheckZeros() {
+  if (!engraving_ || engraving_->activity() != WorkStates::Activity::kIdle) return;
+  const GrantInputs inputs = task_.Inputs();
+  if (!inputs.permission_fresh || !inputs.permission_granted) return;
+  if (inputs.grant <= zeros_checked_) return;
+  zeros_checked_ = inputs.grant;
+  zero_refusal_.clear();
+  if (const auto read = ReadTaught(); !read) {
+    zero_refusal_ = read.error().message;
+    return;
+  }
+  const FrozenJob& job = task_.job();
+  const std::string change = ZeroChange(job.job(), job.machine(), machine_);
+  if (change.empty()) return;
+  if (!engraving_->started()) return PrepareAnew();
+  zero_refusal_ = change +
+                  ": cancel the job, or bring the zero back (intaglio teach undo), for "
+                  "what is made already would not fit to the rest";
+}
+
+void Synchronizer::PrepareAnew() {
+  const FrozenJob& job = task_.job();
+  if (auto checked = CheckTask(job, machine_, machine_file_); !checked)
+    return task_.Fail(checked.error());
+  host::LogInfo("job {} is prepared anew: {}", job.job_uid(),
+                ZeroChange(job.job(), job.machine(), machine_));
+  task_.SetMachine(machine_);
+  if (engraving_->has_lamp()) lamp_hold_.End(now_);
+  if (approach_ == ApproachState::kDrives) drive_.Stop();
+  approach_ = ApproachState::kDue;
+  engraving_.reset();
+  journal_.reset();
+  plan_ = {};
+  planned_ = false;
+  planner_.Begin({job, std::nullopt, MountMisfit(job, mounted_), true});
 }
 
 // Submitting a job moves nothing: the drive to its beginning waits for its grant, ends

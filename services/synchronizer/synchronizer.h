@@ -83,6 +83,8 @@ class Synchronizer final : private Maker {
   void AcceptPlan();
   void TurnDrive();
   void Approach();
+  void CheckZeros();
+  void PrepareAnew();
   void TurnLight();
 
   host::ServiceHost& host_;
@@ -113,6 +115,8 @@ class Synchronizer final : private Maker {
   /// it has a grant.
   enum class ApproachState : std::uint8_t { kNone, kDue, kDrives, kOver };
   ApproachState approach_ = ApproachState::kNone;
+  Grant zeros_checked_;       ///< the newest grant whose zeros were compared
+  std::string zero_refusal_;  ///< why they refuse it; empty: they do not
   std::chrono::nanoseconds now_{0};
   std::uint64_t stop_sent_session_ = 0;  ///< to the laser; 0: not
 };

@@ -22,13 +22,15 @@ using ::testing::HasSubstr;
 class TeachJob : public testing::TeachShop {
  protected:
   std::string Panel() { return testing::AskPanel(shop(), "status"); }
-  /// As the virtual engraver has it, in its own words; empty without an answer.
-  std::string Stage() {
+  /// Where the stage is by the record of the virtual engraver itself; NaN: no answer.
+  Vec3 Stage() {
+    std::smatch at;
     const std::string panel = Panel();
-    const auto from = panel.find("\"stage_mm\"");
-    if (from == std::string::npos) return "";
-    return panel.substr(from, panel.find(']', from) - from);
+    static const std::regex kPlace(R"("stage_mm": \[([^,]+), ([^,]+), ([^\]]+)\])");
+    if (!std::regex_search(panel, at, kPlace)) return Vec3::Constant(std::nan(""));
+    return {std::stod(at[1]), std::stod(at[2]), std::stod(at[3])};
   }
+  bool StageIsAt(const Vec3& place) { return (Stage() - place).norm() < 0.002; }
   bool LampIsOn() {
     std::smatch bits;
     const std::string panel = Panel();
@@ -47,34 +49,88 @@ double GlassPerStage(double index, double aperture) {
          std::sqrt(1 - aperture * aperture);
 }
 
+class TeachZero : public TeachJob {
+ protected:
+  /// How far the cracks behind the first `count` are from those moved by `by` of the
+  /// stage, mm: each from the nearest.
+  double FarthestFromFirst(std::size_t count, const Vec3& by) {
+    const auto all = Cracks();
+    if (all.size() != 2 * count) {
+      ADD_FAILURE() << all.size() << " cracks";
+      return 1e9;
+    }
+    // The beam model of the virtual engraver, N-BK7 at 532 nm.
+    const Vec3 expected(by.x(), by.y(), by.z() * GlassPerStage(1.51947, 5.0 / 2 / 43));
+    double farthest_mm = 0;
+    for (std::size_t before = 0; before < count; ++before) {
+      double nearest_mm = 1e9;
+      for (std::size_t i = count; i < all.size(); ++i) {
+        const Vec3 moved = all[i].position_mm - all[before].position_mm - expected;
+        nearest_mm = std::min(nearest_mm, moved.norm());
+      }
+      farthest_mm = std::max(farthest_mm, nearest_mm);
+    }
+    return farthest_mm;
+  }
+
+  const Vec3 by_{0.4, -0.3, -0.2};
+  const std::vector<std::string> move_zero_ = {"zero", "--lens", "f43", "--by",
+                                               "0.4",  "-0.3",   "-0.2"};
+};
+
 // Cracks of both jobs come in the same order, for only their places differ.
-TEST_F(TeachJob, ATaughtZeroMovesTheNextJobsCracksByExactlyThat) {
-  const Vec3 by(0.4, -0.3, -0.2);
+TEST_F(TeachZero, MovesTheNextJobsCracksByExactlyThat) {
   ASSERT_TRUE(RunsTo(Submit({"--arm"}), "done")) << shown_;
-  const auto first = Cracks();
-  ASSERT_GT(first.size(), 100U);
-  const Ended taught = Teach({"zero", "--lens", "f43", "--by", "0.4", "-0.3", "-0.2"});
+  const std::size_t count = Cracks().size();
+  ASSERT_GT(count, 100U);
+  const Ended taught = Teach(move_zero_);
   ASSERT_EQ(taught.exit_code, 0) << taught.output;
   EXPECT_THAT(taught.output, HasSubstr("version 1"));
   ASSERT_TRUE(RunsTo(Submit({"--arm"}), "done")) << shown_;
-  const auto all = Cracks();
-  ASSERT_EQ(all.size(), 2 * first.size());
-  // The beam model of the virtual engraver, N-BK7 at 532 nm.
-  const Vec3 expected(by.x(), by.y(), by.z() * GlassPerStage(1.51947, 5.0 / 2 / 43));
-  double farthest_mm = 0;
-  for (const auto& before : first) {
-    double nearest_mm = 1e9;
-    for (std::size_t i = first.size(); i < all.size(); ++i) {
-      nearest_mm = std::min(nearest_mm,
-                            (all[i].position_mm - before.position_mm - expected).norm());
-    }
-    farthest_mm = std::max(farthest_mm, nearest_mm);
-  }
   // What the compensation of the drive leaves, below 1 um in each job.
-  EXPECT_LT(farthest_mm, 0.003);
+  EXPECT_LT(FarthestFromFirst(count, by_), 0.003);
   Do({"undo"});
   EXPECT_EQ(testing::TextIn(shop() / "machine.textproto").find("zeros"),
             std::string::npos);
+}
+
+TEST_F(TeachZero, IsUsedByTheFirstArmOfAJobThatWaited) {
+  ASSERT_TRUE(RunsTo(Submit({"--arm"}), "done")) << shown_;
+  const std::size_t count = Cracks().size();
+  ASSERT_GT(count, 100U);
+  const std::string job = Submit();
+  ASSERT_TRUE(RunsTo(job, "waiting for arm")) << shown_;
+  ASSERT_EQ(Teach(move_zero_).exit_code, 0);
+  Type({"arm", job});
+  ASSERT_TRUE(RunsTo(job, "done")) << shown_;
+  EXPECT_LT(FarthestFromFirst(count, by_), 0.003);
+}
+
+TEST_F(TeachZero, InAPauseRefusesTheArmUntilItIsBroughtBack) {
+  const std::string job = Submit({"--rate", "5", "--arm"});  // for a minute
+  ASSERT_TRUE(RunsTo(job, "engraving")) << shown_;
+  ASSERT_TRUE(Eventually([&] { return Cracks().size() > 3; }, 60s));
+  ASSERT_EQ(Type({"pause", job}).exit_code, 0);
+  ASSERT_TRUE(Eventually([&] { return Teach(move_zero_).exit_code == 0; }, 30s));
+  const std::size_t made = Cracks().size();
+  Type({"resume", job});
+  EXPECT_TRUE(Eventually(
+      [&] {
+        shown_ = Type({"show", job}).output;
+        return shown_.find("the zero of channel 1") != std::string::npos;
+      },
+      30s))
+      << shown_;
+  EXPECT_EQ(Cracks().size(), made) << "with another zero than it was begun with";
+  Do({"undo"});
+  EXPECT_TRUE(Eventually(
+      [&] {
+        Type({"resume", job});
+        return Cracks().size() > made;
+      },
+      60s))
+      << Type({"show", job}).output;
+  Type({"cancel", job});
 }
 
 // By the record of the virtual engraver itself: stage and lamp are where they were until
@@ -88,16 +144,17 @@ TEST_F(TeachJob, AJobThatIsSubmittedMovesAndLightsNothingBeforeItIsArmed) {
   Do({"move", "5", "5", "35", "--speed", "50"});
   const std::string job = Submit();
   ASSERT_TRUE(RunsTo(job, "waiting for arm")) << shown_;
-  EXPECT_FALSE(Eventually([&] { return !IsAt(before) || LampIsOn(); }, 5s)) << Panel();
+  EXPECT_FALSE(Eventually([&] { return !StageIsAt(before) || LampIsOn(); }, 5s))
+      << Panel();
   Type({"arm", job});
-  EXPECT_TRUE(Eventually([&] { return IsAt(sample); }, 30s)) << Logs();
+  EXPECT_TRUE(Eventually([&] { return StageIsAt(sample); }, 30s)) << Logs();
   EXPECT_TRUE(LampIsOn()) << Panel();
   ASSERT_TRUE(RunsTo(job, "done")) << shown_;
-  EXPECT_TRUE(Eventually([&] { return IsAt(park); }, 30s)) << Logs();
+  EXPECT_TRUE(Eventually([&] { return StageIsAt(park); }, 30s)) << Logs();
   EXPECT_EQ(Logs().find("position_not_reached"), std::string::npos);
   const std::string next = Submit();
   ASSERT_TRUE(RunsTo(next, "waiting for arm")) << shown_;
-  EXPECT_FALSE(Eventually([&] { return !IsAt(park); }, 3s)) << Panel();
+  EXPECT_FALSE(Eventually([&] { return !StageIsAt(park); }, 3s)) << Panel();
   Type({"cancel", next});
 }
 
@@ -107,15 +164,14 @@ TEST_F(TeachJob, ADriveToTheSamplePositionEndsWithItsGrantAndBeginsWithTheNext) 
   Do({"sample"});
   Do({"move", "5", "5", "35", "--speed", "50"});
   const std::string job = Submit({"--arm"});
-  ASSERT_TRUE(Eventually([&] { return !IsAt(before); }, 30s)) << Logs();
+  ASSERT_TRUE(Eventually([&] { return !StageIsAt(before); }, 30s)) << Logs();
   ASSERT_NE(testing::AskPanel(shop(), "door open"), "");
-  ASSERT_FALSE(IsAt(sample)) << "the door was opened too late";
+  ASSERT_FALSE(StageIsAt(sample)) << "the door was opened too late";
   testing::AskPanel(shop(), "door close");
   // Nothing of it comes back by itself.
-  std::string rests;
-  ASSERT_TRUE(Eventually(
-      [&] { return std::exchange(rests, Stage()) == Stage() && !rests.empty(); }, 10s));
-  EXPECT_FALSE(Eventually([&] { return Stage() != rests; }, 2s)) << Panel();
+  Vec3 rests = Stage();
+  ASSERT_TRUE(Eventually([&] { return StageIsAt(std::exchange(rests, Stage())); }, 10s));
+  EXPECT_FALSE(Eventually([&] { return !StageIsAt(rests); }, 2s)) << Panel();
   EXPECT_TRUE(RunsTo(job, "done")) << shown_;
   EXPECT_EQ(Logs().find("position_not_reached"), std::string::npos);
 }

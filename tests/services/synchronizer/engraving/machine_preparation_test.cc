@@ -91,7 +91,8 @@ TEST_F(MachinePreparationTest, WaitsForTheLampAndThenForTheStage) {
   motion.fault = intaglio_MOTION_OK;
   motion.fresh = true;
   LightLampFor(50ms);
-  EXPECT_THAT(preparation_.WhatIsMissing(motion, true), HasSubstr("the lamp warms up: 0 %"));
+  EXPECT_THAT(preparation_.WhatIsMissing(motion, true),
+              HasSubstr("the lamp warms up: 0 %"));
   EXPECT_TRUE(preparation_.is_lost());
   bench_.PassTicks(30);
   bench_.StepFor(30ms);
