@@ -39,6 +39,10 @@ GrantInputs CellTask::Inputs() const {
                                now_);
 }
 
+bool CellTask::has_grant() const {
+  return job_ && chain_.has_grant(maker_.Links(Inputs()));
+}
+
 // Once for each device that is refused; a line that comes and goes raises no more.
 void CellTask::AlarmRefusal() {
   const std::string refusal = maker_.Refusal();
@@ -93,7 +97,7 @@ void CellTask::Begin(const intaglio_StageTask& task) {
   chain_.BeginJob();
   host_.SetHealth(intaglio_HEALTH_BUSY, job_->job_uid());
   if (auto begun = maker_.Begin(*job_, task); !begun) return Fail(begun.error());
-  if (!takes_up_)
+  if (!task.take_up)
     publisher_.Publish({.job_uid = job_->job_uid(), .attempt = attempt_}, now_);
 }
 
@@ -107,7 +111,7 @@ void CellTask::BeginWork(const EarlierWork& earlier, const MachineCounters& sess
                      job_->job_uid());
   }
   // What an earlier process left is compared with the machine as it is now.
-  if (takes_up_) chain_.TakeUp(session);
+  if (std::exchange(takes_up_, false)) chain_.TakeUp(session);
   logged_message_.clear();
   turned_at_ = now_;
 }

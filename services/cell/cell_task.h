@@ -55,7 +55,11 @@ class CellTask {
 
   bool has_job() const { return job_.has_value(); }
   const FrozenJob& job() const { return *job_; }
+  /// Nothing of it was made yet: it is prepared again with this profile.
+  void SetMachine(const MachineSpec& machine) { *job_->mutable_machine() = machine; }
   bool leaves() const { return leaves_; }
+  /// A job is there, and its grant holds: submitting alone moves and lights nothing.
+  bool has_grant() const;
   PermissionChain& chain() { return chain_; }
   PermissionIntake& permission() { return permission_; }
   const PermissionIntake& permission() const { return permission_; }

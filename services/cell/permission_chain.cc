@@ -230,6 +230,10 @@ bool PermissionChain::has_lost(const Grant& grant) const {
   return Grant{grant.number, kEveryRenewal} <= spent_;
 }
 
+bool PermissionChain::has_grant(const ChainLinks& links) const {
+  return state_ == State::kClear && IsNewestGranted(links) && links.grant > spent_;
+}
+
 bool PermissionChain::may_reset(const ChainLinks& links) const {
   return state_ != State::kLatched && IsNewestGranted(links) && links.grant > spent_;
 }

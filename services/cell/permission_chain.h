@@ -143,6 +143,9 @@ class PermissionChain {
   const MachineCounters& counters() const { return watch_.counters(); }
   /// No renewal of this one counts any more, but a greater number alone.
   bool has_lost(const Grant& grant) const;
+  /// The newest grant holds, is fresh and not spent: what comes with a job, motion to its
+  /// place and the lamp, may begin. The links of the machine are not asked.
+  bool has_grant(const ChainLinks& links) const;
   /// The machine may be commanded to leave its safe state and its latched stop.
   bool may_reset(const ChainLinks& links) const;
 

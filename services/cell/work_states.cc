@@ -27,7 +27,7 @@ Missing WorkStates::TurnChain(ChainLinks links, std::chrono::nanoseconds now) {
   return Missing::kNothing;
 }
 
-void WorkStates::RefuseOtherDevice(const std::string& why) {
+void WorkStates::RefuseArms(const std::string& why) {
   if (stopping_ || why.empty()) return;
   chain_.Latch(false);
   starts_again_ = lost_a_line_ = false;

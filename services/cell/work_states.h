@@ -6,7 +6,7 @@
 // their own; CellTask sees a job through this alone.
 //
 // Once a turn the maker calls, in this order: TurnChain (what it returns halts the run),
-// RefuseOtherDevice, ReceiveConsent, AskOverUncertain.
+// RefuseArms, ReceiveConsent, AskOverUncertain.
 //
 // Used from one thread; no waits.
 
@@ -66,10 +66,10 @@ class WorkStates {
   /// Key, door and stop latch also before and between runs. Returns what was not seen and
   /// halts a run, or kNothing: an interlock that is open now halts it by itself.
   Missing TurnChain(ChainLinks links, std::chrono::nanoseconds now);
-  /// A line that leads to another machine is not a lost line: a person is changing
-  /// cables, and has to arm when that is done. So each arm is spent while `why` is not
-  /// empty.
-  void RefuseOtherDevice(const std::string& why);
+  /// Each arm is spent while `why` is not empty. A line that leads to another machine is
+  /// not a lost line: a person is changing cables, and has to arm when that is done. So
+  /// is a zero that is not the job's.
+  void RefuseArms(const std::string& why);
   void ReceiveConsent(const GrantInputs& inputs);
   /// Also when nothing is open any more: the question spends the grant, as a fault does,
   /// and the answer is a newer grant. Before any grant was received, there is none that

@@ -89,7 +89,7 @@ void Marking::Turn(const GrantInputs& inputs) {
   TakeEvents(inputs.now);
   const Missing unseen = TurnChain(LinksOf(driver_.state(), inputs), inputs.now);
   if (unseen != Missing::kNothing) Halt(unseen, TextFor(unseen), true, inputs.now);
-  RefuseOtherDevice(driver_.state().refusal);
+  RefuseArms(driver_.state().refusal);
   ReceiveConsent(inputs);
   AskOverUncertain(inputs);
   switch (phase_) {

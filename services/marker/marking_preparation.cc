@@ -1,15 +1,14 @@
 #include "services/marker/marking_preparation.h"
 
 #include <fmt/format.h>
-#include <google/protobuf/util/json_util.h>
 #include <google/protobuf/util/message_differencer.h>
 
 #include <filesystem>
 #include <utility>
 
 #include "engrave/core/try.h"
-#include "engrave/io/atomic_file.h"
 #include "engrave/mark/mark_file.h"
+#include "services/cell/begun_job.h"
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
 #include "services/job/marks/web_run.h"
@@ -34,12 +33,7 @@ Result<mark::MarkSet> MarksOf(const fs::path& folder,
 Status WritePlanOf(const fs::path& folder, const FrozenJob& job,
                    const mark::MarkSet& marks) {
   INTAGLIO_TRY(mark::WriteMarkFile(folder / kMarksFile, marks));
-  std::string json;
-  google::protobuf::util::JsonPrintOptions options;
-  options.add_whitespace = true;
-  options.preserve_proto_field_names = true;
-  (void)google::protobuf::util::MessageToJsonString(job, &json, options);
-  return io::WriteFileAtomically(folder / "job.json", json);
+  return cell::WriteBegunJob(folder, job);
 }
 
 }  // namespace

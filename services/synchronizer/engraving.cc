@@ -116,7 +116,8 @@ void Engraving::Turn(const EngravingInputs& inputs) {
   settling_.TakeDisarmed();
   const Missing unseen = TurnChain(LinksNow(inputs), inputs.now);
   if (unseen != Missing::kNothing) Halt({unseen, TextFor(unseen), true}, inputs);
-  RefuseOtherDevice(OtherDevice(inputs.motion, laser_));
+  const std::string other_device = OtherDevice(inputs.motion, laser_);
+  RefuseArms(other_device.empty() ? inputs.zero_refusal : other_device);
   ReceiveConsent(inputs);
   AskOverUncertain(inputs);
   WatchProgress(inputs);
@@ -173,10 +174,14 @@ void Engraving::Prepare(const EngravingInputs& inputs) {
   if (stopping_) return Finish();
   std::string wait = preparation_.Refusal();
   if (wait.empty()) {
-    preparation_.LightLamp(inputs.now);
-    preparation_.LeaveSafeState(chain_.may_reset(LinksNow(inputs)), inputs.now);
+    const ChainLinks links = LinksNow(inputs);
+    const bool granted = chain_.has_grant(links);
+    if (granted) preparation_.LightLamp(inputs.now);
+    preparation_.LeaveSafeState(chain_.may_reset(links), inputs.now);
     SendIdleTicks();
-    wait = preparation_.WhatIsMissing(inputs.motion);
+    const bool lit = granted || laser_.Has(link::kLampOn);
+    wait = preparation_.WhatIsMissing(inputs.motion, lit);
+    if (!lit && wait.empty()) wait = TextOf(Missing::kPermission);
   }
   // A fault that waits for the operator keeps its message.
   if (!faulted()) message_ = wait;
@@ -197,7 +202,8 @@ void Engraving::Wait(const EngravingInputs& inputs) {
   // In lockstep it brakes only while ticks pass, which in a safe state none does.
   const bool seen = inputs.motion.fresh && !inputs.motion.line_down();
   if (seen && !inputs.motion.at_rest) {
-    if (run_count() == 0) settling_.AbortEarlierRun(inputs.motion, inputs.now);
+    if (run_count() == 0 && !inputs.stage_approaches)
+      settling_.AbortEarlierRun(inputs.motion, inputs.now);
     SendIdleTicks();
   }
   const bool closed = shutters_.KeepClosed(inputs.now);
@@ -205,8 +211,9 @@ void Engraving::Wait(const EngravingInputs& inputs) {
   if (shutters_.fails_to_close(inputs.now)) {
     message_ = "a shutter does not close: check its drive, then the job continues";
   }
+  if (inputs.stage_approaches) message_ = "the stage is driven to where the job begins";
   // The plan begins where the stage is, and with a shutter that is seen to open.
-  if (!closed || !inputs.motion.at_rest) return;
+  if (!closed || !inputs.motion.at_rest || inputs.stage_approaches) return;
   bool reopened_any = false;
   const bool all_open =
       record_.LeaveOutBefore(inputs.first_point) && consent_.Reopen(inputs, reopened_any);

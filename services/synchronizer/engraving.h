@@ -86,6 +86,8 @@ class Engraving final : public WorkStates {
     return begun && phase_ != Phase::kRunning && !starts_again_ && !message_.empty();
   }
   std::uint32_t run_count() const override { return run_.count(); }
+  /// A grant has switched the lamp on, or has found it on.
+  bool has_lamp() const { return preparation_.has_lamp(); }
   std::uint64_t first_fired_tick() const { return record_.first_fired_tick(); }
   std::uint64_t last_fired_tick() const { return record_.last_fired_tick(); }
   /// Speed overrides that motion was planned with, and how often they changed.

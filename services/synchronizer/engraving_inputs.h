@@ -43,6 +43,10 @@ struct EngravingInputs : GrantInputs {
   MotionView motion;
   /// Of a controller with a clock of its own; lives as long as the Engraving.
   MotionClock* motion_clock = nullptr;
+  /// The stage is driven to where the job begins: no run begins meanwhile.
+  bool stage_approaches = false;
+  /// Why the zero of the machine refuses every arm; empty: it does not.
+  std::string zero_refusal = {};
 };
 
 /// The links of the permission chain as the inputs and the laser controller have them.

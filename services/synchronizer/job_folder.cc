@@ -1,11 +1,10 @@
 #include "services/synchronizer/job_folder.h"
 
 #include <fmt/format.h>
-#include <google/protobuf/util/json_util.h>
 
 #include "engrave/core/try.h"
 #include "engrave/formats/point_file.h"
-#include "engrave/io/atomic_file.h"
+#include "services/cell/begun_job.h"
 
 namespace intaglio::synchronizer {
 
@@ -30,12 +29,7 @@ Status WritePlan(const fs::path& folder, const FrozenJob& job, const PointCloud&
                     ", glass frame, mm, in the order of engraving"};
   table.columns.push_back({"source", path.source});
   INTAGLIO_TRY(formats::WritePly(folder / kPathFile, table));
-  std::string json;
-  google::protobuf::util::JsonPrintOptions options;
-  options.add_whitespace = true;
-  options.preserve_proto_field_names = true;
-  (void)google::protobuf::util::MessageToJsonString(job, &json, options);
-  return io::WriteFileAtomically(folder / "job.json", json);
+  return cell::WriteBegunJob(folder, job);
 }
 
 Result<PointCloud> ReadPath(const fs::path& folder) {

@@ -76,7 +76,7 @@ Result<OpenedJournal> OpenFolder(const PreparationTask& task, const PointCloud& 
                              {path.size(), task.job.epoch(),
                               formats::PathCrc(path.points_mm), task.job.job().station()},
                              on_disk ? JobBegun::kItsPathIsThere : JobBegun::kNo);
-  if (!journal || on_disk) return journal;
+  if (!journal || (on_disk && !task.begins_anew)) return journal;
   INTAGLIO_TRY(WritePlan(folder, task.job, path));
   return journal;
 }

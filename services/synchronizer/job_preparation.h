@@ -23,6 +23,8 @@ struct PreparationTask {
   std::optional<PointCloud> path;
   /// See EngravingJob.
   std::string block_misfit;
+  /// With `path` none: nothing of the job was made yet, and its folder gets `job` anew.
+  bool begins_anew = false;
 };
 
 struct PreparedJob {

@@ -32,6 +32,11 @@ class LampHold {
     held_ = holds_lamps();
     ends_at_ = now + limit_;
   }
+  /// An engraving is given up that has left the lamp on: it goes off in the next turn.
+  void End(std::chrono::nanoseconds now) {
+    held_ = true;
+    ends_at_ = now;
+  }
   /// Once a turn without an engraving. `stopped`: a stop is pressed, or the process ends.
   void Turn(bool stopped, std::chrono::nanoseconds now) {
     if (!held_ || (!stopped && now < ends_at_)) return;

@@ -6,7 +6,9 @@
 #include <utility>
 
 #include "engrave/core/try.h"
+#include "services/cell/begun_job.h"
 #include "services/job/job_file.h"
+#include "services/job/machine/zero_change.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/host/process/log.h"
 #include "services/synchronizer/cell_names.h"
@@ -61,11 +63,12 @@ void Synchronizer::Turn(std::chrono::nanoseconds now) {
   motion_.Receive(task_.permission(), laser_, now);
   SendStop();
   task_.ReceiveTasks();
+  CheckZeros();
   TurnDrive();
   TurnLight();
   if (task_.has_job() && !engraving_) {
     ReceivePath();
-    if (!drive_.drives()) AcceptPrepared();
+    AcceptPrepared();
   } else {
     (void)intake_.Poll();  // what is left would wake the loop again and again
   }
@@ -90,7 +93,8 @@ void Synchronizer::Stop() {
 }
 
 std::string Synchronizer::WhyNoArmCounts() const {
-  return OtherDevice(motion_.view(), laser_);
+  const std::string other_device = OtherDevice(motion_.view(), laser_);
+  return other_device.empty() ? zero_refusal_ : other_device;
 }
 
 ChainLinks Synchronizer::Links(const GrantInputs& inputs) const {
@@ -103,10 +107,13 @@ Status Synchronizer::Begin(FrozenJob& job, const intaglio_StageTask& task) {
   INTAGLIO_TRY(ReadTaught());
   INTAGLIO_TRY(CheckTask(job, machine_, machine_file_));
   *job.mutable_machine() = machine_;
-  drive_.Stop();
-  if (machine_.taught().has_sample())
-    drive_.Start("sample", machine_.taught().sample(), job.job_uid(), now_);
+  approach_ = ApproachState::kDue;
+  zeros_checked_ = {};
+  zero_refusal_.clear();
   if (task.take_up) {
+    // The zeros it was begun with; CheckZeros compares them with those of now.
+    const auto begun = INTAGLIO_TRY(ReadBegunJob(job.result_directory()));
+    if (begun) *job.mutable_machine()->mutable_taught() = begun->machine().taught();
     Prepare(std::nullopt);
     return {};
   }
@@ -165,7 +172,10 @@ void Synchronizer::AcceptPlan() {
 }
 
 void Synchronizer::TurnWork(const GrantInputs& inputs) {
-  engraving_->Turn(motion_.InputsWith(inputs));
+  EngravingInputs with_motion = motion_.InputsWith(inputs);
+  with_motion.zero_refusal = zero_refusal_;
+  with_motion.stage_approaches = approach_ != ApproachState::kOver;
+  engraving_->Turn(with_motion);
   AcceptPlan();
 }
 
@@ -202,15 +212,76 @@ void Synchronizer::AddTo(EngraveOutcome& outcome) const {
 }
 
 void Synchronizer::NoteEnd(const std::string& job_uid, bool done) {
-  drive_.Stop();
-  if (done && machine_.taught().has_park())
+  const bool had_grant = approach_ == ApproachState::kOver;
+  if (approach_ == ApproachState::kDrives) drive_.Stop();
+  approach_ = ApproachState::kNone;
+  if (done && had_grant && machine_.taught().has_park())
     drive_.Start("park", machine_.taught().park(), job_uid, now_);
+}
+
+// A zero may be taught while a job waits, and a profile be edited: each grant is compared
+// before anything is made by it. What is not begun is prepared anew; what is begun has to
+// be made with the zero that it has.
+void Synchronizer::CheckZeros() {
+  if (!engraving_ || engraving_->activity() != WorkStates::Activity::kIdle) return;
+  const GrantInputs inputs = task_.Inputs();
+  if (!inputs.permission_fresh || !inputs.permission_granted) return;
+  if (inputs.grant <= zeros_checked_) return;
+  zeros_checked_ = inputs.grant;
+  zero_refusal_.clear();
+  if (const auto read = ReadTaught(); !read) {
+    zero_refusal_ = read.error().message;
+    return;
+  }
+  const FrozenJob& job = task_.job();
+  const std::string change = ZeroChange(job.job(), job.machine(), machine_);
+  if (change.empty()) return;
+  if (!engraving_->started()) return PrepareAnew();
+  zero_refusal_ = change +
+                  ": cancel the job, or bring the zero back (intaglio teach undo), for "
+                  "what is made already would not fit to the rest";
+}
+
+void Synchronizer::PrepareAnew() {
+  const FrozenJob& job = task_.job();
+  if (auto checked = CheckTask(job, machine_, machine_file_); !checked)
+    return task_.Fail(checked.error());
+  host::LogInfo("job {} is prepared anew: {}", job.job_uid(),
+                ZeroChange(job.job(), job.machine(), machine_));
+  task_.SetMachine(machine_);
+  if (engraving_->has_lamp()) lamp_hold_.End(now_);
+  if (approach_ == ApproachState::kDrives) drive_.Stop();
+  approach_ = ApproachState::kDue;
+  engraving_.reset();
+  journal_.reset();
+  plan_ = {};
+  planned_ = false;
+  planner_.Begin({job, std::nullopt, MountMisfit(job, mounted_), true});
+}
+
+// Submitting a job moves nothing: the drive to its beginning waits for its grant, ends
+// with it, and begins anew with the next one.
+void Synchronizer::Approach() {
+  if (!engraving_ || engraving_->activity() != WorkStates::Activity::kIdle) return;
+  const bool granted = task_.has_grant();
+  if (approach_ == ApproachState::kDue && granted) {
+    drive_.Stop();  // what parks after the job before
+    if (machine_.taught().has_sample())
+      drive_.Start("sample", machine_.taught().sample(), task_.job().job_uid(), now_);
+    approach_ = ApproachState::kDrives;
+  } else if (approach_ == ApproachState::kDrives && !granted && drive_.drives()) {
+    drive_.Stop();
+    approach_ = ApproachState::kDue;
+  }
 }
 
 // The stage is at rest then, or brakes: the bridge has ended the motion, or is ending it.
 void Synchronizer::TurnDrive() {
+  Approach();
   const bool drove = drive_.drives();
   drive_.Turn(now_);
+  if (approach_ == ApproachState::kDrives && !drive_.drives())
+    approach_ = ApproachState::kOver;
   if (!drove || drive_.drives() || drive_.message().empty()) return;
   host_.RaiseAlarm(intaglio_ALARM_WARNING, "position_not_reached",
                    fmt::format("the taught {} position was not reached, and the stage "
@@ -224,7 +295,7 @@ void Synchronizer::TurnLight() {
       [this](const intaglio_ManualState& state, const bus::SampleOrigin& origin) {
         light_.Take(state, origin.alive, now_);
       });
-  if (engraving_) {
+  if (engraving_ && engraving_->has_lamp()) {
     lamp_hold_.Yield();
     return light_.Yield();
   }

@@ -82,6 +82,9 @@ class Synchronizer final : private Maker {
   void StartEngraving(PreparedJob prepared);
   void AcceptPlan();
   void TurnDrive();
+  void Approach();
+  void CheckZeros();
+  void PrepareAnew();
   void TurnLight();
 
   host::ServiceHost& host_;
@@ -108,6 +111,12 @@ class Synchronizer final : private Maker {
 
   PlanSummary plan_;  ///< Of the whole job, without pauses; empty until it is computed.
   bool planned_ = false;  ///< The computation of plan_ has ended.
+  /// kDue: the job begins with a drive, or at least where another one ended, as soon as
+  /// it has a grant.
+  enum class ApproachState : std::uint8_t { kNone, kDue, kDrives, kOver };
+  ApproachState approach_ = ApproachState::kNone;
+  Grant zeros_checked_;       ///< the newest grant whose zeros were compared
+  std::string zero_refusal_;  ///< why they refuse it; empty: they do not
   std::chrono::nanoseconds now_{0};
   std::uint64_t stop_sent_session_ = 0;  ///< to the laser; 0: not
 };

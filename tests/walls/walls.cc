@@ -116,9 +116,9 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
       "services/platform/link"}},
     // What the synchronizer and the marker have in common.
     {"services/cell",
-     {"engrave/core", "engrave/formats", "idl", "proto", "services/platform/bus",
-      "services/platform/host/process", "services/platform/host/safety",
-      "services/platform/host/stage"}},
+     {"engrave/core", "engrave/formats", "engrave/io", "idl", "proto",
+      "services/platform/bus", "services/platform/host/process",
+      "services/platform/host/safety", "services/platform/host/stage"}},
     // Motion by hand, for the program that holds the line.
     {"services/cell/manual",
      {"engrave/core", "idl", "services/drivers", "services/platform/bus"}},

@@ -75,11 +75,11 @@ void MachinePreparation::LeaveSafeState(bool may_reset, std::chrono::nanoseconds
   (void)laser_.RequestStatus();
 }
 
-std::string MachinePreparation::WhatIsMissing(const MotionView& motion) const {
+std::string MachinePreparation::WhatIsMissing(const MotionView& motion, bool lit) const {
   // Without ticks it does not warm up, either.
-  if (laser_.Has(link::kNoLampSync)) return TextOf(Missing::kLampSync);
+  if (lit && laser_.Has(link::kNoLampSync)) return TextOf(Missing::kLampSync);
   const bool right_rate = laser_.status().rate_hz == job_.plan.rate_hz;
-  if (!laser_.Has(link::kLampWarm) || !right_rate) {
+  if (lit && (!laser_.Has(link::kLampWarm) || !right_rate)) {
     return fmt::format("the lamp warms up: {:.0f} %", 100 * laser_.status().warm_ratio);
   }
   if (!motion.fresh) return TextOf(Missing::kMotionState);

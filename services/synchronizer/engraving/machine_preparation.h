@@ -4,7 +4,7 @@
 // the lamp on and warm at the job's rate, the laser controller out of its safe state, the
 // state of the stage known.
 //
-//   Refusal() empty --> lamp commanded --> warm, rate right --> stage fresh -->
+//   Refusal() empty --> a grant: lamp commanded --> warm, rate right --> stage fresh -->
 //   WhatIsMissing() empty
 //
 // The lamp is commanded once in a session: another session may be another power-up, and
@@ -30,12 +30,15 @@ class MachinePreparation {
   /// Another block, another device, no line, or a rate, an energy or a lock of the door
   /// that the laser does not have: then nothing is prepared. Empty: none.
   std::string Refusal() const;
-  /// Switches the lamp on at the job's rate, unless it is.
+  /// Switches the lamp on at the job's rate, unless it is. With a grant alone.
   void LightLamp(std::chrono::nanoseconds now);
   /// `may_reset`: see PermissionChain.
   void LeaveSafeState(bool may_reset, std::chrono::nanoseconds now);
-  /// What the machine is not ready for yet, with no refusal; empty: it is ready.
-  std::string WhatIsMissing(const MotionView& motion) const;
+  /// What the machine is not ready for yet, with no refusal; empty: it is ready. `lit`:
+  /// the lamp is on, or is being switched on.
+  std::string WhatIsMissing(const MotionView& motion, bool lit) const;
+  /// The lamp is this job's: a grant has switched it on.
+  bool has_lamp() const { return lamp_session_ != 0; }
   /// It was ready and is not any more: back to preparing.
   bool is_lost() const {
     return !laser_.up() || !laser_.Has(link::kLampWarm) || !job_.block_misfit.empty();

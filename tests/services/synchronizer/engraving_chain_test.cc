@@ -82,9 +82,12 @@ const Moment kMoments[] = {
      }},
     {"Waiting",
      [](FakeCell& c) {
+       c.Grant();
+       const bool lit = c.StepUntil([&] { return c.laser.lamp_on(); });
+       c.Withdraw();
        const bool waits = c.StepUntil([&] { return c.phase() == Phase::kWaiting; });
        c.Grant();
-       return waits;
+       return lit && waits;
      }},
     {"Beginning", [](FakeCell& c) { return Begin(c); }},
     {"LeadIn",

@@ -252,5 +252,21 @@ TEST(EngravingLatch, WithoutPhotosensorsWhatWasFiredIsMade) {
   EXPECT_THAT(cell.Disagreements(), IsEmpty());
 }
 
+// Whatever is prepared: without a grant the machine is as it was.
+TEST(EngravingBeforeItsGrant, NeitherLightsNorMovesAnything) {
+  for (const bool lockstep : {false, true}) {
+    FakeCell cell({.points = 20, .lockstep = lockstep});
+    const Vec3 place_mm = cell.stage.at_mm();
+    cell.StepFor(10s);
+    EXPECT_FALSE(cell.laser.lamp_on());
+    EXPECT_EQ(cell.laser.shutters(), 0);
+    EXPECT_EQ(cell.stage.at_mm(), place_mm);
+    EXPECT_EQ(cell.engraving->message(), TextOf(Missing::kPermission));
+    cell.Grant();
+    EXPECT_TRUE(cell.StepUntil([&] { return cell.laser.lamp_on(); }));
+    EXPECT_TRUE(cell.StepUntilDone()) << cell.Description();
+  }
+}
+
 }  // namespace
 }  // namespace intaglio::synchronizer

@@ -91,17 +91,26 @@ TEST_F(MachinePreparationTest, WaitsForTheLampAndThenForTheStage) {
   motion.fault = intaglio_MOTION_OK;
   motion.fresh = true;
   LightLampFor(50ms);
-  EXPECT_THAT(preparation_.WhatIsMissing(motion), HasSubstr("the lamp warms up: 0 %"));
+  EXPECT_THAT(preparation_.WhatIsMissing(motion, true),
+              HasSubstr("the lamp warms up: 0 %"));
   EXPECT_TRUE(preparation_.is_lost());
   bench_.PassTicks(30);
   bench_.StepFor(30ms);
-  EXPECT_EQ(preparation_.WhatIsMissing(motion), "");
+  EXPECT_EQ(preparation_.WhatIsMissing(motion, true), "");
   EXPECT_FALSE(preparation_.is_lost());
   motion.fault = intaglio_MOTION_LINK_LOST;
   motion.message = "no cable";
-  EXPECT_EQ(preparation_.WhatIsMissing(motion), "no cable");
+  EXPECT_EQ(preparation_.WhatIsMissing(motion, true), "no cable");
   motion.fresh = false;
-  EXPECT_EQ(preparation_.WhatIsMissing(motion), TextOf(Missing::kMotionState));
+  EXPECT_EQ(preparation_.WhatIsMissing(motion, true), TextOf(Missing::kMotionState));
+}
+
+TEST_F(MachinePreparationTest, ALampThatIsOffAndWaitsForAGrantHidesNoFaultOfTheStage) {
+  MotionView motion;
+  EXPECT_EQ(preparation_.WhatIsMissing(motion, false), TextOf(Missing::kMotionState));
+  motion.fresh = true;
+  motion.fault = intaglio_MOTION_OK;
+  EXPECT_EQ(preparation_.WhatIsMissing(motion, false), "");
 }
 
 TEST_F(MachinePreparationTest, NamesALampSyncThatIsTooShort) {
@@ -110,7 +119,7 @@ TEST_F(MachinePreparationTest, NamesALampSyncThatIsTooShort) {
   motion.fresh = true;
   bench_.laser.short_sync = true;
   LightLampFor(50ms);
-  EXPECT_THAT(preparation_.WhatIsMissing(motion), HasSubstr("min_sync_width_us"));
+  EXPECT_THAT(preparation_.WhatIsMissing(motion, true), HasSubstr("min_sync_width_us"));
 }
 
 TEST_F(MachinePreparationTest, ALampOfAnotherRateIsNotReady) {
@@ -119,7 +128,7 @@ TEST_F(MachinePreparationTest, ALampOfAnotherRateIsNotReady) {
   MotionView motion;
   motion.fresh = true;
   motion.fault = intaglio_MOTION_OK;
-  EXPECT_THAT(preparation_.WhatIsMissing(motion), HasSubstr("warms up"));
+  EXPECT_THAT(preparation_.WhatIsMissing(motion, true), HasSubstr("warms up"));
 }
 
 TEST_F(MachinePreparationTest, ASafeStateIsResetByAGrantAlone) {
