@@ -71,6 +71,14 @@ void FileFindings::Add(FileFinding finding) {
   known->area_mm2 += finding.area_mm2;
 }
 
+bool FileFindings::IsNew(std::string_view what, Effect effect) const {
+  const std::string name = Printable(what);
+  return all_.size() < kMaxNames &&
+         std::ranges::none_of(all_, [&](const FileFinding& known) {
+           return known.effect == effect && known.what == name;
+         });
+}
+
 std::uint64_t FileFindings::CountOf(std::string_view what) const {
   std::uint64_t count = 0;
   for (const FileFinding& finding : all_) {

@@ -44,6 +44,8 @@ class FileFindings {
  public:
   void Add(FileFinding finding);
 
+  /// Whether Add would keep the place of such a finding: for places that cost time.
+  bool IsNew(std::string_view what, Effect effect) const;
   /// How many of this name were met, of every effect; 0: none.
   std::uint64_t CountOf(std::string_view what) const;
   bool empty() const { return all_.empty(); }

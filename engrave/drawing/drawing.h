@@ -7,11 +7,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "engrave/core/findings.h"
 #include "engrave/core/geometry.h"
 
 namespace intaglio::drawing {
@@ -59,8 +59,8 @@ struct Curve {
 struct Drawing {
   std::vector<Curve> curves;
   std::vector<std::string> names{std::string()};  ///< the first is "no name"
-  /// The entities of a file that are not curves, and their number: "TEXT", "image", "LB".
-  std::map<std::string, std::uint64_t> left_out;
+  /// What the file holds and the curves do not obey: "TEXT", "image", "LB", "mask".
+  FileFindings findings;
 };
 
 /// Limits on the time and memory of reading; beyond them: ErrorCode::kTooLarge. The

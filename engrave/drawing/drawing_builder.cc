@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "engrave/core/try.h"
 #include "engrave/drawing/pieces.h"
 #include "engrave/io/number_text.h"
 
@@ -9,8 +10,6 @@ namespace intaglio::drawing {
 namespace {
 
 constexpr std::size_t kMaxNameBytes = 255;
-// Kinds that are reported by name; all others are counted as "other".
-constexpr std::size_t kMaxKinds = 64;
 
 bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
@@ -78,15 +77,22 @@ std::uint32_t DrawingBuilder::NameIndex(std::string_view name) {
   return found->second;
 }
 
-void DrawingBuilder::LeaveOut(std::string_view kind, std::uint64_t count) {
-  std::string key = Shown(kind);
-  auto& left_out = drawing_.left_out;
-  if (left_out.size() >= kMaxKinds && !left_out.contains(key)) key = "other";
-  left_out[key] += count;
+void DrawingBuilder::LeaveOut(std::string_view kind, Effect effect,
+                              std::string_view place, double area_mm2) {
+  drawing_.findings.Add(
+      {.what = std::string(kind),
+       .where = std::string(place),
+       .remedy = effect == Effect::kNothingSeen
+                     ? ""
+                     : "convert them to curves if they have to be engraved",
+       .count = 1,
+       .area_mm2 = area_mm2,
+       .effect = effect});
 }
 
 Result<Drawing> DrawingBuilder::Take() {
   if (error_) return tl::unexpected(std::move(*error_));
+  INTAGLIO_TRY(CheckMeaning(name_, drawing_.findings));
   return std::move(drawing_);
 }
 

@@ -39,8 +39,17 @@ class DrawingBuilder {
   /// The index of the name; names longer than 255 bytes are cut.
   std::uint32_t NameIndex(std::string_view name);
 
-  /// Records that an entity of this kind was left out.
-  void LeaveOut(std::string_view kind, std::uint64_t count = 1);
+  /// Records an entity of this kind that is not obeyed (core/findings.h).
+  void LeaveOut(std::string_view kind, Effect effect, std::string_view place = {},
+                double area_mm2 = 0);
+
+  /// The same; `place()` is called for the first of a kind alone.
+  template <typename Place>
+  void LeaveOutAt(std::string_view kind, Effect effect, const Place& place,
+                  double area_mm2 = 0) {
+    const bool is_new = drawing_.findings.IsNew(kind, effect);
+    LeaveOut(kind, effect, is_new ? place() : std::string(), area_mm2);
+  }
 
   const DrawingLimits& limits() const { return limits_; }
 

@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
 #include "engrave/drawing/drawing_builder.h"
-#include "engrave/drawing/hpgl_scale.h"
+#include "engrave/drawing/hpgl_commands.h"
+#include "engrave/drawing/hpgl_encoded.h"
+#include "engrave/drawing/hpgl_pen.h"
 #include "engrave/drawing/pieces.h"
 
 namespace intaglio::drawing {
@@ -30,32 +33,32 @@ class HpglReader {
  public:
   HpglReader(std::string_view text, const ReadOptions& options, std::string_view name)
       : text_(text),
-        unit_mm_(options.unit_mm.value_or(kPlotterUnit_mm)),
         limits_(options.limits),
-        builder_(name, options.limits) {}
+        pen_(name, options.limits, options.unit_mm.value_or(kPlotterUnit_mm)) {}
 
   Result<Drawing> Read() {
     if (text_.size() > limits_.max_file_bytes) {
-      builder_.Refuse(ErrorCode::kTooLarge, "",
-                      fmt::format("the file has {} bytes, the limit is {}; divide the "
-                                  "drawing or raise the limit",
-                                  text_.size(), limits_.max_file_bytes));
-      return builder_.Take();
+      pen_.builder().Refuse(
+          ErrorCode::kTooLarge, "",
+          fmt::format("the file has {} bytes, the limit is {}; divide the "
+                      "drawing or raise the limit",
+                      text_.size(), limits_.max_file_bytes));
+      return pen_.builder().Take();
     }
     bool good = true;
     while (good && at_ < text_.size()) good = ReadInstruction();
-    if (good && EndLine() && !any_) {
-      builder_.Refuse(
+    if (good && pen_.EndLine() && !any_) {
+      pen_.builder().Refuse(
           ErrorCode::kUnreadable, "",
           "the file has no HPGL instruction such as PU or PA; it is not HPGL");
     }
-    return builder_.Take();
+    return pen_.builder().Take();
   }
 
  private:
   std::string Place() const { return fmt::format("byte {}, {}", begin_, name_); }
   bool Refuse(ErrorCode code, std::string_view sentence, std::string_view value = {}) {
-    return builder_.Refuse(code, Place(), sentence, value);
+    return pen_.builder().Refuse(code, pen_.Place(), sentence, value);
   }
 
   /// False after an error.
@@ -69,6 +72,7 @@ class HpglReader {
     }
     if (at_ + 1 >= text_.size() || !IsLetter(text_[at_ + 1])) {
       name_ = Shown(text_.substr(at_, 2));
+      pen_.SetPlace(begin_, name_);
       return Refuse(
           ErrorCode::kUnreadable,
           "expected the two letters of an instruction; the file is damaged or not HPGL",
@@ -76,12 +80,17 @@ class HpglReader {
     }
     name_ = {Upper(text_[at_]), Upper(text_[at_ + 1])};
     at_ += 2;
+    pen_.SetPlace(begin_, name_);
     return Do();
+  }
+
+  void LeaveOut(std::string_view what) {
+    pen_.builder().LeaveOut(what, EffectOfHpgl(what), fmt::format("byte {}", begin_));
   }
 
   /// ESC . letter [numbers :], or ESC % digits letter.
   void SkipEscape() {
-    builder_.LeaveOut("ESC");
+    LeaveOut("ESC");
     ++at_;
     const bool dotted = at_ < text_.size() && text_[at_] == '.';
     if (dotted) ++at_;
@@ -142,40 +151,73 @@ class HpglReader {
     if (name_ == "SC" || name_ == "IP" || name_ == "IR") return Scale();
     if (name_ == "IN" || name_ == "DF") {
       any_ = true;
-      name_ == "IN" ? scale_.Initialize() : scale_.SwitchOff();
-      relative_ = down_ = false;
-      return EndLine();
+      name_ == "IN" ? pen_.scale().Initialize() : pen_.scale().SwitchOff();
+      if (name_ == "IN") pen_.Turn(0);
+      end_of_text_ = kEndOfText;
+      relative_ = false;
+      return pen_.SetDown(false);
     }
-    builder_.LeaveOut(name_);
+    if (name_ == "RO") return Rotate();
+    if (name_ == "AT" || name_ == "RT") return ArcThrough();
+    if (name_ == "BZ" || name_ == "BR") return Beziers();
+    if (name_ == "PE") return Encoded();
+    if (name_ == "DT") return DefineTerminator();
+    return LeaveOutInstruction();
+  }
+
+  /// Past its text, if it has one.
+  bool LeaveOutInstruction() {
+    const bool has_numbers = at_ < text_.size() && text_[at_] != ';';
     if (name_ == "LB" || name_ == "BL") {
-      at_ = std::min(text_.find(kEndOfText, at_), text_.size());
-    } else {
-      at_ = std::min(text_.find_first_of(";\n", at_), text_.size());
+      LeaveOut(name_);
+      at_ = std::min(text_.find(end_of_text_, at_), text_.size() - 1) + 1;
+      return true;
     }
+    // Without numbers they bring back what the plotter begins with.
+    if (has_numbers || EffectOfHpgl(name_) != Effect::kChanged) LeaveOut(name_);
+    while (at_ < text_.size() && text_[at_] != ';' && text_[at_] != '\n') {
+      // A comment or a name in quotes may have semicolons.
+      const auto close = text_[at_] == '"' ? text_.find('"', at_ + 1) : text_.npos;
+      at_ = close == text_.npos ? at_ + 1 : close + 1;
+    }
+    return true;
+  }
+
+  /// DT character [, mode]: what ends a label. Without: the byte 3.
+  bool DefineTerminator() {
+    end_of_text_ = kEndOfText;
+    if (at_ < text_.size() && text_[at_] != ';') end_of_text_ = text_[at_++];
+    at_ = std::min(text_.find(';', at_), text_.size());
+    return true;
+  }
+
+  bool Rotate() {
+    std::vector<double> n;
+    if (!Numbers(0, n)) return false;
+    const double quarters = (n.empty() ? 0 : n[0]) / 90;
+    if (quarters != std::floor(quarters) || std::abs(quarters) > 4) {
+      return Refuse(ErrorCode::kInvalidValue,
+                    "a plot is turned by 0, 90, 180 or 270 degrees; plot it again");
+    }
+    pen_.Turn((static_cast<int>(quarters) + 4) % 4);
     return true;
   }
 
   bool Pen() {
     any_ = true;
     if (name_ == "PU" || name_ == "PD") {
-      if (name_ == "PU" && !EndLine()) return false;
-      down_ = name_ == "PD";
+      if (!pen_.SetDown(name_ == "PD")) return false;
     } else {
       relative_ = name_ == "PR";
     }
-    if (down_ && line_.empty()) line_.push_back(pen_);
+    if (!pen_.SetDown(pen_.down())) return false;
     bool ok = true;
     while (const std::optional<double> x = NextNumber(ok)) {
       const std::optional<double> y = NextNumber(ok);
       if (!ok) return false;
       if (!y) return Refuse(ErrorCode::kInvalidValue, "a coordinate has no y");
       if (!UnitsKnown()) return false;
-      pen_ = PointAtUser(*x, *y, relative_);
-      if (!down_) continue;
-      line_.push_back(pen_);
-      if (line_.size() > limits_.max_points) {
-        return builder_.CountPoints(line_.size(), Place());
-      }
+      if (!pen_.LineTo(pen_.PointAtUser(*x, *y, relative_))) return false;
     }
     return ok;
   }
@@ -184,36 +226,117 @@ class HpglReader {
   bool Arc() {
     std::vector<double> n;
     if (!Numbers(3, n) || !UnitsKnown()) return false;
-    const Vec3 center = PointAtUser(n[0], n[1], name_ == "AR");
+    const Vec3 center = pen_.PointAtUser(n[0], n[1], name_ == "AR");
     // Round in user units: where these are stretched, an ellipse.
-    const Vec2 u = (pen_ - center).head<2>().cwiseQuotient(scale_.factor());
+    const Vec2 u = pen_.UserVector(pen_.at() - center);
     const double sweep = std::clamp(n[2], -360.0, 360.0) * pi / 180;
-    const EllipticArc arc{center, AxisOfUser(u.x(), u.y()), AxisOfUser(-u.y(), u.x()), 0,
-                          sweep};
-    pen_ = PointAt(arc, 1);
-    if (!down_) return true;
-    FlushLine();
-    pieces_.push_back(arc);
-    line_.push_back(pen_);
-    return pieces_.size() <= limits_.max_points / 3 ||
-           builder_.CountPoints(3 * pieces_.size(), Place());
+    return DrawArc({center, pen_.AxisOfUser(u.x(), u.y()), pen_.AxisOfUser(-u.y(), u.x()),
+                    0, sweep});
   }
+
+  /// From the pen through a point to an end.
+  bool ArcThrough() {
+    std::vector<double> n;
+    if (!Numbers(4, n) || !UnitsKnown()) return false;
+    const bool from_pen = name_ == "RT";
+    const Vec3 middle = pen_.PointAtUser(n[0], n[1], from_pen);
+    const Vec3 end = pen_.PointAtUser(n[2], n[3], from_pen);
+    const Vec2 m = pen_.UserVector(middle - pen_.at()),
+               e = pen_.UserVector(end - pen_.at());
+    const double cross = m.x() * e.y() - m.y() * e.x();
+    Vec2 center = m / 2;  // of a full circle, whose end is its beginning
+    if (!e.isZero(0)) {
+      if (std::abs(cross) < 1e-9 * m.norm() * e.norm() || m.isZero(0)) {
+        return pen_.LineTo(middle) && pen_.LineTo(end);
+      }
+      center = Vec2(e.y() * m.squaredNorm() - m.y() * e.squaredNorm(),
+                    m.x() * e.squaredNorm() - e.x() * m.squaredNorm()) /
+               (2 * cross);
+    } else if (m.isZero(0)) {
+      return true;
+    }
+    const Vec2 u = -center, to = e - center;
+    double sweep = std::atan2(u.x() * to.y() - u.y() * to.x(), u.dot(to));
+    if (e.isZero(0)) sweep = 2 * pi;
+    if (cross > 0 && sweep <= 0) sweep += 2 * pi;
+    if (cross < 0 && sweep >= 0) sweep -= 2 * pi;
+    // The middle lies to the left of the chord when the arc turns to the right.
+    return DrawArc({pen_.at() + pen_.AxisOfUser(center.x(), center.y()),
+                    pen_.AxisOfUser(u.x(), u.y()), pen_.AxisOfUser(-u.y(), u.x()), 0,
+                    sweep});
+  }
+
+  bool Beziers() {
+    any_ = true;
+    bool ok = true;
+    while (true) {
+      std::array<double, 6> n{};
+      std::size_t count = 0;
+      for (; count < n.size(); ++count) {
+        const std::optional<double> number = NextNumber(ok);
+        if (!ok) return false;
+        if (!number) break;
+        n.at(count) = *number;
+      }
+      if (count == 0) return true;
+      if (count < n.size()) {
+        return Refuse(ErrorCode::kInvalidValue,
+                      "a Bezier curve has three points; plot the drawing again");
+      }
+      if (!UnitsKnown()) return false;
+      const bool from_pen = name_ == "BR";
+      const CubicBezier curve{{pen_.at(), pen_.PointAtUser(n[0], n[1], from_pen),
+                               pen_.PointAtUser(n[2], n[3], from_pen),
+                               pen_.PointAtUser(n[4], n[5], from_pen)}};
+      if (!pen_.Draw(curve, curve.control_mm[3])) return false;
+    }
+  }
+
+  bool Encoded() {
+    any_ = true;
+    HpglEncoded encoded(text_, at_);
+    while (true) {
+      const HpglStep step = encoded.Next();
+      at_ = encoded.position();
+      if (step.kind == HpglStep::Kind::kEnd) return true;
+      if (step.kind == HpglStep::Kind::kWrong) {
+        return Refuse(ErrorCode::kInvalidValue,
+                      "a number of the encoded polyline is cut or too large; plot the "
+                      "drawing again");
+      }
+      if (step.kind == HpglStep::Kind::kPen) {
+        if (!pen_.Select(step.pen)) return false;
+        continue;
+      }
+      if (!UnitsKnown() || (!step.down && !pen_.EndLine())) return false;
+      pen_.Move(step.down);
+      if (!pen_.LineTo(pen_.PointAtUser(step.at.x(), step.at.y(), !step.absolute)))
+        return false;
+    }
+  }
+
+  bool DrawArc(const EllipticArc& arc) { return pen_.Draw(arc, PointAt(arc, 1)); }
 
   bool Circle() {
     std::vector<double> n;
     if (!Numbers(1, n) || !UnitsKnown()) return false;
     const double r = std::abs(n[0]);
     if (!(r > 0)) return Refuse(ErrorCode::kInvalidValue, "the radius must not be 0");
-    return Shape({EllipticArc{pen_, AxisOfUser(r, 0), AxisOfUser(0, r), 0, 2 * pi}});
+    any_ = true;
+    return pen_.Shape({EllipticArc{pen_.at(), pen_.AxisOfUser(r, 0),
+                                   pen_.AxisOfUser(0, r), 0, 2 * pi}});
   }
 
   bool Box() {
     std::vector<double> n;
     if (!Numbers(2, n) || !UnitsKnown()) return false;
     const bool from_pen = name_ == "ER" || name_ == "RR";
-    const Vec3 p = pen_;
-    const Vec3 q = PointAtUser(n[0], n[1], from_pen);
-    return Shape({Polyline{{p, {q.x(), p.y(), 0}, q, {p.x(), q.y(), 0}}}});
+    const Vec3 p = pen_.at();
+    const Vec3 q = pen_.PointAtUser(n[0], n[1], from_pen);
+    const Vec2 d = pen_.UserVector(q - p);
+    any_ = true;
+    return pen_.Shape(
+        {Polyline{{p, p + pen_.AxisOfUser(d.x(), 0), q, p + pen_.AxisOfUser(0, d.y())}}});
   }
 
   /// Radius, beginning and sweep in degrees, about the pen.
@@ -221,19 +344,18 @@ class HpglReader {
     std::vector<double> n;
     if (!Numbers(3, n) || !UnitsKnown()) return false;
     const double r = n[0];
-    const EllipticArc arc{pen_, AxisOfUser(r, 0), AxisOfUser(0, r),
+    const EllipticArc arc{pen_.at(), pen_.AxisOfUser(r, 0), pen_.AxisOfUser(0, r),
                           std::fmod(n[1], 360) * pi / 180,
                           std::clamp(n[2], -360.0, 360.0) * pi / 180};
-    return Shape({Polyline{{pen_}}, arc});
+    any_ = true;
+    return pen_.Shape({Polyline{{pen_.at()}}, arc});
   }
 
   bool SelectPen() {
     any_ = true;
     std::vector<double> n;
     if (!Numbers(0, n)) return false;
-    if (!EndLine()) return false;
-    layer_ = n.empty() || n[0] == 0 ? 0 : builder_.NameIndex(fmt::format("SP{}", n[0]));
-    return true;
+    return pen_.Select(n.empty() ? 0 : n[0]);
   }
 
   bool Scale() {
@@ -241,67 +363,27 @@ class HpglReader {
     std::vector<double> n;
     if (!Numbers(0, n)) return false;
     if (name_ == "IR" && !n.empty()) {
-      scale_.TakePointsOfPage();
+      pen_.scale().TakePointsOfPage();
       return true;
     }
-    const auto wrong = name_ == "SC" ? scale_.TakeScale(n) : scale_.TakePoints(n);
+    const auto wrong =
+        name_ == "SC" ? pen_.scale().TakeScale(n) : pen_.scale().TakePoints(n);
     return !wrong || Refuse(wrong->code, wrong->sentence);
   }
   bool UnitsKnown() {
-    const auto& wrong = scale_.wrong();
+    const auto& wrong = pen_.scale().wrong();
     return !wrong || Refuse(wrong->code, wrong->sentence);
   }
 
-  /// Plotter units of a vector and of a point in user units.
-  Vec3 AxisOfUser(double x, double y) const {
-    return {scale_.factor().x() * x, scale_.factor().y() * y, 0};
-  }
-  Vec3 PointAtUser(double x, double y, bool from_pen) const {
-    const Vec3 origin(scale_.offset().x(), scale_.offset().y(), 0);
-    return (from_pen ? pen_ : origin) + AxisOfUser(x, y);
-  }
-
-  bool Shape(std::vector<Piece> pieces) {
-    any_ = true;
-    return AddCurve({std::move(pieces), true, layer_, 0});
-  }
-
-  void FlushLine() {
-    if (line_.size() > 1) pieces_.push_back(Polyline{std::move(line_)});
-    line_.clear();
-  }
-  bool EndLine() {
-    // A pen that goes down and up again leaves a point.
-    if (line_.size() == 1 && pieces_.empty()) {
-      pieces_.push_back(Polyline{std::exchange(line_, {})});
-    }
-    FlushLine();
-    if (pieces_.empty()) return true;
-    return AddCurve({std::exchange(pieces_, {}), false, layer_, 0});
-  }
-  bool AddCurve(Curve curve) {
-    if (!builder_.CountEntity(Place())) return false;
-    for (Piece& piece : curve.pieces) {
-      Transform(unit_mm_ * Mat3::Identity(), Vec3::Zero(), piece);
-    }
-    return builder_.Add(std::move(curve), Place());
-  }
-
   std::string_view text_;
-  double unit_mm_;
   DrawingLimits limits_;
-  DrawingBuilder builder_;
+  HpglPen pen_;
   std::size_t at_ = 0;
   std::size_t begin_ = 0;
   std::string name_;
   bool any_ = false;
-  bool down_ = false;
   bool relative_ = false;
-  std::uint32_t layer_ = 0;
-  HpglScale scale_;
-  Vec3 pen_ = Vec3::Zero();  ///< plotter units, as all that is stored
-  PointList line_;
-  std::vector<Piece> pieces_;
+  char end_of_text_ = kEndOfText;
 };
 
 }  // namespace

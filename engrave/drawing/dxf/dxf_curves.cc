@@ -70,8 +70,8 @@ bool CircleOf(const DxfEntity& entity, DrawingBuilder& builder, DxfCurve& result
   if (!ReadValues(entity, builder, result.common, v)) return false;
   const double radius = v.number[40];
   if (!(radius > 0)) {
-    return Refuse(entity, builder, "the radius must be positive; delete the entity",
-                  radius);
+    result.wrong = "without a radius";
+    return true;
   }
   const bool full = entity.type == "CIRCLE";
   const double begin = full ? 0 : Radians(v.number[50]);
@@ -91,7 +91,8 @@ bool EllipseOf(const DxfEntity& entity, DrawingBuilder& builder, DxfCurve& resul
   const double ratio = v.number[40];
   const Vec3 major = v.Point(11);
   if (!(std::abs(ratio) > 0) || !(major.norm() > 0)) {
-    return Refuse(entity, builder, "the ellipse has no width; delete it", ratio);
+    result.wrong = "without a width";
+    return true;
   }
   const Vec3 minor = ratio * WorldFromEntity(result.common.extrusion).col(2).cross(major);
   const double begin = v.number[41];

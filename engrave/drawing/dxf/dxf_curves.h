@@ -7,7 +7,8 @@ namespace intaglio::drawing {
 /// The geometry of an entity, in world coordinates and units of the file.
 struct DxfCurve {
   DxfCommon common;
-  Curve curve;  ///< without pieces: nothing to engrave (a mesh)
+  Curve curve;             ///< without pieces: nothing to engrave (a mesh)
+  std::string_view wrong;  ///< why there are none, behind its type: "without a radius"
 };
 
 /// Whether DxfCurveOf supports the type: LINE, POINT, CIRCLE, ARC, ELLIPSE, LWPOLYLINE,

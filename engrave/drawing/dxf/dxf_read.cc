@@ -9,12 +9,14 @@
 
 #include "engrave/drawing/drawing_builder.h"
 #include "engrave/drawing/dxf/dxf_curves.h"
+#include "engrave/drawing/dxf/dxf_encoding.h"
 #include "engrave/drawing/dxf/dxf_hatch.h"
 #include "engrave/drawing/dxf/dxf_insert.h"
 #include "engrave/drawing/dxf/dxf_layers.h"
 #include "engrave/drawing/dxf/dxf_text.h"
 #include "engrave/drawing/pieces.h"
 #include "engrave/io/dxf_unit.h"
+#include "engrave/io/lower_case.h"
 
 namespace intaglio::drawing {
 namespace {
@@ -27,9 +29,9 @@ struct Block {
 /// The place of entities: the drawing, or a block that is inserted.
 struct BlockContext {
   DxfAffine place;
-  std::vector<std::string_view> blocks;  ///< from the outermost to the innermost
-  std::string_view layer;                ///< of the insertion; entities on layer "0" are
-                                         ///< on it
+  std::vector<std::string> blocks;  ///< names, from the outermost to the innermost
+  std::string_view layer;           ///< of the insertion; entities on layer "0" are
+                                    ///< on it
 };
 
 class DxfReader {
@@ -58,13 +60,29 @@ class DxfReader {
                       text_.size(), options_.limits.max_file_bytes));
     }
     if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);
-    if (text_.starts_with("AutoCAD Binary DXF")) {
-      return builder_.Refuse(ErrorCode::kUnsupported, "",
-                             "the file is a binary DXF; save it as DXF in text form");
+    if (IsBinaryDxf(text_)) {
+      auto text = TextOfBinaryDxf(text_, 2 * options_.limits.max_file_bytes);
+      if (!text) return builder_.Refuse(text.error().code, "", text.error().message);
+      decoded_ = std::move(*text);
+      text_ = decoded_;
     }
     if (text_.starts_with("AC10")) {
       return builder_.Refuse(ErrorCode::kUnsupported, "",
                              "the file is a DWG; save it as DXF in text form");
+    }
+    return Decode();
+  }
+
+  /// Of files whose names and texts are in a code page.
+  bool Decode() {
+    std::string code_page;
+    auto utf8 = DxfInUtf8(text_, code_page);
+    if (!utf8) {
+      builder_.LeaveOut(fmt::format("code page {:?}", code_page), Effect::kChanged,
+                        "$DWGCODEPAGE");
+    } else if (!utf8->empty()) {
+      decoded_ = std::move(*utf8);
+      text_ = decoded_;
     }
     return true;
   }
@@ -97,6 +115,7 @@ class DxfReader {
         const DxfText text{groups.From(begin, end), first_line};
         if (section == "ENTITIES") entities_.push_back(text);
         if (section == "TABLES") return layers_.Read(text, builder_);
+        if (section == "OBJECTS") return ReadObjects(text);
         return section != "BLOCKS" || ReadBlocks(text);
       }
       if (group.code == 9) variable = group.value;
@@ -126,6 +145,19 @@ class DxfReader {
     return true;
   }
 
+  /// XCLIP: a block is shown within a boundary.
+  bool ReadObjects(const DxfText& section) {
+    DxfEntities objects(section, builder_);
+    DxfEntity object;
+    while (objects.Next(object)) {
+      if (object.type == "SPATIAL_FILTER") {
+        builder_.LeaveOut("XCLIP of a block (SPATIAL_FILTER)", Effect::kChanged,
+                          object.Place());
+      }
+    }
+    return objects.good();
+  }
+
   bool ReadBlocks(const DxfText& section) {
     DxfGroups groups(section, builder_);
     DxfGroup group;
@@ -138,7 +170,7 @@ class DxfReader {
         in_head = false;
         if (inside && group.value == "ENDBLK") {
           block.text.text = groups.From(begin, std::max(begin, end));
-          blocks_.insert_or_assign(name, block);
+          blocks_.insert_or_assign(io::LowerCase(name), block);
           inside = false;
         } else if (!inside && group.value == "BLOCK") {
           if (blocks_.size() >= options_.limits.max_entities) {
@@ -179,12 +211,21 @@ class DxfReader {
       } else if (options_.text_font && IsDxfText(entity.type)) {
         if (!AddText(entity, in)) return false;
       } else if (!IsDxfCurve(entity.type)) {
-        if (entity.type != "SEQEND") builder_.LeaveOut(entity.type);
+        LeaveOut(entity);
       } else if (!AddCurve(entity, in)) {
         return false;
       }
     }
     return entities.good();
+  }
+
+  void LeaveOut(const DxfEntity& entity) {
+    // What closes others, a view of a sheet, lines without an end for constructions.
+    constexpr std::string_view kNoLines[] = {"VIEWPORT", "XLINE", "RAY", "ATTDEF"};
+    if (entity.type == "SEQEND") return;
+    const bool seen = std::ranges::find(kNoLines, entity.type) == std::end(kNoLines);
+    builder_.LeaveOut(entity.type, seen ? Effect::kLost : Effect::kNothingSeen,
+                      entity.Place());
   }
 
   static std::string_view LayerOf(const DxfCommon& common, const BlockContext& in) {
@@ -200,7 +241,7 @@ class DxfReader {
     if (state.frozen) reason = "on a frozen layer";
     if (common.invisible) reason = "invisible";
     if (common.paper_space) reason = "on a sheet";
-    if (!reason.empty()) builder_.LeaveOut(reason);
+    if (!reason.empty()) builder_.LeaveOut(reason, Effect::kNothingSeen);
     return reason.empty();
   }
 
@@ -210,7 +251,12 @@ class DxfReader {
       return false;
     }
     if (!IsShown(result.common, LayerOf(result.common, in), false)) return true;
-    if (result.curve.pieces.empty()) builder_.LeaveOut(entity.type);
+    if (result.curve.pieces.empty()) {
+      builder_.LeaveOut(result.wrong.empty()
+                            ? std::string(entity.type)
+                            : fmt::format("{} {}", entity.type, result.wrong),
+                        Effect::kLost, entity.Place());
+    }
     return Place(std::move(result.curve), result.common, entity, in);
   }
 
@@ -218,7 +264,9 @@ class DxfReader {
     DxfHatch hatch;
     if (!ReadDxfHatch(entity, builder_, hatch)) return false;
     if (!IsShown(hatch.common, LayerOf(hatch.common, in), false)) return true;
-    if (hatch.has_lines) builder_.LeaveOut("pattern of a HATCH");
+    if (hatch.has_lines) {
+      builder_.LeaveOut("pattern of a HATCH", Effect::kLost, entity.Place());
+    }
     for (Curve& contour : hatch.contours) {
       if (!Place(std::move(contour), hatch.common, entity, in)) return false;
     }
@@ -243,7 +291,9 @@ class DxfReader {
       return false;
     }
     if (!IsShown(text.common, LayerOf(text.common, in), false)) return true;
-    if (!text.left_out.empty()) builder_.LeaveOut(text.left_out);
+    if (!text.left_out.empty()) {
+      builder_.LeaveOut(text.left_out, Effect::kLost, entity.Place());
+    }
     for (Curve& curve : text.curves) {
       if (!Place(std::move(curve), text.common, entity, in)) return false;
     }
@@ -255,22 +305,22 @@ class DxfReader {
     for (Piece& piece : curve.pieces) {
       Transform(in.place.linear, in.place.offset, piece);
     }
-    curve.layer = builder_.NameIndex(common.layer);
+    curve.layer = builder_.NameIndex(LayerOf(common, in));
     curve.color = builder_.NameIndex(common.color);
     return builder_.Add(std::move(curve), entity.Place());
   }
 
   bool CheckInsert(const DxfEntity& entity, const DxfInsert& insert,
-                   const BlockContext& in) {
+                   const std::string& name, const BlockContext& in) {
     const auto refuse = [&](ErrorCode code, std::string_view sentence) {
       return builder_.Refuse(code, entity.Place(), sentence, insert.block);
     };
-    if (!blocks_.contains(insert.block)) {
+    if (!blocks_.contains(name)) {
       return refuse(ErrorCode::kNotFound,
                     "the block that it inserts is not in the file; bind external "
                     "references before the export");
     }
-    if (std::ranges::find(in.blocks, insert.block) != in.blocks.end()) {
+    if (std::ranges::find(in.blocks, name) != in.blocks.end()) {
       return refuse(ErrorCode::kInvalidValue,
                     "the block contains itself; explode it in the drawing program");
     }
@@ -281,9 +331,6 @@ class DxfReader {
               "blocks are nested more than {} deep; explode them in the drawing program",
               options_.limits.max_nesting));
     }
-    if ((insert.scale.array() == 0).any()) {
-      return refuse(ErrorCode::kInvalidValue, "a scale of the block is 0; delete it");
-    }
     return true;
   }
 
@@ -292,10 +339,16 @@ class DxfReader {
     if (!ReadDxfInsert(entity, builder_, insert)) return false;
     const std::string_view layer = LayerOf(insert.common, in);
     if (!IsShown(insert.common, layer, true)) return true;
-    if (!CheckInsert(entity, insert, in)) return false;
-    const Block& block = blocks_.at(insert.block);
+    const std::string name = io::LowerCase(insert.block);
+    if (!CheckInsert(entity, insert, name, in)) return false;
+    // Without height all of a flat block is there; without width or depth, nothing is.
+    if (insert.scale.x() == 0 || insert.scale.y() == 0) {
+      builder_.LeaveOut("INSERT with a scale of 0", Effect::kLost, entity.Place());
+      return true;
+    }
+    const Block& block = blocks_.at(name);
     BlockContext deeper{{}, in.blocks, layer};
-    deeper.blocks.push_back(insert.block);
+    deeper.blocks.push_back(name);
     // Files write 0 for "no array"; the entity limit bounds the loops.
     const double columns = std::max(1.0, insert.columns);
     const double rows = std::max(1.0, insert.rows);
@@ -314,13 +367,14 @@ class DxfReader {
   }
 
   std::string_view text_;
+  std::string decoded_;  ///< what text_ views when the file is not UTF-8
   ReadOptions options_;
   DrawingBuilder builder_;
   double unit_mm_ = 1;
   std::optional<Typesetter> typesetter_;  ///< when a text was met
   DxfLayers layers_;
   std::vector<DxfText> entities_;
-  std::unordered_map<std::string_view, Block> blocks_;
+  std::unordered_map<std::string, Block> blocks_;  ///< by name in small letters
 };
 
 }  // namespace

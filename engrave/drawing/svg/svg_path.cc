@@ -46,7 +46,15 @@ class PathParser {
   PathParser(std::string_view text, std::uint64_t max_points, std::vector<Curve>& curves)
       : numbers_(text), max_points_(max_points), curves_(curves) {}
 
+  /// With an error the curves before it are kept, as browsers draw them.
   std::optional<SvgTextError> Parse() {
+    const auto wrong = ParseCommands();
+    if (wrong) EndCurve(false);
+    return wrong;
+  }
+
+ private:
+  std::optional<SvgTextError> ParseCommands() {
     char command = 0;
     while (const char next = numbers_.Peek()) {
       if (NumberCountOf(next) >= 0) {
@@ -71,8 +79,6 @@ class PathParser {
     EndCurve(false);
     return std::nullopt;
   }
-
- private:
   SvgTextError Wrong(std::string sentence) const {
     return {std::move(sentence), Shown(numbers_.rest())};
   }
@@ -201,31 +207,6 @@ class PathParser {
   Curve curve_;
 };
 
-std::optional<SvgTransform> TransformOf(std::string_view name,
-                                        const std::vector<double>& n) {
-  const auto radians = [](double degrees) { return degrees * pi / 180; };
-  if (name == "matrix" && n.size() == 6)
-    return SvgTransform{n[0], n[1], n[2], n[3], n[4], n[5]};
-  if (name == "translate" && (n.size() == 1 || n.size() == 2)) {
-    return SvgTransform{1, 0, 0, 1, n[0], n.size() == 2 ? n[1] : 0};
-  }
-  if (name == "scale" && (n.size() == 1 || n.size() == 2)) {
-    return SvgTransform{n[0], 0, 0, n.back(), 0, 0};
-  }
-  if (name == "skewX" && n.size() == 1)
-    return SvgTransform{1, 0, std::tan(radians(n[0])), 1, 0, 0};
-  if (name == "skewY" && n.size() == 1)
-    return SvgTransform{1, std::tan(radians(n[0])), 0, 1, 0, 0};
-  if (name == "rotate" && (n.size() == 1 || n.size() == 3)) {
-    const double c = std::cos(radians(n[0])), s = std::sin(radians(n[0]));
-    const SvgTransform turn{c, s, -s, c, 0, 0};
-    if (n.size() == 1) return turn;
-    return SvgTransform{1, 0, 0, 1, n[1], n[2]}.Then(turn).Then(
-        {1, 0, 0, 1, -n[1], -n[2]});
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
 void SvgNumbers::SkipBlanks() {
@@ -296,55 +277,6 @@ Piece SvgArc(const Vec3& p, const Vec3& q, Vec2 radii, double turn_deg, bool lar
                      {v.x(), v.y(), 0},
                      std::atan2(from.y(), from.x()),
                      sweep};
-}
-
-SvgTransform SvgTransform::Then(const SvgTransform& inner) const {
-  return {a * inner.a + c * inner.b,     b * inner.a + d * inner.b,
-          a * inner.c + c * inner.d,     b * inner.c + d * inner.d,
-          a * inner.e + c * inner.f + e, b * inner.e + d * inner.f + f};
-}
-
-std::optional<SvgTransform> ParseSvgTransform(std::string_view text) {
-  SvgTransform whole;
-  SvgNumbers numbers(text);
-  while (numbers.Peek() != '\0') {
-    const std::string_view rest = numbers.rest();
-    const auto open = rest.find('(');
-    if (open == rest.npos) return rest == "none" ? std::optional(whole) : std::nullopt;
-    std::string_view name = rest.substr(0, open);
-    while (!name.empty() && IsSvgBlank(name.back())) name.remove_suffix(1);
-    numbers = SvgNumbers(rest.substr(open + 1));
-    std::vector<double> values;
-    while (numbers.Peek() != ')') {
-      const std::optional<double> value = numbers.Next();
-      if (!value || values.size() == 6) return std::nullopt;
-      values.push_back(*value);
-      numbers.SkipComma();
-    }
-    numbers.Skip();
-    numbers.SkipComma();
-    const std::optional<SvgTransform> next = TransformOf(name, values);
-    if (!next) return std::nullopt;
-    whole = whole.Then(*next);
-  }
-  return whole;
-}
-
-std::optional<double> ParseSvgLength(std::string_view text, double whole) {
-  SvgNumbers numbers(text);
-  const std::optional<double> number = numbers.Next();
-  if (!number) return std::nullopt;
-  std::string_view unit = numbers.rest();
-  while (!unit.empty() && IsSvgBlank(unit.back())) unit.remove_suffix(1);
-  constexpr double kMm = 96 / 25.4;  // CSS: 96 px an inch
-  constexpr std::pair<std::string_view, double> kUnits[] = {
-      {"", 1},    {"px", 1},         {"mm", kMm}, {"cm", 10 * kMm},
-      {"in", 96}, {"pt", 96.0 / 72}, {"pc", 16},  {"Q", kMm / 4}};
-  for (const auto& [name, px] : kUnits) {
-    if (name == unit) return *number * px;
-  }
-  if (unit == "%") return *number / 100 * whole;
-  return std::nullopt;
 }
 
 }  // namespace intaglio::drawing

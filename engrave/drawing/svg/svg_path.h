@@ -58,11 +58,24 @@ struct SvgTransform {
 
   SvgTransform Then(const SvgTransform& inner) const;
 };
-/// None when the list is wrong.
+/// Of an attribute or of CSS, with its units (CSS Transforms 1, chapter 12). None when
+/// the list is wrong, or in three dimensions, or a share of a box.
 std::optional<SvgTransform> ParseSvgTransform(std::string_view text);
 
-/// A length in user units: px, mm, cm, Q, in, pt, pc or none; a share of `whole` for %.
-/// None when it is something else.
-std::optional<double> ParseSvgLength(std::string_view text, double whole);
+/// A length in user units: px, mm, cm, Q, in, pt, pc or none; em, ex, rem, ch of letters
+/// of `em` px; a share of `whole` for %, vw, vh. None when it is something else.
+std::optional<double> ParseSvgLength(std::string_view text, double whole, double em = 16);
+
+/// The point of transform-origin: lengths, percent or keywords. None when it is wrong.
+std::optional<Vec2> ParseSvgOrigin(std::string_view text, const Vec2& page, double em);
+
+struct SvgViewBox {
+  Vec2 low = Vec2::Zero(), size = Vec2::Zero();
+};
+/// Four finite numbers, the size positive; none otherwise.
+std::optional<SvgViewBox> ParseSvgViewBox(std::string_view text);
+/// The transform that fits the box into a viewport of this size (SVG 1.1, 7.8).
+SvgTransform FitSvgViewBox(const SvgViewBox& box, const Vec2& size,
+                           std::string_view preserve_aspect_ratio);
 
 }  // namespace intaglio::drawing

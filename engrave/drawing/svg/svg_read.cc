@@ -4,13 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <pugixml.hpp>
-#include <unordered_map>
 
 #include "engrave/drawing/pieces.h"
+#include "engrave/drawing/svg/svg_changes.h"
+#include "engrave/drawing/svg/svg_clip.h"
+#include "engrave/drawing/svg/svg_document.h"
+#include "engrave/drawing/svg/svg_elements.h"
 #include "engrave/drawing/svg/svg_path.h"
 #include "engrave/drawing/svg/svg_shapes.h"
 #include "engrave/drawing/svg/svg_style.h"
+#include "engrave/io/lower_case.h"
 
 namespace intaglio::drawing {
 namespace {
@@ -18,273 +23,234 @@ namespace {
 constexpr double kPx_mm = 25.4 / 96;
 // When neither width nor height is given: the default sizes of browsers.
 constexpr double kDefaultWidth = 300, kDefaultHeight = 150;
+constexpr double kDefaultEm = 16;
 
 /// What a group passes on to its children.
 struct Context {
   SvgTransform to_page;  ///< user space to the page's px, y down
   Vec2 page = Vec2(kDefaultWidth, kDefaultHeight);
+  double em = kDefaultEm;
   std::uint32_t layer = 0;
   std::uint32_t color = 0;
   bool hidden = false;
+  bool filled = true;
+  bool stroked = false;
   int depth = 0;
   int references = 0;
+  std::vector<std::shared_ptr<const ConvexClip>> clips;
+  std::vector<std::string> not_obeyed;  ///< what changes the shapes below: "mask"
 };
 
 class SvgReader {
  public:
   SvgReader(std::string_view text, const ReadOptions& options, std::string_view name)
-      : text_(text),
-        options_(options),
-        builder_(name, options.limits),
-        sheets_(builder_) {}
+      : options_(options), builder_(name, options.limits), document_(text, builder_) {}
 
   Result<Drawing> Read() {
-    if (CheckSize() && Parse()) {
-      const pugi::xml_node root = document_.document_element();
-      if (SvgName(root.name()) != "svg") {
-        builder_.Refuse(ErrorCode::kUnreadable, "",
-                        "the file has no svg element; it is not SVG", root.name());
-      } else if (NoteIdsAndSheets(root)) {
-        ReadPage(root);
-      }
-    }
+    if (document_.Load()) ReadPage(document_.root());
     return builder_.Take();
   }
 
  private:
-  /// Checked before parsing: the tree takes 64 bytes for an "<a>" in the file.
-  bool CheckSize() {
-    if (text_.size() > options_.limits.max_file_bytes) {
-      return builder_.Refuse(ErrorCode::kTooLarge, "",
-                             fmt::format("the file has {} bytes, the limit is {}; divide "
-                                         "the drawing or raise the limit",
-                                         text_.size(), options_.limits.max_file_bytes));
-    }
-    std::uint64_t elements = 0, attributes = 0;
-    for (std::size_t i = 0; i < text_.size(); ++i) {
-      if (text_[i] == '=') ++attributes;
-      if (text_[i] == '<' && i + 1 < text_.size() && text_[i + 1] != '/') ++elements;
-    }
-    const std::uint64_t largest = options_.limits.max_entities;
-    if (elements <= largest && attributes <= 8 * largest) return true;
-    return builder_.Refuse(
-        ErrorCode::kTooLarge, "",
-        fmt::format("the file has more than {} elements or {} "
-                    "attributes; divide the drawing or raise the limit",
-                    largest, 8 * largest));
-  }
-
-  std::string LineAt(std::ptrdiff_t offset) const {
-    const auto stop = std::clamp<std::ptrdiff_t>(offset, 0, std::ssize(text_));
-    return fmt::format("line {}",
-                       std::count(text_.begin(), text_.begin() + stop, '\n') + 1);
-  }
   std::string PlaceOf(const pugi::xml_node& node) const {
-    const char* id = node.attribute("id").value();
-    std::string place =
-        fmt::format("{}, {}", LineAt(node.offset_debug()), Shown(SvgName(node.name())));
-    if (*id != '\0') place += fmt::format(" \"{}\"", Shown(id));
-    return place;
+    return document_.PlaceOf(node);
   }
 
-  bool Parse() {
-    const pugi::xml_parse_result parsed = document_.load_buffer(
-        text_.data(), text_.size(),
-        pugi::parse_minimal | pugi::parse_escapes | pugi::parse_cdata,
-        pugi::encoding_auto);
-    if (parsed) return true;
-    return builder_.Refuse(
-        parsed.status == pugi::status_out_of_memory ? ErrorCode::kTooLarge
-                                                    : ErrorCode::kUnreadable,
-        LineAt(parsed.offset),
-        fmt::format("not well-formed XML ({}); export the drawing again",
-                    parsed.description()));
-  }
-
-  /// The elements by their ids and the style sheets, which apply wherever in the file
-  /// they are. Without recursion, because files may be nested to any depth.
-  bool NoteIdsAndSheets(const pugi::xml_node& root) {
-    pugi::xml_node node = root;
-    int depth = 0;
-    while (true) {
-      if (const char* id = node.attribute("id").value(); *id != '\0') {
-        by_id_.try_emplace(id, node);
-      }
-      if (SvgName(node.name()) == "style" && !TakeSheet(node)) return false;
-      if (node.first_child()) {
-        node = node.first_child();
-        if (++depth > options_.limits.max_nesting) return RefuseDepth(node);
-        continue;
-      }
-      while (node != root && !node.next_sibling()) {
-        node = node.parent();
-        --depth;
-      }
-      if (node == root) return true;
-      node = node.next_sibling();
+  /// A length that cannot be read is as one that is not given, which is what browsers do.
+  void Length(const pugi::xml_node& node, const SvgStyle& style, const char* attribute,
+              double whole, double em, double& length) {
+    const std::string_view text = style.Attribute(node, attribute);
+    if (text.empty() || text == "auto") return;
+    const std::optional<double> value = ParseSvgLength(text, whole, em);
+    if (value) {
+      length = *value;
+    } else {
+      LeaveOutAttribute(node, attribute);
     }
   }
-  bool TakeSheet(const pugi::xml_node& node) {
-    const std::string_view type = node.attribute("type").value();
-    const std::string_view media = node.attribute("media").value();
-    if ((!type.empty() && type != "text/css") ||
-        (!media.empty() && media.find("all") == media.npos &&
-         media.find("screen") == media.npos)) {
-      builder_.LeaveOut("style sheet of another kind");
-      return true;
-    }
-    std::string css;
-    for (const pugi::xml_node part : node.children()) css += part.value();
-    return sheets_.AddSheet(css);
-  }
-  bool RefuseDepth(const pugi::xml_node& node) {
-    return builder_.Refuse(
-        ErrorCode::kTooLarge, PlaceOf(node),
-        fmt::format("elements or references are nested more than {} deep; ungroup them",
-                    options_.limits.max_nesting));
-  }
-
-  bool Length(const pugi::xml_node& node, const char* attribute, double whole,
-              double& length) {
-    const char* text = node.attribute(attribute).value();
-    if (*text == '\0' || std::string_view(text) == "auto") return true;
-    const std::optional<double> value = ParseSvgLength(text, whole);
-    if (!value) {
-      return builder_.Refuse(
-          ErrorCode::kInvalidValue, PlaceOf(node),
-          fmt::format("attribute {}: not a length in px, mm, cm, in, pt, pc or %",
-                      attribute),
-          text);
-    }
-    length = *value;
-    return true;
+  void LeaveOutAttribute(const pugi::xml_node& node, std::string_view attribute) {
+    builder_.LeaveOutAt(
+        fmt::format("{} with a wrong {}", SvgName(node.name()), attribute),
+        Effect::kChanged, [&] { return PlaceOf(node); });
   }
 
   /// The viewBox of an element of this size: its transform, and its own page.
-  bool ApplyViewBox(const pugi::xml_node& node, const Vec2& size, Context& context) {
+  void ApplyViewBox(const pugi::xml_node& node, const Vec2& size, Context& context) {
     context.page = size;
     const char* text = node.attribute("viewBox").value();
-    if (*text == '\0') return true;
-    SvgNumbers numbers(text);
-    std::array<double, 4> box{};
-    for (double& value : box) {
-      const std::optional<double> number = numbers.Next();
-      if (!number) {
-        return builder_.Refuse(ErrorCode::kInvalidValue, PlaceOf(node),
-                               "attribute viewBox: needs four finite numbers", text);
-      }
-      value = *number;
-      numbers.SkipComma();
-    }
-    if (!(box[2] > 0 && box[3] > 0)) {
-      return builder_.Refuse(ErrorCode::kInvalidValue, PlaceOf(node),
-                             "attribute viewBox: width and height must be positive",
-                             text);
-    }
-    Vec2 scale(size.x() / box[2], size.y() / box[3]);
-    const std::string_view fit = node.attribute("preserveAspectRatio").value();
-    Vec2 align(0.5, 0.5);
-    if (!fit.starts_with("none")) {
-      const bool slice = fit.find("slice") != fit.npos;
-      scale.setConstant(slice ? scale.maxCoeff() : scale.minCoeff());
-      if (fit.find("xMin") != fit.npos) align.x() = 0;
-      if (fit.find("xMax") != fit.npos) align.x() = 1;
-      if (fit.find("YMin") != fit.npos) align.y() = 0;
-      if (fit.find("YMax") != fit.npos) align.y() = 1;
-    }
-    const Vec2 inside(box[2], box[3]);
-    const Vec2 room = align.cwiseProduct(size - scale.cwiseProduct(inside));
-    context.to_page =
-        context.to_page.Then({scale.x(), 0, 0, scale.y(), room.x() - scale.x() * box[0],
-                              room.y() - scale.y() * box[1]});
-    context.page = inside;
-    return true;
+    if (*text == '\0') return;
+    const auto box = ParseSvgViewBox(text);
+    if (!box) return LeaveOutAttribute(node, "viewBox");
+    context.to_page = context.to_page.Then(
+        FitSvgViewBox(*box, size, node.attribute("preserveAspectRatio").value()));
+    context.page = box->size;
   }
 
   bool ReadPage(const pugi::xml_node& root) {
     // A page without size is as large as its viewBox.
     Vec2 natural(kDefaultWidth, kDefaultHeight);
-    SvgNumbers box(root.attribute("viewBox").value());
-    std::array<double, 4> values{};
-    bool has_box = true;
-    for (double& value : values) {
-      const std::optional<double> number = box.Next();
-      has_box = has_box && number.has_value();
-      value = number.value_or(0);
-      box.SkipComma();
+    if (const auto box = ParseSvgViewBox(root.attribute("viewBox").value())) {
+      natural = box->size;
     }
-    if (has_box) natural = {values[2], values[3]};
     Vec2 size = natural;
-    if (!Length(root, "width", natural.x(), size.x()) ||
-        !Length(root, "height", natural.y(), size.y())) {
-      return false;
-    }
+    Context page;
+    SvgStyle style;
+    if (!TakeStyle(root, page, style)) return false;
+    Length(root, style, "width", natural.x(), page.em, size.x());
+    Length(root, style, "height", natural.y(), page.em, size.y());
     if (!(size.minCoeff() > 0)) {
       return builder_.Refuse(ErrorCode::kInvalidValue, PlaceOf(root),
                              "width and height of the page must be positive");
     }
-    Context page;
-    if (!ApplyViewBox(root, size, page)) return false;
+    ApplyViewBox(root, size, page);
     const double mm = options_.unit_mm.value_or(kPx_mm);
     page.to_page = SvgTransform{mm, 0, 0, -mm, 0, mm * size.y()}.Then(page.to_page);
-    bool displayed = true;
-    if (!TakeStyle(root, page, displayed)) return false;
-    if (displayed) return ReadChildren(root, page);
-    builder_.LeaveOut("invisible");
+    if (style.displayed) return ReadChildren(root, page);
+    builder_.LeaveOut("invisible", Effect::kNothingSeen);
     return true;
   }
 
   bool ReadChildren(const pugi::xml_node& node, const Context& context) {
     for (const pugi::xml_node child : node.children()) {
-      if (child.type() == pugi::node_element && !ReadElement(child, context))
+      if (child.type() == pugi::node_element && !ReadElement(child, child, context))
         return false;
     }
     return true;
   }
 
-  /// Applies the element's style to the context; `displayed` follows from the property
-  /// display.
-  bool TakeStyle(const pugi::xml_node& node, Context& context, bool& displayed) {
-    if (context.references > 0 && !CountAgain(node, {"style", "class", "transform"})) {
-      return false;
+  /// The first child whose conditions hold, alone (SVG 1.1, 5.8.1).
+  bool ReadSwitch(const pugi::xml_node& node, const Context& context) {
+    for (const pugi::xml_node child : node.children()) {
+      if (child.type() == pugi::node_element && HoldsSvgCondition(child))
+        return ReadElement(child, child, context);
     }
-    SvgStyle style;
-    if (!sheets_.StyleOf(node, style)) return false;
-    displayed = style.displayed;
-    context.hidden = style.hidden.value_or(context.hidden);
-    if (!style.stroke.empty()) context.color = builder_.NameIndex(style.stroke);
     return true;
   }
 
-  bool ReadElement(const pugi::xml_node& node, Context context) {
-    const std::string_view element = SvgName(node.name());
-    bool displayed = true;
-    if (!TakeStyle(node, context, displayed)) return false;
-    if (!displayed) {
-      builder_.LeaveOut("invisible");
+  /// Applies the element's style to the context.
+  bool TakeStyle(const pugi::xml_node& node, Context& context, SvgStyle& style) {
+    if (context.references > 0 && !CountAgain(node, {"style", "class", "transform"})) {
+      return false;
+    }
+    if (!document_.sheets().StyleOf(node, style)) return false;
+    context.hidden = style.hidden.value_or(context.hidden);
+    if (!style.stroke.empty()) {
+      context.color = builder_.NameIndex(style.stroke);
+      context.stroked = IsPaint(style.stroke);
+    }
+    if (!style.fill.empty()) context.filled = IsPaint(style.fill);
+    const std::string& letters = style.value(SvgProperty::kFontSize);
+    context.em = ParseSvgLength(letters, context.em, context.em).value_or(context.em);
+    return true;
+  }
+  static bool IsPaint(std::string_view paint) {
+    return paint != "none" && paint != "transparent";
+  }
+
+  void TakeTransform(const pugi::xml_node& node, const SvgStyle& style,
+                     Context& context) {
+    const std::string_view text = style.Attribute(node, "transform");
+    if (text.empty()) return;
+    const std::optional<SvgTransform> parsed = ParseSvgTransform(text);
+    if (!parsed) return LeaveOutAttribute(node, "transform");
+    Vec2 origin = Vec2::Zero();
+    if (const std::string_view at = style.Attribute(node, "transform-origin");
+        !at.empty()) {
+      const auto point = ParseSvgOrigin(at, context.page, context.em);
+      if (!point) LeaveOutAttribute(node, "transform-origin");
+      origin = point.value_or(origin);
+    }
+    context.to_page = context.to_page.Then({1, 0, 0, 1, origin.x(), origin.y()})
+                          .Then(*parsed)
+                          .Then({1, 0, 0, 1, -origin.x(), -origin.y()});
+  }
+
+  /// Clips of a convex area are cut; others, masks and filters are reported with each
+  /// shape that they change.
+  bool TakeChanges(const SvgStyle& style, Context& context) {
+    constexpr std::pair<SvgProperty, std::string_view> kChanging[] = {
+        {SvgProperty::kClipPath, "clip-path"},
+        {SvgProperty::kMask, "mask"},
+        {SvgProperty::kFilter, "filter"}};
+    for (const auto& [property, name] : kChanging) {
+      const std::string& value = style.value(property);
+      if (value.empty() || value == "none" || value == "inherit") continue;
+      if (property == SvgProperty::kClipPath) {
+        const pugi::xml_node target = document_.Find(value);
+        if (value.starts_with("url(#") && !target) continue;  // as no clip
+        bool is_cut = false;
+        if (!TakeClip(target, context, is_cut)) return false;
+        if (is_cut) continue;
+      }
+      if (std::ranges::find(context.not_obeyed, name) == context.not_obeyed.end())
+        context.not_obeyed.emplace_back(name);
+    }
+    return true;
+  }
+
+  /// A clipPath of one shape whose area is convex.
+  bool TakeClip(const pugi::xml_node& node, Context& context, bool& is_cut) {
+    const std::string_view units = node.attribute("clipPathUnits").value();
+    const pugi::xml_node child = node.first_child();
+    if (!child || child.next_sibling() || !IsSvgShape(SvgName(child.name())) ||
+        units == "objectBoundingBox" || SvgName(node.name()) != "clipPath") {
       return true;
     }
-    if (++context.depth > options_.limits.max_nesting) return RefuseDepth(node);
-    const std::string_view transform = node.attribute("transform").value();
-    if (!transform.empty()) {
-      const std::optional<SvgTransform> parsed = ParseSvgTransform(transform);
-      if (!parsed) {
-        return builder_.Refuse(
-            ErrorCode::kInvalidValue, PlaceOf(node),
-            "attribute transform cannot be read; export the drawing again", transform);
-      }
-      context.to_page = context.to_page.Then(*parsed);
+    if (!builder_.CountEntity("clip-path")) return false;
+    SvgStyle own, of_shape;
+    Context clip = context;
+    if (!TakeStyle(node, clip, own)) return false;
+    TakeTransform(node, own, clip);
+    if (!TakeStyle(child, clip, of_shape)) return false;
+    TakeTransform(child, of_shape, clip);
+    // A clip that is clipped itself.
+    if (!own.value(SvgProperty::kClipPath).empty() ||
+        !of_shape.value(SvgProperty::kClipPath).empty()) {
+      return true;
     }
-    if (IsSvgShape(element)) return ReadShape(node, context);
+    std::vector<Curve> curves;
+    if (!CurvesOf(child, of_shape, clip, curves)) return false;
+    if (curves.size() != 1) return true;
+    for (Piece& piece : curves.front().pieces) ToPage(clip.to_page, piece);
+    auto area = ConvexClipOf(curves.front());
+    is_cut = area.has_value();
+    if (is_cut) {
+      context.clips.push_back(std::make_shared<const ConvexClip>(std::move(*area)));
+    }
+    return true;
+  }
+
+  static void ToPage(const SvgTransform& t, Piece& piece) {
+    Mat3 linear = Mat3::Identity();
+    linear.topLeftCorner<2, 2>() << t.a, t.c, t.b, t.d;
+    Transform(linear, Vec3(t.e, t.f, 0), piece);
+  }
+
+  /// `sized` gives a viewport its size: the element, or the use that refers to it.
+  bool ReadElement(const pugi::xml_node& node, const pugi::xml_node& sized,
+                   Context context) {
+    const std::string_view element = SvgName(node.name());
+    SvgStyle style;
+    if (!TakeStyle(node, context, style)) return false;
+    if (!style.displayed || !HoldsSvgCondition(node)) {
+      builder_.LeaveOut("invisible", Effect::kNothingSeen);
+      return true;
+    }
+    if (++context.depth > options_.limits.max_nesting) return document_.RefuseDepth(node);
+    TakeTransform(node, style, context);
+    if (!TakeChanges(style, context)) return false;
+    if (IsSvgShape(element)) return ReadShape(node, style, context);
     if (element == "g" || element == "a" || element == "switch") {
       return ReadGroup(node, context);
     }
-    if (element == "svg") return ReadViewport(node, node, context);
-    if (element == "use") return ReadUse(node, context);
-    constexpr std::string_view kSilent[] = {"defs",  "symbol",   "title",     "desc",
-                                            "style", "metadata", "namedview", "script"};
-    if (std::ranges::find(kSilent, element) == std::end(kSilent))
-      builder_.LeaveOut(element);
+    if (element == "svg") return ReadViewport(node, sized, style, context);
+    if (element == "use") return ReadUse(node, style, context);
+    const std::string_view whole = node.name();
+    const bool foreign = whole.size() > element.size() && !whole.starts_with("svg:");
+    if (IsSvgDefinition(element)) return true;
+    builder_.LeaveOutAt(whole,
+                        foreign ? Effect::kNothingSeen : EffectOfSvgElement(element),
+                        [&] { return PlaceOf(node); });
     return true;
   }
 
@@ -292,78 +258,118 @@ class SvgReader {
     std::string_view layer = node.attribute("inkscape:label").value();
     if (layer.empty()) layer = node.attribute("id").value();
     if (!layer.empty()) context.layer = builder_.NameIndex(layer);
-    return ReadChildren(node, context);
+    return SvgName(node.name()) == "switch" ? ReadSwitch(node, context)
+                                            : ReadChildren(node, context);
   }
 
   /// An svg or symbol in its place; its size from `sized`, itself or the use.
   bool ReadViewport(const pugi::xml_node& node, const pugi::xml_node& sized,
-                    Context& context) {
+                    const SvgStyle& style, Context& context) {
     Vec2 at = Vec2::Zero(), size = context.page;
     for (const pugi::xml_node& from : {node, sized}) {
-      if (!Length(from, "width", context.page.x(), size.x()) ||
-          !Length(from, "height", context.page.y(), size.y())) {
-        return false;
-      }
+      const SvgStyle& own = from == node ? style : SvgStyle();
+      Length(from, own, "width", context.page.x(), context.em, size.x());
+      Length(from, own, "height", context.page.y(), context.em, size.y());
     }
-    if (SvgName(node.name()) == "svg" && (!Length(node, "x", context.page.x(), at.x()) ||
-                                          !Length(node, "y", context.page.y(), at.y()))) {
-      return false;
+    if (SvgName(node.name()) == "svg") {
+      Length(node, style, "x", context.page.x(), context.em, at.x());
+      Length(node, style, "y", context.page.y(), context.em, at.y());
     }
     if (!(size.minCoeff() > 0)) return true;  // not drawn, as the standard defines
     context.to_page = context.to_page.Then({1, 0, 0, 1, at.x(), at.y()});
-    return ApplyViewBox(node, size, context) && ReadChildren(node, context);
+    const std::string& overflow = style.value(SvgProperty::kOverflow);
+    if (overflow != "visible" && overflow != "auto") ClipToViewport(size, context);
+    ApplyViewBox(node, size, context);
+    return ReadChildren(node, context);
   }
 
-  bool ReadUse(const pugi::xml_node& node, Context& context) {
+  static void ClipToViewport(const Vec2& size, Context& context) {
+    const Vec3 right(size.x(), 0, 0), down(0, size.y(), 0);
+    Curve box{{Polyline{{Vec3::Zero(), right, right + down, down}}}, true};
+    ToPage(context.to_page, box.pieces.front());
+    if (auto area = ConvexClipOf(box)) {
+      context.clips.push_back(std::make_shared<const ConvexClip>(std::move(*area)));
+    }
+  }
+
+  bool ReadUse(const pugi::xml_node& node, const SvgStyle& style, Context& context) {
     std::string_view target = node.attribute("href").value();
     if (target.empty()) target = node.attribute("xlink:href").value();
-    const auto found =
-        target.starts_with('#') ? by_id_.find(target.substr(1)) : by_id_.end();
-    if (found == by_id_.end()) {
-      builder_.LeaveOut("use of an element that is not in the file");
+    const pugi::xml_node found = document_.Find(target);
+    if (!found) {
+      builder_.LeaveOutAt("use of an element that is not in the file", Effect::kLost,
+                          [&] { return PlaceOf(node); });
       return true;
     }
     if (!builder_.CountEntity("use")) return false;
-    if (++context.references > options_.limits.max_nesting) return RefuseDepth(node);
+    if (++context.references > options_.limits.max_nesting)
+      return document_.RefuseDepth(node);
     Vec2 at = Vec2::Zero();
-    if (!Length(node, "x", context.page.x(), at.x()) ||
-        !Length(node, "y", context.page.y(), at.y())) {
-      return false;
-    }
+    Length(node, style, "x", context.page.x(), context.em, at.x());
+    Length(node, style, "y", context.page.y(), context.em, at.y());
     context.to_page = context.to_page.Then({1, 0, 0, 1, at.x(), at.y()});
-    if (SvgName(found->second.name()) == "symbol") {
-      bool displayed = true;  // the value for the symbol itself, which is never drawn
-      if (!TakeStyle(found->second, context, displayed)) return false;
-      return ReadViewport(found->second, node, context);
-    }
-    return ReadElement(found->second, context);
+    if (SvgName(found.name()) != "symbol") return ReadElement(found, node, context);
+    SvgStyle own;  // display of the symbol itself, which is never drawn, has no effect
+    return TakeStyle(found, context, own) && ReadViewport(found, node, own, context);
   }
 
-  bool ReadShape(const pugi::xml_node& node, const Context& context) {
-    std::vector<Curve> curves;
+  bool ReadShape(const pugi::xml_node& node, const SvgStyle& style,
+                 const Context& context) {
     // Lines are counted for errors alone: it takes the whole file.
     if (!builder_.CountEntity("") ||
         (context.references > 0 && !CountAgain(node, {"d", "points"}))) {
       return false;
     }
     if (context.hidden) {
-      builder_.LeaveOut("invisible");
+      builder_.LeaveOut("invisible", Effect::kNothingSeen);
       return true;
     }
-    DrawingBuilder probe("", options_.limits);
-    if (!SvgShapeCurves(node, context.page, "", probe, curves)) {
-      return SvgShapeCurves(node, context.page, PlaceOf(node), builder_, curves);
+    if (!context.filled && !context.stroked) {
+      builder_.LeaveOut("shape that is neither filled nor stroked", Effect::kNothingSeen);
+      return true;
     }
-    const SvgTransform& t = context.to_page;
-    Mat3 linear = Mat3::Identity();
-    linear.topLeftCorner<2, 2>() << t.a, t.c, t.b, t.d;
-    const Vec3 offset(t.e, t.f, 0);
+    std::vector<Curve> curves;
+    if (!CurvesOf(node, style, context, curves)) return false;
     for (Curve& curve : curves) {
-      for (Piece& piece : curve.pieces) Transform(linear, offset, piece);
+      for (Piece& piece : curve.pieces) ToPage(context.to_page, piece);
       curve.layer = context.layer;
       curve.color = context.color;
+    }
+    if (!Clip(context, curves)) return false;
+    for (const FileFinding& met :
+         SvgChangesOf(style, context.not_obeyed, document_, curves)) {
+      builder_.LeaveOutAt(
+          met.what, met.effect, [&] { return PlaceOf(node); }, met.area_mm2);
+    }
+    for (Curve& curve : curves) {
       if (!builder_.Add(std::move(curve), SvgName(node.name()))) return false;
     }
+    return true;
+  }
+
+  bool Clip(const Context& context, std::vector<Curve>& curves) {
+    for (const auto& clip : context.clips) {
+      std::vector<Curve> inside;
+      for (const Curve& curve : curves) {
+        if (!ClipCurve(curve, context.filled, *clip, builder_, inside)) return false;
+      }
+      curves = std::move(inside);
+    }
+    return true;
+  }
+
+  /// A wrong attribute ends a shape, and not the file.
+  bool CurvesOf(const pugi::xml_node& node, const SvgStyle& style, const Context& context,
+                std::vector<Curve>& curves) {
+    DrawingBuilder probe("", options_.limits);
+    const SvgScale scale{context.page, context.em};
+    if (SvgShapeCurves(node, style, scale, "", probe, curves)) return true;
+    const Error error = probe.Take().error();
+    if (error.code != ErrorCode::kInvalidValue)
+      return builder_.Refuse(error.code, PlaceOf(node), error.message, error.value);
+    builder_.LeaveOutAt(
+        fmt::format("{}, {}", SvgName(node.name()), error.message.substr(2)),
+        Effect::kChanged, [&] { return PlaceOf(node); });
     return true;
   }
   bool CountAgain(const pugi::xml_node& node,
@@ -375,12 +381,9 @@ class SvgReader {
     return builder_.CountUnfolded(bytes, "use");
   }
 
-  std::string_view text_;
   ReadOptions options_;
   DrawingBuilder builder_;
-  SvgStyleSheets sheets_;
-  pugi::xml_document document_;
-  std::unordered_map<std::string_view, pugi::xml_node> by_id_;
+  SvgDocument document_;
 };
 
 }  // namespace

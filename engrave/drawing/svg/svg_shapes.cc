@@ -13,9 +13,14 @@ namespace {
 
 class ShapeReader {
  public:
-  ShapeReader(const pugi::xml_node& node, const Vec2& page, std::string_view place,
-              DrawingBuilder& builder)
-      : node_(node), page_(page), place_(place), builder_(builder) {}
+  ShapeReader(const pugi::xml_node& node, const SvgStyle& style, const SvgScale& scale,
+              std::string_view place, DrawingBuilder& builder)
+      : node_(node),
+        style_(style),
+        page_(scale.page),
+        em_(scale.em),
+        place_(place),
+        builder_(builder) {}
 
   bool Read(std::vector<Curve>& curves) {
     const std::string_view shape = SvgName(node_.name());
@@ -36,21 +41,23 @@ class ShapeReader {
   }
 
   bool Length(const char* attribute, double whole, double& length, bool* has = nullptr) {
-    const pugi::xml_attribute found = node_.attribute(attribute);
-    if (has != nullptr)
-      *has = !found.empty() && std::string_view(found.value()) != "auto";
-    if (found.empty() || std::string_view(found.value()) == "auto") return true;
-    const std::optional<double> value = ParseSvgLength(found.value(), whole);
-    if (!value)
-      return Refuse(attribute, "not a length in px, mm, cm, in, pt, pc or %",
-                    found.value());
+    const std::string_view found = style_.Attribute(node_, attribute);
+    const bool given = !found.empty() && found != "auto";
+    if (has != nullptr) *has = given;
+    if (!given) return true;
+    const std::optional<double> value = ParseSvgLength(found, whole, em_);
+    if (!value) return Refuse(attribute, "not a length that is known", found);
     length = *value;
     return true;
   }
   double Diagonal() const { return page_.norm() / std::numbers::sqrt2; }
 
   bool Path(std::vector<Curve>& curves) {
-    const std::string_view text = node_.attribute("d").value();
+    std::string_view text = style_.Attribute(node_, "d");
+    if (text.starts_with("path(")) {
+      text = text.substr(5, text.rfind(')') - 5);
+      if (text.size() > 1) text = text.substr(1, text.size() - 2);
+    }
     if (text == "none") return true;
     const auto wrong = ParseSvgPath(text, builder_.limits().max_points, curves);
     return !wrong ||
@@ -64,7 +71,10 @@ class ShapeReader {
       const std::optional<double> x = numbers.Next();
       numbers.SkipComma();
       const std::optional<double> y = x ? numbers.Next() : std::nullopt;
-      if (!y) return Refuse("points", "needs pairs of finite numbers", numbers.rest());
+      if (!y) {
+        if (line.points_mm.size() > 1) curves.push_back({{std::move(line)}, closed});
+        return Refuse("points", "needs pairs of finite numbers", numbers.rest());
+      }
       numbers.SkipComma();
       line.points_mm.emplace_back(*x, *y, 0);
       if (line.points_mm.size() > builder_.limits().max_points) {
@@ -158,7 +168,9 @@ class ShapeReader {
   }
 
   const pugi::xml_node& node_;
+  const SvgStyle& style_;
   Vec2 page_;
+  double em_;
   std::string_view place_;
   DrawingBuilder& builder_;
 };
@@ -177,9 +189,10 @@ bool IsSvgShape(std::string_view element) {
   return std::ranges::find(kShapes, element) != std::end(kShapes);
 }
 
-bool SvgShapeCurves(const pugi::xml_node& node, const Vec2& page, std::string_view place,
+bool SvgShapeCurves(const pugi::xml_node& node, const SvgStyle& style,
+                    const SvgScale& scale, std::string_view place,
                     DrawingBuilder& builder, std::vector<Curve>& curves) {
-  return ShapeReader(node, page, place, builder).Read(curves);
+  return ShapeReader(node, style, scale, place, builder).Read(curves);
 }
 
 }  // namespace intaglio::drawing

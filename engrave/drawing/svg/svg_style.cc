@@ -11,7 +11,16 @@
 namespace intaglio::drawing {
 namespace {
 
-constexpr std::string_view kProperties[] = {"display", "visibility", "stroke"};
+// In the order of SvgProperty.
+constexpr std::string_view kProperties[] = {
+    "display",    "visibility", "stroke",    "fill",         "clip-path",
+    "mask",       "filter",     "marker",    "marker-start", "marker-mid",
+    "marker-end", "overflow",   "font-size", "transform",    "transform-origin",
+    "x",          "y",          "width",     "height",       "cx",
+    "cy",         "r",          "rx",        "ry",           "d"};
+static_assert(std::size(kProperties) == static_cast<std::size_t>(SvgProperty::kCount));
+// Before it, attributes take part in the cascade.
+constexpr auto kFirstOfCssAlone = static_cast<std::size_t>(SvgProperty::kTransform);
 constexpr std::size_t kMaxValueBytes = 255;
 constexpr std::size_t kMaxSelectorBytes = 1000;
 // A rule takes ten times the memory of an element.
@@ -74,6 +83,13 @@ std::string_view Cut(std::string_view& rest, std::string_view stops) {
   return part;
 }
 
+/// Of printing, fonts and time, or of what is drawn.
+Effect EffectOfAtRule(std::string_view name) {
+  constexpr std::string_view kChange[] = {"@media", "@import", "@supports", "@layer"};
+  return std::ranges::find(kChange, name) == std::end(kChange) ? Effect::kNothingSeen
+                                                               : Effect::kChanged;
+}
+
 /// Comments as blanks.
 std::string WithoutComments(std::string_view css) {
   std::string plain;
@@ -108,7 +124,8 @@ bool SvgStyleSheets::AddSheet(std::string_view css) {
       rest.remove_prefix(rest.front() == '<' ? 4 : 3);
     } else if (rest.front() == '@') {
       const auto name = std::find_if_not(rest.begin() + 1, rest.end(), IsNamePart);
-      builder_.LeaveOut({rest.begin(), name});
+      // Their rules may hide or shift what is drawn.
+      builder_.LeaveOut({rest.begin(), name}, EffectOfAtRule({rest.begin(), name}));
       const std::size_t end = EndOf(rest, "{;");
       const bool has_block = end < rest.size() && rest[end] == '{';
       rest.remove_prefix(std::min(rest.size(), end + 1));
@@ -133,7 +150,7 @@ bool SvgStyleSheets::AddRule(std::string_view selectors, std::string_view block)
     }
     const auto selector = SelectorOf(Trimmed(Cut(selectors, ",")));
     if (!selector) {
-      builder_.LeaveOut("style rule not by class, id or element");
+      builder_.LeaveOut("style rule not by class, id or element", Effect::kChanged);
       continue;
     }
     const std::uint64_t specificity =
@@ -270,10 +287,14 @@ bool SvgStyleSheets::TakeFrom(std::string_view key, const pugi::xml_node& node,
 
 bool SvgStyleSheets::StyleOf(const pugi::xml_node& node, SvgStyle& style) {
   Declarations winners;
-  for (std::size_t i = 0; i < std::size(kProperties); ++i) {
-    const std::string_view value =
-        Trimmed(node.attribute(std::string(kProperties[i]).c_str()).value());
-    if (!value.empty()) winners[i] = {std::string(value.substr(0, kMaxValueBytes)), 0};
+  for (const pugi::xml_attribute attribute : node.attributes()) {
+    const auto* const last = std::begin(kProperties) + kFirstOfCssAlone;
+    const auto* const known =
+        std::find(std::begin(kProperties), last, std::string_view(attribute.name()));
+    const std::string_view value = Trimmed(attribute.value());
+    if (known == last || value.empty()) continue;
+    winners[static_cast<std::size_t>(known - kProperties)] = {
+        std::string(value.substr(0, kMaxValueBytes)), 0};
   }
   if (!rules_.empty()) {
     const std::string_view id = node.attribute("id").value();
@@ -298,9 +319,24 @@ bool SvgStyleSheets::StyleOf(const pugi::xml_node& node, SvgStyle& style) {
   const std::string visibility = Lower(value(1));
   if (visibility == "hidden" || visibility == "collapse") style.hidden = true;
   if (visibility == "visible" || visibility == "initial") style.hidden = false;
-  const std::string stroke = value(2);
-  if (stroke != "inherit" && stroke != "unset") style.stroke = stroke;
+  const auto inherited = [](const std::string& text) {
+    return text == "inherit" || text == "unset" ? std::string() : text;
+  };
+  style.stroke = inherited(value(2));
+  style.fill = inherited(value(3));
+  for (std::size_t i = 0; i < winners.size(); ++i) {
+    if (winners[i]) style.values[i] = std::move(winners[i]->value);
+  }
   return true;
+}
+
+std::string_view SvgStyle::Attribute(const pugi::xml_node& node, const char* name) const {
+  const auto* const known = std::ranges::find(kProperties, name);
+  if (known != std::end(kProperties)) {
+    const std::string& set = values[static_cast<std::size_t>(known - kProperties)];
+    if (!set.empty()) return set;
+  }
+  return node.attribute(name).value();
 }
 
 }  // namespace intaglio::drawing

@@ -18,11 +18,50 @@
 
 namespace intaglio::drawing {
 
-/// The properties that a reader of outlines needs.
+/// The properties that a reader of outlines needs. From kX on: geometry, whose attributes
+/// are read by the shapes; a sheet or style attribute sets it before them.
+enum class SvgProperty {
+  kDisplay,
+  kVisibility,
+  kStroke,
+  kFill,
+  kClipPath,
+  kMask,
+  kFilter,
+  kMarker,
+  kMarkerStart,
+  kMarkerMid,
+  kMarkerEnd,
+  kOverflow,
+  kFontSize,
+  kTransform,
+  kTransformOrigin,
+  kX,
+  kY,
+  kWidth,
+  kHeight,
+  kCx,
+  kCy,
+  kR,
+  kRx,
+  kRy,
+  kD,
+  kCount
+};
+
 struct SvgStyle {
   bool displayed = true;       ///< display is not none
   std::optional<bool> hidden;  ///< by visibility; none: as the parent is
   std::string stroke;          ///< at most 255 bytes; empty: as the parent's
+  std::string fill;            ///< as stroke
+  /// As written, at most 255 bytes; geometry and transforms only when CSS sets them.
+  std::array<std::string, static_cast<std::size_t>(SvgProperty::kCount)> values;
+
+  const std::string& value(SvgProperty property) const {
+    return values[static_cast<std::size_t>(property)];
+  }
+  /// What CSS sets for an attribute, else the attribute itself.
+  std::string_view Attribute(const pugi::xml_node& node, const char* name) const;
 };
 
 /// The rules of all style sheets of a file. Selectors are an element, classes and an id,
@@ -45,7 +84,8 @@ class SvgStyleSheets {
     std::string value;
     std::uint64_t rank = 0;  ///< the greater wins
   };
-  using Declarations = std::array<std::optional<Declared>, 3>;
+  using Declarations =
+      std::array<std::optional<Declared>, static_cast<std::size_t>(SvgProperty::kCount)>;
   struct Selector {
     std::string element;  ///< empty: any
     std::string id;

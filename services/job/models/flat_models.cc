@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <filesystem>
 #include <set>
@@ -70,47 +69,15 @@ Status KeepLayers(const Model& model, const std::vector<std::string>& names,
   return {};
 }
 
-// What a person sees in the file and misses in the glass.
-constexpr std::array<std::string_view, 16> kShownKinds = {
-    "TEXT",
-    "MTEXT",
-    "ATTRIB",
-    "text of more than 10000 letters",
-    "text not in UTF-8",
-    "text with letters not in the font",
-    "DIMENSION",
-    "LEADER",
-    "MLEADER",
-    "IMAGE",
-    "WIPEOUT",
-    "text",
-    "image",
-    "LB",
-    "pattern of a HATCH",
-    "use of an element that is not in the file"};
-
-Warning LeftOutWarning(const std::string& file, const std::string& kind,
-                       std::uint64_t count) {
-  const bool shown =
-      std::find(kShownKinds.begin(), kShownKinds.end(), kind) != kShownKinds.end();
-  Warning warning = MakeWarning(
-      WarningCode::kLeftOut,
-      fmt::format("{}: left out {} entities: {}{}", file, count, kind,
-                  shown ? "; convert them to curves if they have to be engraved" : ""));
-  if (shown) warning.weight = WarningWeight::kWarning;
-  return warning;
-}
-
 }  // namespace
 
 Result<drawing::Drawing> ReadDrawing(
     const std::string& name, std::string_view file, const drawing::DrawingLimits& limits,
     Warnings& warnings, const std::optional<drawing::FontSource>& text_font) {
   auto drawing = INTAGLIO_TRY(ReadByEnding(name, file, limits, text_font));
-  for (const auto& [kind, count] : drawing.left_out) {
-    warnings.push_back(
-        LeftOutWarning(std::filesystem::path(name).filename().string(), kind, count));
-  }
+  std::ranges::move(
+      WarningsOf(std::filesystem::path(name).filename().string(), drawing.findings),
+      std::back_inserter(warnings));
   return drawing;
 }
 

@@ -162,8 +162,8 @@ TEST(HpglRead, PensAreLayersAndTheRestIsCounted) {
   const auto drawing = ReadHpgl("IN;SP3;PD40,0;PU;VS10;LBhello\x03;LBmore\x03;");
   ASSERT_TRUE(drawing);
   EXPECT_EQ(drawing->names[drawing->curves[0].layer], "SP3");
-  EXPECT_EQ(drawing->left_out.at("LB"), 2U);
-  EXPECT_EQ(drawing->left_out.at("VS"), 1U);
+  EXPECT_EQ(drawing->findings.CountOf("LB"), 2U);
+  EXPECT_EQ(drawing->findings.CountOf("VS"), 1U);
 }
 
 TEST(HpglRead, ErrorsNameThePlaceTheValueAndTheRemedy) {

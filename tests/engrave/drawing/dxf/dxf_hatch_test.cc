@@ -119,8 +119,8 @@ TEST(DxfHatch, PathsLayersFramesAndWhatIsLeftOut) {
       "0|78 1|53 45|43 0|44 0|45 -2|46 2|79 0|98 1|10 7|20 7|0 HATCH|60 1|91 1|" +
       square));
   ASSERT_TRUE(drawing) << drawing.error().message;
-  EXPECT_EQ(drawing->left_out.at("pattern of a HATCH"), 1U);
-  EXPECT_EQ(drawing->left_out.at("invisible"), 1U);
+  EXPECT_EQ(drawing->findings.CountOf("pattern of a HATCH"), 1U);
+  EXPECT_EQ(drawing->findings.CountOf("invisible"), 1U);
   const auto flat = Flatten(*drawing);
   ASSERT_EQ(flat->curves.size(), 2U);
   // Extrusion -z turns x over, and the elevation of 2 lies below.

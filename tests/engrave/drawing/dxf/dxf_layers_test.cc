@@ -37,10 +37,10 @@ TEST(DxfLayers, OffAndFrozenLayersAreNotDrawnButCounted) {
                                     "0 POINT|8 frozen|60 1|10 7|0 POINT|8 off|67 1|"
                                     "0 POINT|8 Off|62 3|10 8"));
   EXPECT_EQ(Drawn(drawing), "1 5 6 ");
-  EXPECT_EQ(drawing.left_out.at("on a layer that is off"), 2U);
-  EXPECT_EQ(drawing.left_out.at("on a frozen layer"), 2U);
-  EXPECT_EQ(drawing.left_out.at("invisible"), 1U);
-  EXPECT_EQ(drawing.left_out.at("on a sheet"), 1U);
+  EXPECT_EQ(drawing.findings.CountOf("on a layer that is off"), 2U);
+  EXPECT_EQ(drawing.findings.CountOf("on a frozen layer"), 2U);
+  EXPECT_EQ(drawing.findings.CountOf("invisible"), 1U);
+  EXPECT_EQ(drawing.findings.CountOf("on a sheet"), 1U);
   // A colour of the entity's own is none of the layer: it may be negative by a mistake.
   EXPECT_EQ(Drawn(DrawingOf(Entities("0 POINT|8 off|62 -3|10 1"))), "1 ");
 }

@@ -59,7 +59,7 @@ class DxfText : public ::testing::Test {
 
 TEST_F(DxfText, BeginsAtItsPointAndIsAsHighAsItsCapitals) {
   const Drawing drawing = Read("0 TEXT|8 names|62 3|10 7|20 -2|40 4|1 HIT");
-  EXPECT_TRUE(drawing.left_out.empty());
+  EXPECT_TRUE(drawing.findings.empty());
   ASSERT_EQ(drawing.curves.size(), 3u);
   EXPECT_EQ(drawing.names[drawing.curves[0].layer], "names");
   EXPECT_TRUE(drawing.curves[0].closed);
@@ -69,8 +69,8 @@ TEST_F(DxfText, BeginsAtItsPointAndIsAsHighAsItsCapitals) {
 TEST_F(DxfText, WithoutAFontItIsLeftOutByName) {
   options_.text_font.reset();
   const Drawing drawing = Read("0 TEXT|40 4|1 HIT|0 MTEXT|40 4|1 HIT|0 POINT|10 1");
-  EXPECT_EQ(drawing.left_out.at("TEXT"), 1u);
-  EXPECT_EQ(drawing.left_out.at("MTEXT"), 1u);
+  EXPECT_EQ(drawing.findings.CountOf("TEXT"), 1u);
+  EXPECT_EQ(drawing.findings.CountOf("MTEXT"), 1u);
   EXPECT_EQ(drawing.curves.size(), 1u);
 }
 
@@ -182,9 +182,9 @@ TEST_F(DxfText, WhatCannotBeWrittenIsLeftOutAndDamageIsAnError) {
   const Drawing drawing = Read(
       "0 TEXT|40 2|1 \xF0\x9F\xA6\x84|0 TEXT|40 2|1 \xB3\xF3\x64|0 ATTRIB|40 2|70 1|1 "
       "A|0 TEXT|40 2|1 A");
-  EXPECT_EQ(drawing.left_out.at("text with letters not in the font"), 1u);
-  EXPECT_EQ(drawing.left_out.at("text not in UTF-8"), 1u);
-  EXPECT_EQ(drawing.left_out.at("invisible"), 1u);
+  EXPECT_EQ(drawing.findings.CountOf("text with letters not in the font"), 1u);
+  EXPECT_EQ(drawing.findings.CountOf("text not in UTF-8"), 1u);
+  EXPECT_EQ(drawing.findings.CountOf("invisible"), 1u);
   EXPECT_EQ(drawing.curves.size(), 2u);
   const auto flat = ReadDxf(Entities("0 TEXT|40 0|1 A"), options_, "a.dxf");
   ASSERT_FALSE(flat);

@@ -165,24 +165,40 @@ TEST(SvgRead, NamesAndWhatIsLeftOut) {
   ASSERT_EQ(drawing->curves.size(), 1U);
   EXPECT_EQ(drawing->names[drawing->curves[0].layer], "Cut");
   EXPECT_EQ(drawing->names[drawing->curves[0].color], "#f00");
-  EXPECT_EQ(drawing->left_out.at("text"), 1U);
-  EXPECT_EQ(drawing->left_out.at("image"), 1U);
-  EXPECT_EQ(drawing->left_out.at("invisible"), 1U);
+  EXPECT_EQ(drawing->findings.CountOf("text"), 1U);
+  EXPECT_EQ(drawing->findings.CountOf("image"), 1U);
+  EXPECT_EQ(drawing->findings.CountOf("invisible"), 1U);
+}
+
+// Browsers draw the rest of such files, and a path up to its error.
+TEST(SvgRead, AWrongAttributeIsNamedAndDoesNotEndTheFile) {
+  const auto drawing =
+      ReadSvg(Page("\n<path id='p' d='M1 2 L3 4 L5 x'/><line x2='1'/>"), {}, "a.svg");
+  ASSERT_TRUE(drawing) << drawing.error().message;
+  ASSERT_EQ(drawing->curves.size(), 2U);
+  ASSERT_EQ(drawing->findings.size(), 1U);
+  EXPECT_EQ(drawing->findings.begin()->where, "line 2, path \"p\"");
+  EXPECT_EQ(drawing->findings.begin()->effect, Effect::kChanged);
+  EXPECT_THAT(drawing->findings.begin()->what, HasSubstr("attribute d"));
+  for (const char* d : {"L1 2", "M", "M1", "Mnan 0", "M1e999 0", "M0 0 X",
+                        "M0 0A1 1 0 2 0 1 1", "M0 0z1"}) {
+    const auto wrong = ReadSvg(Page(fmt::format("<path d='{}'/><line x2='1'/>", d)));
+    ASSERT_TRUE(wrong) << d;
+    EXPECT_EQ(wrong->findings.size(), 1U) << d;
+    EXPECT_GE(wrong->curves.size(), 1U) << d;
+  }
+  for (const char* element :
+       {"<g transform='turn(5)'/>", "<circle r='5abc'/>", "<circle r='-5'/>",
+        "<polyline points='1 2 3 4 x'/>", "<svg width='5abc'/>",
+        "<rect width='1' height='1' transform='rotate(5)' transform-origin='x y'/>"}) {
+    const auto wrong = ReadSvg(Page(element));
+    ASSERT_TRUE(wrong) << element;
+    EXPECT_EQ(wrong->findings.size(), 1U) << element;
+  }
 }
 
 TEST(SvgRead, ErrorsNameThePlaceTheValueAndTheRemedy) {
-  const Error path = SvgError(Page("\n<path id='p' d='M1 2 L3 x'/>"));
-  EXPECT_EQ(path.code, ErrorCode::kInvalidValue);
-  EXPECT_THAT(path.message, HasSubstr("a.svg, line 2, path \"p\": attribute d"));
-  EXPECT_EQ(path.value, "x");
-  for (const char* d : {"L1 2", "M", "M1", "Mnan 0", "M1e999 0", "M0 0 X",
-                        "M0 0A1 1 0 2 0 1 1", "M1e300 0L2 2", "M0 0z1"}) {
-    EXPECT_EQ(SvgError(Page(fmt::format("<path d='{}'/>", d))).code,
-              ErrorCode::kInvalidValue)
-        << d;
-  }
-  EXPECT_EQ(SvgError(Page("<g transform='turn(5)'/>")).code, ErrorCode::kInvalidValue);
-  EXPECT_EQ(SvgError(Page("<circle r='5em'/>")).code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(SvgError(Page("<path d='M1e300 0L2 2'/>")).code, ErrorCode::kInvalidValue);
   EXPECT_EQ(SvgError("").code, ErrorCode::kUnreadable);
   EXPECT_EQ(SvgError("<svg><g></svg>").code, ErrorCode::kUnreadable);
   EXPECT_EQ(SvgError("<html/>").code, ErrorCode::kUnreadable);
@@ -207,7 +223,7 @@ TEST(SvgRead, DeepEndlessAndLargeFilesEndInErrors) {
   ReadOptions options;
   options.limits.max_points = 5;
   EXPECT_EQ(SvgError(Page("<path d='M0 0h1h1h1h1h1h1h1'/>"), options).code,
-            ErrorCode::kInvalidValue);
+            ErrorCode::kTooLarge);
 }
 
 // As a drawing program writes it: its own namespaces and metadata, a page in pixels

@@ -68,7 +68,7 @@ TEST(SvgStyle, DisplayIsFinalVisibilityIsInherited) {
       ".h{visibility:hidden}.s{visibility:visible;display:inline}.n{display:none}";
   EXPECT_EQ(Strokes(Styled(css, lines)), "1 4 ");
   // The second line and the group that is not displayed.
-  EXPECT_EQ(StyledDrawing(Styled(css, lines)).left_out.at("invisible"), 2U);
+  EXPECT_EQ(StyledDrawing(Styled(css, lines)).findings.CountOf("invisible"), 2U);
   EXPECT_EQ(Strokes(Styled("svg{display:NONE}", lines)), "");
   EXPECT_EQ(Strokes(Styled("svg{visibility:collapse}", lines)), "");
   EXPECT_EQ(Strokes(Styled("svg{stroke:all}", "<line x2='1'/>")), "all ");
@@ -92,15 +92,15 @@ TEST(SvgStyle, CommentsStringsAtRulesAndOtherSelectors) {
   const std::string lines =
       "<line class='a' x2='1'/><line class='b' x2='1'/><line class='c' x2='1'/>";
   EXPECT_EQ(Strokes(Styled(css, lines)), "5  '7' --> ");
-  const auto left_out = StyledDrawing(Styled(css, lines)).left_out;
-  EXPECT_EQ(left_out.at("@media"), 1U);
-  EXPECT_EQ(left_out.at("@charset"), 1U);
-  EXPECT_EQ(left_out.at("style rule not by class, id or element"), 4U);
+  const auto findings = StyledDrawing(Styled(css, lines)).findings;
+  EXPECT_EQ(findings.CountOf("@media"), 1U);
+  EXPECT_EQ(findings.CountOf("@charset"), 1U);
+  EXPECT_EQ(findings.CountOf("style rule not by class, id or element"), 4U);
   const Drawing other = StyledDrawing(
       "<style media='print'>*{stroke:1}</style><style type='text/x'>*{stroke:2}</style>"
       "<style media='screen' type='text/css'>*{stroke:3}</style><line x2='1'/>");
   EXPECT_EQ(other.names[other.curves.at(0).color], "3");
-  EXPECT_EQ(other.left_out.at("style sheet of another kind"), 2U);
+  EXPECT_EQ(other.findings.CountOf("style sheet of another kind"), 2U);
 }
 
 // What drawing programs write by default: classes of a sheet in defs.
@@ -117,7 +117,7 @@ TEST(SvgStyle, SheetsAndAttributesGiveTheSameDrawing) {
   const Drawing by_attribute = drawing("", "display='none'", "stroke='#f00'");
   ASSERT_EQ(by_sheet.curves.size(), 1U);
   EXPECT_EQ(by_sheet.names, by_attribute.names);
-  EXPECT_EQ(by_sheet.left_out, by_attribute.left_out);
+  EXPECT_EQ(by_sheet.findings, by_attribute.findings);
   EXPECT_EQ(Flatten(by_sheet)->curves[0].points_mm,
             Flatten(by_attribute)->curves[0].points_mm);
 }

@@ -87,7 +87,7 @@ TEST_F(DrawingFont, WithoutOneTheTextIsLeftOutByName) {
   const auto made = SourcesOf(JobWith(kLine + kName));
   ASSERT_TRUE(made) << made.error().message;
   ASSERT_EQ(made->warnings.size(), 1u);
-  EXPECT_THAT(made->warnings[0].text, HasSubstr("left out 1 entities: TEXT"));
+  EXPECT_THAT(made->warnings[0].text, HasSubstr("1 x TEXT"));
   EXPECT_NEAR(HeightOf(*made), 0, 1e-9);
 }
 

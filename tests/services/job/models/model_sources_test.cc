@@ -135,10 +135,9 @@ TEST(ModelSources, WhatADrawingShowsAndIsLeftOutIsAWarningAndTheRestANote) {
       {}, {});
   ASSERT_TRUE(sources) << sources.error().message;
   ASSERT_EQ(sources->warnings.size(), 2u);
-  EXPECT_THAT(sources->warnings[0].text, HasSubstr("plate.svg: left out 1 entities"));
-  EXPECT_THAT(sources->warnings[0].text, HasSubstr("invisible"));
+  EXPECT_THAT(sources->warnings[0].text, HasSubstr("plate.svg: 1 x invisible"));
   EXPECT_EQ(sources->warnings[0].weight, WarningWeight::kNote);
-  EXPECT_THAT(sources->warnings[1].text, HasSubstr("text; convert them to curves"));
+  EXPECT_THAT(sources->warnings[1].text, HasSubstr("1 x text (line 1, text): left out"));
   EXPECT_EQ(sources->warnings[1].weight, WarningWeight::kWarning);
   EXPECT_EQ(sources->warnings[1].code, WarningCode::kLeftOut);
 }
