@@ -131,6 +131,7 @@ class Event:
     warnings: tuple = _several(PieceWarning)
     result_directory: str = ""
     alarm: str = ""
+    makes: str = ""
 
     @property
     def ended(self):
@@ -164,6 +165,9 @@ class Job:
     missed: int = 0
     skipped: int = 0
     uncertain: int = 0
+    to_come: int = 0
+    armed_count: int = 0
+    makes: str = ""
     alarm: str = ""
 
 

@@ -9,6 +9,7 @@
 #include "services/platform/bus/error_code.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/process/log.h"
+#include "services/platform/host/stage/counts_at_end.h"
 
 namespace intaglio::cell {
 namespace {
@@ -202,7 +203,7 @@ void CellTask::RaiseNoProgress(const std::string& alarm) {
 EngraveOutcome CellTask::Outcome() {
   EngraveOutcome outcome;
   const WorkStates& work = *maker_.work();
-  const intaglio_PointCounts counts = CountsOf(work.ledger());
+  const intaglio_PointCounts counts = AtEnd(CountsOf(work.ledger()));
   outcome.set_planned_count(counts.planned);
   outcome.set_made_count(counts.made);
   outcome.set_missed_count(counts.missed);
@@ -229,7 +230,7 @@ void CellTask::End(intaglio_TaskState state, intaglio_ErrorCode code,
   outcome.set_elapsed_s(report.elapsed_s);
   if (const WorkStates* work = maker_.work()) {
     *outcome.mutable_engrave() = Outcome();
-    report.counts = CountsOf(work->ledger());
+    report.counts = AtEnd(CountsOf(work->ledger()));
     report.total_count = work->ledger().size();
     report.done_count = report.counts.made + report.counts.missed;
   }

@@ -5,17 +5,21 @@
 
 namespace intaglio::cell {
 
-/// What became of the points or marks of a job, as people see it.
+/// Where the points or marks of a job are, as people see it while it is made; at its end
+/// with AtEnd (services/platform/host/stage/counts_at_end.h).
 inline intaglio_PointCounts CountsOf(const PointLedger& ledger) {
+  const auto known = [&ledger](PointState state) {
+    return ledger.count(state) - ledger.unknown_count(state);
+  };
   intaglio_PointCounts counts{};
   counts.planned = ledger.size();
   counts.made = ledger.count(PointState::kMade);
   counts.missed = ledger.count(PointState::kMissed);
-  counts.skipped = ledger.count(PointState::kSkipped) +
-                   ledger.count(PointState::kPlanned) +
-                   ledger.count(PointState::kLeftOut) - ledger.unknown_count();
-  counts.uncertain = ledger.count(PointState::kUncertain) +
-                     ledger.count(PointState::kArmed) + ledger.unknown_count();
+  counts.skipped = known(PointState::kLeftOut);
+  counts.to_come = known(PointState::kPlanned) + known(PointState::kSkipped);
+  counts.armed = ledger.count(PointState::kArmed);
+  counts.uncertain = counts.planned - counts.made - counts.missed - counts.skipped -
+                     counts.to_come - counts.armed;
   return counts;
 }
 

@@ -75,8 +75,9 @@ void PointLedger::Reopen(std::uint32_t point) {
 
 void PointLedger::Move(std::uint32_t point, PointState to) {
   if (reopened_[point]) {
-    if (IsNotFired(states_[point])) --unknown_count_;
-    if (IsNotFired(to)) ++unknown_count_;
+    if (IsNotFired(states_[point]))
+      --unknown_counts_[static_cast<std::size_t>(states_[point])];
+    if (IsNotFired(to)) ++unknown_counts_[static_cast<std::size_t>(to)];
   }
   --counts_[static_cast<std::size_t>(states_[point])];
   states_[point] = to;

@@ -43,9 +43,15 @@ class PointLedger {
     return counts_[static_cast<std::size_t>(state)];
   }
 
-  /// Planned, skipped or left out, and uncertain before: it is not known whether they
-  /// hold a crack, as long as they are not fired.
-  std::uint64_t unknown_count() const { return unknown_count_; }
+  /// Planned, skipped or left out (`state`), and uncertain before: it is not known
+  /// whether they hold a crack, as long as they are not fired.
+  std::uint64_t unknown_count(PointState state) const {
+    return unknown_counts_[static_cast<std::size_t>(state)];
+  }
+  std::uint64_t unknown_count() const {
+    return unknown_count(PointState::kPlanned) + unknown_count(PointState::kSkipped) +
+           unknown_count(PointState::kLeftOut);
+  }
 
   /// First point at or after `from` that may be armed: planned, or skipped earlier.
   std::optional<std::uint32_t> NextOpen(std::uint32_t from) const;
@@ -71,7 +77,7 @@ class PointLedger {
   std::vector<PointState> states_;
   std::vector<bool> reopened_;  // once
   std::uint64_t counts_[7] = {};
-  std::uint64_t unknown_count_ = 0;
+  std::uint64_t unknown_counts_[7] = {};
   std::uint32_t ended_below_ = 0;
 };
 

@@ -53,19 +53,8 @@ int ExitWithFault(const client::JobClient& client) {
   return client::kExitGood;
 }
 
-int List(const JobsOptions& options) {
-  bus::Bus bus(options.bus);
-  client::JobClient client(bus);
-  // Identities are checked topic by topic, which takes longer between two jobs.
-  const auto quiet = options.bus.security.empty() ? 80ms : 600ms;
-  client::PollUntilJobsAreKnown(client, quiet, bus.discovery_time());
-  const auto services = client.services();
-  if (services.empty()) {
-    std::cerr << "intaglio: no services found: start them (intaglio up), or check "
-                 "--domain, --interface and --tag\n";
-    return client::kExitWrongInput;
-  }
-  if (options.json) {
+int PrintJobs(const client::JobClient& client, bool json) {
+  if (json) {
     if (const int printed = PrintJson(JobListOf(client.jobs())); printed != 0)
       return printed;
   } else {
@@ -73,17 +62,27 @@ int List(const JobsOptions& options) {
     for (const auto& [uid, job] : client.jobs()) jobs.push_back(job);
     std::cout << ListText(std::move(jobs)) << std::flush;
   }
-  const bool served = std::any_of(services.begin(), services.end(), [](const auto& s) {
-    return s.role == intaglio_ROLE_JOB_SERVICE;
-  });
-  if (!served) {
-    return Complain({ErrorCode::kTimedOut,
-                     "other services run, but no job service: nothing is known of the "
-                     "jobs (intaglio history reads their database)",
-                     ""},
-                    client::kExitMachine);
-  }
   return ExitWithFault(client);
+}
+
+/// All jobs, or none and the reason.
+int List(const JobsOptions& options) {
+  bus::Bus bus(options.bus);
+  client::JobClient client(bus);
+  const auto known = client::PollUntilJobsAreKnown(client, bus.discovery_time());
+  if (known) return PrintJobs(client, options.json);
+  if (known.error().code != ErrorCode::kTimedOut)
+    return Complain(known.error(), client::kExitMachine);
+  if (client.services().empty()) {
+    std::cerr << "intaglio: no services found: start them (intaglio up), or check "
+                 "--domain, --interface and --tag\n";
+    return client::kExitWrongInput;
+  }
+  return Complain({ErrorCode::kTimedOut,
+                   "other services run, but no job service: nothing is known of the jobs "
+                   "(intaglio history reads their database)",
+                   ""},
+                  client::kExitMachine);
 }
 
 /// Runs `act` on the job the options name.
@@ -91,16 +90,7 @@ int WithJob(const JobsOptions& options,
             const std::function<int(client::JobClient&, const client::JobView&)>& act) {
   bus::Bus bus(options.bus);
   client::JobClient client(bus);
-  // With the health of the job service, which may be at fault.
-  const auto is_known = [&] {
-    const auto services = client.services();
-    return client.Find(options.uid).has_value() &&
-           std::any_of(services.begin(), services.end(), [](const auto& service) {
-             return service.role == intaglio_ROLE_JOB_SERVICE;
-           });
-  };
-  client.PollUntil(is_known, bus.discovery_time());
-  const auto job = client.Find(options.uid);
+  const auto job = client::AwaitJob(client, options.uid, bus.discovery_time());
   return job ? act(client, *job) : ComplainOfShop(job.error());
 }
 
@@ -187,6 +177,9 @@ void AddJobsCommands(command_line::Command app) {
       .AddOption("--stations", options->stations,
                  "1,2,4: a job for each of these blocks on the machine's table")
       .Exclude(series);
+  submit.AddOption("--id", options->id,
+                   "id of the submission: the same command with the same id again "
+                   "submits nothing twice; of several jobs ID.1, ID.2, ...");
   submit.AddOption("--materials", options->materials_db,
                    "material base for the checks of a series, default the user's");
   submit.SetFooter(

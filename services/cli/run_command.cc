@@ -89,7 +89,7 @@ class RunSession {
   int Follow(client::ServiceSet& services, client::JobClient& client,
              client::JobView job);
   void Show(const client::JobView& job);
-  void WriteEnd(client::JobClient& client, const client::JobView& job);
+  void WriteEnd(client::JobEnd end, const client::JobView& job);
   void Print(const std::vector<std::string>& sentences);
   void Arm(client::JobClient& client, const client::JobView& job);
   bool GoesOn(const client::JobView& job);
@@ -289,9 +289,10 @@ int RunSession::Follow(client::ServiceSet& services, client::JobClient& client,
   client.PollUntil(
       [&] { return client.OutcomeOf(job.uid, intaglio_STAGE_ENGRAVE).has_value(); },
       job.state == intaglio_JOB_FAILED ? 200ms : 2000ms);
+  const client::JobEnd end = EndOf(client, job);
   services.Stop();
   const int proved = Prove(job, client, services);
-  if (options_.events) WriteEnd(client, job);
+  if (options_.events) WriteEnd(end, job);
   if (fault) return Complain(*fault, client::kExitMachine);
   if (cancelled_) return client::kExitCancelled;
   if (job.state != intaglio_JOB_DONE) {
@@ -300,8 +301,7 @@ int RunSession::Follow(client::ServiceSet& services, client::JobClient& client,
   return proved;
 }
 
-void RunSession::WriteEnd(client::JobClient& client, const client::JobView& job) {
-  client::JobEnd end = EndOf(client, job);
+void RunSession::WriteEnd(client::JobEnd end, const client::JobView& job) {
   if (proved_) end.verdict = *proved_;
   client::JobView proof = job;
   proof.result_directory = out_.string();

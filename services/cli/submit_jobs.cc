@@ -13,6 +13,7 @@
 #include "services/client/arm_once.h"
 #include "services/client/event_lines.h"
 #include "services/client/exit_codes.h"
+#include "services/client/known_jobs.h"
 #include "services/client/warning_text.h"
 #include "services/history/job_history.h"
 
@@ -21,10 +22,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Gives the job to the job service.
+constexpr auto kSubmitTime = 15s;
+
+/// Gives the job to the job service. `key`: of the submission; empty: a new one.
 Result<client::JobView> SubmitOne(client::JobClient& client, const JobSpec& job,
-                                  const JobsOptions& options) {
-  auto submitted = client.Submit(job, 15s);
+                                  const JobsOptions& options, const std::string& key) {
+  auto submitted = client.Submit(job, kSubmitTime, key);
   if (submitted) {
     if (options.events) client::EventLines(std::cout).Submitted(*submitted);
     options.human() << "job " << submitted->number << " (" << submitted->uid << ") is "
@@ -38,10 +41,12 @@ Result<std::vector<client::JobView>> SubmitAll(client::JobClient& client, bus::B
                                                const std::vector<JobAndMachine>& jobs,
                                                const JobsOptions& options) {
   for (const JobAndMachine& piece : jobs) PrintTextWarnings(piece.warnings);
-  client.PollUntil([&] { return !client.services().empty(); }, bus.discovery_time());
+  client::PollUntilServed(client, bus.discovery_time());
   std::vector<client::JobView> submitted;
   for (const JobAndMachine& piece : jobs) {
-    auto job = SubmitOne(client, piece.job, options);
+    const std::string key =
+        options.id.empty() ? "" : fmt::format("{}.{}", options.id, submitted.size() + 1);
+    auto job = SubmitOne(client, piece.job, options, key);
     if (!job) return tl::unexpected(job.error());
     submitted.push_back(std::move(*job));
   }
@@ -102,8 +107,8 @@ int SubmitAtStations(const JobsOptions& options) {
 int SubmitJob(const JobSpec& spec, const JobsOptions& options) {
   bus::Bus bus(options.bus);
   client::JobClient client(bus);
-  client.PollUntil([&] { return !client.services().empty(); }, bus.discovery_time());
-  const auto submitted = SubmitOne(client, spec, options);
+  client::PollUntilServed(client, bus.discovery_time());
+  const auto submitted = SubmitOne(client, spec, options, options.id);
   if (!submitted) return ComplainOfShop(submitted.error());
   if (options.arm) {
     auto armed = client::ArmWhenTaken(client, *submitted, options.accept.breakage());
@@ -134,8 +139,9 @@ int Watch(client::JobClient& client, const std::string& uid, const JobsOptions& 
 }
 
 int ComplainOfShop(const Error& error) {
-  return Complain(error, error.code == ErrorCode::kFault ? client::kExitMachine
-                                                         : client::kExitWrongInput);
+  const bool is_there =
+      error.code == ErrorCode::kFault || error.code == ErrorCode::kLinkLost;
+  return Complain(error, is_there ? client::kExitMachine : client::kExitWrongInput);
 }
 
 int ComplainOf(const Error& error) { return Complain(error, client::kExitMachine); }

@@ -21,6 +21,7 @@ struct JobsOptions {
   std::string uid;
   std::string percent;
   std::string series, stations;
+  std::string id;  // of the submission; empty: a new one
   std::string materials_db;
   std::string folder = "intaglio-shop";
   std::string database;

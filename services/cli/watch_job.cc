@@ -11,6 +11,7 @@
 #include "services/cli/progress/stage_bars.h"
 #include "services/cli/progress/warning_lines.h"
 #include "services/client/exit_codes.h"
+#include "services/client/job_need.h"
 
 namespace intaglio::cli {
 namespace {
@@ -29,6 +30,7 @@ std::string NoteOf(const client::JobView& job) {
   if (job.speed_percent != 100) note += fmt::format(", at {} % speed", job.speed_percent);
   if (job.state != intaglio_JOB_PAUSED) return note;
   if (job.armed) return "paused: " + note;
+  if (job.counts.uncertain > 0) return client::NeedOf(job);
   return fmt::format("paused: {} (intaglio resume {}, or cancel)", note, job.number);
 }
 

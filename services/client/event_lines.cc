@@ -5,9 +5,11 @@
 #include <ostream>
 
 #include "services/client/exit_codes.h"
+#include "services/client/patience.h"
 #include "services/history/job_names.h"
 #include "services/job/json_text.h"
 #include "services/job/verdict/warnings.h"
+#include "services/platform/host/stage/counts_at_end.h"
 #include "services/platform/host/times/utc_time.h"
 
 namespace intaglio::client {
@@ -15,39 +17,50 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// The end of a job is published with its verdict. Where no job service does so, what the
-// synchronizer has reported is left.
-constexpr auto kOutcomeTime = 2s;
+// A job service that was restarted is back by then; without one nothing is settled.
+constexpr auto kAlone = 2s;
 
 std::uint32_t Count(std::uint64_t count) {
   return static_cast<std::uint32_t>(
       std::min<std::uint64_t>(count, std::numeric_limits<std::uint32_t>::max()));
 }
 
-void SetCounts(const intaglio_PointCounts& from, EngraveOutcome& counts) {
-  counts.set_planned_count(from.planned);
-  counts.set_made_count(from.made);
-  counts.set_missed_count(from.missed);
-  counts.set_skipped_count(from.skipped);
-  counts.set_uncertain_count(from.uncertain);
+intaglio_PointCounts CountsOf(const EngraveOutcome& outcome) {
+  intaglio_PointCounts counts{};
+  counts.planned = outcome.planned_count();
+  counts.made = outcome.made_count();
+  counts.missed = outcome.missed_count();
+  counts.skipped = outcome.skipped_count();
+  counts.uncertain = outcome.uncertain_count();
+  return counts;
 }
 
 }  // namespace
 
 JobEnd EndOf(JobClient& client, const JobView& job) {
-  const auto is_settled = [&] { return !client.jobs().at(job.uid).verdict.empty(); };
-  client.PollUntil(is_settled, kOutcomeTime);
-  const JobView settled = client.jobs().at(job.uid);
-  const auto outcome = client.OutcomeOf(job.uid, intaglio_STAGE_ENGRAVE);
-  const bool reported = outcome && outcome->has_engrave();
+  const auto is_settled = [&] { return IsSettled(client.jobs().at(job.uid)); };
+  const auto is_served = [&] {
+    const auto services = client.services();
+    return std::any_of(services.begin(), services.end(), [](const ServiceView& service) {
+      return service.role == intaglio_ROLE_JOB_SERVICE;
+    });
+  };
+  Patience alone(kAlone);
+  for (Patience patience(kSettledWithin); !is_settled() && !patience.IsUp();) {
+    if (is_served()) alone = Patience(kAlone);
+    if (alone.IsUp()) break;
+    client.Poll(50ms);
+  }
+  const JobView view = client.jobs().at(job.uid);
   JobEnd end;
-  if (reported) end.counts = outcome->engrave();
-  const VerdictKind kind = VerdictFromName(settled.verdict);
-  const bool known = is_settled() ? kind != VerdictKind::kUnknown : reported;
-  if (is_settled()) SetCounts(settled.counts, end.counts);
-  end.verdict = VerdictOf(job.state == intaglio_JOB_DONE, known ? &end.counts : nullptr,
-                          job.warnings);
-  if (is_settled()) end.verdict.verdict = kind;
+  end.counts = AtEnd(view.counts);
+  if (!is_settled()) {
+    const auto outcome = client.OutcomeOf(job.uid, intaglio_STAGE_ENGRAVE);
+    if (outcome && outcome->has_engrave()) end.counts = CountsOf(outcome->engrave());
+  }
+  end.verdict =
+      VerdictOf(view.state == intaglio_JOB_DONE, end.counts, view.warnings, view.makes);
+  if (is_settled()) end.verdict.verdict = VerdictFromName(view.verdict);
   return end;
 }
 
@@ -76,6 +89,7 @@ JobEvent EventOf(const char* event, const JobView& job, const std::string& id) {
   line.set_message(job.message);
   line.set_result_directory(job.result_directory);
   line.set_alarm(job.alarm);
+  line.set_makes(job.makes);
   const JobView::Progress* stage = StageAtWork(job);
   if (stage == nullptr || job.state == intaglio_JOB_QUEUED) return line;
   line.set_stage(NameOf(stage->stage));
@@ -128,11 +142,11 @@ void EventLines::Show(const JobView& job, const std::string& id) {
 void EventLines::Ended(const JobView& job, const JobEnd& end, const std::string& id) {
   JobEvent event = EventOf("ended", job, id);
   event.set_verdict(VerdictName(end.verdict.verdict));
-  event.set_planned(Count(end.counts.planned_count()));
-  event.set_made(Count(end.counts.made_count()));
-  event.set_missed(Count(end.counts.missed_count()));
-  event.set_skipped(Count(end.counts.skipped_count()));
-  event.set_uncertain(Count(end.counts.uncertain_count()));
+  event.set_planned(Count(end.counts.planned));
+  event.set_made(Count(end.counts.made));
+  event.set_missed(Count(end.counts.missed));
+  event.set_skipped(Count(end.counts.skipped));
+  event.set_uncertain(Count(end.counts.uncertain));
   AddTo(*event.mutable_warnings(), job.warnings);
   if (event.message().empty()) event.set_message(end.verdict.reason);
   shown_.erase(job.uid);

@@ -18,11 +18,16 @@ namespace intaglio::client {
 /// What became of a job that has ended.
 struct JobEnd {
   ShopVerdict verdict;
-  EngraveOutcome counts;  ///< zeros when the engraving never began
+  intaglio_PointCounts counts{};  ///< zeros when the engraving never began
 };
 
-/// Verdict and counts as in the history: polls until the job service has published them,
-/// for a moment at most; then by what the synchronizer has reported.
+/// The job service has published its end with its verdict: its counts are settled.
+inline bool IsSettled(const JobView& job) { return job.ended() && !job.verdict.empty(); }
+/// In which a job service settles an end (patience.h), also of a machine that is silent.
+inline constexpr std::chrono::seconds kSettledWithin{15};
+
+/// Verdict and counts as in the history: polls until the job service has settled them,
+/// for kSettledWithin at most; then by what the synchronizer has reported.
 JobEnd EndOf(JobClient& client, const JobView& job);
 
 class EventLines {

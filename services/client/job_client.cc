@@ -4,9 +4,9 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <random>
 
 #include "engrave/core/try.h"
+#include "services/client/patience.h"
 #include "services/job/models/discretize_outcome.h"
 #include "services/job/verdict/warnings.h"
 #include "services/platform/bus/samples.h"
@@ -19,26 +19,13 @@ using bus::Borrow;
 using bus::View;
 using namespace std::chrono_literals;
 
-constexpr char kNobodyThere[] =
-    "no job service answers: start one (intaglio up), or check --domain, --interface and "
-    "--tag";
-
 // A job service that is seen again publishes all that it knows within a second.
 constexpr auto kForgottenAfter = 10s;
 constexpr auto kEndedStaysFor = 60s;
 // The job service tries its disk again every second.
 constexpr auto kFaultTime = 2s;
 
-std::int64_t SteadyNs() {
-  return std::chrono::steady_clock::now().time_since_epoch().count();
-}
-
 constexpr int kLastStage = intaglio_STAGE_ENGRAVE;
-
-std::string NewUid() {
-  std::random_device random;
-  return fmt::format("{:08x}{:08x}", random(), random());
-}
 
 /// A command, or its key alone.
 intaglio_JobCommand CommandOf(const std::string& sender, std::uint64_t number,
@@ -59,8 +46,9 @@ JobClient::Commands::Commands(bus::Bus& bus)
       answers(bus, bus::kJobCommandAnswer) {}
 
 JobClient::JobClient(bus::Bus& bus, std::function<Clock::time_point()> now)
-    : sender_(fmt::format("{}-{}-{}", OperatorName(), getpid(), NewUid())),
+    : sender_(fmt::format("{}-{}-{}", OperatorName(), getpid(), NewSubmissionKey())),
       statuses_(bus, bus::kJobStatus),
+      job_counts_(bus, bus::kJobCount),
       tasks_(bus, bus::kTaskStatus),
       health_(bus, bus::kServiceHealth),
       disk_spaces_(bus, bus::kDiskSpace),
@@ -73,6 +61,7 @@ JobClient::JobClient(bus::Bus& bus, std::function<Clock::time_point()> now)
   }
   if (commands_) wait_.Attach(commands_->answers);
   wait_.Attach(statuses_);
+  wait_.Attach(job_counts_);
   wait_.Attach(tasks_);
   wait_.Attach(health_);
 }
@@ -104,6 +93,7 @@ void JobClient::Take(const intaglio_JobStatus& status) {
     view.warnings.push_back(WarningOf(warning));
   }
   view.breakage_accepted_by = View(status.breakage_accepted_by);
+  view.makes = View(status.makes);
   view.counts = status.counts;
   view.verdict = View(status.verdict);
   view.alarm = View(status.alarm);
@@ -203,8 +193,37 @@ void JobClient::Poll(std::chrono::milliseconds timeout) {
                                health.pid,
                                std::chrono::steady_clock::now()};
       });
+  TakeCounts();
   TakeDisks();
   DropForgotten();
+}
+
+void JobClient::TakeCounts() {
+  job_counts_.TakeAll([this](const intaglio_JobCount& count, const bus::SampleOrigin& o) {
+    const std::string instance(View(count.instance));
+    if (o.alive) {
+      counts_[instance] = count.job_count;
+    } else {
+      counts_.erase(instance);
+    }
+  });
+}
+
+// The processes of two job services, one of which has just died, have the same jobs.
+std::optional<std::uint64_t> JobClient::counted_jobs() const {
+  std::optional<std::uint64_t> greatest;
+  for (const auto& [instance, service] : services_) {
+    if (service.role != intaglio_ROLE_JOB_SERVICE) continue;
+    const auto count = counts_.find(instance);
+    if (count == counts_.end()) return std::nullopt;
+    greatest = std::max(greatest.value_or(0), count->second);
+  }
+  return greatest;
+}
+
+bool JobClient::KnowsAllJobs() const {
+  const auto counted = counted_jobs();
+  return counted && jobs_.size() - lost_.size() >= *counted;
 }
 
 void JobClient::TakeDisks() {
@@ -249,8 +268,9 @@ Result<bool> JobClient::AwaitAnswer(const std::function<bool()>& condition,
     if (!faulty_since) faulty_since = now;
     return now - *faulty_since >= kFaultTime;
   };
-  const bool decided = PollUntil(is_decided, timeout);
-  if (decided && condition()) return true;
+  Patience patience(timeout);
+  while (!is_decided() && !patience.IsUp()) Poll(50ms);
+  if (condition()) return true;
   if (auto fault = JobServiceFault()) return tl::unexpected(std::move(*fault));
   return false;
 }
@@ -263,47 +283,6 @@ bool JobClient::PollUntil(const std::function<bool()>& condition,
     if (std::chrono::steady_clock::now() >= end) return false;
     Poll(50ms);
   }
-}
-
-Error JobClient::WhyNoAnswer(std::chrono::milliseconds timeout) const {
-  for (const auto& [instance, service] : services_) {
-    if (service.role != intaglio_ROLE_JOB_SERVICE) continue;
-    return {ErrorCode::kFault,
-            fmt::format("{} did not answer the submission within {:.0f} s, and it is "
-                        "withdrawn: check its log and its disk (intaglio status)",
-                        instance, std::chrono::duration<double>(timeout).count()),
-            instance};
-  }
-  return {ErrorCode::kTimedOut, kNobodyThere, ""};
-}
-
-Result<JobView> JobClient::Submit(const JobSpec& job, std::chrono::milliseconds timeout) {
-  if (!commands_) return Fail(ErrorCode::kRefused, not_allowed_);
-  const std::string uid = NewUid();
-  const std::string client = OperatorName();
-  const std::string text = job.SerializeAsString();
-  const std::vector<std::uint8_t> bytes(text.begin(), text.end());
-  intaglio_JobSubmission sample{};
-  sample.submission_uid = Borrow(uid);
-  sample.client = Borrow(client);
-  Borrow(sample.job, bytes);
-  sample.steady_ns = SteadyNs();
-  INTAGLIO_TRY(commands_->submissions.Write(sample));
-  const JobView* found = nullptr;
-  const auto answered = [&] {
-    if (refused_.contains(uid)) return true;
-    for (const auto& [key, view] : jobs_) {
-      if (view.submission_uid == uid) found = &view;
-    }
-    return found != nullptr;
-  };
-  const Result<bool> answer = AwaitAnswer(answered, timeout);
-  // The job service that answered has stored it; one that answers later does not take it.
-  (void)commands_->submissions.Dispose(sample);
-  if (!answer) return tl::unexpected(answer.error());
-  if (!*answer) return tl::unexpected(WhyNoAnswer(timeout));
-  if (found == nullptr) return Fail(ErrorCode::kRefused, refused_[uid].message);
-  return *found;
 }
 
 Result<std::uint64_t> JobClient::Send(const JobView& job, const JobOrder& order) {
@@ -365,7 +344,7 @@ Result<JobView> JobClient::Find(const std::string& uid_or_number) const {
     known += (known.empty() ? "" : ", ") + std::to_string(view.number);
   }
   if (auto fault = JobServiceFault()) return tl::unexpected(std::move(*fault));
-  if (services_.empty()) return Fail(ErrorCode::kTimedOut, kNobodyThere);
+  if (services_.empty()) return Fail(ErrorCode::kTimedOut, kNoJobService);
   return Fail(ErrorCode::kNotFound,
               fmt::format("no job '{}'; the known jobs are: {}", uid_or_number,
                           known.empty() ? "none" : known),

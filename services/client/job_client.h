@@ -18,6 +18,13 @@
 
 namespace intaglio::client {
 
+inline constexpr char kNoJobService[] =
+    "no job service answers: start one (intaglio up), or check --domain, --interface and "
+    "--tag";
+
+/// 16 hex digits, at random.
+std::string NewSubmissionKey();
+
 /// Every client sees the jobs; commands are refused (kRefused) unless the client's
 /// identity allows them.
 class JobClient {
@@ -34,9 +41,13 @@ class JobClient {
                  std::chrono::milliseconds timeout);
 
   /// The job as the job service took it; kRefused with its reasons; kTimedOut when there
-  /// is no job service; kFault when there is one that cannot work or does not answer. The
-  /// submission is withdrawn then.
-  Result<JobView> Submit(const JobSpec& job, std::chrono::milliseconds timeout);
+  /// is no job service; kFault when there is one that cannot work or does not answer:
+  /// then it is not known whether it took the job, and the message has the key. With the
+  /// same `key` and the same job nothing is submitted twice
+  /// (services/job/submission_id.h); empty: a new key. `timeout`: on a computer that is
+  /// not busy (patience.h).
+  Result<JobView> Submit(const JobSpec& job, std::chrono::milliseconds timeout,
+                         std::string key = {});
   /// Longer than the bus needs to find a job service that is there.
   static constexpr std::chrono::seconds kAnswerTime{5};
   /// Sends a command about the job as `job` has it, and waits for the answer to it.
@@ -53,6 +64,11 @@ class JobClient {
   /// By uid; of the last revision seen. An ended job that the job service has forgotten
   /// leaves a minute later: by then every client that follows it has read its end.
   const std::map<std::string, JobView>& jobs() const { return jobs_; }
+  /// Every job service that is there has counted its jobs, and as many have come. False
+  /// without a job service.
+  bool KnowsAllJobs() const;
+  /// As the job service counts them; nullopt: it has not yet, or there is none.
+  std::optional<std::uint64_t> counted_jobs() const;
   /// The job was open when it was seen last, and a living job service has not published
   /// it for 10 s: it has ended while this process was stopped or cut off. The history
   /// records how.
@@ -81,7 +97,8 @@ class JobClient {
   void Drop(const std::string& uid);
   void Take(const intaglio_JobCommandAnswer& answer);
   void TakeDisks();
-  Error WhyNoAnswer(std::chrono::milliseconds timeout) const;
+  void TakeCounts();
+  Error WhyNoAnswer(const std::string& key, double waited_s) const;
   /// `condition`, or kFault once the job service has reported a fault for two seconds.
   Result<bool> AwaitAnswer(const std::function<bool()>& condition,
                            std::chrono::milliseconds timeout);
@@ -98,6 +115,7 @@ class JobClient {
   std::unique_ptr<Commands> commands_;  // null: not allowed
   std::string not_allowed_;             // and why
   bus::Reader<intaglio_JobStatus> statuses_;
+  bus::Reader<intaglio_JobCount> job_counts_;
   bus::Reader<intaglio_TaskStatus> tasks_;
   bus::Reader<intaglio_ServiceHealth> health_;
   bus::Reader<intaglio_DiskSpace> disk_spaces_;
@@ -113,6 +131,7 @@ class JobClient {
   std::map<std::uint64_t, CommandReply> replies_;                  // by command
   std::map<std::pair<std::string, int>, StageOutcomes> outcomes_;  // by job and stage
   std::map<std::string, ServiceView> services_;
+  std::map<std::string, std::uint64_t> counts_;  // of jobs, by job service
   std::map<std::pair<std::string, std::string>, DiskView>
       disks_;  // by process and folder
   /// Jobs without a status on the bus, since when; for open ones this time does not

@@ -39,6 +39,7 @@ struct JobView {
   std::string disarm_reason;         ///< of the last one
   Warnings warnings;                 ///< of the running attempt, once its points are made
   std::string breakage_accepted_by;  ///< empty: nobody
+  std::string makes = "points";      ///< what its counts count, or "marks"
   intaglio_PointCounts counts{};     ///< of the newest engraving; all 0 before its path
   std::string verdict;               ///< of an ended job, as in the history; else empty
   std::string alarm;  ///< why its engraving makes no progress; empty: it does

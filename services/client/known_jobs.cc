@@ -1,29 +1,84 @@
 #include "services/client/known_jobs.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <functional>
+
+#include "engrave/core/try.h"
+#include "services/client/patience.h"
 
 namespace intaglio::client {
+namespace {
 
-bool PollUntilJobsAreKnown(JobClient& client, std::chrono::milliseconds quiet,
-                           std::chrono::milliseconds timeout) {
-  using Clock = std::chrono::steady_clock;
-  constexpr std::chrono::milliseconds kTurn{10};
-  const auto end = Clock::now() + timeout;
-  std::size_t known_count = 0;
-  auto since = Clock::now();
-  for (auto now = since; now < end; client.Poll(kTurn), now = Clock::now()) {
-    const auto services = client.services();
-    const bool served = std::ranges::any_of(services, [](const ServiceView& service) {
-      return service.role == intaglio_ROLE_JOB_SERVICE;
-    });
-    if (!served || client.jobs().size() != known_count) {
-      known_count = client.jobs().size();
-      since = now;
-    } else if (now - since >= quiet) {
-      return true;
-    }
+constexpr std::chrono::milliseconds kTurn{10};
+
+bool IsServed(const JobClient& client) {
+  const auto services = client.services();
+  return std::ranges::any_of(services, [](const ServiceView& service) {
+    return service.role == intaglio_ROLE_JOB_SERVICE;
+  });
+}
+
+Error WhyNotKnown(const JobClient& client, double waited_s) {
+  const auto counted = client.counted_jobs();
+  if (!counted) {
+    return {
+        ErrorCode::kLinkLost,
+        fmt::format("a job service is there, but has not read its queue within {:.0f} "
+                    "s: check its log and its disk, and try again",
+                    waited_s),
+        ""};
   }
-  return false;
+  return {
+      ErrorCode::kLinkLost,
+      fmt::format("the job service has {} jobs, and {} of them have come within {:.0f} "
+                  "s: check the network and the load of the computer, and try again",
+                  *counted, client.jobs().size(), waited_s),
+      ""};
+}
+
+}  // namespace
+
+bool PollUntilServed(JobClient& client, std::chrono::milliseconds time) {
+  for (Patience patience(time); !IsServed(client); client.Poll(kTurn)) {
+    if (patience.IsUp()) return false;
+  }
+  return true;
+}
+
+namespace {
+
+/// Until `is_enough` holds or all jobs are known.
+Status Await(JobClient& client, const std::function<bool()>& is_enough,
+             std::chrono::milliseconds discovery_time,
+             std::chrono::milliseconds jobs_within) {
+  if (!PollUntilServed(client, discovery_time)) {
+    return Fail(ErrorCode::kTimedOut, kNoJobService);
+  }
+  for (Patience patience(jobs_within); !is_enough() && !client.KnowsAllJobs();
+       client.Poll(kTurn)) {
+    auto fault = client.JobServiceFault();
+    if (fault && !client.counted_jobs()) return tl::unexpected(std::move(*fault));
+    if (patience.IsUp())
+      return tl::unexpected(WhyNotKnown(client, patience.waited().count()));
+  }
+  return {};
+}
+
+}  // namespace
+
+Status PollUntilJobsAreKnown(JobClient& client, std::chrono::milliseconds discovery_time,
+                             std::chrono::milliseconds jobs_within) {
+  return Await(
+      client, [] { return false; }, discovery_time, jobs_within);
+}
+
+Result<JobView> AwaitJob(JobClient& client, const std::string& uid_or_number,
+                         std::chrono::milliseconds discovery_time) {
+  const auto has_come = [&] { return client.Find(uid_or_number).has_value(); };
+  INTAGLIO_TRY(Await(client, has_come, discovery_time, kJobsWithin));
+  return client.Find(uid_or_number);
 }
 
 }  // namespace intaglio::client

@@ -42,7 +42,7 @@ void AddFaults(const JobReport& report, Verdict& verdict) {
   need(report.shadow_violations() == 0,
        fmt::format("{} points were fired through an earlier crack",
                    report.shadow_violations()));
-  need(report.measured_spacing_mm() >= report.min_spacing_mm(),
+  need(KeepsSpacing(report),
        fmt::format("two planned points are {:.4f} mm apart, nearer than {:.4f} mm",
                    report.measured_spacing_mm(), report.min_spacing_mm()));
 }
@@ -61,6 +61,11 @@ Warning WarningOfJson(const pb::Value& value) {
 
 }  // namespace
 
+bool KeepsSpacing(const JobReport& report) {
+  return report.points().planned() <= 1 ||
+         report.measured_spacing_mm() >= report.min_spacing_mm();
+}
+
 double ToleranceUm(const PositionErrors& errors) {
   return errors.tolerance_um() + errors.allowed_move_um();
 }
@@ -73,14 +78,12 @@ void Judge(JobReport& report) {
   } else {
     AddFaults(report, verdict);
   }
-  VerdictKind kind = VerdictKind::kNotGood;
-  if (verdict.reasons().empty()) {
-    for (const Warning& warning :
-         AtLeast(WarningWeight::kWarning, WarningsOf(report.warnings()))) {
+  const Warnings warnings = WarningsOf(report.warnings());
+  const VerdictKind kind =
+      VerdictFor({verdict.reasons().begin(), verdict.reasons().end()}, warnings).verdict;
+  if (kind == VerdictKind::kGoodWithWarnings) {
+    for (const Warning& warning : AtLeast(WarningWeight::kWarning, warnings))
       verdict.add_reasons(warning.text);
-    }
-    kind =
-        verdict.reasons().empty() ? VerdictKind::kGood : VerdictKind::kGoodWithWarnings;
   }
   verdict.set_good(kind == VerdictKind::kGood);
   verdict.set_kind(VerdictName(kind));

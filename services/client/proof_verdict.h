@@ -15,6 +15,9 @@ namespace intaglio::client {
 /// machine and that of the motion together, um.
 double ToleranceUm(const PositionErrors& errors);
 
+/// No two planned points are nearer than the job allows; one point alone has no spacing.
+bool KeepsSpacing(const JobReport& report);
+
 /// Fills the verdict in: not_good with what is wrong; good_with_warnings with the
 /// warnings that say that the piece may look wrong, or that the glass may break; good.
 void Judge(JobReport& report);

@@ -25,7 +25,7 @@ namespace pb = google::protobuf;
 // More mistakes than a person corrects at once.
 constexpr std::size_t kMaxErrors = 100;
 
-const std::set<std::string> kOwnColumns = {"id", "after", "cell", "job"};
+const std::set<std::string> kOwnColumns = {"id", "after", "cell", "job", "key"};
 
 Error At(std::size_t line_number, ErrorCode code, const std::string& what,
          const std::string& value = {}) {
@@ -209,6 +209,7 @@ Result<std::vector<BatchLine>> ParseBatchJson(std::string_view text,
     line.job_file = entry.job();
     line.after = {entry.after().begin(), entry.after().end()};
     line.cell = entry.cell();
+    line.key = entry.key();
     AddColumns(entry, line, errors);
     CheckId(line, errors);
   }
@@ -240,6 +241,7 @@ Result<std::vector<BatchLine>> ParseBatchCsv(std::string_view text,
     line.job_file = field("job");
     line.after = TokensOf(field("after"));
     line.cell = field("cell");
+    line.key = field("key");
     io::CsvRow& own = line.columns.rows.emplace_back();
     own.line_number = row.line_number;
     for (std::size_t i = 0; i < table.names.size(); ++i) {

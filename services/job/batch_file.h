@@ -4,8 +4,8 @@
 //
 // JSON lines, ending .jsonl or .ndjson: a BatchEntry (proto/shop.proto) a line, from the
 // first { to its }; empty lines are passed over. Or CSV over a job file: the columns id,
-// after (ids, blanks between), cell and job are those of BatchEntry, the others are as in
-// services/job/series.h. Overrides of JSON are one row of such a table.
+// after (ids, blanks between), cell, job and key are those of BatchEntry, the others are
+// as in services/job/series.h. Overrides of JSON are one row of such a table.
 
 #include <filesystem>
 #include <string>
@@ -25,6 +25,7 @@ struct BatchLine {
   std::string job_file;  ///< empty: the one that the batch was given
   std::vector<std::string> after;
   std::string cell;
+  std::string key;       ///< submission id (submission_id.h); empty: a new one
   io::CsvTable columns;  ///< its one row has what the job is given
   std::size_t line_number = 0;
 };

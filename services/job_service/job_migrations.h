@@ -171,6 +171,10 @@ PRAGMA application_id = 1229870154;
     R"sql(
 ALTER TABLE jobs ADD COLUMN first_estimate_ticks INTEGER NOT NULL DEFAULT 0;
 ALTER TABLE jobs ADD COLUMN undisturbed_ticks INTEGER NOT NULL DEFAULT 0;
+)sql",
+    // What a job makes, points or marks.
+    R"sql(
+ALTER TABLE jobs ADD COLUMN makes TEXT NOT NULL DEFAULT 'points';
 )sql"};
 
 }  // namespace intaglio::job_service

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <utility>
 
 #include "proto/task.pb.h"
 #include "services/job/machine/mark_job_check.h"
@@ -72,14 +73,20 @@ JobService::JobService(host::ServiceHost& host, const JobServiceOptions& options
       permissions_(host.bus()),
       seen_(options_.database.string() + ".seen"),
       feed_(host.bus()),
-      queue_(*this) {
-  queue_.Restore(store_.Load(kRememberedJobs), seen_.absence(), now);
+      queue_(*this),
+      now_(now) {
+  std::vector<JobRecord> restored = store_.Load(kRememberedJobs);
+  std::set<std::string> announced;
+  for (const JobRecord& job : restored) announced.insert(job.uid);
+  board_.Announce(announced);
+  queue_.Restore(std::move(restored), seen_.absence(), now);
   for (const std::string& cell : CellsInUse()) OpenCell(cell);
   // What a cancelled job has left in the glass may still be reported.
   std::set<std::string> known;
   for (const auto& [uid, job] : queue_.jobs()) {
     reports_.OpenCell(job.cell);
     known.insert(uid);
+    if (job.ended() && store_.ResultOf(uid).verdict.empty()) unsettled_.Add(uid, now);
   }
   board_.WithdrawAllBut(known);
 }
@@ -93,6 +100,7 @@ void JobService::OpenCell(const std::string& cell) {
 
 // Tasks before health: a worker's last report counts before its absence.
 void JobService::Turn(Nanoseconds now) {
+  now_ = now;
   TakeTasks(now);
   TakeHealth(now);
   TakeSubmissions(now);
@@ -106,6 +114,9 @@ void JobService::Turn(Nanoseconds now) {
     queue_.SetStop(cell, pressed, now);
   }
   queue_.Turn(now);
+  for (const std::string& uid : unsettled_.TakeOverdue(now)) {
+    if (const JobRecord* job = queue_.Find(uid)) Settle(*job, false);
+  }
   seen_.Note();
   permissions_.Decide(queue_.Permissions(now));
 }
@@ -144,11 +155,10 @@ void JobService::TakeTasks(Nanoseconds now) {
     // maybe when the queue has forgotten the job.
     if (!view.ended() || view.stage != intaglio_STAGE_ENGRAVE) return;
     if (had_ended) {
-      statistics_.Ended(*job);
-      Publish(*job);
+      Settle(*job, false);
     } else if (job == nullptr && fresh) {
       const auto past = store_.LoadEnded(view.task.job_uid);
-      if (past) statistics_.Ended(*past);
+      if (past) statistics_.Ended(*past, false);
     }
   };
   reports_.TakeTasks(take, now);
@@ -182,10 +192,11 @@ void JobService::TakeHealth(Nanoseconds now) {
 
 void JobService::Changed(const JobRecord& job) {
   store_.Keep(job);
-  // The verdict is kept before the end is published with it.
   if (job.ended()) {
-    statistics_.Ended(job);
-    return Publish(job);
+    // Its machine may have fired since its last report.
+    const bool may_fire = job.state != intaglio_JOB_DONE && job.arm.ever_granted() &&
+                          !job.stage(intaglio_STAGE_ENGRAVE).worker.empty();
+    return Settle(job, may_fire);
   }
   Publish(job);
   statistics_.Changed(job);
@@ -208,6 +219,17 @@ void JobService::PublishFault(const std::string& why) {
     ++faulted.revision;
     board_.Publish(faulted);
   }
+}
+
+// The verdict is kept before the end is published with it.
+void JobService::Settle(const JobRecord& job, bool more_is_expected) {
+  statistics_.Ended(job, more_is_expected);
+  if (store_.ResultOf(job.uid).verdict.empty()) {
+    unsettled_.Add(job.uid, now_);
+  } else {
+    unsettled_.Remove(job.uid);
+  }
+  Publish(job);
 }
 
 void JobService::Publish(const JobRecord& job) {

@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -20,6 +21,7 @@
 #include "services/job_service/statistics_writer.h"
 #include "services/job_service/status_board.h"
 #include "services/job_service/submission_reader.h"
+#include "services/job_service/unsettled_ends.h"
 #include "services/job_service/worker_reports.h"
 #include "services/platform/bus/bus.h"
 #include "services/platform/host/process/service_host.h"
@@ -77,10 +79,16 @@ class JobService : private JobActions {
   /// A machine that a person moves by hand needs a permission, though it has no job.
   void TakeManualCommands();
   void Submit(const intaglio_JobSubmission& submission, Nanoseconds now);
+  /// Another job was taken under the key of this submission; nullopt: none was.
+  std::optional<std::string> WhyKeyIsTaken(const std::string& uid);
+  /// Publishes the job of a submission that was taken before, so that its client sees it.
+  void Recall(const std::string& submission_uid, Nanoseconds now);
   void Accept(const SubmissionReader::Answer& submission, FrozenJob frozen);
   void Refuse(const std::string& submission_uid, const std::string& reasons,
               Nanoseconds now);
   void Publish(const JobRecord& job);
+  /// Keeps and publishes the end of a job.
+  void Settle(const JobRecord& job, bool more_is_expected);
   std::set<std::string> CellsInUse() const;
 
   JobServiceOptions options_;
@@ -101,7 +109,11 @@ class JobService : private JobActions {
   LastSeen seen_;
   ModelFeed feed_;
   JobQueue queue_;
+  UnsettledEnds unsettled_;
+  Nanoseconds now_;                        // of this turn
   EndedList refusals_{0, kRememberedFor};  ///< answers to submissions
+  EndedList recalls_{0, kRememberedFor};  ///< jobs that are on the bus for such an answer
+  std::map<std::string, std::string> recalled_;  ///< the same with their submissions
 };
 
 }  // namespace intaglio::job_service

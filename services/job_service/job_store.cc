@@ -9,6 +9,7 @@
 
 #include "services/history/job_database.h"
 #include "services/history/job_history.h"
+#include "services/history/write_ahead_log.h"
 #include "services/job/verdict/warnings.h"
 #include "services/job_service/job_migrations.h"
 #include "services/job_service/store_guard.h"
@@ -25,6 +26,9 @@ static_assert(kMigrations.size() == history::kJobDatabaseVersion);
 std::unique_ptr<SQLite::Database> Open(const std::filesystem::path& path) {
   if (const auto ours = history::CheckJobDatabase(path); !ours) {
     throw StoreError(ours.error().message, ours.error().code == ErrorCode::kIo);
+  }
+  if (const auto intact = history::CheckWriteAheadLog(path); !intact) {
+    throw StoreError(intact.error().message, intact.error().code == ErrorCode::kIo);
   }
   std::error_code ignored;
   std::filesystem::create_directories(path.parent_path(), ignored);
@@ -96,7 +100,7 @@ constexpr const char* kColumns =
     "first_estimate_ticks, revision, "
     "last_command, ever_granted, armed, operator_name, first_point, fire_uncertain, "
     "asks_before_resume, disarm_count, disarm_reason, last_command_id, pause_reason, "
-    "warnings, breakage_accepted_by";
+    "warnings, breakage_accepted_by, makes";
 
 JobRecord RecordOf(SQLite::Statement& row) {
   JobRecord job;
@@ -114,6 +118,7 @@ JobRecord RecordOf(SQLite::Statement& row) {
   job.name = text("name");
   job.cell = text("cell");
   job.material = text("material");
+  job.makes = text("makes");
   job.priority = row.getColumn("priority").getInt();
   job.rate_hz = row.getColumn("rate_hz").getDouble();
   job.result_directory = text("result_directory");
@@ -224,6 +229,30 @@ std::optional<std::string> JobStore::OutcomeOf(const std::string& submission_uid
   });
 }
 
+std::optional<std::string> JobStore::JobOf(const std::string& submission_uid) {
+  return Guarded(*database_, [&]() -> std::optional<std::string> {
+    SQLite::Statement select(*database_, "SELECT uid FROM jobs WHERE submission_uid = ?");
+    select.bind(1, submission_uid);
+    if (!select.executeStep()) return {};
+    return select.getColumn(0).getString();
+  });
+}
+
+// The index of the primary key is searched: a text that begins so is at or after the
+// prefix, and before the prefix with a last byte behind all texts.
+std::optional<std::uint32_t> JobStore::TakenUnder(const std::string& uid_prefix) {
+  return Guarded(*database_, [&]() -> std::optional<std::uint32_t> {
+    SQLite::Statement select(
+        *database_,
+        "SELECT j.number FROM submissions AS s JOIN jobs AS j "
+        "ON j.submission_uid = s.submission_uid "
+        "WHERE s.submission_uid >= ?1 AND s.submission_uid < ?1 || x'7f' LIMIT 1");
+    select.bind(1, uid_prefix);
+    if (!select.executeStep()) return {};
+    return select.getColumn(0).getUInt();
+  });
+}
+
 void JobStore::KeepRefusal(const std::string& submission_uid,
                            const std::string& reasons) {
   Guarded(*database_, [&] {
@@ -249,12 +278,12 @@ void JobStore::Keep(const JobRecord& job) {
             "estimate_ticks, revision, last_command, ever_granted, priority, material, "
             "armed, operator_name, asks_before_resume, first_point, "
             "fire_uncertain, disarm_count, disarm_reason, last_command_id, pause_reason, "
-            "warnings, breakage_accepted_by, first_estimate_ticks, changed_utc, "
+            "warnings, breakage_accepted_by, first_estimate_ticks, makes, changed_utc, "
             "ended_utc) "
             "VALUES "
             "(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, "
             "?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, "
-            "?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, {0}, "
+            "?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, ?33, {0}, "
             "CASE ?11 WHEN 1 THEN {0} ELSE '' END) "
             "ON CONFLICT (number) DO UPDATE SET state = excluded.state, "
             "ended = excluded.ended, attempt = excluded.attempt, "
@@ -315,6 +344,7 @@ void JobStore::Keep(const JobRecord& job) {
     insert.bind(30, warnings.data(), static_cast<int>(warnings.size()));
     insert.bind(31, arm.breakage_accepted_by);
     insert.bind(32, Signed(job.first_estimate_ticks));
+    insert.bind(33, job.makes);
     insert.exec();
     KeepStages(*database_, job);
     transaction.commit();

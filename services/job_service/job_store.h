@@ -45,7 +45,7 @@ class StoreError : public std::runtime_error {
 
 /// Of a job that has ended.
 struct JobResult {
-  std::string verdict;  ///< VerdictName; empty: not known yet
+  std::string verdict;  ///< VerdictName; empty: not settled yet
   intaglio_PointCounts counts{};
 };
 
@@ -64,6 +64,10 @@ class JobStore {
 
   /// What became of a submission; nullopt when it is new. An empty text: it was taken.
   std::optional<std::string> OutcomeOf(const std::string& submission_uid);
+  /// The job that was taken for this submission; nullopt: there is none.
+  std::optional<std::string> JobOf(const std::string& submission_uid);
+  /// The number of a job that was taken under a uid that begins so; nullopt: none was.
+  std::optional<std::uint32_t> TakenUnder(const std::string& uid_prefix);
   void KeepRefusal(const std::string& submission_uid, const std::string& reasons);
 
   /// New or changed. A job's first Keep also notes its submission.
@@ -78,11 +82,21 @@ class JobStore {
   /// What the discretizers and the sorter have reported of this attempt, by part.
   AttemptOutcomes OutcomesOf(const std::string& job_uid, std::uint32_t attempt);
 
-  /// The verdict of a job that has ended, by the outcome of its engraving, which may come
-  /// after the end; nothing of one that has not. `report`, `recording`: as in
-  /// JobStatistics.
+  /// What was known of a job when it ended, before the outcome of its engraving.
+  struct LastKnown {
+    intaglio_PointCounts
+        counts{};        ///< of its newest status; all 0: none, or as kept before
+    bool is_all = true;  ///< nothing more is expected
+  };
+  /// Counts and verdict of a job that has ended, by the outcome of its engraving, which
+  /// may come after the end; before it counts by `last`, and a verdict only if that is
+  /// all. Nothing of a job that is open. `report`, `recording`: as in JobStatistics.
   void KeepVerdict(const std::string& job_uid, const std::string& report,
-                   const std::string& recording);
+                   const std::string& recording, const LastKnown& last);
+  void KeepVerdict(const std::string& job_uid, const std::string& report,
+                   const std::string& recording) {
+    KeepVerdict(job_uid, report, recording, LastKnown());
+  }
   /// What KeepVerdict has kept; nothing for a job that is not there.
   JobResult ResultOf(const std::string& job_uid);
   /// Of a job that was kept, as it is now.

@@ -12,26 +12,36 @@
 #include "services/job/verdict/warnings.h"
 #include "services/job_service/job_store.h"
 #include "services/job_service/store_guard.h"
+#include "services/platform/host/stage/counts_at_end.h"
 
 namespace intaglio::job_service {
 namespace {
 
-/// Of the job's newest engraving that reported one.
+/// Of the job's newest engraving, once it has reported one.
 std::optional<EngraveOutcome> OutcomeIn(SQLite::Database& database,
                                         const std::string& job_uid) {
-  SQLite::Statement select(
-      database,
-      "SELECT outcome FROM tasks WHERE job_uid = ? AND stage = ? AND "
-      "outcome IS NOT NULL ORDER BY attempt DESC LIMIT 1");
+  SQLite::Statement select(database,
+                           "SELECT outcome FROM tasks WHERE job_uid = ? AND stage = ? "
+                           "ORDER BY attempt DESC LIMIT 1");
   select.bind(1, job_uid);
   select.bind(2, static_cast<int>(intaglio_STAGE_ENGRAVE));
-  if (!select.executeStep()) return {};
+  if (!select.executeStep() || select.getColumn(0).isNull()) return {};
   StageOutcome outcome;
   if (!outcome.ParseFromString(select.getColumn(0).getString()) ||
       !outcome.has_engrave()) {
     return {};
   }
   return outcome.engrave();
+}
+
+intaglio_PointCounts CountsOf(const EngraveOutcome& outcome) {
+  intaglio_PointCounts counts{};
+  counts.planned = outcome.planned_count();
+  counts.made = outcome.made_count();
+  counts.missed = outcome.missed_count();
+  counts.skipped = outcome.skipped_count();
+  counts.uncertain = outcome.uncertain_count();
+  return counts;
 }
 
 /// What an estimate is compared with: the ticks of a job that one synchronizer made
@@ -64,34 +74,42 @@ Warnings WarningsIn(SQLite::Database& database, const std::string& job_uid) {
 }  // namespace
 
 void JobStore::KeepVerdict(const std::string& job_uid, const std::string& report,
-                           const std::string& recording) {
+                           const std::string& recording, const LastKnown& last) {
   Guarded(*database_, [&] {
-    const auto known = OutcomeIn(*database_, job_uid);
-    const EngraveOutcome outcome = known.value_or(EngraveOutcome());
     SQLite::Statement ended(*database_,
-                            "SELECT state FROM jobs WHERE uid = ? AND ended = 1");
+                            "SELECT state, makes FROM jobs WHERE uid = ? AND ended = 1");
     ended.bind(1, job_uid);
     if (!ended.executeStep()) return;
     const bool done = ended.getColumn(0).getInt() == static_cast<int>(intaglio_JOB_DONE);
-    const ShopVerdict verdict =
-        VerdictOf(done, known ? &outcome : nullptr, WarningsIn(*database_, job_uid));
+    const auto outcome = OutcomeIn(*database_, job_uid);
+    const intaglio_PointCounts counts = outcome ? CountsOf(*outcome)
+                                        : last.counts.planned > 0
+                                            ? AtEnd(last.counts)
+                                            : ResultOf(job_uid).counts;
+    std::string verdict;
+    if (outcome || last.is_all) {
+      verdict = VerdictName(VerdictOf(done, counts, WarningsIn(*database_, job_uid),
+                                      ended.getColumn(1).getString())
+                                .verdict);
+    }
     SQLite::Statement update(
         *database_,
         "UPDATE jobs SET verdict = ?2, planned_count = ?3, made_count = ?4, "
         "missed_count = ?5, skipped_count = ?6, uncertain_count = ?7, used_ticks = ?8, "
         "report = ?9, recording = ?10, undisturbed_ticks = ?11 WHERE uid = ?1");
     update.bind(1, job_uid);
-    update.bind(2, VerdictName(verdict.verdict));
+    update.bind(2, verdict);
     int column = 3;
+    const EngraveOutcome ticks = outcome.value_or(EngraveOutcome());
     for (const std::uint64_t count :
-         {outcome.planned_count(), outcome.made_count(), outcome.missed_count(),
-          outcome.skipped_count(), outcome.uncertain_count(), outcome.used_ticks()}) {
+         {counts.planned, counts.made, counts.missed, counts.skipped, counts.uncertain,
+          std::uint64_t{ticks.used_ticks()}}) {
       update.bind(column++, static_cast<std::int64_t>(count));
     }
     update.bind(9, report);
     update.bind(10, recording);
-    update.bind(
-        11, static_cast<std::int64_t>(UndisturbedTicks(*database_, job_uid, outcome)));
+    update.bind(11,
+                static_cast<std::int64_t>(UndisturbedTicks(*database_, job_uid, ticks)));
     update.exec();
   });
 }
@@ -108,7 +126,7 @@ JobResult JobStore::ResultOf(const std::string& job_uid) {
       return static_cast<std::uint64_t>(select.getColumn(column).getInt64());
     };
     return {select.getColumn(0).getString(),
-            {count(1), count(2), count(3), count(4), count(5)}};
+            {count(1), count(2), count(3), count(4), count(5), 0, 0}};
   });
 }
 

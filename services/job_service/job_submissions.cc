@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "materials_db/material_store.h"
+#include "services/job/marks/mark_maker.h"
+#include "services/job/submission_id.h"
 #include "services/job_service/job_service.h"
 #include "services/job_service/submission.h"
 #include "services/platform/bus/samples.h"
@@ -54,14 +56,20 @@ void JobService::TakeSubmissions(Nanoseconds now) {
     }
   }
   while (const auto uid = refusals_.TakeOldest(now)) board_.Withdraw("", *uid);
+  while (const auto uid = recalls_.TakeOldest(now)) {
+    board_.Withdraw(*uid, recalled_.at(*uid));
+    recalled_.erase(*uid);
+  }
 }
 
 void JobService::Submit(const intaglio_JobSubmission& submission, Nanoseconds now) {
   const std::string submission_uid(View(submission.submission_uid));
   if (const auto outcome = store_.OutcomeOf(submission_uid)) {
-    if (!outcome->empty()) Refuse(submission_uid, *outcome, now);
-    return;
+    if (!outcome->empty()) return Refuse(submission_uid, *outcome, now);
+    return Recall(submission_uid, now);
   }
+  if (const auto why = WhyKeyIsTaken(submission_uid))
+    return Refuse(submission_uid, *why, now);
   if (submission.epoch != 0 && submission.epoch != epoch_) {
     return Refuse(submission_uid,
                   "the submission is for another run of the job service; submit again",
@@ -71,6 +79,27 @@ void JobService::Submit(const intaglio_JobSubmission& submission, Nanoseconds no
   reader_.Add(
       {submission_uid, std::string(View(submission.client)), {job.begin(), job.end()}},
       now);
+}
+
+std::optional<std::string> JobService::WhyKeyIsTaken(const std::string& uid) {
+  const std::string key(SubmissionKeyOf(uid));
+  if (key.empty()) return {};
+  const auto number = store_.TakenUnder(uid.substr(0, uid.rfind(':') + 1));
+  if (!number) return {};
+  return fmt::format(
+      "submission id '{}' was used for another job, job {}: give a new id to submit this "
+      "one as well",
+      key, *number);
+}
+
+// A job that ended long ago is not on the bus any more: it is for a moment.
+void JobService::Recall(const std::string& submission_uid, Nanoseconds now) {
+  const auto uid = store_.JobOf(submission_uid);
+  if (!uid || queue_.Find(*uid) != nullptr) return;
+  const auto past = store_.LoadEnded(*uid);
+  if (!past) return;
+  Publish(*past);
+  if (recalled_.emplace(*uid, submission_uid).second) recalls_.Add(*uid, now);
 }
 
 void JobService::Accept(const SubmissionReader::Answer& submission, FrozenJob frozen) {
@@ -86,6 +115,7 @@ void JobService::Accept(const SubmissionReader::Answer& submission, FrozenJob fr
   job.name = frozen.job().name();
   job.cell = frozen.machine().name();
   job.material = frozen.job().glass();
+  if (MakesMarks(frozen.job())) job.makes = "marks";
   job.priority = frozen.job().priority();
   job.arm = JobArm({.asks_before_resume = frozen.job().ask_before_resume()});
   job.rate_hz = frozen.job().laser().rate_hz();

@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 /// What stays on the bus from one life of the queue to the next.
 struct Published {
   Published(host::ServiceHost& host, const job_service::JobServiceOptions& options)
-      : board(host.bus()),
+      : board(host.bus(), host.instance()),
         disk(host.bus(), host.instance(),
              {std::filesystem::absolute(options.database).parent_path(),
               options.results}) {}

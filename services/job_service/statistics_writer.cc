@@ -59,13 +59,13 @@ void StatisticsWriter::Progressed(const JobRecord& job) {
   Write(job);
 }
 
-void StatisticsWriter::Ended(const JobRecord& job) {
+void StatisticsWriter::Ended(const JobRecord& job, bool more_is_expected) {
   const fs::path folder = job.result_directory;
   std::string report = FindFile(folder, "/report.json");
   if (report.empty()) report = (folder / kFile).string();
   std::string recording = FindFile(folder, ".mcap");
   if (recording.empty()) recording = recording_;
-  store_.KeepVerdict(job.uid, report, recording);
+  store_.KeepVerdict(job.uid, report, recording, {job.counts, !more_is_expected});
   Write(job);
   written_.erase(job.uid);
 }

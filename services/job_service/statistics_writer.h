@@ -31,8 +31,9 @@ class StatisticsWriter {
   void Changed(const JobRecord& job);
   /// At most every kPeriod of a job.
   void Progressed(const JobRecord& job);
-  /// Also keeps the verdict. May come again when the machine's outcome comes later.
-  void Ended(const JobRecord& job);
+  /// Also keeps the verdict, once it is settled: by the outcome of the machine, with
+  /// which this comes again, or unless `more_is_expected` of it.
+  void Ended(const JobRecord& job, bool more_is_expected);
 
   static constexpr std::chrono::seconds kPeriod{2};
 

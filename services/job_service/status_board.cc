@@ -1,23 +1,43 @@
 #include "services/job_service/status_board.h"
 
+#include <utility>
 #include <vector>
 
 #include "services/job/verdict/warnings.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/process/log.h"
+#include "services/platform/host/stage/counts_at_end.h"
 
 namespace intaglio::job_service {
 
 using bus::Borrow;
 
-StatusBoard::StatusBoard(bus::Bus& bus) : statuses_(bus, bus::kJobStatus) {}
+StatusBoard::StatusBoard(bus::Bus& bus, std::string instance)
+    : instance_(std::move(instance)),
+      statuses_(bus, bus::kJobStatus),
+      counts_(bus, bus::kJobCount) {}
+
+void StatusBoard::Announce(const std::set<std::string>& job_uids) {
+  counted_.insert(job_uids.begin(), job_uids.end());
+  WriteCount();
+}
+
+void StatusBoard::WriteCount() {
+  intaglio_JobCount sample{};
+  sample.instance = Borrow(instance_);
+  sample.job_count = counted_.size();
+  if (auto written = counts_.Write(sample); !written) {
+    host::LogWarning("count of the jobs: {}", written.error().message);
+  }
+}
 
 void StatusBoard::Publish(const JobRecord& job) { Write(job, job.counts, ""); }
 
 // What was in the glass when the job ended is better than nothing, until its synchronizer
 // has reported the end.
 void StatusBoard::PublishEnded(const JobRecord& job, const JobResult& result) {
-  Write(job, result.counts.planned > 0 ? result.counts : job.counts, result.verdict);
+  Write(job, result.counts.planned > 0 ? result.counts : AtEnd(job.counts),
+        result.verdict);
 }
 
 void StatusBoard::Write(const JobRecord& job, const intaglio_PointCounts& counts,
@@ -51,9 +71,11 @@ void StatusBoard::Write(const JobRecord& job, const intaglio_PointCounts& counts
   const auto warnings = SamplesOf(job.warnings);
   Borrow(sample.warnings, warnings);
   sample.breakage_accepted_by = Borrow(job.arm.kept().breakage_accepted_by);
+  sample.makes = Borrow(job.makes);
   sample.counts = counts;
   sample.verdict = Borrow(verdict);
   sample.alarm = Borrow(job.alarm);
+  if (!job.uid.empty() && counted_.insert(job.uid).second) WriteCount();
   published_.emplace(job.uid, job.submission_uid);
   if (auto written = statuses_.Write(sample); !written) {
     host::LogWarning("status of job {}: {}", job.uid, written.error().message);
@@ -69,11 +91,12 @@ void StatusBoard::Withdraw(const std::string& job_uid,
   const std::string empty;
   sample.name = sample.message = sample.result_directory = sample.cell = Borrow(empty);
   sample.disarm_reason = sample.breakage_accepted_by = Borrow(empty);
-  sample.verdict = sample.alarm = Borrow(empty);
+  sample.makes = sample.verdict = sample.alarm = Borrow(empty);
   if (auto disposed = statuses_.Dispose(sample); !disposed) {
     host::LogWarning("end of the status of job {}: {}", job_uid,
                      disposed.error().message);
   }
+  if (counted_.erase(job_uid) > 0) WriteCount();
 }
 
 void StatusBoard::WithdrawAllBut(const std::set<std::string>& job_uids) {

@@ -1,8 +1,12 @@
 #pragma once
 
-// The statuses of the jobs on the bus. It lives longer than a queue: while the database
-// cannot be written there is no queue, and clients still see every job as it was
-// published last. Used from one thread.
+// The statuses of the jobs on the bus, and how many jobs have one (JobCount). It lives
+// longer than a queue: while the database cannot be written there is no queue, and
+// clients still see every job as it was published last.
+//
+// The count grows before the first status of a job is written, and falls after the last
+// one is disposed: a reader with as many jobs as the count has received all. Used from
+// one thread.
 
 #include <set>
 #include <string>
@@ -15,7 +19,12 @@ namespace intaglio::job_service {
 
 class StatusBoard {
  public:
-  explicit StatusBoard(bus::Bus& bus);
+  /// `instance`: of the process, as in its health.
+  StatusBoard(bus::Bus& bus, std::string instance);
+
+  /// Before the first status of a queue: the jobs that it publishes at once. The first
+  /// count comes with this call; until then no reader takes what it has for all.
+  void Announce(const std::set<std::string>& job_uids);
 
   /// An open job, or the answer to a submission that was refused.
   void Publish(const JobRecord& job);
@@ -29,8 +38,12 @@ class StatusBoard {
  private:
   void Write(const JobRecord& job, const intaglio_PointCounts& counts,
              const std::string& verdict);
+  void WriteCount();
 
+  std::string instance_;
   bus::Writer<intaglio_JobStatus> statuses_;
+  bus::Writer<intaglio_JobCount> counts_;
+  std::set<std::string> counted_;                            // uids of jobs
   std::set<std::pair<std::string, std::string>> published_;  // job and submission
 };
 

@@ -90,7 +90,7 @@ void Report(host::ServiceHost& host, const recorder::Recorder::State& state,
                       state.trouble->message);
     }
   } else {
-    host.SetHealth(intaglio_HEALTH_READY, {}, "records into " + state.file);
+    host.SetHealth(intaglio_HEALTH_READY);
   }
   in_trouble = state.trouble.has_value();
 }

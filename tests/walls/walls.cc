@@ -140,7 +140,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
       "services/virtual_engraver"}},
     // A library that reads the job service's database; below client, above platform.
     {"services/history",
-     {"engrave/core", "idl", "proto", "services/platform/host/times"}},
+     {"engrave/core", "engrave/io", "idl", "proto", "services/platform/host/times"}},
     {"services/virtual_engraver",
      {"engrave/core", "engrave/formats", "proto", "services/platform/command_line",
       "services/platform/link", "services/virtual_engraver/truth"}},

@@ -202,8 +202,9 @@ void ManualControl::TurnLight(std::string why, const ManualConditions& condition
   }
   if (why.empty() && !lit && now - began_at_ > kLightTime) {
     why =
-        "the laser controller has not switched it on within 2 s: cancel a job that "
-        "waits in this machine, and check the synchronizer's log";
+        "the laser controller has not switched it on within 2 s: check the interlocks "
+        "(intaglio teach status), whether a job has this machine (intaglio list), and "
+        "the synchronizer's log";
   }
   was_lit_ = was_lit_ || lit;
   if (why.empty()) return;

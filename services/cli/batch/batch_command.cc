@@ -9,6 +9,7 @@
 #include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
 #include "materials_db/material_store.h"
+#include "services/cli/batch/batch_continue.h"
 #include "services/cli/batch/batch_run.h"
 #include "services/cli/complain.h"
 #include "services/cli/flags/accept_flag.h"
@@ -16,6 +17,7 @@
 #include "services/cli/flags/event_flag.h"
 #include "services/cli/interrupt.h"
 #include "services/client/exit_codes.h"
+#include "services/client/known_jobs.h"
 #include "services/job/json_text.h"
 
 namespace intaglio::cli {
@@ -29,6 +31,7 @@ struct BatchOptions {
   BatchRunOptions run;
   std::string materials_db;
   std::string results;
+  std::string earlier;  // of an earlier run
   bool events = false;
   bool check = false;
   AcceptFlag accept;
@@ -85,6 +88,14 @@ int Batch(const BatchOptions& given) {
   }
   auto jobs = BuildBatch(options.source);
   if (!jobs) return Complain(jobs.error(), client::kExitWrongInput);
+  BatchResults earlier;
+  if (!options.earlier.empty()) {
+    auto read = ReadBatchResults(options.earlier);
+    if (!read) return Complain(read.error(), client::kExitWrongInput);
+    earlier = std::move(*read);
+  }
+  const std::vector<BatchJob> all = *jobs;
+  jobs = LeaveOutDone(all, earlier);
   for (const BatchJob& job : *jobs) PrintTextWarnings(job.warnings);
   if (options.check) {
     std::cout << jobs->size() << " jobs, all without mistakes\n";
@@ -93,17 +104,8 @@ int Batch(const BatchOptions& given) {
   CatchInterrupts();
   bus::Bus bus(options.bus);
   client::JobClient client(bus);
-  const auto served = [&] {
-    for (const client::ServiceView& service : client.services()) {
-      if (service.role == intaglio_ROLE_JOB_SERVICE) return true;
-    }
-    return false;
-  };
-  if (!client.PollUntil(served, bus.discovery_time())) {
-    return Complain({ErrorCode::kTimedOut,
-                     "no job service answers: start one (intaglio up), or check "
-                     "--domain, --interface and --tag",
-                     ""},
+  if (!client::PollUntilServed(client, bus.discovery_time())) {
+    return Complain({ErrorCode::kTimedOut, client::kNoJobService, ""},
                     client::kExitWrongInput);
   }
   if (!options.run.arm) {
@@ -114,7 +116,7 @@ int Batch(const BatchOptions& given) {
   client::EventLines lines(std::cout);
   client::EventLines* events = options.events ? &lines : nullptr;
   BatchRun run(client, std::move(*jobs), options.run, events);
-  const BatchResults results = run.Run();
+  const BatchResults results = JoinResults(all, earlier, run.Run());
   return Finish(options, results, run.interrupted(), events);
 }
 
@@ -146,6 +148,9 @@ void AddBatchCommand(command_line::Command app) {
                  "default: never")
       .Within(0.0, 1e6);
   batch.AddOption("--results", options->results, "write the result of every job as JSON");
+  batch.AddOption("--continue", options->earlier,
+                  "what --results has written of an earlier run: its good jobs are left "
+                  "out, what had not ended is followed");
   batch.AddFlag("--check", options->check, "only check; submit nothing");
   batch.AddOption("--materials", options->materials_db,
                   "material base, default the user's");

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <optional>
+#include <set>
 
 #include "engrave/core/try.h"
 #include "materials_db/material_store.h"
@@ -13,6 +14,7 @@
 #include "services/job/freeze.h"
 #include "services/job/job_check.h"
 #include "services/job/job_file.h"
+#include "services/job/submission_id.h"
 
 namespace intaglio::cli {
 namespace {
@@ -49,6 +51,13 @@ class BatchBuilder {
     const auto spec = INTAGLIO_TRY(JobOf(line, pattern, folder_));
     const auto cells = INTAGLIO_TRY(CellsOf(line));
     BatchJob job;
+    job.key = line.key;
+    if (!line.key.empty()) {
+      INTAGLIO_TRY(CheckSubmissionKey(line.key));
+      if (!keys_.insert(line.key).second)
+        return Fail(ErrorCode::kInvalidValue,
+                    fmt::format("key '{}': another line has it already", line.key));
+    }
     job.id = line.id;
     job.planned.priority = spec.priority();
     std::optional<Error> first;
@@ -124,6 +133,7 @@ class BatchBuilder {
   fs::path folder_;
   materials_db::MaterialStore& materials_;
   std::map<std::string, Cell> cells_;
+  std::set<std::string> keys_;
   std::map<std::string, Result<JobSpec>> patterns_;  // by path
 };
 

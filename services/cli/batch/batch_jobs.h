@@ -25,6 +25,7 @@ struct BatchSource {
 struct BatchJob {
   std::string id;
   std::string name;
+  std::string key;                         ///< submission id; empty: a new one
   std::map<std::string, JobSpec> by_cell;  ///< as each of its machines would make it
   Warnings warnings;                       ///< each with its line
   PlannedJob planned;

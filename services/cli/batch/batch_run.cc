@@ -38,11 +38,11 @@ bool IsGood(JobResult result) {
 void SetCounts(const client::JobEnd& end, BatchJobResult& result) {
   const auto count = [](std::uint64_t n) { return static_cast<std::uint32_t>(n); };
   result.set_verdict(VerdictName(end.verdict.verdict));
-  result.set_planned(count(end.counts.planned_count()));
-  result.set_made(count(end.counts.made_count()));
-  result.set_missed(count(end.counts.missed_count()));
-  result.set_skipped(count(end.counts.skipped_count()));
-  result.set_uncertain(count(end.counts.uncertain_count()));
+  result.set_planned(count(end.counts.planned));
+  result.set_made(count(end.counts.made));
+  result.set_missed(count(end.counts.missed));
+  result.set_skipped(count(end.counts.skipped));
+  result.set_uncertain(count(end.counts.uncertain));
 }
 
 JobResult WhatBecameOf(const client::JobView& job, VerdictKind verdict) {
@@ -134,7 +134,9 @@ void BatchRun::Submit(const BatchPlan::Start& start) {
   const BatchJob& job = jobs_[start.job];
   BatchJobResult& entry = result(start.job);
   entry.set_cell(start.cell);
-  const auto submitted = client_.Submit(job.by_cell.at(start.cell), kSubmitTime);
+  entry.set_key(job.key.empty() ? client::NewSubmissionKey() : job.key);
+  const auto submitted =
+      client_.Submit(job.by_cell.at(start.cell), kSubmitTime, entry.key());
   if (!submitted) return Refuse(start.job, submitted.error().message);
   entry.set_job(submitted->number);
   entry.set_uid(submitted->uid);
@@ -151,7 +153,12 @@ void BatchRun::Follow(std::size_t job, Out& out) {
   const client::JobView view = client_.jobs().at(out.uid);
   result(job).set_state(history::StateName(view.state));
   result(job).set_message(view.message);
-  if (view.ended()) return End(job, view);
+  if (view.ended()) {
+    if (out.ended == Clock::time_point()) out.ended = Clock::now();
+    const bool waits =
+        !client::IsSettled(view) && Clock::now() - out.ended < client::kSettledWithin;
+    return waits ? void() : End(job, view);
+  }
   if (client_.IsForgotten(out.uid)) {
     return GiveUp(job, "left",
                   fmt::format("the job has ended while this program was stopped or "

@@ -61,6 +61,7 @@ class BatchRun {
     Clock::time_point waits_since;  // for a person; zero: it does not
     std::string waits_for;          // why, and the command that ends it
     bool cancelled = false;
+    Clock::time_point ended;  // seen so, not settled yet; zero: open
   };
 
   void Turn();

@@ -5,6 +5,7 @@
 
 #include "engrave/core/try.h"
 #include "engrave/post/tab_parts.h"
+#include "services/cli/contour/contour_programs.h"
 #include "services/cli/course/course_job.h"
 
 namespace intaglio::cli {

@@ -58,6 +58,9 @@ JobRecord JobRecordOf(const client::JobView& job) {
   record.set_missed(PointCount(job.counts.missed));
   record.set_skipped(PointCount(job.counts.skipped));
   record.set_uncertain(PointCount(job.counts.uncertain));
+  record.set_to_come(PointCount(job.counts.to_come));
+  record.set_armed_count(PointCount(job.counts.armed));
+  record.set_makes(job.makes);
   record.set_alarm(job.alarm);
   return record;
 }

@@ -160,7 +160,8 @@ void AddReadCommands(command_line::Command group, const Shared& options) {
       .OneOf({"jsonl", "csv", "ply"})
       .ShowDefault();
   exported.AddOption("--out", options->out, "file, default standard output");
-  exported.AddOption("--job", options->job, "for ply: uid of the job, default the first");
+  exported.AddOption("--job", options->job,
+                     "for ply: uid of the job, needed if there are several");
   exported.AddOption("--path", options->path,
                      "for ply: the job's path.ply, if the recording has no points");
   exported.SetFooter(

@@ -1,10 +1,12 @@
 #include "services/cli/recordings/recording_export.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "engrave/core/try.h"
 #include "engrave/formats/point_file.h"
@@ -83,10 +85,12 @@ class Cracks {
         channels_.insert(id);
       }
     }
-    return ForEachValue(
+    const bool any = job_uid_.empty();
+    INTAGLIO_TRY(ForEachValue(
         reader, {.channels = channels_},
         [this](const recording::Channel& channel, const auto&, const Value& value) {
           const auto& job = Member<std::string>(value, "job_uid");
+          jobs_.insert(job);
           if (job_uid_.empty()) job_uid_ = job;
           if (job != job_uid_) return;
           if (channel.topic == "PathBatch") {
@@ -94,7 +98,8 @@ class Cracks {
           } else {
             AddPulses(value);
           }
-        });
+        }));
+    return CheckJob(any);
   }
 
   Status Write(const std::filesystem::path& path, const std::filesystem::path& target) {
@@ -125,6 +130,24 @@ class Cracks {
   }
 
  private:
+  /// `any`: no job was named.
+  Status CheckJob(bool any) const {
+    const std::string names = fmt::format("{}", fmt::join(jobs_, ", "));
+    if (any && jobs_.size() > 1) {
+      return Fail(
+          ErrorCode::kMissing,
+          fmt::format("the recording has the points of {} jobs, {}: name one with "
+                      "--job",
+                      jobs_.size(), names));
+    }
+    if (!any && !jobs_.contains(job_uid_)) {
+      return Fail(ErrorCode::kNotFound,
+                  fmt::format("--job {}: the recording has no points of it; it has {}",
+                              job_uid_, names.empty() ? "none of any job" : names),
+                  job_uid_);
+    }
+    return {};
+  }
   void AddPlaces(const Value& value) {
     const auto first = Member<std::uint64_t>(value, "first_index");
     const auto& x = Member<Reals>(value, "x_mm");
@@ -153,7 +176,8 @@ class Cracks {
   }
 
   std::string job_uid_;
-  std::string left_out_;  // by request
+  std::set<std::string> jobs_;  // of which there are points
+  std::string left_out_;        // by request
   std::set<std::uint16_t> channels_;
   std::map<std::uint64_t, Vec3> places_;
   std::map<std::uint64_t, std::uint64_t> made_at_;  // tick, by point

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 
+#include "services/client/event_lines.h"
 #include "services/client/figure_text.h"
+#include "services/client/job_need.h"
 #include "services/client/warning_text.h"
 #include "services/job/verdict/verdict.h"
 
@@ -13,15 +15,9 @@ namespace {
 
 /// Of an ended job: what became of its points.
 std::string VerdictReasonOf(const client::JobView& job) {
-  EngraveOutcome outcome;
-  outcome.set_planned_count(job.counts.planned);
-  outcome.set_made_count(job.counts.made);
-  outcome.set_missed_count(job.counts.missed);
-  outcome.set_skipped_count(job.counts.skipped);
-  outcome.set_uncertain_count(job.counts.uncertain);
-  const bool known = job.counts.planned > 0;
-  return VerdictOf(job.state == intaglio_JOB_DONE, known ? &outcome : nullptr,
-                   job.warnings)
+  if (!client::IsSettled(job))
+    return fmt::format("its machine has not reported yet which {} were made", job.makes);
+  return VerdictOf(job.state == intaglio_JOB_DONE, job.counts, job.warnings, job.makes)
       .reason;
 }
 
@@ -38,12 +34,23 @@ std::string ProgressOf(const client::JobView& job) {
                      client::GroupedDigits(p->total_count));
 }
 
-std::string CountsText(const intaglio_PointCounts& counts) {
-  return fmt::format(
-      "{} planned, {} made, {} missed, {} skipped, {} uncertain",
-      client::GroupedDigits(counts.planned), client::GroupedDigits(counts.made),
-      client::GroupedDigits(counts.missed), client::GroupedDigits(counts.skipped),
-      client::GroupedDigits(counts.uncertain));
+/// "200 planned, 120 made, 3 armed, 77 to come"; at the end none is to come or armed.
+std::string CountsText(const client::JobView& job) {
+  const intaglio_PointCounts& counts = job.counts;
+  std::string text =
+      fmt::format("{} planned, {} made", client::GroupedDigits(counts.planned),
+                  client::GroupedDigits(counts.made));
+  const auto add = [&text](std::uint64_t count, const char* what, bool always) {
+    if (count > 0 || always)
+      text += fmt::format(", {} {}", client::GroupedDigits(count), what);
+  };
+  const bool ended = job.ended();
+  add(counts.armed, "armed", !ended);
+  add(counts.to_come, "to come", !ended);
+  add(counts.missed, "missed", ended);
+  add(counts.skipped, ended ? "skipped" : "left out", ended);
+  add(counts.uncertain, "uncertain", ended);
+  return text;
 }
 
 }  // namespace
@@ -85,12 +92,12 @@ std::string ShowText(const client::JobView& job) {
       job.number, job.uid, job.name, client::StateOf(job), job.cell, job.attempt);
   if (!job.verdict.empty()) text += fmt::format("verdict    {}\n", job.verdict);
   if (job.counts.planned > 0)
-    text += fmt::format("points     {}\n", CountsText(job.counts));
+    text += fmt::format("{:<10} {}\n", job.makes, CountsText(job));
   for (const client::JobView::Progress& p : job.progress) {
     if (p.total_count == 0) continue;
-    text += fmt::format("{:<10} {} / {} points, {}\n", client::NameOf(p.stage),
+    text += fmt::format("{:<10} {} / {} {}, {}\n", client::NameOf(p.stage),
                         client::GroupedDigits(p.done_count),
-                        client::GroupedDigits(p.total_count),
+                        client::GroupedDigits(p.total_count), job.makes,
                         client::ShortDuration(p.elapsed_s));
   }
   for (const Warning& warning : job.warnings) text += client::WarningLine(warning) + "\n";
@@ -101,6 +108,8 @@ std::string ShowText(const client::JobView& job) {
   if (!job.alarm.empty()) text += fmt::format("alarm      {}\n", job.alarm);
   if (const std::string reason = ReasonOf(job); !reason.empty())
     text += fmt::format("{:<10} {}\n", job.ended() ? "reason" : "message", reason);
+  if (const std::string need = client::NeedOf(job); !need.empty())
+    text += fmt::format("to do      {}\n", need);
   if (!job.armed && !job.ended() && !job.disarm_reason.empty())
     text += fmt::format("disarmed   {}\n", job.disarm_reason);
   return text;

@@ -82,7 +82,13 @@ bool ShopWatcher::IsComplete() const {
         !(known && cell->second.has_motion))
       return false;
   }
-  return served && !client_.disks().empty();
+  const auto has = [&](intaglio_ServiceRole role) {
+    return std::any_of(services.begin(), services.end(),
+                       [role](const auto& service) { return service.role == role; });
+  };
+  return served && client_.KnowsAllJobs() && !client_.disks().empty() &&
+         has(intaglio_ROLE_DISCRETIZER) && has(intaglio_ROLE_SORTER) &&
+         has(intaglio_ROLE_SYNCHRONIZER) && has(intaglio_ROLE_MOTION_BRIDGE);
 }
 
 ShopSnapshot ShopWatcher::Take() const {

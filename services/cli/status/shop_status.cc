@@ -7,6 +7,7 @@
 #include <array>
 #include <set>
 
+#include "services/client/job_need.h"
 #include "services/history/job_names.h"
 #include "services/platform/host/times/utc_time.h"
 
@@ -100,16 +101,7 @@ class Builder {
       }
       if (job.state != intaglio_JOB_QUEUED) job_of_[job.cell] = job.number;
       AddJob(job);
-      const bool waits_for_arm = job.state == intaglio_JOB_WAITING_FOR_ARM && !job.armed;
-      if (job.state == intaglio_JOB_PAUSED && !job.armed) {
-        Need(fmt::format("job {0} is paused: {1} (intaglio resume {0}, or cancel)",
-                         job.number, job.message));
-      } else if (waits_for_arm) {
-        Need(
-            fmt::format("job {0} waits for its arm: put its block into {1}, then "
-                        "intaglio arm {0}",
-                        job.number, job.cell));
-      }
+      if (const std::string need = client::NeedOf(job); !need.empty()) Need(need);
       if (!job.alarm.empty())
         Alarm(fmt::format("job {}", job.number), job.number, job.alarm);
     }
@@ -135,6 +127,9 @@ class Builder {
     line.set_missed(Small(job.counts.missed));
     line.set_skipped(Small(job.counts.skipped));
     line.set_uncertain(Small(job.counts.uncertain));
+    line.set_to_come(Small(job.counts.to_come));
+    line.set_armed_count(Small(job.counts.armed));
+    line.set_makes(job.makes);
     line.set_message(job.message);
     line.set_alarm(job.alarm);
   }
@@ -188,6 +183,8 @@ class Builder {
     if (!line.laser_line_up() || line.job() == 0) return;
     if (!cell.key_on) Need(name + ": the key is off");
     if (!cell.door_closed) Need(name + ": the door is open");
+    if (!cell.stop_released && !cell.stop_pressed)
+      Need(name + ": the machine's own emergency stop is pressed or latched: release it");
   }
 
   void AddDisks() {

@@ -12,6 +12,7 @@
 #include "services/cli/status/shop_snapshot.h"
 #include "services/cli/status/shop_status.h"
 #include "services/client/exit_codes.h"
+#include "services/client/patience.h"
 #include "services/job/json_text.h"
 
 namespace intaglio::cli {
@@ -56,7 +57,10 @@ int ShowStatus(const StatusOptions& options) {
       shop.Poll(kStatusPollPeriod);
   };
   poll_until(Clock::now() + bus.discovery_time(), [] { return false; });
-  poll_until(Clock::now() + kCompleteTime, [&] { return shop.IsComplete(); });
+  // What is not here by then is missing; a service that runs on a busy computer is not.
+  for (client::Patience patience(kCompleteTime);
+       Interrupts() == 0 && !shop.IsComplete() && !patience.IsUp();)
+    shop.Poll(kStatusPollPeriod);
   if (shop.Take().services.empty()) {
     return Complain({ErrorCode::kTimedOut,
                      "no services found: start them (intaglio up), or check --domain, "

@@ -23,20 +23,6 @@ const char* VerdictName(VerdictKind verdict) {
   return "unknown";
 }
 
-namespace {
-
-/// Every point is made.
-ShopVerdict GoodBut(const Warnings& warnings) {
-  std::vector<std::string> texts;
-  for (const Warning& warning : AtLeast(WarningWeight::kWarning, warnings)) {
-    texts.push_back(warning.text);
-  }
-  if (texts.empty()) return {VerdictKind::kGood, ""};
-  return {VerdictKind::kGoodWithWarnings, fmt::format("{}", fmt::join(texts, "; "))};
-}
-
-}  // namespace
-
 VerdictKind VerdictFromName(std::string_view name) {
   for (const VerdictKind kind : {VerdictKind::kNone, VerdictKind::kNotGood,
                                  VerdictKind::kGoodWithWarnings, VerdictKind::kGood}) {
@@ -45,29 +31,41 @@ VerdictKind VerdictFromName(std::string_view name) {
   return VerdictKind::kUnknown;
 }
 
-ShopVerdict VerdictOf(bool done, const EngraveOutcome* outcome,
-                      const Warnings& warnings) {
-  if (outcome == nullptr) {
-    if (!done) return {VerdictKind::kNone, ""};
-    return {VerdictKind::kUnknown, "the outcome of its points is no longer known"};
+ShopVerdict VerdictFor(const std::vector<std::string>& reasons,
+                       const Warnings& warnings) {
+  if (!reasons.empty())
+    return {VerdictKind::kNotGood, fmt::format("{}", fmt::join(reasons, "; "))};
+  std::vector<std::string> texts;
+  for (const Warning& warning : AtLeast(WarningWeight::kWarning, warnings)) {
+    texts.push_back(warning.text);
   }
-  const bool touched =
-      outcome->made_count() + outcome->missed_count() + outcome->uncertain_count() > 0;
+  if (texts.empty()) return {VerdictKind::kGood, ""};
+  return {VerdictKind::kGoodWithWarnings, fmt::format("{}", fmt::join(texts, "; "))};
+}
+
+ShopVerdict VerdictOf(bool done, const intaglio_PointCounts& counts,
+                      const Warnings& warnings, const std::string& makes) {
+  const bool touched = counts.made + counts.missed + counts.uncertain > 0;
   if (!done && !touched) return {VerdictKind::kNone, ""};
+  if (counts.planned == 0) {
+    return {VerdictKind::kUnknown,
+            fmt::format("the outcome of its {} is no longer known", makes)};
+  }
   std::vector<std::string> reasons;
   const auto add = [&reasons](std::uint64_t count, const char* what) {
     if (count > 0) reasons.push_back(fmt::format("{} {}", count, what));
   };
-  add(outcome->missed_count(), "missed");
-  add(outcome->skipped_count(), "skipped");
-  add(outcome->uncertain_count(), "uncertain");
-  if (reasons.empty() && outcome->made_count() != outcome->planned_count()) {
-    reasons.push_back(fmt::format("{} of them made", outcome->made_count()));
+  add(counts.missed, "missed");
+  add(counts.skipped, "skipped");
+  add(counts.uncertain, "uncertain");
+  if (reasons.empty() && counts.made != counts.planned) {
+    reasons.push_back(fmt::format("{} of them made", counts.made));
   }
-  if (done && reasons.empty()) return GoodBut(warnings);
-  if (reasons.empty()) reasons.push_back("not finished");
-  return {VerdictKind::kNotGood, fmt::format("of {} points {}", outcome->planned_count(),
-                                             fmt::join(reasons, ", "))};
+  if (done && reasons.empty()) return VerdictFor({}, warnings);
+  if (reasons.empty()) reasons.emplace_back("not finished");
+  return VerdictFor(
+      {fmt::format("of {} {} {}", counts.planned, makes, fmt::join(reasons, ", "))},
+      warnings);
 }
 
 }  // namespace intaglio

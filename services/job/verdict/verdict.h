@@ -6,9 +6,10 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engrave/core/warning.h"
-#include "proto/task.pb.h"
+#include "idl/job.h"
 
 namespace intaglio {
 
@@ -30,7 +31,13 @@ struct ShopVerdict {
   std::string reason;  ///< why it is not good, or the warnings, for people; else empty
 };
 
-/// `outcome`: null when it is not known. `warnings`: all of the job.
-ShopVerdict VerdictOf(bool done, const EngraveOutcome* outcome, const Warnings& warnings);
+/// Of a block that was engraved: not good for any of these reasons; else good, with the
+/// warnings that say that the piece may look wrong. Every verdict follows from this.
+ShopVerdict VerdictFor(const std::vector<std::string>& reasons, const Warnings& warnings);
+
+/// `counts`: at the end (AtEnd); all 0: not known. `makes`: what they count, "points",
+/// "marks". `warnings`: all of the job.
+ShopVerdict VerdictOf(bool done, const intaglio_PointCounts& counts,
+                      const Warnings& warnings, const std::string& makes = "points");
 
 }  // namespace intaglio

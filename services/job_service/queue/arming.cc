@@ -108,12 +108,12 @@ void Arming::Pause(JobRecord& job, const CommandView& command, Nanoseconds now) 
 }
 
 void Arming::SetStop(const std::string& cell, bool pressed, Nanoseconds now) {
+  const std::string reason = "the emergency stop of " + cell + " was pressed";
   if (!pressed) {
-    stopped_cells_.erase(cell);
+    if (stopped_cells_.erase(cell) > 0) NoteReset(cell, reason);
     return;
   }
   if (!stopped_cells_.insert(cell).second) return;
-  const std::string reason = "the emergency stop of " + cell + " was pressed";
   for (auto& [uid, job] : book_.jobs()) {
     if (!job.active() || job.cell != cell) continue;
     const bool was_armed = job.arm.armed();
@@ -123,6 +123,19 @@ void Arming::SetStop(const std::string& cell, bool pressed, Nanoseconds now) {
       job.pause_reason = intaglio_PAUSE_EMERGENCY_STOP;
     }
     book_.Change(job, job.state, was_armed ? reason : job.message);
+  }
+}
+
+// What was disarmed by the stop still waits for a person.
+void Arming::NoteReset(const std::string& cell, const std::string& reason) {
+  for (auto& [uid, job] : book_.jobs()) {
+    const bool stopped =
+        job.active() && job.cell == cell && !job.arm.armed() && job.message == reason;
+    if (!stopped) continue;
+    book_.Change(
+        job, job.state,
+        fmt::format("{} and is reset: check the machine, then {} the job", reason,
+                    job.state == intaglio_JOB_PAUSED ? "resume" : "arm"));
   }
 }
 

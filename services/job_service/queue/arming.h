@@ -60,6 +60,7 @@ class Arming {
   std::vector<PermissionView> Permissions(Nanoseconds now);
 
  private:
+  void NoteReset(const std::string& cell, const std::string& reason);
   CommandAnswer CheckArm(const JobRecord& job, const CommandView& command) const;
   void EndArm(JobRecord& job, intaglio_PauseReason reason, const std::string& why,
               Nanoseconds now);

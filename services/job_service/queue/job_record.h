@@ -44,7 +44,8 @@ struct JobRecord {
   std::string name;
   std::string cell;
   std::string material;
-  std::int32_t priority = 0;  ///< JobSpec.priority
+  std::string makes = "points";  ///< what its counts count, or "marks"
+  std::int32_t priority = 0;     ///< JobSpec.priority
   double rate_hz = 0;
   std::string result_directory;
   std::string frozen_job;  ///< serialized FrozenJob

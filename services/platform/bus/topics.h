@@ -49,6 +49,9 @@ inline constexpr Topic<intaglio_JobCommandAnswer> kJobCommandAnswer{
 inline constexpr Topic<intaglio_JobStatus> kJobStatus{
     "JobStatus", &intaglio_JobStatus_desc, Profile::kState, DomainKind::kControl,
     Scope::kShop};
+inline constexpr Topic<intaglio_JobCount> kJobCount{"JobCount", &intaglio_JobCount_desc,
+                                                    Profile::kState, DomainKind::kControl,
+                                                    Scope::kShop};
 inline constexpr Topic<intaglio_StageTask> kDiscretizeTask{
     "DiscretizeTask", &intaglio_StageTask_desc, Profile::kCommand, DomainKind::kControl,
     Scope::kShop};

@@ -23,8 +23,8 @@ Topics OwnReports() { return {Of(bus::kServiceHealth), Of(bus::kAlarm)}; }
 
 // What can be seen of a shop without seeing what is engraved.
 Topics ShopState() {
-  return {Of(bus::kJobStatus), Of(bus::kTaskStatus), Of(bus::kServiceHealth),
-          Of(bus::kAlarm), Of(bus::kDiskSpace)};
+  return {Of(bus::kJobStatus),     Of(bus::kJobCount), Of(bus::kTaskStatus),
+          Of(bus::kServiceHealth), Of(bus::kAlarm),    Of(bus::kDiskSpace)};
 }
 
 Topics CellState() {
@@ -46,8 +46,9 @@ Role JobService() {
           "*",
           Join({OwnReports(),
                 {Of(bus::kPresence), Of(bus::kDiskSpace), Of(bus::kJobStatus),
-                 Of(bus::kJobCommandAnswer), Of(bus::kDiscretizeTask), Of(bus::kSortTask),
-                 Of(bus::kEngraveTask), Of(bus::kModelChunk), Of(bus::kPermission)}}),
+                 Of(bus::kJobCount), Of(bus::kJobCommandAnswer), Of(bus::kDiscretizeTask),
+                 Of(bus::kSortTask), Of(bus::kEngraveTask), Of(bus::kModelChunk),
+                 Of(bus::kPermission)}}),
           {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kTaskStatus),
            Of(bus::kServiceHealth), Of(bus::kCredit), Of(bus::kEmergencyStop),
            Of(bus::kPresence), Of(bus::kManualCommand)}};

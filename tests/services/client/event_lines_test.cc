@@ -94,10 +94,10 @@ TEST_F(EventLinesTest, ReportsWhatIsNewAndNothingTwice) {
 
 TEST_F(EventLinesTest, TheEndHasTheVerdictAndTheCounts) {
   JobEnd end;
-  end.counts.set_planned_count(10);
-  end.counts.set_made_count(9);
-  end.counts.set_missed_count(1);
-  end.verdict = VerdictOf(true, &end.counts, {});
+  end.counts.planned = 10;
+  end.counts.made = 9;
+  end.counts.missed = 1;
+  end.verdict = VerdictOf(true, end.counts, {});
   job_.state = intaglio_JOB_DONE;
   lines_.Ended(job_, end, "a1");
   const auto events = Lines();
@@ -143,9 +143,9 @@ TEST_F(EventLinesTest, WarningsAreALineOfTheirOwnWhenTheyAreKnownAndInTheEnd) {
   EXPECT_EQ(events[0].warnings(0).weight(), "consent");
   EXPECT_EQ(events[0].warnings(0).text(), "the glass may break");
   JobEnd end;
-  end.counts.set_planned_count(1);
-  end.counts.set_made_count(1);
-  end.verdict = VerdictOf(true, &end.counts, job_.warnings);
+  end.counts.planned = 1;
+  end.counts.made = 1;
+  end.verdict = VerdictOf(true, end.counts, job_.warnings);
   job_.state = intaglio_JOB_DONE;
   lines_.Ended(job_, end);
   const auto ended = Lines();

@@ -10,6 +10,7 @@
 
 #include "services/cli/batch/batch_run.h"
 #include "services/client/arm_once.h"
+#include "services/client/event_lines.h"
 #include "services/client/known_jobs.h"
 #include "tests/services/job/test_job.h"
 #include "tests/services/job_service/fake_shop.h"
@@ -122,14 +123,94 @@ TEST_F(JobClientTest, AClientThatComesLaterKnowsAllJobsAndWaitsNoLonger) {
   for (int i = 0; i < 20; ++i) ASSERT_TRUE(ann_.Submit(GoodJob(), 10s).has_value());
   bus::Bus bus(test::PrivateBusOptions());
   JobClient carol(bus);
-  // A patient quiet time, for the computer may be busy with other tests.
-  EXPECT_TRUE(PollUntilJobsAreKnown(carol, 1s, 20s));
+  EXPECT_TRUE(PollUntilJobsAreKnown(carol, 20s));
   EXPECT_EQ(carol.jobs().size(), 20U);
+}
+
+// A job service is on the bus before it has read its queue. The first list that succeeds
+// has all of it.
+TEST_F(JobClientTest, TheFirstListAfterTheStartOfAJobServiceIsWhole) {
+  Start();
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(ann_.Submit(GoodJob(), 10s).has_value());
+  for (int start = 0; start < 3; ++start) {
+    service_->Kill();
+    // Its lease ends, so that the next one is the only one that is seen.
+    ASSERT_TRUE(ann_.PollUntil([&] { return ann_.services().empty(); }, 20s));
+    bus::Bus bus(test::PrivateBusOptions());
+    JobClient carol(bus);
+    carol.PollUntil([] { return false; }, 500ms);
+    Start();
+    EXPECT_TRUE(PollUntilJobsAreKnown(carol, 20s));
+    EXPECT_EQ(carol.jobs().size(), 20U);
+  }
+}
+
+// What came into the glass after the cancel is known when the machine has reported it.
+TEST_F(JobClientTest, ACancelledJobHasItsVerdictWhenItsCountsAreSettled) {
+  Start();
+  FakeShop shop(test::PrivateBusOptions());
+  const auto job = ann_.Submit(GoodJob(), 10s);
+  ASSERT_TRUE(job.has_value());
+  const auto of_job = [&](intaglio_Stage stage) {
+    return shop.Task(stage).job_uid == job->uid;
+  };
+  ASSERT_TRUE(shop.Until([&] {
+    shop.Health(intaglio_STAGE_DISCRETIZE, "d", intaglio_HEALTH_READY);
+    shop.Health(intaglio_STAGE_SORT, "s", intaglio_HEALTH_READY);
+    shop.Health(intaglio_STAGE_ENGRAVE, "y", intaglio_HEALTH_READY);
+    return of_job(intaglio_STAGE_DISCRETIZE) && of_job(intaglio_STAGE_SORT) &&
+           of_job(intaglio_STAGE_ENGRAVE);
+  }));
+  for (const auto stage : {intaglio_STAGE_DISCRETIZE, intaglio_STAGE_SORT})
+    shop.Report(shop.Task(stage), stage, intaglio_TASK_DONE, 392, 392);
+  const TaskCopy task = shop.Task(intaglio_STAGE_ENGRAVE);
+  shop.Report(task, intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 0, 392);
+  ASSERT_TRUE(ann_.PollUntil(
+      [&] { return ann_.jobs().at(job->uid).state == intaglio_JOB_WAITING_FOR_ARM; },
+      10s));
+  ASSERT_TRUE(
+      ann_.Command(ann_.jobs().at(job->uid), {.kind = intaglio_COMMAND_ARM}).has_value());
+  ASSERT_TRUE(shop.Until([&] { return shop.granted(); }));
+  shop.Report(task, intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 20, 392);
+  ASSERT_TRUE(ann_.PollUntil(
+      [&] { return ann_.jobs().at(job->uid).state == intaglio_JOB_ENGRAVING; }, 10s));
+  ASSERT_TRUE(ann_.Command(ann_.jobs().at(job->uid), {.kind = intaglio_COMMAND_CANCEL})
+                  .has_value());
+  ASSERT_TRUE(ann_.PollUntil([&] { return ann_.jobs().at(job->uid).ended(); }, 10s));
+  EXPECT_EQ(ann_.jobs().at(job->uid).verdict, "") << "its machine still fires";
+  StageOutcome outcome;
+  outcome.mutable_engrave()->set_planned_count(392);
+  outcome.mutable_engrave()->set_made_count(69);
+  outcome.mutable_engrave()->set_skipped_count(323);
+  shop.Report(task, intaglio_STAGE_ENGRAVE, intaglio_TASK_FAILED, 69, 392,
+              intaglio_ERROR_CANCELLED, "", outcome);
+  const JobEnd end = EndOf(ann_, ann_.jobs().at(job->uid));
+  EXPECT_EQ(end.counts.made, 69U);
+  EXPECT_EQ(end.verdict.verdict, VerdictKind::kNotGood);
+  EXPECT_EQ(end.verdict.reason, "of 392 points 323 skipped");
+}
+
+TEST_F(JobClientTest, TheSameKeyWithTheSameJobIsTheSameJob) {
+  Start();
+  const auto first = ann_.Submit(GoodJob(), 10s, "order-7");
+  ASSERT_TRUE(first.has_value());
+  const auto again = bob_.Submit(GoodJob(), 10s, "order-7");
+  ASSERT_TRUE(again.has_value());
+  EXPECT_EQ(again->uid, first->uid);
+  JobSpec other = GoodJob();
+  other.set_name("another one");
+  const auto refused = bob_.Submit(other, 10s, "order-7");
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_THAT(refused.error().message, HasSubstr("was used for another job, job 1"));
+  EXPECT_EQ(ann_.Submit(GoodJob(), 10s, "order 7").error().code,
+            ErrorCode::kInvalidValue);
 }
 
 TEST_F(JobClientTest, WithoutAJobServiceNoJobsAreKnown) {
   JobClient carol(bus_);
-  EXPECT_FALSE(PollUntilJobsAreKnown(carol, 10ms, 300ms));
+  const auto known = PollUntilJobsAreKnown(carol, 300ms);
+  ASSERT_FALSE(known.has_value());
+  EXPECT_EQ(known.error().code, ErrorCode::kTimedOut);
 }
 
 TEST_F(JobClientTest, ReportsThatNobodyAnswers) {

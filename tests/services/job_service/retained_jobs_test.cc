@@ -70,6 +70,16 @@ class RetainedJobs : public testing::Test {
             "result_directory = '{}' WHERE number = 1",
             Synchronizer(), static_cast<int>(intaglio_STAGE_ENGRAVE),
             static_cast<int>(intaglio_JOB_CANCELLED), (folder / "1-abc").string()));
+    // The last one was cancelled, and neither it nor the job service has answered since.
+    SQLite::Database(database_.string(), SQLite::OPEN_READWRITE)
+        .exec(fmt::format(
+            "UPDATE tasks SET ended_utc = NULL, outcome = NULL "
+            "WHERE job_uid = '{0}-abc' AND stage = {1}; "
+            "UPDATE jobs SET state = {2}, verdict = '', planned_count = 100, "
+            "made_count = 40, missed_count = 0, skipped_count = 60, uncertain_count = 0 "
+            "WHERE number = {0}",
+            kRemembered + 5, static_cast<int>(intaglio_STAGE_ENGRAVE),
+            static_cast<int>(intaglio_JOB_CANCELLED)));
     service_.emplace(
         host_,
         JobServiceOptions{
@@ -117,7 +127,7 @@ class RetainedJobs : public testing::Test {
   bus::Writer<intaglio_JobSubmission> submissions_{bus_, bus::kJobSubmission};
   bus::Writer<intaglio_JobCommand> commands_{bus_, bus::kJobCommand};
   Watcher watcher_{bus_};
-  StatusBoard board_{host_.bus()};
+  StatusBoard board_{host_.bus(), host_.instance()};
   std::optional<JobService> service_;
 };
 
@@ -188,6 +198,48 @@ TEST_F(RetainedJobs, WhatALateSynchronizerReportsReachesTheHistory) {
   EXPECT_EQ(reported.verdict(), "not_good");
   EXPECT_EQ(reported.state(), "cancelled");
   EXPECT_FALSE(watcher_.Has(Past(1))) << "nobody has to be told";
+}
+
+// By what is known of it: cracks are in the glass.
+TEST_F(RetainedJobs, TheEndOfASilentMachineIsSettledInTheEnd) {
+  history::Filter last;
+  last.job = kRemembered + 5;
+  service_->Turn(now_);
+  EXPECT_EQ(history::ReadHistory(database_, last)->at(0).verdict(), "");
+  now_ += UnsettledEnds::kWithin;
+  service_->Turn(now_);
+  const JobStatistics settled = history::ReadHistory(database_, last)->at(0);
+  EXPECT_EQ(settled.verdict(), "not_good");
+  EXPECT_EQ(settled.made(), 40u);
+}
+
+TEST_F(RetainedJobs, ASubmissionThatComesAgainIsTheSameJob) {
+  Submit("key:order-7:11111111", GoodJob());
+  ASSERT_TRUE(Until(watcher_, [&] { return watcher_.Has("key:order-7:11111111"); }));
+  const std::string uid = watcher_.at("key:order-7:11111111").job_uid;
+  Submit("key:order-7:11111111", GoodJob());
+  // Another job under the same key is refused, and another key is another job.
+  Submit("key:order-7:22222222", GoodJob());
+  Submit("key:order-70:33333333", GoodJob());
+  ASSERT_TRUE(Until(watcher_, [&] {
+    return watcher_.Has("key:order-7:22222222") && watcher_.Has("key:order-70:33333333");
+  }));
+  EXPECT_EQ(watcher_.at("key:order-7:11111111").job_uid, uid);
+  EXPECT_EQ(watcher_.at("key:order-7:22222222").job_uid, "");
+  EXPECT_EQ(watcher_.at("key:order-7:22222222").state, intaglio_JOB_FAILED);
+  EXPECT_NE(watcher_.at("key:order-70:33333333").job_uid, "");
+  EXPECT_EQ(watcher_.count(), kRemembered + 3);
+}
+
+TEST_F(RetainedJobs, ASubmissionOfLongAgoIsAnsweredWithItsJob) {
+  ASSERT_TRUE(Until(watcher_, [&] { return watcher_.count() == kRemembered; }));
+  ASSERT_FALSE(watcher_.Has(Past(2)));
+  Submit(Past(2), GoodJob());
+  ASSERT_TRUE(Until(watcher_, [&] { return watcher_.Has(Past(2)); }));
+  EXPECT_EQ(watcher_.at(Past(2)).job_uid, "2-abc");
+  EXPECT_EQ(watcher_.count(), kRemembered + 1) << "nothing new was made";
+  now_ += kRememberedFor;
+  ASSERT_TRUE(Until(watcher_, [&] { return !watcher_.Has(Past(2)); }));
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ client::JobView Engraving() {
   job.result_directory = "/jobs/7";
   job.warnings = {MakeWarning(WarningCode::kBreakage, "may break at (1, 2, 3) mm")};
   job.breakage_accepted_by = "anna@shop";
-  job.counts = {400, 98, 2, 300, 0};
+  job.counts = {400, 98, 2, 0, 0, 297, 3};
   job.alarm = "no progress";
   return job;
 }

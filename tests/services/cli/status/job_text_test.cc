@@ -15,7 +15,7 @@ using ::testing::Not;
 client::JobView NotGood() {
   client::JobView job = ShownJob(7, intaglio_JOB_DONE);
   job.verdict = "not_good";
-  job.counts = {1240, 1234, 4, 2, 0};
+  job.counts = {1240, 1234, 4, 2, 0, 0, 0};
   return job;
 }
 
@@ -33,7 +33,7 @@ TEST(JobText, AnEndedJobHasItsVerdictItsCountsAndTheReason) {
 TEST(JobText, AGoodJobHasNoReason) {
   client::JobView job = ShownJob(7, intaglio_JOB_DONE);
   job.verdict = "good";
-  job.counts = {1240, 1240, 0, 0, 0};
+  job.counts = {1240, 1240, 0, 0, 0, 0, 0};
   EXPECT_THAT(ShowText(job), HasSubstr("verdict    good"));
   EXPECT_THAT(ShowText(job), Not(HasSubstr("reason")));
 }
@@ -45,7 +45,8 @@ TEST(JobText, AJobThatFailedOrWasCancelledHasItsMessage) {
   EXPECT_THAT(ListText({job}), HasSubstr("        the model is open\n"));
   EXPECT_THAT(ShowText(job), HasSubstr("reason     the model is open\n"));
   job.state = intaglio_JOB_CANCELLED;
-  job.counts = {100, 40, 0, 60, 0};
+  job.verdict = "not_good";
+  job.counts = {100, 40, 0, 60, 0, 0, 0};
   job.message = "cancelled by ann";
   EXPECT_EQ(ReasonOf(job), "cancelled by ann; of 100 points 60 skipped");
 }
@@ -53,7 +54,7 @@ TEST(JobText, AJobThatFailedOrWasCancelledHasItsMessage) {
 TEST(JobText, AnOpenJobHasItsProgressItsMessageAndItsAlarm) {
   client::JobView job = ShownJob(7, intaglio_JOB_ENGRAVING);
   job.progress = {{intaglio_STAGE_ENGRAVE, 1200, 5000, 10}};
-  job.counts = {5000, 1200, 0, 3800, 0};
+  job.counts = {5000, 1200, 0, 0, 0, 3795, 5};
   job.message = "pulses were skipped: the run starts again there";
   job.alarm = "no progress: 21 of 2400 expected points";
   for (const std::string& text : {ListText({job}), ShowText(job)}) {
@@ -64,7 +65,19 @@ TEST(JobText, AnOpenJobHasItsProgressItsMessageAndItsAlarm) {
     EXPECT_THAT(text, Not(HasSubstr("of 5000 points"))) << "it has not ended";
   }
   EXPECT_THAT(ListText({job}), HasSubstr("ALARM no progress"));
+  EXPECT_THAT(ShowText(job), HasSubstr("points     5 000 planned, 1 200 made, 5 armed, "
+                                       "3 795 to come\n"))
+      << "what is to come is not skipped, and what is armed not uncertain";
   EXPECT_THAT(ShowText(job), HasSubstr("alarm      no progress"));
+}
+
+TEST(JobText, AnEndThatIsNotSettledHasNoVerdict) {
+  client::JobView job = ShownJob(7, intaglio_JOB_CANCELLED);
+  job.counts = {392, 69, 0, 323, 0, 0, 0};
+  job.makes = "marks";
+  EXPECT_THAT(ShowText(job), HasSubstr("has not reported yet which marks were made"));
+  EXPECT_THAT(ShowText(job), Not(HasSubstr("verdict")));
+  EXPECT_THAT(ShowText(job), HasSubstr("marks      392 planned, 69 made"));
 }
 
 TEST(JobText, TheListIsInTheOrderOfNumbers) {

@@ -96,6 +96,37 @@ TEST(ShopStatus, LinesThatAreDownNeedAPerson) {
   ExpectNeed(shop, "left: the stage does not answer");
 }
 
+TEST(ShopStatus, TheMachinesOwnStopNeedsAPersonOnlyWhileTheMachineHasAJob) {
+  ShopSnapshot shop = GoodShop();
+  shop.cells["left"].stop_released = false;
+  EXPECT_FALSE(Status(shop).needs_person());
+  shop.jobs = {ShownJob(3, intaglio_JOB_ENGRAVING)};
+  ExpectNeed(shop, "left: the machine's own emergency stop is pressed or latched");
+}
+
+TEST(ShopStatus, AJobThatNeedsAConsentNeedsAPerson) {
+  ShopSnapshot shop = GoodShop();
+  shop.jobs = {ShownJob(3, intaglio_JOB_SORTING)};
+  shop.jobs[0].warnings = {MakeWarning(WarningCode::kBreakage, "the glass may break")};
+  ExpectNeed(shop,
+             "job 3 needs a consent: the glass may break (intaglio arm 3 "
+             "--accept breakage, or cancel)");
+  shop.jobs[0].breakage_accepted_by = "ann";
+  EXPECT_FALSE(Status(shop).needs_person());
+}
+
+TEST(ShopStatus, UncertainPointsAreNamedWithBothCommandsBeforeAnybodyResumes) {
+  ShopSnapshot shop = GoodShop();
+  shop.jobs = {ShownJob(3, intaglio_JOB_PAUSED)};
+  shop.jobs[0].message = "the power was off";
+  shop.jobs[0].counts = {100, 40, 0, 0, 3, 57, 0};
+  ExpectNeed(
+      shop,
+      "job 3 is paused: the power was off; of 3 points it is not known whether they "
+      "were fired: check the block, then intaglio resume 3 to leave them as they "
+      "are, or intaglio resume 3 --fire-uncertain to fire them again");
+}
+
 // Somebody changes the block.
 TEST(ShopStatus, AnOpenDoorNeedsAPersonOnlyWhileTheMachineHasAJob) {
   ShopSnapshot shop = GoodShop();
@@ -126,7 +157,7 @@ TEST(ShopStatus, JobsWithTheirProgressAndTheCountOfEndedOnes) {
   shop.jobs = {ShownJob(2, intaglio_JOB_DONE), ShownJob(3, intaglio_JOB_ENGRAVING),
                ShownJob(4, intaglio_JOB_QUEUED)};
   shop.jobs[1].progress = {{intaglio_STAGE_ENGRAVE, 1200, 5000, 10}};
-  shop.jobs[1].counts = {5000, 1190, 10, 3800, 0};
+  shop.jobs[1].counts = {5000, 1190, 10, 0, 0, 3797, 3};
   shop.jobs[2].message = "waits for its turn on left";
   const ShopStatus status = Status(shop);
   EXPECT_FALSE(status.needs_person());
@@ -134,6 +165,9 @@ TEST(ShopStatus, JobsWithTheirProgressAndTheCountOfEndedOnes) {
   ASSERT_EQ(status.jobs_size(), 2);
   EXPECT_EQ(status.jobs(0).state(), "engraving");
   EXPECT_EQ(status.jobs(0).missed(), 10u);
+  EXPECT_EQ(status.jobs(0).skipped(), 0u) << "they are to come";
+  EXPECT_EQ(status.jobs(0).to_come(), 3797u);
+  EXPECT_EQ(status.jobs(0).armed_count(), 3u);
   const std::string text = TextOf(status);
   EXPECT_THAT(text, HasSubstr("jobs       2 open, 1 ended"));
   EXPECT_THAT(text, HasSubstr("engrave 1 200 / 5 000"));

@@ -100,6 +100,19 @@ TEST_F(JobDisarmTest, AStopWinsOverAnArmThatWasSentBeforeItsReset) {
   EXPECT_TRUE(Command(intaglio_COMMAND_ARM));
 }
 
+TEST_F(JobDisarmTest, TheMessageOfAStopChangesWithItsReset) {
+  ReadyAll();
+  Add(1);
+  LoadPath();
+  Engrave();
+  queue_.SetStop("c", true, now_);
+  const auto message = [this] { return queue_.jobs().begin()->second.message; };
+  EXPECT_EQ(message(), "the emergency stop of c was pressed");
+  queue_.SetStop("c", false, now_);
+  EXPECT_THAT(message(), testing::StartsWith("the emergency stop of c was pressed and is "
+                                             "reset: check the machine, then "));
+}
+
 TEST_F(JobDisarmTest, AFaultWinsOverAResumeThatWasSentBeforeIt) {
   ReadyAll();
   Add(1);

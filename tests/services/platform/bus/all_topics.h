@@ -13,6 +13,7 @@ void ForEachTopic(Visit&& visit) {
   visit(bus::kJobCommand);
   visit(bus::kJobCommandAnswer);
   visit(bus::kJobStatus);
+  visit(bus::kJobCount);
   visit(bus::kDiscretizeTask);
   visit(bus::kSortTask);
   visit(bus::kEngraveTask);

@@ -203,6 +203,8 @@ TEST(TopicTap, WritesTheTypeInIdl) {
     uint64 missed;
     uint64 skipped;
     uint64 uncertain;
+    uint64 to_come;
+    uint64 armed;
   };
   @final
   struct TaskStatus {

@@ -1,0 +1,36 @@
+#include "services/client/job_need.h"
+
+#include <fmt/format.h>
+
+#include "services/client/figure_text.h"
+
+namespace intaglio::client {
+namespace {
+
+std::string PausedNeed(const JobView& job) {
+  const std::string why = fmt::format("job {} is paused{}", job.number,
+                                      job.message.empty() ? "" : ": " + job.message);
+  if (job.counts.uncertain == 0)
+    return fmt::format("{} (intaglio resume {}, or cancel)", why, job.number);
+  return fmt::format(
+      "{0}; of {1} {2} it is not known whether they were fired: check the block, then "
+      "intaglio resume {3} to leave them as they are, or intaglio resume {3} "
+      "--fire-uncertain to fire them again",
+      why, GroupedDigits(job.counts.uncertain), job.makes, job.number);
+}
+
+}  // namespace
+
+std::string NeedOf(const JobView& job) {
+  if (job.ended() || job.armed || job.state == intaglio_JOB_QUEUED) return "";
+  if (const Warning* consent = job.open_consent()) {
+    return fmt::format("job {} needs a consent: {} ({}, or cancel)", job.number,
+                       consent->text, ArmCommandOf(job));
+  }
+  if (job.state == intaglio_JOB_PAUSED) return PausedNeed(job);
+  if (job.state != intaglio_JOB_WAITING_FOR_ARM) return "";
+  return fmt::format("job {} waits for its arm: put its block into {}, then {}",
+                     job.number, job.cell, ArmCommandOf(job));
+}
+
+}  // namespace intaglio::client
