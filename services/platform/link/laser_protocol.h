@@ -24,11 +24,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "engrave/core/result.h"
+#include "services/platform/link/message.h"
 
 namespace intaglio::link {
 
@@ -182,38 +181,5 @@ struct PastReport {
 };
 /// A controller remembers at least this many ticks up to the newest, since its power-up.
 inline constexpr std::size_t kRememberedTicks = 65536;
-
-using Bytes = std::vector<std::byte>;
-Bytes Encode(const LampCommand& m);
-Bytes Encode(const ShutterCommand& m);
-Bytes Encode(const ArmWindow& m);
-Bytes Encode(const LaserIdentity& m);
-Bytes Encode(const LaserStatus& m);
-Bytes Encode(const PulseReport& m);
-Bytes Encode(const PastRequest& m);
-Bytes Encode(const PastReport& m);
-Bytes Encode(const PulseTiming& m);
-
-/// Decode<T>: kUnreadable when the payload is shorter, longer or out of range.
-template <typename T>
-Result<T> Decode(std::span<const std::byte> payload);
-template <>
-Result<LampCommand> Decode(std::span<const std::byte> payload);
-template <>
-Result<ShutterCommand> Decode(std::span<const std::byte> payload);
-template <>
-Result<ArmWindow> Decode(std::span<const std::byte> payload);
-template <>
-Result<LaserIdentity> Decode(std::span<const std::byte> payload);
-template <>
-Result<LaserStatus> Decode(std::span<const std::byte> payload);
-template <>
-Result<PulseReport> Decode(std::span<const std::byte> payload);
-template <>
-Result<PastRequest> Decode(std::span<const std::byte> payload);
-template <>
-Result<PastReport> Decode(std::span<const std::byte> payload);
-template <>
-Result<PulseTiming> Decode(std::span<const std::byte> payload);
 
 }  // namespace intaglio::link

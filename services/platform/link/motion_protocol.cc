@@ -1,342 +1,197 @@
 #include "services/platform/link/motion_protocol.h"
 
-#include <limits>
-
-#include "services/platform/link/byte_codec.h"
+#include "services/platform/link/message_fields.h"
 
 namespace intaglio::link {
 namespace {
 
-constexpr std::uint8_t kPulseBit = 1, kEndBit = 2;
-// Of what an identity offers.
-constexpr std::uint8_t kComparesPlaceBit = 1, kWatchesAirBit = 2;
 constexpr std::size_t kMaxMotionSerialNumber = 64;
 
-tl::unexpected<Error> BadMotionFrame(const char* frame) {
-  return Fail(ErrorCode::kUnreadable,
-              std::string("motion line: a frame ") + frame + " is malformed", frame);
+struct OnMotionLine {
+  static constexpr const char* kLine = "motion line";
+};
+
+void Position(auto& io, auto& m) {
+  io.Number(m.x_nm);
+  io.Number(m.y_nm);
+  io.Number(m.z_nm);
 }
 
-template <typename M>
-void PutPosition(ByteWriter& out, const M& m) {
-  out.Put(m.x_nm);
-  out.Put(m.y_nm);
-  out.Put(m.z_nm);
+void Velocity(auto& io, auto& m) {
+  io.Number(m.vx_nm_s);
+  io.Number(m.vy_nm_s);
+  io.Number(m.vz_nm_s);
 }
 
-template <typename M>
-void GetPosition(ByteReader& in, M& m) {
-  m.x_nm = in.Get<std::int32_t>();
-  m.y_nm = in.Get<std::int32_t>();
-  m.z_nm = in.Get<std::int32_t>();
+/// Of Segments and TimedSegments.
+void FirstSegment(auto& io, auto& m, std::size_t max_count) {
+  io.Number(m.run);
+  io.Number(m.first_number);
+  io.template Size<std::uint8_t>(m.segments, 1, max_count);
+  io.Require(!GoesRound(m.first_number, m.segments.size()));
 }
 
-template <typename M>
-void PutVelocity(ByteWriter& out, const M& m) {
-  out.Put(m.vx_nm_s);
-  out.Put(m.vy_nm_s);
-  out.Put(m.vz_nm_s);
-}
-
-template <typename M>
-void GetVelocity(ByteReader& in, M& m) {
-  m.vx_nm_s = in.Get<std::int32_t>();
-  m.vy_nm_s = in.Get<std::int32_t>();
-  m.vz_nm_s = in.Get<std::int32_t>();
+/// Of Positions and TimedPositions.
+void FirstPosition(auto& io, auto& m, std::size_t max_count) {
+  io.Number(m.run);
+  io.Number(m.first_tick);
+  io.template Size<std::uint8_t>(m.positions, 1, max_count);
+  io.Require(!GoesRound(m.first_tick, m.positions.size()));
 }
 
 }  // namespace
 
-Bytes Encode(const BeginRun& m) {
-  ByteWriter out;
-  out.Put(m.run);
-  out.Put(m.start_tick);
-  return out.Take();
-}
+template <>
+struct Layout<BeginRun> : OnMotionLine {
+  static constexpr const char* kName = "BeginRun";
+  static void Fields(auto& io, auto& m) {
+    io.Number(m.run);
+    io.Number(m.start_tick);
+  }
+};
 
 template <>
-Result<BeginRun> Decode(std::span<const std::byte> payload) {
-  ByteReader in(payload);
-  BeginRun m;
-  m.run = in.Get<std::uint32_t>();
-  m.start_tick = in.Get<std::uint64_t>();
-  if (!in.finished()) return BadMotionFrame("BeginRun");
-  return m;
-}
-
-Bytes Encode(const Segments& m) {
-  ByteWriter out;
-  out.Put(m.run);
-  out.Put(m.first_number);
-  out.Put(static_cast<std::uint8_t>(m.segments.size()));
-  for (const WireSegment& segment : m.segments) {
-    PutPosition(out, segment);
-    PutVelocity(out, segment);
-    out.Put(segment.duration_subticks);
-    out.Put(static_cast<std::uint8_t>((segment.pulse ? kPulseBit : 0) |
-                                      (segment.program_end ? kEndBit : 0)));
-  }
-  return out.Take();
-}
-
-template <>
-Result<Segments> Decode(std::span<const std::byte> payload) {
-  ByteReader in(payload);
-  Segments m;
-  m.run = in.Get<std::uint32_t>();
-  m.first_number = in.Get<std::uint64_t>();
-  const auto count = in.Get<std::uint8_t>();
-  if (!in.good() || count == 0 || count > kMaxSegments ||
-      GoesRound(m.first_number, count)) {
-    return BadMotionFrame("Segments");
-  }
-  m.segments.resize(count);
-  for (WireSegment& segment : m.segments) {
-    GetPosition(in, segment);
-    GetVelocity(in, segment);
-    segment.duration_subticks = in.Get<std::uint32_t>();
-    const auto flags = in.Get<std::uint8_t>();
-    if (segment.duration_subticks == 0 || flags > (kPulseBit | kEndBit)) {
-      return BadMotionFrame("Segments");
+struct Layout<Segments> : OnMotionLine {
+  static constexpr const char* kName = "Segments";
+  static void Fields(auto& io, auto& m) {
+    FirstSegment(io, m, kMaxSegments);
+    for (auto& segment : m.segments) {
+      Position(io, segment);
+      Velocity(io, segment);
+      io.Number(segment.duration_subticks);
+      io.Require(segment.duration_subticks > 0);
+      io.Bits(segment.pulse, segment.program_end);
     }
-    segment.pulse = (flags & kPulseBit) != 0;
-    segment.program_end = (flags & kEndBit) != 0;
   }
-  if (!in.finished()) return BadMotionFrame("Segments");
-  return m;
-}
-
-Bytes Encode(const MotionIdentity& m) {
-  ByteWriter out;
-  for (const std::int32_t limit : m.travel_min_nm) out.Put(limit);
-  for (const std::int32_t limit : m.travel_max_nm) out.Put(limit);
-  out.Put(m.queue_capacity);
-  out.PutText(m.serial_number, kMaxMotionSerialNumber);
-  out.Put(static_cast<std::uint8_t>((m.compares_place ? kComparesPlaceBit : 0) |
-                                    (m.watches_air ? kWatchesAirBit : 0)));
-  return out.Take();
-}
+};
 
 template <>
-Result<MotionIdentity> Decode(std::span<const std::byte> payload) {
-  ByteReader in(payload);
-  MotionIdentity m;
-  for (std::int32_t& limit : m.travel_min_nm) limit = in.Get<std::int32_t>();
-  for (std::int32_t& limit : m.travel_max_nm) limit = in.Get<std::int32_t>();
-  m.queue_capacity = in.Get<std::uint32_t>();
-  m.serial_number = in.GetPrintableText(kMaxMotionSerialNumber);
-  const auto offers = in.Get<std::uint8_t>();
-  m.compares_place = (offers & kComparesPlaceBit) != 0;
-  m.watches_air = (offers & kWatchesAirBit) != 0;
-  if (!in.finished() || offers > (kComparesPlaceBit | kWatchesAirBit))
-    return BadMotionFrame("MotionIdentity");
-  return m;
-}
-
-Bytes Encode(const MotionStatus& m) {
-  ByteWriter out;
-  out.Put(m.tick);
-  PutPosition(out, m);
-  PutVelocity(out, m);
-  out.Put(m.run);
-  out.Put(m.covered_through_tick);
-  out.Put(m.queue_free);
-  out.Put(m.segments_taken);
-  out.Put(static_cast<std::uint8_t>(m.at_rest));
-  out.Put(static_cast<std::uint8_t>(m.fault));
-  out.Put(m.following_error_max_nm);
-  out.Put(m.jogs_taken);
-  return out.Take();
-}
+struct Layout<MotionIdentity> : OnMotionLine {
+  static constexpr const char* kName = "MotionIdentity";
+  static void Fields(auto& io, auto& m) {
+    for (auto& limit_nm : m.travel_min_nm) io.Number(limit_nm);
+    for (auto& limit_nm : m.travel_max_nm) io.Number(limit_nm);
+    io.Number(m.queue_capacity);
+    io.PrintableText(m.serial_number, kMaxMotionSerialNumber);
+    io.Bits(m.compares_place, m.watches_air);
+  }
+};
 
 template <>
-Result<MotionStatus> Decode(std::span<const std::byte> payload) {
-  ByteReader in(payload);
-  MotionStatus m;
-  m.tick = in.Get<std::uint64_t>();
-  GetPosition(in, m);
-  GetVelocity(in, m);
-  m.run = in.Get<std::uint32_t>();
-  m.covered_through_tick = in.Get<std::uint64_t>();
-  m.queue_free = in.Get<std::uint32_t>();
-  m.segments_taken = in.Get<std::uint64_t>();
-  m.at_rest = in.GetFlag();
-  const auto fault = in.Get<std::uint8_t>();
-  m.following_error_max_nm = in.Get<std::uint32_t>();
-  m.jogs_taken = in.Get<std::uint32_t>();
-  if (!in.finished() || fault > static_cast<std::uint8_t>(StageFault::kAirReturned)) {
-    return BadMotionFrame("MotionStatus");
+struct Layout<MotionStatus> : OnMotionLine {
+  static constexpr const char* kName = "MotionStatus";
+  static void Fields(auto& io, auto& m) {
+    io.Number(m.tick);
+    Position(io, m);
+    Velocity(io, m);
+    io.Number(m.run);
+    io.Number(m.covered_through_tick);
+    io.Number(m.queue_free);
+    io.Number(m.segments_taken);
+    io.Flag(m.at_rest);
+    io.Enumerator(m.fault, StageFault::kAirReturned);
+    io.Number(m.following_error_max_nm);
+    io.Number(m.jogs_taken);
   }
-  m.fault = static_cast<StageFault>(fault);
-  return m;
-}
-
-Bytes Encode(const Positions& m) {
-  ByteWriter out;
-  out.Put(m.run);
-  out.Put(m.first_tick);
-  out.Put(static_cast<std::uint8_t>(m.positions.size()));
-  for (const Positions::Position& position : m.positions) PutPosition(out, position);
-  return out.Take();
-}
+};
 
 template <>
-Result<Positions> Decode(std::span<const std::byte> payload) {
-  ByteReader in(payload);
-  Positions m;
-  m.run = in.Get<std::uint32_t>();
-  m.first_tick = in.Get<std::uint64_t>();
-  const auto count = in.Get<std::uint8_t>();
-  if (!in.good() || count == 0 || count > kMaxPositions ||
-      GoesRound(m.first_tick, count)) {
-    return BadMotionFrame("Positions");
+struct Layout<Positions> : OnMotionLine {
+  static constexpr const char* kName = "Positions";
+  static void Fields(auto& io, auto& m) {
+    FirstPosition(io, m, kMaxPositions);
+    for (auto& position : m.positions) Position(io, position);
   }
-  m.positions.resize(count);
-  for (Positions::Position& position : m.positions) GetPosition(in, position);
-  if (!in.finished()) return BadMotionFrame("Positions");
-  return m;
-}
-
-Bytes Encode(const BeginTimedRun& m) {
-  ByteWriter out;
-  out.Put(m.run);
-  out.Put(m.start_ns);
-  return out.Take();
-}
+};
 
 template <>
-Result<BeginTimedRun> Decode(std::span<const std::byte> payload) {
-  ByteReader in(payload);
-  BeginTimedRun m;
-  m.run = in.Get<std::uint32_t>();
-  m.start_ns = in.Get<std::uint64_t>();
-  if (!in.finished()) return BadMotionFrame("BeginTimedRun");
-  return m;
-}
-
-Bytes Encode(const TimedSegments& m) {
-  ByteWriter out;
-  out.Put(m.run);
-  out.Put(m.first_number);
-  out.Put(static_cast<std::uint8_t>(m.segments.size()));
-  for (const WireTimedSegment& segment : m.segments) {
-    PutPosition(out, segment);
-    PutVelocity(out, segment);
-    out.Put(segment.end_ns);
-    out.Put(static_cast<std::uint8_t>((segment.pulse ? kPulseBit : 0) |
-                                      (segment.program_end ? kEndBit : 0)));
+struct Layout<BeginTimedRun> : OnMotionLine {
+  static constexpr const char* kName = "BeginTimedRun";
+  static void Fields(auto& io, auto& m) {
+    io.Number(m.run);
+    io.Number(m.start_ns);
   }
-  return out.Take();
-}
+};
 
 template <>
-Result<TimedSegments> Decode(std::span<const std::byte> payload) {
-  ByteReader in(payload);
-  TimedSegments m;
-  m.run = in.Get<std::uint32_t>();
-  m.first_number = in.Get<std::uint64_t>();
-  const auto count = in.Get<std::uint8_t>();
-  if (!in.good() || count == 0 || count > kMaxTimedSegments ||
-      GoesRound(m.first_number, count)) {
-    return BadMotionFrame("TimedSegments");
-  }
-  m.segments.resize(count);
-  std::uint64_t before_ns = 0;
-  for (WireTimedSegment& segment : m.segments) {
-    GetPosition(in, segment);
-    GetVelocity(in, segment);
-    segment.end_ns = in.Get<std::uint64_t>();
-    const auto flags = in.Get<std::uint8_t>();
-    if (segment.end_ns <= before_ns || flags > (kPulseBit | kEndBit)) {
-      return BadMotionFrame("TimedSegments");
+struct Layout<TimedSegments> : OnMotionLine {
+  static constexpr const char* kName = "TimedSegments";
+  static void Fields(auto& io, auto& m) {
+    FirstSegment(io, m, kMaxTimedSegments);
+    std::uint64_t before_ns = 0;
+    for (auto& segment : m.segments) {
+      Position(io, segment);
+      Velocity(io, segment);
+      io.Number(segment.end_ns);
+      io.Require(segment.end_ns > before_ns);
+      before_ns = segment.end_ns;
+      io.Bits(segment.pulse, segment.program_end);
     }
-    before_ns = segment.end_ns;
-    segment.pulse = (flags & kPulseBit) != 0;
-    segment.program_end = (flags & kEndBit) != 0;
   }
-  if (!in.finished()) return BadMotionFrame("TimedSegments");
-  return m;
-}
-
-Bytes Encode(const TimedPositions& m) {
-  ByteWriter out;
-  out.Put(m.run);
-  out.Put(m.first_tick);
-  out.Put(static_cast<std::uint8_t>(m.positions.size()));
-  for (const TimedPositions::Position& position : m.positions) {
-    out.Put(position.at_ns);
-    PutPosition(out, position);
-  }
-  return out.Take();
-}
+};
 
 template <>
-Result<TimedPositions> Decode(std::span<const std::byte> payload) {
-  ByteReader in(payload);
-  TimedPositions m;
-  m.run = in.Get<std::uint32_t>();
-  m.first_tick = in.Get<std::uint64_t>();
-  const auto count = in.Get<std::uint8_t>();
-  if (!in.good() || count == 0 || count > kMaxTimedPositions ||
-      GoesRound(m.first_tick, count)) {
-    return BadMotionFrame("TimedPositions");
+struct Layout<TimedPositions> : OnMotionLine {
+  static constexpr const char* kName = "TimedPositions";
+  static void Fields(auto& io, auto& m) {
+    FirstPosition(io, m, kMaxTimedPositions);
+    for (auto& position : m.positions) {
+      io.Number(position.at_ns);
+      Position(io, position);
+    }
   }
-  m.positions.resize(count);
-  for (TimedPositions::Position& position : m.positions) {
-    position.at_ns = in.Get<std::uint64_t>();
-    GetPosition(in, position);
+};
+
+template <>
+struct Layout<ControllerClock> : OnMotionLine {
+  static constexpr const char* kName = "ControllerClock";
+  static void Fields(auto& io, auto& m) {
+    io.Number(m.power_up);
+    io.Require(m.power_up > 0);
+    io.Number(m.now_ns);
   }
-  if (!in.finished()) return BadMotionFrame("TimedPositions");
-  return m;
-}
-
-Bytes Encode(const ControllerClock& m) {
-  ByteWriter out;
-  out.Put(m.power_up);
-  out.Put(m.now_ns);
-  return out.Take();
-}
+};
 
 template <>
-Result<ControllerClock> Decode(std::span<const std::byte> payload) {
-  ByteReader in(payload);
-  ControllerClock m;
-  m.power_up = in.Get<std::uint32_t>();
-  m.now_ns = in.Get<std::uint64_t>();
-  if (!in.finished() || m.power_up == 0) return BadMotionFrame("ControllerClock");
-  return m;
-}
-
-Bytes Encode(const StageTolerance& m) {
-  ByteWriter out;
-  out.Put(m.position_nm);
-  return out.Take();
-}
+struct Layout<StageTolerance> : OnMotionLine {
+  static constexpr const char* kName = "StageTolerance";
+  static void Fields(auto& io, auto& m) {
+    io.Number(m.position_nm);
+    io.Require(m.position_nm > 0);
+  }
+};
 
 template <>
-Result<StageTolerance> Decode(std::span<const std::byte> payload) {
-  ByteReader in(payload);
-  StageTolerance m;
-  m.position_nm = in.Get<std::uint32_t>();
-  if (!in.finished() || m.position_nm == 0) return BadMotionFrame("StageTolerance");
-  return m;
-}
+struct Layout<JogMove> : OnMotionLine {
+  static constexpr const char* kName = "JogMove";
+  static void Fields(auto& io, auto& m) {
+    Position(io, m);
+    io.Number(m.speed_nm_s);
+    io.Require(m.speed_nm_s > 0);
+  }
+};
 
-Bytes Encode(const JogMove& m) {
-  ByteWriter out;
-  PutPosition(out, m);
-  out.Put(m.speed_nm_s);
-  return out.Take();
-}
-
-template <>
-Result<JogMove> Decode(std::span<const std::byte> payload) {
-  ByteReader in(payload);
-  JogMove m;
-  GetPosition(in, m);
-  m.speed_nm_s = in.Get<std::uint32_t>();
-  if (!in.finished() || m.speed_nm_s == 0) return BadMotionFrame("JogMove");
-  return m;
-}
+template Bytes Encode(const BeginRun&);
+template Bytes Encode(const Segments&);
+template Bytes Encode(const MotionIdentity&);
+template Bytes Encode(const MotionStatus&);
+template Bytes Encode(const Positions&);
+template Bytes Encode(const BeginTimedRun&);
+template Bytes Encode(const TimedSegments&);
+template Bytes Encode(const TimedPositions&);
+template Bytes Encode(const ControllerClock&);
+template Bytes Encode(const StageTolerance&);
+template Bytes Encode(const JogMove&);
+template Result<BeginRun> Decode(std::span<const std::byte>);
+template Result<Segments> Decode(std::span<const std::byte>);
+template Result<MotionIdentity> Decode(std::span<const std::byte>);
+template Result<MotionStatus> Decode(std::span<const std::byte>);
+template Result<Positions> Decode(std::span<const std::byte>);
+template Result<BeginTimedRun> Decode(std::span<const std::byte>);
+template Result<TimedSegments> Decode(std::span<const std::byte>);
+template Result<TimedPositions> Decode(std::span<const std::byte>);
+template Result<ControllerClock> Decode(std::span<const std::byte>);
+template Result<StageTolerance> Decode(std::span<const std::byte>);
+template Result<JogMove> Decode(std::span<const std::byte>);
 
 }  // namespace intaglio::link

@@ -15,11 +15,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "engrave/core/result.h"
+#include "services/platform/link/message.h"
 
 namespace intaglio::link {
 
@@ -170,43 +169,5 @@ struct ControllerClock {
 struct StageTolerance {
   std::uint32_t position_nm = 0;  ///< of the in-position output, > 0
 };
-
-using Bytes = std::vector<std::byte>;
-Bytes Encode(const BeginRun& m);
-Bytes Encode(const Segments& m);
-Bytes Encode(const MotionIdentity& m);
-Bytes Encode(const MotionStatus& m);
-Bytes Encode(const Positions& m);
-Bytes Encode(const BeginTimedRun& m);
-Bytes Encode(const TimedSegments& m);
-Bytes Encode(const TimedPositions& m);
-Bytes Encode(const ControllerClock& m);
-Bytes Encode(const StageTolerance& m);
-Bytes Encode(const JogMove& m);
-
-template <typename T>
-Result<T> Decode(std::span<const std::byte> payload);
-template <>
-Result<BeginRun> Decode(std::span<const std::byte> payload);
-template <>
-Result<Segments> Decode(std::span<const std::byte> payload);
-template <>
-Result<MotionIdentity> Decode(std::span<const std::byte> payload);
-template <>
-Result<MotionStatus> Decode(std::span<const std::byte> payload);
-template <>
-Result<Positions> Decode(std::span<const std::byte> payload);
-template <>
-Result<BeginTimedRun> Decode(std::span<const std::byte> payload);
-template <>
-Result<TimedSegments> Decode(std::span<const std::byte> payload);
-template <>
-Result<TimedPositions> Decode(std::span<const std::byte> payload);
-template <>
-Result<ControllerClock> Decode(std::span<const std::byte> payload);
-template <>
-Result<StageTolerance> Decode(std::span<const std::byte> payload);
-template <>
-Result<JogMove> Decode(std::span<const std::byte> payload);
 
 }  // namespace intaglio::link

@@ -19,11 +19,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "engrave/core/result.h"
+#include "services/platform/link/message.h"
 
 namespace intaglio::link {
 
@@ -178,38 +177,5 @@ struct HeadPast {
   std::uint32_t first_mark = 0;
   std::vector<HeadMarkFate> fates;  ///< 1..kMaxHeadPast, one a mark
 };
-
-using Bytes = std::vector<std::byte>;
-Bytes Encode(const HeadPermit& m);
-Bytes Encode(const HeadBegin& m);
-Bytes Encode(const HeadBlock& m);
-Bytes Encode(const HeadPastRequest& m);
-Bytes Encode(const HeadIdentity& m);
-Bytes Encode(const HeadStatus& m);
-Bytes Encode(const HeadMarks& m);
-Bytes Encode(const HeadWeb& m);
-Bytes Encode(const HeadPast& m);
-
-/// Decode<T>: kUnreadable when the payload is shorter, longer or out of range.
-template <typename T>
-Result<T> Decode(std::span<const std::byte> payload);
-template <>
-Result<HeadPermit> Decode(std::span<const std::byte> payload);
-template <>
-Result<HeadBegin> Decode(std::span<const std::byte> payload);
-template <>
-Result<HeadBlock> Decode(std::span<const std::byte> payload);
-template <>
-Result<HeadPastRequest> Decode(std::span<const std::byte> payload);
-template <>
-Result<HeadIdentity> Decode(std::span<const std::byte> payload);
-template <>
-Result<HeadStatus> Decode(std::span<const std::byte> payload);
-template <>
-Result<HeadMarks> Decode(std::span<const std::byte> payload);
-template <>
-Result<HeadWeb> Decode(std::span<const std::byte> payload);
-template <>
-Result<HeadPast> Decode(std::span<const std::byte> payload);
 
 }  // namespace intaglio::link
