@@ -47,17 +47,25 @@ class GrblMotionRig final : public MotionRig {
 
 }  // namespace
 
+// On for a while when a host connects: its banner is gone.
 GrblMachine::GrblMachine(grbl::VirtualGrblOptions options)
     : grbl(std::move(options)),
       to_grbl_(std::make_shared<link::FaultyPipe>()),
       to_host_(std::make_shared<link::FaultyPipe>()) {
   end_ = std::make_unique<link::FaultyEnd>(to_grbl_, to_host_, random_,
                                            [this] { return now_; });
+  grbl.Advance(100e3);
+  (void)grbl.Read();
+}
+
+void GrblMachine::SwitchOff() {
+  on_ = false;
+  grbl.SwitchOff();
 }
 
 void GrblMachine::Advance() {
   now_ += 1ms;
-  if (!on_) return;
+  if (!on_) return grbl.Advance(1000);
   std::array<std::byte, 97> bytes;
   while (const std::size_t count = end_->Read(bytes).value_or(0)) {
     grbl.Write({reinterpret_cast<const char*>(bytes.data()), count});

@@ -28,7 +28,7 @@ class GrblMachine {
   void Advance();
   void Cut(bool cut);
   void CutAfter(std::uint64_t bytes);
-  void SwitchOff() { on_ = false; }
+  void SwitchOff();
   void SwitchOn();
 
   /// `serial_number` empty: the controller's.

@@ -113,7 +113,7 @@ void ATargetOutsideTheTravelIsNotDrivenTo(const MotionRigMaker& make) {
 void ExpectRecovery(MotionBench& bench) {
   Expect(bench.Until([&] { return bench.state().link_up; }, 3s),
          "M10: the line does not come back: " + bench.Message());
-  bench.ExpectFault(intaglio_MOTION_SAFE_STATE, "M10: a run that was lost");
+  bench.ExpectFault(intaglio_MOTION_STARVED, "M10: a run that was lost");
   bench.ExpectStill(500ms, "M10: motion comes back by itself");
   bench.ClearFault();
   bench.ExpectGoodRun(9);
