@@ -25,41 +25,15 @@ class CourseMarkRig final : public MarkRig {
 
   void CutLine(bool cut) override { machine_.Cut(cut); }
   bool Inflict(ControllerFault fault) override {
-    grbl::VirtualGrbl& grbl = machine_.grbl;
-    switch (fault) {
-      case ControllerFault::kPowerCycle:
-        machine_.SwitchOff();
-        break;
-      case ControllerFault::kReset:
-        grbl.PressReset();
-        break;
-      case ControllerFault::kEmergencyStop:
-        grbl.SetEmergencyStop(true);
-        break;
-      case ControllerFault::kHold:
-        grbl.PressHold();
-        break;
-      case ControllerFault::kLimit:
-        grbl.HitLimit();
-        break;
-      case ControllerFault::kAlarm:
-        grbl.FailDrive();
-        break;
-      case ControllerFault::kError:
-        // Nothing is sent to it without a run.
-        if (machine_.grbl.motion().is_empty()) return false;
-        grbl.RefuseNextLine();
-        break;
-      case ControllerFault::kUnplug:
-        machine_.Cut(true);
-        break;
-    }
-    return true;
+    if (fault == ControllerFault::kPowerCycle) machine_.SwitchOff();
+    if (fault == ControllerFault::kUnplug) machine_.Cut(true);
+    return fault == ControllerFault::kPowerCycle || fault == ControllerFault::kUnplug ||
+           machine_.Inflict(fault);
   }
   void Relieve(ControllerFault fault) override {
     if (fault == ControllerFault::kPowerCycle) machine_.SwitchOn();
-    if (fault == ControllerFault::kEmergencyStop) machine_.grbl.SetEmergencyStop(false);
     if (fault == ControllerFault::kUnplug) machine_.Cut(false);
+    machine_.Relieve(fault);
   }
   void SetDoor(bool closed) override { machine_.grbl.SetDoor(!closed); }
   std::unique_ptr<MarkDriver> MakeDriver(const std::string& serial_number) override {
@@ -82,7 +56,7 @@ class CourseMarkRig final : public MarkRig {
   /// Not where a controller is that was switched on just now.
   void BeginByItsPanel(bool homes) {
     if (homes) machine_.grbl.Write("$H\n");
-    machine_.grbl.Write("G0X0.5Y0.5Z0.5\n");
+    machine_.grbl.Write("G0X0.5\n");
     machine_.grbl.Advance(10e6);
     (void)machine_.grbl.Read();
   }
