@@ -88,7 +88,8 @@ std::string TextOf(Missing missing) {
     case Missing::kDoor:
       return "the door is open: close it, then resume";
     case Missing::kSafeState:
-      return "the laser controller is in its safe state: resume to reset it";
+      return "the laser controller has closed its shutters by itself: check the machine, "
+             "then resume to reset it";
     case Missing::kLampSync:
       return "the lamp sync is too short to be counted: check its cable, and "
              "laser.timing.min_sync_width_us of the profile, then resume";
@@ -105,11 +106,13 @@ std::string TextOf(Missing missing) {
       return "the lock of the door does not hold while a shutter is open: check its "
              "magnet, then resume";
     case Missing::kOpenedUnseen:
-      return "key, door or stop button was opened while nobody watched: check the "
-             "block, then resume or cancel";
+      return "key, door or stop button was opened, or the controller stopped by itself "
+             "(hold, alarm, limit, error): check the machine and the block, then resume "
+             "or cancel";
     case Missing::kPowerCycle:
-      return "the laser controller was switched off and on: check that the right block "
-             "is in the machine, then resume or cancel";
+      return "the controller was switched off and on, or reset, or is watched anew: "
+             "check its zero, and that the right block is in the machine, then resume or "
+             "cancel";
     case Missing::kNotWatched:
       return "key and door were not supervised until now: check that the right block is "
              "in the machine, then resume or cancel";

@@ -12,8 +12,11 @@
 // of a run. A spent grant is void, however often it is repeated and whatever was
 // withdrawn in between: only a greater one counts. The loss of a line or of a
 // neighbouring process spends only the grant's renewal, which the job service may replace
-// by a greater one by itself, unless an interlock is open meanwhile. A grant older than
-// the newest one received, granted or withdrawn, is void.
+// by a greater one by itself, unless an interlock is open meanwhile (IsLostLine). What a
+// controller reports of itself is never a lost line: a stop of its own (hold, alarm,
+// limit, error) is counted among the openings, and a reset is another power-up, so the
+// machine watch spends the grant. A grant older than the newest one received, granted or
+// withdrawn, is void.
 //
 // The chain exists as long as the process, and is updated from the moment a job is given
 // to it: an arm may come long before the path, and what is opened in between spends it.
@@ -108,6 +111,14 @@ constexpr bool IsUnseen(Missing missing) { return missing >= Missing::kOpenedUns
 /// that holds the door while one is open, are checked when `with_shutters`, which a
 /// caller that is about to arm sets: they open when all other links hold.
 Missing FirstMissing(const ChainLinks& links, bool with_shutters);
+
+/// Only a line, or the process that has it, was lost: a renewal of the grant suffices.
+/// `late_motion`: a kMotionFault is of a line that is down or was too slow, not of the
+/// controller.
+constexpr bool IsLostLine(Missing missing, bool late_motion) {
+  return missing == Missing::kLaserLine || missing == Missing::kMotionState ||
+         (missing == Missing::kMotionFault && late_motion);
+}
 
 /// What to do about it, in one sentence; empty for kNothing.
 std::string TextOf(Missing missing);

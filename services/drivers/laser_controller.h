@@ -39,6 +39,11 @@
 //       disarmed.
 //   L13 A window whose energy is outside identity()'s range fires nothing: it is refused
 //       with kUnsupported, or each of its pulses has the outcome kEnergyOutside.
+//   L14 What the controller reports of itself is never a lost line alone: a reset, an
+//       emergency stop, a hold, a limit, an alarm and an error are counted among
+//       status().openings, or are another power_up, as a power cycle is. No shutter
+//       opens and nothing fires before Reset, and a controller is unlocked by Reset
+//       alone.
 // Not thread-safe. An object may be a motion driver, too
 // (services/drivers/motion_driver.h), when one controller is both.
 

@@ -59,7 +59,7 @@ void LockstepDriver::TakePowerUps() {
 
 void LockstepDriver::BeginSession(const std::string& lost_run) {
   state_.refusal.clear();
-  state_.fault = ran_ ? intaglio_MOTION_SAFE_STATE : intaglio_MOTION_OK;
+  state_.fault = ran_ ? intaglio_MOTION_STARVED : intaglio_MOTION_OK;
   state_.message = ran_ ? lost_run : "";
   ran_ = false;
   halted_ = clearing_ = leaving_safe_ = checks_place_ = false;
@@ -98,8 +98,10 @@ void LockstepDriver::SetFault(intaglio_MotionFault fault, std::string why) {
   ++state_.number;
 }
 
-void LockstepDriver::Halt(intaglio_MotionFault fault, std::string why) {
-  if (halted_) return;
+void LockstepDriver::Halt(intaglio_MotionFault fault, std::string why, StoppedBy by) {
+  // What comes while it recovers is another stop: a person has to look again.
+  if (halted_ && !leaving_safe_ && !clearing_) return;
+  if (by == StoppedBy::kController) ++own_stops_;
   halted_ = safe_ = true;
   leaving_safe_ = false;
   Forget();

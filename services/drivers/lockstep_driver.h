@@ -6,6 +6,10 @@
 //   segments --PieceQueue--> Feed --ControllerLine--> controller
 //   decided ticks --ProgressTicks--^        answers --> PassTicks, Report
 //
+// What the controller reports of itself is never taken for a lost line: a stop of its own
+// (Halt) is a fault, a safe state and one of status().openings, which a host cannot miss
+// (services/cell/machine_watch.h), and a reset is another power-up.
+//
 // What a tick is: piece_queue.h. The family runs in lockstep (LaserIdentity::lockstep):
 // while the lamp is on, ticks pass only as far as they are decided, so nothing comes too
 // late. Without the lamp nothing can fire, and ticks pass by this computer's clock. Lamp
@@ -151,7 +155,11 @@ class LockstepDriver : public MotionDriver, public LaserController {
   void BeginSession(const std::string& lost_run);
   void TakeLost();
   void SetFault(intaglio_MotionFault fault, std::string why);
-  void Halt(intaglio_MotionFault fault, std::string why);
+  /// Who stopped it: the chain, which openings() counts; the controller for a reason of
+  /// its own, which is counted among status().openings, too; this host, by Stop.
+  enum class StoppedBy { kChain, kController, kHost };
+  void Halt(intaglio_MotionFault fault, std::string why,
+            StoppedBy by = StoppedBy::kController);
   std::optional<JogPiece> NextJogPiece() const;
   bool Fires(std::uint64_t tick);
   /// Ticks up to here may be sent.
@@ -202,6 +210,7 @@ class LockstepDriver : public MotionDriver, public LaserController {
   bool clearing_ = false;      // the fault goes when the controller takes commands again
   bool leaving_safe_ = false;  // so does the safe state
   bool stop_ = false, safe_ = false;
+  std::uint32_t own_stops_ = 0;
   bool ran_ = false;  // a run was there when the line was lost
   std::chrono::nanoseconds planned_end_{0}, passed_at_{0}, lamp_since_{0};
   double passed_part_ = 0;  // of a tick

@@ -52,7 +52,7 @@ void LockstepDriver::ReportLaser() {
   status_.pulse_count = ticks_.pulse_count();
   status_.last_fired_tick = ticks_.last_fired_tick();
   status_.decided_through = ticks_.decided_through();
-  status_.openings = openings();
+  status_.openings = openings() + own_stops_;
   if (IsSettled()) status_.disarms_taken = disarms_sent_;
   if (!homing_) return;
   ++status_number_;
@@ -119,7 +119,8 @@ Status LockstepDriver::Reset() {
 Status LockstepDriver::Stop() {
   if (!up()) return Down();
   StopController();
-  Halt(intaglio_MOTION_SAFE_STATE, "stopped: check the block, then resume");
+  Halt(intaglio_MOTION_SAFE_STATE, "stopped: check the block, then resume",
+       StoppedBy::kHost);
   stop_ = safe_ = true;
   wanted_open_ = false;
   return {};

@@ -7,37 +7,46 @@
 // Marks are numbered by their place in the order of the job. A run is a row of marks that
 // are appended one behind the other; the controller makes them in that order.
 //
-// Guarantees of every driver together with its controller:
-//   M1  Nothing blocks. What cannot be taken now is refused with an error, and nothing of
+// Guarantees of every driver together with its controller; each is checked for all that
+// MarkDriverKinds lists (tests/services/drivers/marks/mark_conformance.cc):
+//   K1  Nothing blocks. What cannot be taken now is refused with an error, and nothing of
 //       it is done.
-//   M2  The beam is on, or the tool turns, only within marks of a run of this session,
+//   K2  The beam is on, or the tool turns, only within marks of a run of this session,
 //       and only while it is permitted: Permit(true) is repeated by the host; without it
 //       for 250 ms the controller (not the host) ends the beam.
-//   M3  A mark that was appended once is made at most once, whatever is repeated on the
+//   K3  A mark that was appended once is made at most once, whatever is repeated on the
 //       line. kBegun comes before anything of it can be made, kDone after all of it was
 //       made, each once and in order. kBroken ends a mark that was begun and not ended.
 //       A mark that the controller dropped before it was in hand ends as kNotBegun, even
 //       behind its kBegun.
-//   M4  Stop, a withdrawn permission, an interlock, a fault and a lost line end the beam
+//   K4  Stop, a withdrawn permission, an interlock, a fault and a lost line end the beam
 //       and drop what was appended. What of it was not begun is not made, and
 //       settled() is true once that is known.
-//   M5  Pause ends the run at the end of the mark in hand.
-//   M6  After a lost line or a killed host RequestPast tells what became of the newest
+//   K5  Pause ends the run at the end of the mark in hand.
+//   K6  After a lost line or a killed host RequestPast tells what became of the newest
 //       kRememberedMarks marks of the power-up, whichever session appended them, as far
 //       as the controller remembers (remembers_marks); without a memory they are
 //       uncertain. Marks of a run are appended in rising order: behind one that it knows,
 //       one that it does not know (kUncertain) never came.
-//   M7  Key, door and stop button end the beam, and openings() counts each letting go.
-//   M8  A controller with another serial number than the profile's is refused.
+//   K7  Key, door and stop button end the beam, and openings() counts each letting go.
+//   K8  A controller with another serial number than the profile's is refused.
+//   K9  What the controller reports of itself is never a lost line alone: a reset, an
+//       emergency stop, a hold, a limit, an alarm and an error end the run and are
+//       counted among state().openings, or are another power_up, as a power cycle is. No
+//       beam lights, and nothing moves or is unlocked, before Reset and a new run.
+//   K10 Where the controller may not know where its tool is, place_lost says so, and no
+//       run begins, until a person has homed it or has set its zero.
 // Not thread-safe.
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
 #include "engrave/mark/mark.h"
 #include "proto/machine.pb.h"
@@ -77,14 +86,23 @@ struct MarkDeviceState {
   std::string refusal;        ///< why the controller that answers is refused; else empty
   bool taken_over = false;    ///< another host has it, for good
   std::uint64_t session = 0;  ///< grows with each, whenever what was sent may be lost
-  std::string power_up;       ///< identity of the controller's power-up; empty: unknown
+  /// Another text is another power-up or reset of the controller, or a host that did not
+  /// watch it before; never empty while the line is up.
+  std::string power_up;
   bool remembers_marks = false;
 
   bool key_on = false, door_closed = false, stop_released = false;
   /// While it is permitted, also before a run. Of a mill: the spindle may turn.
   bool shutter_open = false;
   bool safe_state = false;  ///< the controller ended the beam by itself
+  /// Lettings go of key, door and stop button, and stops of the controller's own: a hold,
+  /// an alarm, a limit, a line that it refused.
   std::uint32_t openings = 0;
+  /// Why the controller may not know where its tool is, and what to do; no run begins
+  /// before a person has homed it or set its zero. Empty: it knows.
+  std::string place_lost = {};
+  /// Zero of the piece in the axes of the controller, mm; none: it keeps none.
+  std::optional<Vec3> work_offset_mm = {};
 
   /// Greatest run that this power-up has begun, of any job and host; 0: none, or the
   /// controller keeps no runs.

@@ -54,12 +54,18 @@ struct LatchedPositions {
 ///   M9  A line that is cut at any byte, and a host that dies or hangs, bring the stage
 ///       to rest by the controller itself: within 250 ms and the time that braking takes.
 ///   M10 A lost line comes back by itself; no motion does. The run that was lost shows as
-///       a fault until ClearFault.
+///       MOTION_STARVED until ClearFault.
 ///   M11 A power cycle of the controller ends everything that was begun before.
 ///   M12 Positions are latched once for every tick of a run, in order, without gap, and
 ///       are where the stage is, in the machine frame.
 ///   M13 A controller with another serial number than the profile's is refused
 ///       (MOTION_WRONG_CONTROLLER) and moves nothing.
+///   M17 What the controller reports of itself is none of MOTION_LINK_LOST,
+///   MOTION_STARVED
+///       and MOTION_LATE, which are of the line alone: a reset, an emergency stop, a
+///       hold, a limit, an alarm and an error each end the motion as a fault that lasts
+///       until ClearFault, or, as a power cycle does, as another power-up of the
+///       controller. Nothing moves by itself when its cause is gone.
 /// And of one that can be moved by hand (Jog does not return kUnsupported):
 ///   M14 Jog and Home move from rest, without a fault, and without a run; else they are
 ///       refused and nothing moves. While they move, at_rest is false from the moment in

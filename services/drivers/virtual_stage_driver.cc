@@ -75,7 +75,7 @@ FaultText TextOf(link::StageFault fault) {
       return {intaglio_MOTION_LATE,
               "the stage was not at rest at the beginning of the run"};
     case StageFault::kSafeState:
-      return {intaglio_MOTION_SAFE_STATE,
+      return {intaglio_MOTION_STARVED,
               "the stage received no frame for 250 ms and stopped"};
     case StageFault::kNoAir:
       return {intaglio_MOTION_NO_AIR,
@@ -85,7 +85,7 @@ FaultText TextOf(link::StageFault fault) {
       return {intaglio_MOTION_SAFE_STATE,
               "the stage had no compressed air and stopped; the air is back"};
     case StageFault::kBadSequence:
-      return {intaglio_MOTION_SAFE_STATE,
+      return {intaglio_MOTION_STARVED,
               "segments were lost on the motion line, and the stage stopped"};
   }
   return {intaglio_MOTION_SAFE_STATE, "the stage reports an unknown fault"};

@@ -95,7 +95,7 @@ void Marker::AcceptPrepared() {
   if (!prepared) return task_.Fail(prepared.error());
   MarkingJob& job = prepared->job;
   const cell::EarlierWork& earlier = job.earlier;
-  task_.BeginWork(earlier, {std::max(1u, earlier.power_up), earlier.openings},
+  task_.BeginWork(earlier, {earlier.power_up, earlier.openings},
                   task_.job().result_directory() + "/" + kJournalFile);
   journal_ = std::move(prepared->journal);
   marking_ =

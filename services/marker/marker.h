@@ -60,7 +60,9 @@ class Marker final : private cell::Maker {
   cell::WorkStates* work() override { return marking_.get(); }
   bool line_up() const override { return driver_->state().link_up; }
   std::string Refusal() const override { return driver_->state().refusal; }
-  std::string WhyNoArmCounts() const override { return Refusal(); }
+  std::string WhyNoArmCounts() const override {
+    return marker::WhyNoArmCounts(driver_->state());
+  }
   cell::ChainLinks Links(const cell::GrantInputs& inputs) const override {
     return LinksOf(driver_->state(), inputs);
   }

@@ -64,8 +64,7 @@ ChainLinks LinksOf(const drivers::MarkDeviceState& state, const GrantInputs& inp
   links.motion_without_fault = state.fault.empty();
   links.shutters_open = state.shutter_open;
   links.door_locked = true;  // such machines report no lock
-  // Of a controller that gives none, its openings alone are compared.
-  links.counters = {std::max(1u, PowerUpNumber(state.power_up)), state.openings};
+  links.counters = {PowerUpNumber(state.power_up), state.openings};
   return links;
 }
 
@@ -85,11 +84,15 @@ Marking::Activity Marking::activity() const {
   return Activity::kDone;
 }
 
+const std::string& WhyNoArmCounts(const drivers::MarkDeviceState& state) {
+  return state.refusal.empty() ? state.place_lost : state.refusal;
+}
+
 void Marking::Turn(const GrantInputs& inputs) {
   TakeEvents(inputs.now);
   const Missing unseen = TurnChain(LinksOf(driver_.state(), inputs), inputs.now);
   if (unseen != Missing::kNothing) Halt(unseen, TextFor(unseen), true, inputs.now);
-  RefuseArms(driver_.state().refusal);
+  RefuseArms(WhyNoArmCounts(driver_.state()));
   ReceiveConsent(inputs);
   AskOverUncertain(inputs);
   switch (phase_) {
@@ -221,13 +224,16 @@ std::string Marking::TextFor(Missing missing) const {
   const drivers::MarkDeviceState& state = driver_.state();
   switch (missing) {
     case Missing::kMotionFault:
-      return state.fault;
+    case Missing::kOpenedUnseen:
+      return state.fault.empty() ? TextOf(missing) : state.fault;
     case Missing::kLaserLine:
       return "the line to the controller is down: " +
              (state.message.empty() ? "check the cable and the controller, then resume"
                                     : state.message);
     case Missing::kSafeState:
-      return "the controller is in its safe state: resume to reset it";
+      return state.fault.empty() ? "the controller ended the beam by itself: check the "
+                                   "machine, then resume to reset it"
+                                 : state.fault;
     case Missing::kShutter:
       return "the beam was switched off, because this computer was too busy to permit it "
              "in time, or the shutter closed: reduce the load, check the shutter's "
@@ -308,7 +314,7 @@ void Marking::Halt(Missing missing, const std::string& text, bool fault,
   (void)driver_.Stop();
   stop_again_at_ = now + kStopPeriod;
   run_.End();
-  Explain(text, missing == Missing::kLaserLine || missing == Missing::kSafeState, fault);
+  Explain(text, cell::IsLostLine(missing, false), fault);
   phase_ = Phase::kHalting;
 }
 

@@ -44,6 +44,10 @@ struct MarkingJob {
 cell::ChainLinks LinksOf(const drivers::MarkDeviceState& state,
                          const cell::GrantInputs& inputs);
 
+/// Why every arm is spent while this lasts, and what to do: another controller answers,
+/// or it does not know where its tool is. Empty: arms count.
+const std::string& WhyNoArmCounts(const drivers::MarkDeviceState& state);
+
 class Marking final : public cell::WorkStates {
  public:
   enum class Phase { kWaiting, kOpening, kRunning, kPausing, kHalting, kDone };

@@ -36,18 +36,6 @@ SkipReason ReasonOf(Missing missing) {
   return SkipReason::kNoPermission;
 }
 
-// Reasons for which no person has to go to the machine.
-bool IsLostLine(Missing missing, intaglio_MotionFault motion_fault) {
-  if (missing == Missing::kMotionFault) {
-    return motion_fault != intaglio_MOTION_LIMIT &&
-           motion_fault != intaglio_MOTION_FOLLOWING_ERROR &&
-           motion_fault != intaglio_MOTION_WRONG_CONTROLLER &&
-           motion_fault != intaglio_MOTION_NO_AIR;
-  }
-  return missing == Missing::kLaserLine || missing == Missing::kMotionState ||
-         missing == Missing::kSafeState;
-}
-
 }  // namespace
 
 Engraving::Engraving(EngravingJob job, drivers::LaserController& laser, MotionFeed& feed,
@@ -93,7 +81,9 @@ Engraving::Activity Engraving::activity() const {
 }
 
 std::string Engraving::TextFor(Missing missing) const {
-  return missing == Missing::kMotionFault ? motion_message_ : TextOf(missing);
+  const bool of_stage =
+      missing == Missing::kMotionFault || missing == Missing::kOpenedUnseen;
+  return of_stage && !motion_message_.empty() ? motion_message_ : TextOf(missing);
 }
 
 void Engraving::Note(const PulseResult& result) {
@@ -301,8 +291,8 @@ void Engraving::Halt(const HaltReason& reason, const EngravingInputs& inputs) {
 }
 
 void Engraving::Explain(const HaltReason& reason, intaglio_MotionFault motion_fault) {
-  WorkStates::Explain(reason.text, IsLostLine(reason.missing, motion_fault), reason.fault,
-                      reason.starts_again());
+  const bool lost = cell::IsLostLine(reason.missing, IsLateMotion(motion_fault));
+  WorkStates::Explain(reason.text, lost, reason.fault, reason.starts_again());
 }
 
 void Engraving::Settle(const EngravingInputs& inputs) {

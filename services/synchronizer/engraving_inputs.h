@@ -38,6 +38,13 @@ struct MotionView {
   }
 };
 
+/// The line to the controller is down, or what it carries came too late; every other
+/// fault is one that the controller reports of itself.
+constexpr bool IsLateMotion(intaglio_MotionFault fault) {
+  return fault == intaglio_MOTION_LINK_LOST || fault == intaglio_MOTION_STARVED ||
+         fault == intaglio_MOTION_LATE;
+}
+
 /// The state of the world outside, of one turn.
 struct EngravingInputs : GrantInputs {
   MotionView motion;

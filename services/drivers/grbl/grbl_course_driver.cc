@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engrave/core/try.h"
+#include "services/drivers/power_up.h"
 #include "services/job/machine/course_tool.h"
 
 namespace intaglio::drivers {
@@ -103,6 +104,7 @@ Status GrblCourseDriver::Begin(std::uint32_t run, std::span<const mark::Pen> pen
   if (!state_.link_up) return RefuseCourse("the line to the controller is down");
   if (!state_.settled || run_) return RefuseCourse("a run is not at its end");
   if (!state_.fault.empty()) return RefuseCourse(state_.fault);
+  if (!state_.place_lost.empty()) return RefuseCourse(state_.place_lost);
   if (!line_.takes_lines() || grbl_.state != GrblState::kIdle || hand_motion_.active())
     return RefuseCourse("the controller is not idle: check door, hold and zero");
   if (run <= state_.newest_run)
@@ -195,7 +197,13 @@ void GrblCourseDriver::Report() {
   state_.refusal = line_.refusal();
   state_.session = line_.sessions();
   state_.key_on = state_.door_closed = state_.stop_released = state_.link_up && !open;
-  state_.openings = line_.door_openings();
+  state_.openings = line_.door_openings() + own_stops_;
+  if (power_ups_ != line_.power_ups()) {
+    power_ups_ = line_.power_ups();
+    state_.power_up = fmt::format("grbl-{:08x}", DrawPowerUp());
+  }
+  state_.place_lost = line_.place_is_lost() ? WhyPlaceIsLost() : "";
+  state_.work_offset_mm = line_.work_offset_mm();
   // There is no shutter: the permission is what lets beam and spindle on.
   state_.shutter_open =
       state_.link_up && permitted() && !stopping_ && state_.fault.empty();
@@ -203,6 +211,28 @@ void GrblCourseDriver::Report() {
   const bool ready = line_.takes_lines() || !state_.fault.empty();
   state_.settled = state_.link_up && ready && !run_ && !stopping_ && !unsettled_;
   if (grbl_.work_mm) state_.position_mm = *grbl_.work_mm;
+  if (state_.link_up) UpdateReach();
+}
+
+// Where the controller rests when the line comes back, unless it was switched off: on the
+// way of what was sent.
+void GrblCourseDriver::UpdateReach() {
+  if (hand_motion_.active()) return line_.SetReach(hand_motion_.reach());
+  Box3 reach{state_.position_mm, state_.position_mm};
+  if (hand_) reach.Extend(program_.reach());
+  line_.SetReach(reach);
+}
+
+std::string GrblCourseDriver::WhyPlaceIsLost() const {
+  const char* const remedy =
+      line_.traits().homing
+          ? "home it (`intaglio teach home`)"
+          : "drive the tool to the work zero and set it in x, y and z (`intaglio teach "
+            "zero`)";
+  return fmt::format(
+      "the controller may not know where its tool is, because it was switched on, reset "
+      "or stopped by an alarm: {}",
+      remedy);
 }
 
 std::unique_ptr<MarkDriver> MakeGrblCourseDriver(const MachineSpec& machine,

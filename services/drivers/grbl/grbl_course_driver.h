@@ -17,20 +17,27 @@
 // Frame: G54 of the controller, whose zero a person sets; z up, 0 on the work.
 //
 // What this family does not keep by itself of the guarantees of mark_driver.h:
-//  - M2: there is no watchdog: a controller whose host is gone runs out what it holds. So
+//  - K2: there is no watchdog: a controller whose host is gone runs out what it holds. So
 //    that is kAhead_s of motion at the speed that was asked for, and one line; a
 //    controller that reaches less takes as much longer. Then a laser is dark (M4 mode),
 //    and a spindle still turns (M3) until the line comes back: an external gate has to
 //    end it. A permission that is withdrawn or runs out while the host lives is a Stop.
-//  - M4, Stop: feed hold, and the reset (0x18, which ends beam and spindle) when it is at
+//  - K4, Stop: feed hold, and the reset (0x18, which ends beam and spindle) when it is at
 //    rest, or after kBraking. A reset in motion may lose the position (ALARM:3).
-//  - M6: it remembers no mark. What this object has seen is answered, else kUncertain:
+//  - K6: it remembers no mark. What this object has seen is answered, else kUncertain:
 //    one mark at most.
-//  - M7: key, door and stop button are one chain on the door's input; of openings without
+//  - K7: key, door and stop button are one chain on the door's input; of openings without
 //    a host one is seen.
 // shutter_open is that it is permitted: there is no shutter.
-// Nothing is sent after a door, a hold or an alarm before Reset, and '~' never is. Reset
-// unlocks a controller that is locked ($X): home it before, if it has switches.
+//
+// What the controller reports of itself is a stop of its own (openings), never a lost
+// line: a hold that this host did not ask for, an alarm, a limit, a refused line, also
+// when it was found so behind a lost line. Nothing is sent after one before Reset, and
+// '~' never is. A reset by another and a power-up are another power_up; so is a new
+// object of this class, because the controller gives no number of its own. Where the tool
+// is may be unknown then (GrblLine): place_lost lasts until a person has homed it or has
+// set its zero, and Begin is refused. Reset unlocks a controller that is locked ($X) and
+// has no switches; one that has is homed.
 
 #include <chrono>
 #include <deque>
@@ -105,10 +112,14 @@ class GrblCourseDriver final : public MarkDriver {
   void FeedStop();
   void EndStop();
   void FeedRecovery();
+  /// A stop of the controller's own.
+  void StopItself(std::string why);
   void Fault(std::string why);
   void EndFault();
   void AddEvent(std::uint32_t mark, MarkFate fate);
   void Report();
+  void UpdateReach();
+  std::string WhyPlaceIsLost() const;
   bool spindle() const { return options_.tool == GrblTool::kSpindle; }
   std::chrono::nanoseconds now() const { return clock_(); }
 
@@ -121,6 +132,8 @@ class GrblCourseDriver final : public MarkDriver {
   GrblStatus grbl_;
   MarkDeviceState state_;
   bool has_status_ = false;
+  std::uint32_t power_ups_ = 0;  ///< of the line, to which state_.power_up belongs
+  std::uint32_t own_stops_ = 0;
   std::vector<MarkEvent> events_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, MarkFate> fates_;
 

@@ -30,9 +30,12 @@ void GrblCourseDriver::Take(const GrblLine::Event& event) {
   if (std::holds_alternative<GrblOk>(event)) return TakeOk();
   if (const auto* status = std::get_if<GrblStatus>(&event)) return TakeStatus(*status);
   if (const auto* alarm = std::get_if<GrblAlarm>(&event)) return TakeAlarm(*alarm);
+  if (std::holds_alternative<GrblHeld>(event)) {
+    return StopItself("the controller was on hold: check the work, then resume");
+  }
   if (const auto* error = std::get_if<GrblError>(&event)) {
-    Fault("the controller refused a line: " + TextOfGrblError(error->code) +
-          "; check its version, then resume");
+    StopItself("the controller refused a line: " + TextOfGrblError(error->code) +
+               "; check its version, then resume");
   }
 }
 
@@ -63,7 +66,7 @@ void GrblCourseDriver::TakeLost() {
 }
 
 void GrblCourseDriver::TakeAlarm(const GrblAlarm& alarm) {
-  Fault(TextOfGrblAlarm(alarm.code));
+  StopItself(TextOfGrblAlarm(alarm.code));
 }
 
 void GrblCourseDriver::TakeStatus(const GrblStatus& status) {
@@ -78,9 +81,9 @@ void GrblCourseDriver::TakeStatus(const GrblStatus& status) {
   if (door || line_.door_is_open()) {
     Fault("the safety door opened: close it, check the work, then resume");
   } else if (hold) {
-    Fault("the controller is on hold: release it, then resume");
+    StopItself("the controller is on hold: check the work, then resume");
   } else if (status.state == GrblState::kAlarm) {
-    Fault("the controller is locked: home it or check its zero, then resume");
+    StopItself("the controller is locked: home it or set its zero, then resume");
   }
 }
 
@@ -197,6 +200,13 @@ void GrblCourseDriver::DropQueue() {
   queue_.clear();
 }
 
+void GrblCourseDriver::StopItself(std::string why) {
+  // What comes while it recovers is another stop: a person has to look again.
+  if (!state_.safe_state || recovers_) ++own_stops_;
+  recovers_ = false;
+  Fault(std::move(why));
+}
+
 void GrblCourseDriver::Fault(std::string why) {
   if (state_.fault.empty()) state_.fault = std::move(why);
   state_.safe_state = true;
@@ -239,21 +249,13 @@ void GrblCourseDriver::EndFault() {
   state_.fault.clear();
 }
 
-// Out of a hold and a closed door by a reset at rest, which forgets what was queued; out
-// of an alarm by $X.
+// The line takes lines and resets again behind a status that is newer than the one
+// before.
 void GrblCourseDriver::FeedRecovery() {
-  if (line_.resetting() || status_at_ <= stop_at_) return;
-  const bool holds = grbl_.state == GrblState::kHold || grbl_.state == GrblState::kDoor;
-  if (holds && grbl_.substate == 0) {
-    line_.Reset();
-    stop_at_ = now();
-  } else if (line_.locked() && grbl_.state == GrblState::kAlarm) {
-    line_.Unlock();
-    stop_at_ = now();
-  } else if (line_.takes_lines() && grbl_.state == GrblState::kIdle) {
-    recovers_ = false;
-    EndFault();
-  }
+  const bool homes = line_.locked() && line_.traits().homing;
+  if (!line_.Recover(grbl_) && !homes) return;
+  recovers_ = false;
+  EndFault();
 }
 
 }  // namespace intaglio::drivers

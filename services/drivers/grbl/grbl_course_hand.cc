@@ -83,6 +83,18 @@ Status GrblCourseHand::ClearFault() {
   return reset_();
 }
 
+Box3 GrblCourseHand::reach() const {
+  constexpr double kAnywhere_mm = 1e9;
+  if (what_ == What::kHome)
+    return {Vec3::Constant(-kAnywhere_mm), Vec3::Constant(kAnywhere_mm)};
+  Vec3 to_mm = to_mm_;
+  for (int i = 0; i < 3; ++i) {
+    if (what_ == What::kZero && !sets_[static_cast<std::size_t>(i)])
+      to_mm[i] = state_.position_mm[i];
+  }
+  return {state_.position_mm.cwiseMin(to_mm), state_.position_mm.cwiseMax(to_mm)};
+}
+
 void GrblCourseHand::End() {
   what_ = What::kNone;
   sent_.clear();
@@ -100,6 +112,8 @@ void GrblCourseHand::Take(const GrblLine::Event& event) {
   const auto first = std::ranges::find(sent_, false, &Sent::acknowledged);
   if (!answer || first == sent_.end()) return;
   first->acknowledged = true;
+  const bool is_zero = what_ == What::kZero && all_sent_ && first + 1 == sent_.end();
+  if (is_zero && std::holds_alternative<GrblOk>(event)) line_.TakeZero(sets_);
   if (first->blocks == 0) sent_.erase(sent_.begin(), first + 1);
 }
 

@@ -78,6 +78,7 @@ void GrblCourseProgram::SetController(const GrblTraits& traits) {
 
 void GrblCourseProgram::RestAt(const Vec3& place_mm) {
   at_mm_ = planned_mm_ = Printed(place_mm);
+  reach_ = {at_mm_, at_mm_};
 }
 
 void GrblCourseProgram::Begin(const mark::Mark& mark, const mark::Pen& pen) {
@@ -86,6 +87,7 @@ void GrblCourseProgram::Begin(const mark::Mark& mark, const mark::Pen& pen) {
   pen_ = pen;
   pass_ = 0;
   ended_ = false;
+  reach_ = {at_mm_, at_mm_};
   const Vec2 begin_mm = mark.places.front().at_mm;
   if (options_.tool == GrblTool::kSpindle) {
     const double z_mm = std::max(options_.safe_height_mm, planned_mm_.z());
@@ -262,12 +264,15 @@ CourseLine GrblCourseProgram::Motion(const Leg& leg, const Vec3& to_mm) {
     piece.length_mm = leg.edge.length_mm / static_cast<double>(leg.piece_count);
     line.blocks = BlocksOfArc(piece);
     line.seconds = piece.length_mm / leg.speed_mm_s;
+    for (const double side : {-radius_mm, radius_mm})
+      reach_.Extend(At(leg.edge.center_mm + Vec2::Constant(side), to_mm.z()));
   } else {
     line.text = (leg.kind == Kind::kRapid ? "G0" : "G1") + CoordinatesTo(to_mm);
     line.blocks = IsStep(at_mm_, to_mm) ? 1 : 0;
     line.seconds = (to_mm - at_mm_).norm() / leg.speed_mm_s;
   }
   at_mm_ = to_mm;
+  reach_.Extend(to_mm);
   if (leg.kind == Kind::kRapid) return line;
   const std::string feed =
       "F" + CourseNumber(std::max(kSlowestFeed_mm_min, leg.speed_mm_s * 60), 1);

@@ -58,6 +58,8 @@ class GrblCourseProgram {
   std::optional<CourseLine> Next();
   /// What was not given out is forgotten.
   void Drop();
+  /// All places to which the lines that were given out since RestAt or Begin lead.
+  const Box3& reach() const { return reach_; }
 
  private:
   enum class Kind { kRapid, kWork };
@@ -94,6 +96,7 @@ class GrblCourseProgram {
   std::deque<Leg> legs_;
   Vec3 planned_mm_ = Vec3::Zero();  ///< end of legs_
   Vec3 at_mm_ = Vec3::Zero();       ///< of what was given out, as it was printed
+  Box3 reach_;
   std::string feed_text_, power_text_ = "S0";
 };
 

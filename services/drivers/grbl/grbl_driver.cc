@@ -44,6 +44,10 @@ void GrblDriver::Take(const GrblLine::Event& event) {
   if (const auto* status = std::get_if<GrblStatus>(&event)) return TakeStatus(*status);
   if (const auto* alarm = std::get_if<GrblAlarm>(&event)) return TakeAlarm(*alarm);
   if (std::holds_alternative<GrblHomed>(event)) return TakeHomed();
+  if (std::holds_alternative<GrblHeld>(event)) {
+    return Halt(intaglio_MOTION_SAFE_STATE,
+                "the controller was on hold: check the block, then resume");
+  }
   // What follows in its buffer goes on; a hold keeps it until the reset of ClearFault.
   if (!homing_) line_.SendRealtime('!');
   Halt(intaglio_MOTION_SAFE_STATE, "the controller refused a line: " +
@@ -54,6 +58,7 @@ void GrblDriver::Take(const GrblLine::Event& event) {
 void GrblDriver::TakeAlarm(const GrblAlarm& alarm) {
   constexpr int kHomeReset = 6;
   if (std::exchange(stopped_home_, false) && alarm.code == kHomeReset) return;
+  if (line_.traits().homing) state_.homed = false;
   const bool limit = alarm.code == 1 || alarm.code == 2;
   Halt(limit ? intaglio_MOTION_LIMIT : intaglio_MOTION_SAFE_STATE,
        TextOfGrblAlarm(alarm.code));
@@ -82,7 +87,7 @@ void GrblDriver::TakeUp() {
       "the line to the controller was lost in a run, and the controller has "
       "executed what it had: resume");
   commanded_open_ = open_ = stopped_home_ = false;
-  state_.homed = true;
+  state_.homed = !(line_.traits().homing && line_.place_is_lost());
 }
 
 bool GrblDriver::IsIdentified() const {
@@ -94,7 +99,8 @@ bool GrblDriver::IsGivenOut() const {
 }
 
 bool GrblDriver::HasRecovered() const {
-  return line_.takes_lines() && grbl_.state == GrblState::kIdle;
+  const bool waits_for_home = line_.locked() && line_.traits().homing;
+  return (line_.takes_lines() && grbl_.state == GrblState::kIdle) || waits_for_home;
 }
 
 void GrblDriver::BeginProgram(std::uint64_t start_tick) {
@@ -106,15 +112,18 @@ void GrblDriver::TakeStatus(const GrblStatus& status) {
   if (!halted_ && (door || status.state == GrblState::kHold)) {
     Halt(intaglio_MOTION_SAFE_STATE,
          door ? "the safety door opened: close it, check the block, then resume"
-              : "the controller is on hold: release it, then resume");
+              : "the controller is on hold: check the block, then resume",
+         door ? StoppedBy::kChain : StoppedBy::kController);
   }
   // Locked at the beginning of a session: since its power-up, or an alarm of before.
   const bool locked = status.state == GrblState::kAlarm;
-  if (locked && status_number_ == 0 && line_.traits().homing) state_.homed = false;
+  const bool homes = line_.traits().homing;
+  if (locked && homes && status_number_ == 0) state_.homed = false;
   if (locked && state_.homed && state_.fault == intaglio_MOTION_OK) {
     Halt(intaglio_MOTION_SAFE_STATE,
          "the controller is locked by an alarm: home it or check its zero, then resume");
   }
+  state_.homed = state_.homed && !(locked && homes);
   grbl_ = status;
   TakeProgress();
   state_.position_mm = *status.work_mm;

@@ -243,15 +243,6 @@ std::uint64_t GrblDriver::ForgetSent() {
   return last;
 }
 
-// To a controller that takes lines: out of a hold and a closed door by a reset at rest,
-// which forgets what was queued; out of an alarm by $X.
-void GrblDriver::Recover() {
-  const bool holds = (grbl_.state == GrblState::kHold || grbl_.state == GrblState::kDoor);
-  if (holds && grbl_.substate == 0 && line_.takes_lines()) {
-    line_.Reset();
-  } else if (line_.locked() && grbl_.state == GrblState::kAlarm) {
-    line_.Unlock();
-  }
-}
+void GrblDriver::Recover() { (void)line_.Recover(grbl_); }
 
 }  // namespace intaglio::drivers

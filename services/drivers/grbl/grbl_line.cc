@@ -23,6 +23,9 @@ bool IsWithin(const Box3& box, const Vec3& place) {
          (place.array() <= box.max_mm.array() + kPlaceTolerance_mm).all();
 }
 
+// Decimals of a status.
+constexpr double kAtZero_mm = 0.0005;
+
 }  // namespace
 
 GrblLine::GrblLine(link::StreamOpener open, link::SteadyClock clock,
@@ -81,6 +84,7 @@ void GrblLine::Take(const GrblAnswer& answer, std::vector<Event>& events) {
   }
   if (const auto* alarm = std::get_if<GrblAlarm>(&answer)) {
     alarm_ = true;
+    LosePlace();
     if (!up()) return;
     set_up_ = false;
     home_failed_ = std::exchange(homing_, false);
@@ -120,6 +124,7 @@ void GrblLine::TakeBanner(std::vector<Event>& events) {
   if (phase_ != Phase::kResetting) {
     // Nobody asked for it: power, the reset button, or the opening of the port.
     if (phase_ != Phase::kRefused) ++power_ups_;
+    LosePlace();
     reach_.reset();
     if (up()) Lose("the controller was reset or switched off", events);
     phase_ = Phase::kAsking;
@@ -131,6 +136,8 @@ void GrblLine::TakeBanner(std::vector<Event>& events) {
   if (resets_itself_) {
     phase_ = Phase::kUp;
     resets_itself_ = false;
+    awaits_status_ = true;
+    next_status_ = {};
     if (!alarm_) SetUp();
     return;
   }
@@ -147,6 +154,7 @@ void GrblLine::TakeAcknowledgement(bool good, int code, std::vector<Event>& even
   if (std::exchange(homing_, false)) {
     if (good) {
       alarm_ = false;
+      lost_axes_ = {};
       events.emplace_back(GrblHomed{});
       SetUp();
     } else {
@@ -167,7 +175,8 @@ void GrblLine::TakeAcknowledgement(bool good, int code, std::vector<Event>& even
   if (!good) setting_up_ = false;
   if (outstanding_.empty() && setting_up_) {
     setting_up_ = false;
-    set_up_ = true;
+    set_up_ = awaits_status_ = true;
+    next_status_ = {};
   }
 }
 
@@ -186,9 +195,14 @@ void GrblLine::TakeStatus(GrblStatus status, std::vector<Event>& events) {
   alarm_ = status.state == GrblState::kAlarm;
   WatchDoor(status);
   if (status.work_offset_mm) work_offset_mm_ = *status.work_offset_mm;
-  if (!status.work_mm) status.work_mm = *status.machine_mm - work_offset_mm_;
+  if (!status.work_mm)
+    status.work_mm = *status.machine_mm - work_offset_mm_.value_or(Vec3::Zero());
+  if (!status.machine_mm && work_offset_mm_)
+    status.machine_mm = *status.work_mm + *work_offset_mm_;
+  if (alarm_) LosePlace();
   if (phase_ == Phase::kUp) {
     if (alarm_) set_up_ = false;
+    awaits_status_ = false;
     events.emplace_back(std::move(status));
     return;
   }
@@ -197,16 +211,29 @@ void GrblLine::TakeStatus(GrblStatus status, std::vector<Event>& events) {
     message_ = "the safety door is open: close it";
     return;
   }
+  if (status.state == GrblState::kHold && !held_) found_held_ = true;
   if (!status.at_rest()) {
-    if (!std::exchange(held_, true)) out_ += '!';
+    if (status.state != GrblState::kHold && !std::exchange(held_, true)) out_ += '!';
     return;
   }
   held_ = false;
-  if (reach_ && !IsWithin(*reach_, *status.work_mm)) ++power_ups_;
+  if (WasSwitchedOff(status)) {
+    ++power_ups_;
+    LosePlace();
+  }
   reach_.reset();
   out_ = kGrblReset;
   phase_ = Phase::kResetting;
   phase_at_ = now();
+}
+
+// In the time in which the line was down: each power-up begins at the zero of the axes.
+bool GrblLine::WasSwitchedOff(const GrblStatus& status) const {
+  if (!reach_) return false;
+  if (!IsWithin(*reach_, *status.work_mm)) return true;
+  // One that homes is locked then.
+  return !traits_.homing && status.machine_mm &&
+         status.machine_mm->cwiseAbs().maxCoeff() < kAtZero_mm;
 }
 
 std::string GrblLine::RefusalOfTraits() const {
@@ -240,6 +267,8 @@ void GrblLine::Identified(std::vector<Event>& events) {
   ++sessions_;
   message_.clear();
   events.emplace_back(GrblUp{});
+  if (std::exchange(found_held_, false)) events.emplace_back(GrblHeld{});
+  awaits_status_ = true;
   if (!alarm_) SetUp();
   next_status_ = {};
 }
@@ -250,10 +279,27 @@ void GrblLine::SetUp() {
   SendOwn({"M5S0", "G21G90G94G54G1"});
 }
 
+bool GrblLine::Recover(const GrblStatus& newest) {
+  // A line of the set-up waits while it holds.
+  if (phase_ != Phase::kUp || homing_ || awaits_status_) return false;
+  const bool holds = newest.state == GrblState::kHold || newest.state == GrblState::kDoor;
+  if (holds && newest.substate == 0) {
+    Reset();
+  } else if (locked() && newest.state == GrblState::kAlarm && !traits_.homing) {
+    Unlock();
+  }
+  return takes_lines() && newest.state == GrblState::kIdle;
+}
+
 void GrblLine::Unlock() {
   if (phase_ != Phase::kUp || set_up_ || setting_up_) return;
+  LosePlace();
   SendOwn({"$X"});
   SetUp();
+}
+
+void GrblLine::TakeZero(const std::array<bool, 3>& sets) {
+  for (std::size_t i = 0; i < 3; ++i) lost_axes_[i] = lost_axes_[i] && !sets[i];
 }
 
 bool GrblLine::SendHome() {
@@ -320,6 +366,7 @@ void GrblLine::Lose(std::string why, std::vector<Event>& events) {
   message_ = std::move(why);
   phase_ = Phase::kAsking;
   resets_itself_ = set_up_ = setting_up_ = held_ = homing_ = home_failed_ = false;
+  awaits_status_ = false;
   outstanding_.clear();
   outstanding_bytes_ = 0;
   out_.clear();

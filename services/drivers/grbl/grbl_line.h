@@ -11,7 +11,17 @@
 //
 // kAsking sends '?' alone and, once, '!' to a controller that moves for a host of before.
 // The reset at rest drops what an earlier host left in the receive buffer, also half a
-// line, is dark, and keeps the position; no line is sent before it.
+// line, is dark, and keeps the position; no line is sent before it. A hold that this host
+// did not ask for is a person's: it is reported behind GrblUp (GrblHeld).
+//
+// A reset, or an unlock, is sent once, and no line before a status that was made behind
+// it has come.
+//
+// Where the tool is may be unknown to the controller: after its power-up, a reset by
+// another, an alarm and an unlock. place_is_lost() is true until it has homed or a person
+// has set its zero. That it was switched off while the line was down shows as a banner,
+// or as a place that nothing which was sent leads to, or as the zero of its axes, where
+// each power-up begins.
 //
 // Lines are counted by their characters: what is not acknowledged never exceeds the
 // receive buffer, so no byte is lost in it. Realtime commands need no room.
@@ -50,13 +60,14 @@ enum class GrblTool { kLaser, kSpindle };
 struct GrblUp {};     ///< a session has begun: the controller is at rest, empty and dark
 struct GrblHomed {};  ///< what SendHome began has ended well
 struct GrblLost {};   ///< the line, or the controller's memory of what was sent
+struct GrblHeld {};   ///< it was on hold, by a person, when the session began
 
 class GrblLine final : public ControllerLine {
  public:
   /// A GrblStatus has work_mm. In the order in which they came. GrblOk and GrblError are
   /// of Send's lines alone.
-  using Event =
-      std::variant<GrblUp, GrblLost, GrblOk, GrblError, GrblAlarm, GrblStatus, GrblHomed>;
+  using Event = std::variant<GrblUp, GrblLost, GrblOk, GrblError, GrblAlarm, GrblStatus,
+                             GrblHomed, GrblHeld>;
 
   GrblLine(link::StreamOpener open, link::SteadyClock clock,
            link::ExpectedDevice expected, GrblTool tool = GrblTool::kLaser);
@@ -76,6 +87,12 @@ class GrblLine final : public ControllerLine {
   /// How often the safety door's input was seen to open.
   std::uint32_t door_openings() const { return door_openings_; }
   bool door_is_open() const { return door_open_; }
+  /// The controller may not know where its tool is.
+  bool place_is_lost() const { return lost_axes_ != std::array<bool, 3>{}; }
+  /// A person has set the zero of these axes where the tool is.
+  void TakeZero(const std::array<bool, 3>& sets);
+  /// Of G54 and what is added to it; none: not reported yet.
+  const std::optional<Vec3>& work_offset_mm() const { return work_offset_mm_; }
 
   /// Bytes that the receive buffer has room for.
   std::size_t Room() const;
@@ -91,8 +108,11 @@ class GrblLine final : public ControllerLine {
   /// 0x18: dark with the last step, everything that was sent is forgotten. The session
   /// stays.
   void Reset();
-  /// After an alarm: $X and the set-up.
-  void Unlock();
+  /// To a controller that takes lines, once for each call of a caller who repeats it: out
+  /// of a hold and a closed door by a reset at rest, which forgets what was queued; out
+  /// of an alarm by $X and the set-up, unless it has switches: then it is homed.
+  /// `newest`: the newest status. True: it is idle and takes lines.
+  bool Recover(const GrblStatus& newest);
   void RequestStatus() { next_status_ = {}; }
   /// $H, when nothing is outstanding; false: something is. The controller is mute until
   /// GrblHomed, a GrblAlarm or a GrblError tells how it ended. Reset ends it, with
@@ -120,8 +140,13 @@ class GrblLine final : public ControllerLine {
   void Identified(std::vector<Event>& events);
   std::string RefusalOfTraits() const;
   void SendOwn(const std::vector<std::string>& lines);
+  void Unlock();
   void SetUp();
-  bool is_ready() const { return phase_ == Phase::kUp && !setting_up_ && !homing_; }
+  bool is_ready() const {
+    return phase_ == Phase::kUp && !setting_up_ && !homing_ && !awaits_status_;
+  }
+  bool WasSwitchedOff(const GrblStatus& status) const;
+  void LosePlace() { lost_axes_ = {true, true, true}; }
 
   link::ExpectedDevice expected_;
   GrblTool tool_;
@@ -131,13 +156,16 @@ class GrblLine final : public ControllerLine {
   GrblTraits traits_;
   Phase phase_ = Phase::kClosed;
   bool resets_itself_ = false, set_up_ = false, setting_up_ = false, held_ = false;
+  bool awaits_status_ = false;  // one that is newer than the newest reset or unlock
+  bool found_held_ = false;     // by another than this host
   bool alarm_ = false;
   bool homing_ = false;
   bool home_failed_ = false;  // it resets itself behind the alarm
   bool door_open_ = false, door_latched_ = false;
   std::uint32_t door_openings_ = 0;
-  Vec3 work_offset_mm_ = Vec3::Zero();  // the newest that was reported
+  std::optional<Vec3> work_offset_mm_;  // the newest that was reported
   std::optional<Box3> reach_;
+  std::array<bool, 3> lost_axes_{};  // of which it may not know where they are
   std::chrono::nanoseconds next_status_{0}, received_at_{0}, phase_at_{0};
 };
 

@@ -70,7 +70,8 @@ void IselDriver::TakeProbe(char code) {
   SetChain(code == 'H');
   if (code == 'H') {
     Halt(intaglio_MOTION_SAFE_STATE,
-         "the controller's " + TextOfIselError(code) + ", check the block, then resume");
+         "the controller's " + TextOfIselError(code) + ", check the block, then resume",
+         StoppedBy::kChain);
     return;
   }
   state_.homed = code != 'R';
@@ -81,7 +82,8 @@ void IselDriver::Refuse(char code, const std::string& what) {
   if (code == 'R' || code == '2') state_.homed = false;
   Halt(code == '2' ? intaglio_MOTION_LIMIT : intaglio_MOTION_SAFE_STATE,
        fmt::format("the controller refused {}: {}; check the block, then resume", what,
-                   TextOfIselError(code)));
+                   TextOfIselError(code)),
+       code == 'H' ? StoppedBy::kChain : StoppedBy::kController);
 }
 
 void IselDriver::TakeMove(char code) {

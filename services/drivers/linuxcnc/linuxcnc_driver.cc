@@ -89,7 +89,7 @@ void LinuxcncDriver::BeginSession() {
   jog_.End();
   settled_ = run_in_flight_ = jog_in_flight_ = clearing_ = false;
   still_samples_ = 0;
-  state_.fault = run_lost_ ? intaglio_MOTION_SAFE_STATE : intaglio_MOTION_OK;
+  state_.fault = run_lost_ ? intaglio_MOTION_STARVED : intaglio_MOTION_OK;
   state_.message =
       run_lost_ ? "the run was lost with the line, and the axes stopped" : "";
   // What has been idle may be used at once; after power-up every latch is open.

@@ -114,12 +114,12 @@ TEST_F(MillByHand, MotionEndsWithTheProgramThatHoldsIt) {
 }
 
 TEST_F(MillByHand, WhileAJobIsArmedOrADoorIsOpenNothingIsMovedByHand) {
-  shop_.SwitchDoor();
+  shop_.AtPanel("door open");
   ASSERT_TRUE(Eventually(
       [&] { return Teach({"status"}).find("door OPEN") != std::string::npos; }, 20s));
   EXPECT_THAT(Teach({"jog", "x", "5"}), HasSubstr("door"));
   EXPECT_THAT(Teach({"zero"}), HasSubstr("door"));
-  shop_.SwitchDoor();
+  shop_.AtPanel("door close");
   ASSERT_TRUE(Eventually(
       [&] { return Teach({"status"}).find("door closed") != std::string::npos; }, 20s));
   EXPECT_THAT(Teach({"park"}), HasSubstr("its work zero"));

@@ -31,9 +31,15 @@ CourseShop::CourseShop(Machine machine)
     : folder_(test::FreshFolder()), tag_("course" + std::to_string(getpid())) {
   const std::string line = (folder_ / "line").string();
   Write("machine.textproto", ProfileOf(machine, line));
-  std::vector<std::string> words = {
-      "--hal", "--line",           line, "--record", folder_ / "record.txt",
-      "--way", folder_ / "way.txt"};
+  std::vector<std::string> words = {"--hal",
+                                    "--line",
+                                    line,
+                                    "--record",
+                                    folder_ / "record.txt",
+                                    "--way",
+                                    folder_ / "way.txt",
+                                    "--panel",
+                                    folder_ / "panel"};
   if (machine == Machine::kMill) words.emplace_back("--spindle");
   controller_ = std::make_unique<Running>(
       fs::path(INTAGLIO_BIN_DIR).parent_path() / "tests/virtual-grbl", words,
@@ -112,6 +118,10 @@ bool CourseShop::AwaitDone(std::chrono::seconds bound) {
         return shown_.find("state      done") != std::string::npos;
       },
       bound);
+}
+
+void CourseShop::AtPanel(const std::string& command) const {
+  EXPECT_EQ(AskPanel(folder_, command), "ok\n") << command;
 }
 
 std::size_t CourseShop::Lapses() const {

@@ -54,9 +54,8 @@ class CourseShop {
 
   /// SIGKILL; how many there were.
   int Kill(const std::string& service) const;
-  /// Opens the door of the machine, or closes it.
-  void SwitchDoor() const { controller_->Signal(SIGUSR1); }
-  void PressHold() const { controller_->Signal(SIGUSR2); }
+  /// A line at the controller's panel (virtual_grbl_main.cc).
+  void AtPanel(const std::string& command) const;
 
   std::vector<ToolStep> Way() const { return ReadToolWay(folder_ / "way.txt"); }
   /// Of job 1, in their order.

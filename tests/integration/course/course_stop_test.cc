@@ -75,6 +75,12 @@ class DisturbedCut : public ::testing::Test {
     for (const ToolStep& step : Lit()) lit_mm += step.length_mm();
     return static_cast<std::size_t>(std::ceil(lit_mm / each_mm));
   }
+  /// Those of a busy computer: each ends the contour in hand. A product that has more of
+  /// them in these small jobs is not excused by its own log.
+  std::size_t Lapses() const {
+    constexpr std::size_t kMaxLapses = 3;
+    return std::min(kMaxLapses, shop_.Lapses());
+  }
   CutJudgement Judge() const;
   void ExpectNothingDoubledOrUnknown(const CutJudgement& judgement) const {
     EXPECT_EQ(judgement.doubled, 0U);
@@ -144,47 +150,54 @@ TEST_F(DisturbedCut, APauseEndsAtTheEndOfAContour) {
   ASSERT_TRUE(shop_.AwaitDone(kJobBound)) << shop_.shown() << shop_.Log();
   const CutJudgement judgement = Judge();
   ExpectNothingDoubledOrUnknown(judgement);
-  EXPECT_GE(judgement.whole + shop_.Lapses(), std::size_t{kCircles});
-  EXPECT_LE(judgement.uncertain, shop_.Lapses());
+  EXPECT_GE(judgement.whole + Lapses(), std::size_t{kCircles});
+  EXPECT_LE(judgement.uncertain, Lapses());
 }
 
 TEST_F(DisturbedCut, AnOpenDoorEndsTheContourInHandAndAPersonGoesOn) {
   Begin();
   ASSERT_TRUE(AwaitBegun(5));
-  shop_.SwitchDoor();
+  shop_.AtPanel("door open");
   ASSERT_TRUE(shop_.AwaitState("paused", 20s)) << shop_.shown();
   const std::size_t begun = BegunCount();
-  shop_.SwitchDoor();
+  shop_.AtPanel("door close");
   std::this_thread::sleep_for(2s);
   EXPECT_EQ(BegunCount(), begun) << "it goes on when the door is closed";
   ASSERT_TRUE(shop_.AwaitDone(kJobBound)) << shop_.shown() << shop_.Log();
   const CutJudgement judgement = Judge();
   ExpectNothingDoubledOrUnknown(judgement);
-  EXPECT_LE(judgement.uncertain, 1U + shop_.Lapses());
+  EXPECT_LE(judgement.uncertain, 1U + Lapses());
 }
 
 TEST_F(DisturbedCut, AHoldAtTheControllerEndsTheContourInHand) {
   Begin();
   ASSERT_TRUE(AwaitBegun(5));
-  shop_.PressHold();
+  shop_.AtPanel("hold");
+  std::this_thread::sleep_for(1s);
+  const std::size_t begun = BegunCount();
+  EXPECT_LT(begun, std::size_t{kCircles});
+  // Behind a lost line the arm would be renewed within three seconds.
+  std::this_thread::sleep_for(6s);
+  EXPECT_EQ(BegunCount(), begun) << "it goes on without a person";
   ASSERT_TRUE(shop_.AwaitState("paused", 20s)) << shop_.shown();
+  EXPECT_THAT(shop_.shown(), ::testing::HasSubstr("on hold"));
   ASSERT_TRUE(shop_.AwaitDone(kJobBound)) << shop_.shown() << shop_.Log();
   const CutJudgement judgement = Judge();
   ExpectNothingDoubledOrUnknown(judgement);
-  EXPECT_LE(judgement.uncertain, 1U + shop_.Lapses());
+  EXPECT_LE(judgement.uncertain, 1U + Lapses());
 }
 
 TEST_F(DisturbedCut, WithConsentTheUncertainContourIsCutAgainAndNoOther) {
   Begin();
   ASSERT_TRUE(AwaitBegun(5));
-  shop_.PressHold();
+  shop_.AtPanel("hold");
   ASSERT_TRUE(shop_.AwaitState("paused", 20s)) << shop_.shown();
   shop_.Type({"resume", "1", "--fire-uncertain"});
   ASSERT_TRUE(shop_.AwaitDone(kJobBound)) << shop_.shown() << shop_.Log();
   const CutJudgement judgement = Judge();
   EXPECT_EQ(judgement.whole, std::size_t{kCircles});
   EXPECT_EQ(judgement.made, std::size_t{kCircles});
-  EXPECT_LE(judgement.doubled, 1U + shop_.Lapses());
+  EXPECT_LE(judgement.doubled, 1U + Lapses());
 }
 
 // INTAGLIO_MARK_KILLS: how many times, one unless it is set.
@@ -207,7 +220,7 @@ TEST_P(KilledCut, NoContourIsCutTwiceAndNoneIsUnknown) {
   const CutJudgement judgement = Judge();
   ExpectNothingDoubledOrUnknown(judgement);
   // One contour is in hand at a time.
-  EXPECT_LE(judgement.uncertain, static_cast<std::size_t>(kills) + shop_.Lapses());
+  EXPECT_LE(judgement.uncertain, static_cast<std::size_t>(kills) + Lapses());
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryService, KilledCut,

@@ -33,6 +33,7 @@ intaglio_MotionFault FaultOf(link::StageFault fault) {
     case link::StageFault::kNone:
       return intaglio_MOTION_OK;
     case link::StageFault::kStarved:
+    case link::StageFault::kSafeState:  // the host was silent
       return intaglio_MOTION_STARVED;
     case link::StageFault::kLimit:
       return intaglio_MOTION_LIMIT;

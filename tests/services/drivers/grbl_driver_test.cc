@@ -125,13 +125,14 @@ class Cell {
 };
 
 /// Every flash begins within a step of its point, one a point, in order.
-void ExpectFlashesAtPoints(const Cell& cell, double steps_per_mm) {
+void ExpectFlashesAtPoints(const Cell& cell, double steps_per_mm,
+                           const grbl::Steps& zero = {}) {
   const auto& flashes = cell.machine.grbl.motion().flashes();
   ASSERT_EQ(flashes.size(), cell.points.size());
   std::size_t i = 0;
   for (const auto& [tick, place] : cell.points) {
     for (int axis = 0; axis < 3; ++axis) {
-      EXPECT_LE(std::abs(static_cast<double>(flashes[i].on_at[axis]) -
+      EXPECT_LE(std::abs(static_cast<double>(flashes[i].on_at[axis] - zero[axis]) -
                          place[axis] * steps_per_mm),
                 1.0)
           << "point " << i << ", axis " << axis;
@@ -376,7 +377,7 @@ TEST(GrblDriver, WithoutAReferenceOnlyHomeMovesIt) {
   cell.run = 1;
   cell.Begin(5, 0.3, false);
   ASSERT_TRUE(cell.Until([&] { return cell.RunIsOver(); }));
-  ExpectFlashesAtPoints(cell, 250);
+  ExpectFlashesAtPoints(cell, 250, WithSwitches().home_steps);
 }
 
 TEST(GrblDriver, HoldEndsHomingWithoutAFaultAndWithoutAReference) {

@@ -18,6 +18,7 @@ grbl::VirtualGrblOptions FineSteps() {
 class GrblMotionRig final : public MotionRig {
  public:
   explicit GrblMotionRig(const std::string& serial_number) : machine_(FineSteps()) {
+    machine_.LeaveZero();
     driver = machine_.MakeDriver(serial_number);
   }
   void CutLine(bool cut) override { machine_.Cut(cut); }
@@ -26,6 +27,13 @@ class GrblMotionRig final : public MotionRig {
     machine_.SwitchOff();
     StepFor(1s);
     machine_.SwitchOn();
+  }
+  bool Inflict(ControllerFault fault) override {
+    return machine_.Inflict(fault) || MotionRig::Inflict(fault);
+  }
+  void Relieve(ControllerFault fault) override {
+    machine_.Relieve(fault);
+    MotionRig::Relieve(fault);
   }
   Vec3 actual_mm() override { return machine_.grbl.WorkPosition_mm(); }
   bool moves() override {
@@ -47,17 +55,25 @@ class GrblMotionRig final : public MotionRig {
 
 }  // namespace
 
+// On for a while when a host connects: its banner is gone.
 GrblMachine::GrblMachine(grbl::VirtualGrblOptions options)
     : grbl(std::move(options)),
       to_grbl_(std::make_shared<link::FaultyPipe>()),
       to_host_(std::make_shared<link::FaultyPipe>()) {
   end_ = std::make_unique<link::FaultyEnd>(to_grbl_, to_host_, random_,
                                            [this] { return now_; });
+  grbl.Advance(100e3);
+  (void)grbl.Read();
+}
+
+void GrblMachine::SwitchOff() {
+  on_ = false;
+  grbl.SwitchOff();
 }
 
 void GrblMachine::Advance() {
   now_ += 1ms;
-  if (!on_) return;
+  if (!on_) return grbl.Advance(1000);
   std::array<std::byte, 97> bytes;
   while (const std::size_t count = end_->Read(bytes).value_or(0)) {
     grbl.Write({reinterpret_cast<const char*>(bytes.data()), count});
@@ -66,6 +82,44 @@ void GrblMachine::Advance() {
   const std::string sent = grbl.Read();
   (void)end_->Write(std::as_bytes(std::span(sent)));
   if (to_grbl_->cut) to_host_->cut = true;
+}
+
+void GrblMachine::LeaveZero() {
+  grbl.Write("G0X0.5\n");
+  grbl.Advance(1e6);
+  (void)grbl.Read();
+}
+
+bool GrblMachine::Inflict(ControllerFault fault) {
+  switch (fault) {
+    case ControllerFault::kReset:
+      grbl.PressReset();
+      return true;
+    case ControllerFault::kEmergencyStop:
+      grbl.SetEmergencyStop(true);
+      return true;
+    case ControllerFault::kHold:
+      grbl.PressHold();
+      return true;
+    case ControllerFault::kLimit:
+      grbl.HitLimit();
+      return true;
+    case ControllerFault::kAlarm:
+      grbl.FailDrive();
+      return true;
+    case ControllerFault::kError:
+      // Nothing is sent to it at rest.
+      if (!grbl.motion().is_empty()) grbl.RefuseNextLine();
+      return !grbl.motion().is_empty();
+    case ControllerFault::kPowerCycle:
+    case ControllerFault::kUnplug:
+      break;
+  }
+  return false;
+}
+
+void GrblMachine::Relieve(ControllerFault fault) {
+  if (fault == ControllerFault::kEmergencyStop) grbl.SetEmergencyStop(false);
 }
 
 void GrblMachine::Cut(bool cut) {
@@ -117,6 +171,7 @@ std::unique_ptr<MotionRig> MakeGrblMotionRig(const std::string& serial_number) {
   return std::make_unique<GrblMotionRig>(serial_number);
 }
 GrblLaserRig::GrblLaserRig(const std::string& serial_number) : machine_(grbl::Grbl11()) {
+  machine_.LeaveZero();
   driver = machine_.MakeDriver(serial_number);
 }
 

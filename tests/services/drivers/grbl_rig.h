@@ -28,7 +28,9 @@ class GrblMachine {
   void Advance();
   void Cut(bool cut);
   void CutAfter(std::uint64_t bytes);
-  void SwitchOff() { on_ = false; }
+  void SwitchOff();
+  /// Driven by its panel to where no controller is that was switched on just now.
+  void LeaveZero();
   void SwitchOn();
 
   /// `serial_number` empty: the controller's.
@@ -38,6 +40,11 @@ class GrblMachine {
   link::SteadyClock clock() {
     return [this] { return now_; };
   }
+
+  /// What a person or the machine does to the controller itself, of those kinds that need
+  /// neither the line nor the mains switch; false: another kind.
+  bool Inflict(ControllerFault fault);
+  void Relieve(ControllerFault fault);
 
   grbl::VirtualGrbl grbl;
   MachineSpec profile = GrblProfile();  ///< of the drivers that are made
@@ -59,6 +66,15 @@ class GrblLaserRig final : public LaserRig {
   void CutLineAfter(std::uint64_t bytes) override { machine_.CutAfter(bytes); }
   void SwitchOff() override { machine_.SwitchOff(); }
   void SwitchOn() override;
+  bool Inflict(ControllerFault fault) override {
+    return machine_.Inflict(fault) ||
+           (fault != ControllerFault::kError &&
+            fault != ControllerFault::kEmergencyStop && LaserRig::Inflict(fault));
+  }
+  void Relieve(ControllerFault fault) override {
+    machine_.Relieve(fault);
+    if (fault == ControllerFault::kUnplug) LaserRig::Relieve(fault);
+  }
   // One chain on the door's input.
   void Set(Interlock, bool holds) override { machine_.grbl.SetDoor(!holds); }
   std::uint64_t tick() override { return driver->status().tick; }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "tests/services/drivers/laser_rig.h"
 
@@ -17,11 +18,14 @@ using LaserRigMaker =
     std::function<std::unique_ptr<LaserRig>(const std::string& serial_number)>;
 
 struct LaserCheck {
-  const char* name;  ///< with the guarantees' numbers
-  void (*run)(const LaserRigMaker& make);
+  std::string name;  ///< with the guarantees' numbers
+  std::function<void(const LaserRigMaker& make)> run;
 };
 
+/// Of L14 one for each fault and instant of controller_fault.h.
 std::span<const LaserCheck> LaserChecks();
+/// Those of L14 alone.
+std::vector<LaserCheck> LaserFaultChecks();
 
 /// The first violation, in a sentence; empty when the check passes.
 std::string ViolationOf(const LaserCheck& check, const LaserRigMaker& make);

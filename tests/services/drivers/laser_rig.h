@@ -12,6 +12,7 @@
 
 #include "services/drivers/laser_controller.h"
 #include "services/drivers/motion_driver.h"
+#include "tests/services/drivers/controller_fault.h"
 
 namespace intaglio::drivers {
 
@@ -44,6 +45,21 @@ class LaserRig {
   virtual void SwitchOn() = 0;
   /// Lets go, or holds again.
   virtual void Set(Interlock interlock, bool holds) = 0;
+
+  /// At the controller; false: this family has no such thing. A power cycle and its
+  /// second without power are over when it returns.
+  virtual bool Inflict(ControllerFault fault) {
+    if (fault == ControllerFault::kUnplug) CutLine(true);
+    if (fault == ControllerFault::kPowerCycle) PowerCycle();
+    if (fault == ControllerFault::kEmergencyStop) Set(Interlock::kStopButton, false);
+    return fault == ControllerFault::kUnplug || fault == ControllerFault::kPowerCycle ||
+           fault == ControllerFault::kEmergencyStop;
+  }
+  /// Its cause is gone: released, plugged in.
+  virtual void Relieve(ControllerFault fault) {
+    if (fault == ControllerFault::kUnplug) CutLine(false);
+    if (fault == ControllerFault::kEmergencyStop) Set(Interlock::kStopButton, true);
+  }
 
   // What the laser really does, whatever is reported.
   virtual std::uint64_t tick() = 0;

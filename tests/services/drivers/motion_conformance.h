@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "tests/services/drivers/motion_rig.h"
 
@@ -17,11 +18,14 @@ using MotionRigMaker =
     std::function<std::unique_ptr<MotionRig>(const std::string& serial_number)>;
 
 struct MotionCheck {
-  const char* name;  ///< with the guarantees' numbers
-  void (*run)(const MotionRigMaker& make);
+  std::string name;  ///< with the guarantees' numbers
+  std::function<void(const MotionRigMaker& make)> run;
 };
 
+/// Of M17 one for each fault and instant of controller_fault.h.
 std::span<const MotionCheck> MotionChecks();
+/// Those of M17 alone.
+std::vector<MotionCheck> MotionFaultChecks();
 
 /// The first violation, in a sentence; empty when the check passes.
 std::string ViolationOf(const MotionCheck& check, const MotionRigMaker& make);

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "services/drivers/motion_driver.h"
+#include "tests/services/drivers/controller_fault.h"
 
 namespace intaglio::drivers {
 
@@ -42,6 +43,17 @@ class MotionRig {
   /// So it is after this many bytes more to the controller.
   virtual void CutLineAfter(std::uint64_t bytes) = 0;
   virtual void PowerCycle() = 0;
+  /// At the controller; false: this family has no such thing. A power cycle and its
+  /// second without power are over when it returns.
+  virtual bool Inflict(ControllerFault fault) {
+    if (fault == ControllerFault::kUnplug) CutLine(true);
+    if (fault == ControllerFault::kPowerCycle) PowerCycle();
+    return fault == ControllerFault::kUnplug || fault == ControllerFault::kPowerCycle;
+  }
+  /// Its cause is gone: released, plugged in.
+  virtual void Relieve(ControllerFault fault) {
+    if (fault == ControllerFault::kUnplug) CutLine(false);
+  }
 
   // What the stage really does, whatever is reported.
   virtual Vec3 actual_mm() = 0;

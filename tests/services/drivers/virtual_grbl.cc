@@ -13,6 +13,9 @@ namespace {
 constexpr double kSlice_us = 50;
 constexpr std::size_t kMaxLine = 79;
 constexpr double kBitsPerByte = 10;
+constexpr int kUnknownCommand = 20;
+constexpr int kReportsPerOffset = 10;
+constexpr int kAbortInMotion = 3, kEmergencyStop = 10;
 
 }  // namespace
 
@@ -80,7 +83,7 @@ void VirtualGrbl::Slice(double us) {
   motion_.Advance(us);
   now_us_ += us;
   ReceiveBytes();
-  if (crashed_) return;
+  if (crashed_ || off_) return;
   // Mute: bytes wait in the buffer, a '?' is answered when it has ended.
   if (state_ == State::kHome) return AdvanceHome(us);
   UpdateState();
@@ -95,7 +98,7 @@ void VirtualGrbl::ReceiveBytes() {
   while (!to_grbl_.empty() && to_grbl_.front().at_us <= now_us_) {
     const char byte = to_grbl_.front().byte;
     to_grbl_.pop_front();
-    if (!crashed_) TakeByte(byte);
+    if (!crashed_ && !off_) TakeByte(byte);
   }
 }
 
@@ -142,7 +145,10 @@ void VirtualGrbl::TakeLines() {
       if (now_us_ < parses_until_us_) return;
       const std::string line = std::move(*parsing_);
       parsing_.reset();
-      Execute(line);
+      if (std::exchange(refuses_next_, false))
+        Answer(kUnknownCommand);
+      else
+        Execute(line);
       UpdateState();
       continue;
     }
@@ -176,6 +182,7 @@ void VirtualGrbl::FinishWaiting(double us) {
     if (!motion_.is_empty()) return;
     if (wait.spindle) CommandSpindle(*wait.spindle);
     if (wait.sets_offset) work_offset_mm_ = wait.offset_mm;
+    if (wait.sets_offset) reports_to_offset_ = 0;
     if (wait.dwell_us > 0) {
       wait.reason = Waiting::For::kDwell;
       return;
@@ -225,20 +232,14 @@ void VirtualGrbl::SetDoor(bool open) {
   state_ = State::kDoor;
 }
 
-Steps VirtualGrbl::TrueSteps() const {
-  Steps steps = motion_.at();
-  for (std::size_t i = 0; i < 3; ++i) steps[i] += uncounted_[i];
-  return steps;
-}
-
 void VirtualGrbl::BeginHome() {
   state_ = State::kHome;
   home_from_ = motion_.at();
   home_done_us_ = home_us_ = 0;
   const Steps from = TrueSteps();
   for (std::size_t i = 0; i < 3; ++i) {
-    const double way_mm =
-        std::abs(double(options_.home_steps[i] - from[i])) / options_.motion.steps_per_mm;
+    home_way_[i] = options_.home_steps[i] - from[i];
+    const double way_mm = std::abs(double(home_way_[i])) / options_.motion.steps_per_mm;
     home_us_ = std::max(home_us_, way_mm / options_.home_mm_s * 1e6);
   }
 }
@@ -247,15 +248,11 @@ void VirtualGrbl::AdvanceHome(double us) {
   home_done_us_ = std::min(home_us_, home_done_us_ + us);
   const double part = home_us_ > 0 ? home_done_us_ / home_us_ : 1;
   Steps at{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double way =
-        static_cast<double>(options_.home_steps[i] - uncounted_[i] - home_from_[i]);
-    at[i] = home_from_[i] + std::llround(way * part);
-  }
-  motion_.SetPosition(at);
+  for (std::size_t i = 0; i < 3; ++i)
+    at[i] = home_from_[i] + std::llround(static_cast<double>(home_way_[i]) * part);
+  motion_.MoveTo(at);
   if (part < 1) return;
-  uncounted_ = options_.home_steps;
-  motion_.SetPosition({});
+  motion_.CountAs({});
   homed_ = true;
   locked_ = false;
   state_ = State::kIdle;
@@ -272,6 +269,32 @@ void VirtualGrbl::HitLimit() {
   motion_.Kill();
   RaiseAlarm(1);
   mute_ = true;
+}
+
+void VirtualGrbl::PressReset() {
+  if (off_) return;
+  if (state_ == State::kHome) return EndHome(6);
+  Reset();
+}
+
+void VirtualGrbl::SetEmergencyStop(bool pressed) {
+  emergency_stop_ = pressed;
+  if (!pressed || off_) return;
+  Reset();
+}
+
+void VirtualGrbl::FailDrive() {
+  motion_.Kill();
+  spindle_ = Spindle::kOff;
+  RaiseAlarm(kAbortInMotion);
+}
+
+void VirtualGrbl::SwitchOff() {
+  motion_.Kill();
+  spindle_ = Spindle::kOff;
+  off_ = true;
+  to_grbl_.clear();
+  to_host_.clear();
 }
 
 void VirtualGrbl::RaiseAlarm(int code) {
@@ -296,7 +319,8 @@ void VirtualGrbl::Reset() {
   power_ = feed_mm_min_ = 0;
   absolute_ = rapid_ = true;
   mute_ = false;
-  if (in_motion) RaiseAlarm(3);
+  if (in_motion) RaiseAlarm(kAbortInMotion);
+  if (emergency_stop_) RaiseAlarm(kEmergencyStop);
   state_ = locked_ ? State::kAlarm : State::kIdle;
   if (!locked_ && door_open_) state_ = State::kDoor;
   Banner();
@@ -306,8 +330,7 @@ void VirtualGrbl::Reset() {
 void VirtualGrbl::PowerCycle() {
   motion_.Kill();
   motion_.ForceDark(false);
-  uncounted_ = TrueSteps();
-  motion_.SetPosition({});
+  motion_.CountAs({});
   waiting_.reset();
   parsing_.reset();
   to_grbl_.clear();
@@ -317,8 +340,9 @@ void VirtualGrbl::PowerCycle() {
   spindle_ = Spindle::kOff;
   power_ = feed_mm_min_ = 0;
   absolute_ = rapid_ = true;
-  mute_ = crashed_ = homed_ = output_on_ = false;
-  locked_ = options_.homing;
+  mute_ = crashed_ = homed_ = output_on_ = off_ = refuses_next_ = false;
+  reports_to_offset_ = 0;
+  locked_ = options_.homing || emergency_stop_;
   state_ = State::kIdle;
   UpdateState();
   Banner();
@@ -354,6 +378,11 @@ void VirtualGrbl::Report() {
   }
   text += fmt::format("|FS:{:.0f},{:.0f}", motion_.speed_mm_s() * 60, power_);
   if (door_open_) text += "|Pn:D";
+  if (--reports_to_offset_ <= 0) {
+    reports_to_offset_ = kReportsPerOffset;
+    text += fmt::format("|WCO:{:.3f},{:.3f},{:.3f}", work_offset_mm_.x(),
+                        work_offset_mm_.y(), work_offset_mm_.z());
+  }
   Send(text + ">\r\n");
 }
 

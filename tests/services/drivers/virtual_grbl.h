@@ -61,16 +61,28 @@ class VirtualGrbl {
   std::string Read();
   void Advance(double us);
 
+  // What happens at the machine.
   void SetDoor(bool open);
+  /// The button of a feed hold.
+  void PressHold() { (void)TakeRealtime('!'); }
   /// A limit switch is hit, and released again.
   void HitLimit();
-  /// Off and on again: everything but the work offset is forgotten.
+  /// The button at the reset input: as 0x18, and whatever moves loses steps.
+  void PressReset();
+  /// Emergency stop of grblHAL: ALARM:10 and no motion; after its release it is locked.
+  void SetEmergencyStop(bool pressed);
+  /// A drive's alarm that stops it at once.
+  void FailDrive();
+  /// error:20 in place of the next line.
+  void RefuseNextLine() { refuses_next_ = true; }
+  /// Without power nothing moves, is lit or answers.
+  void SwitchOff();
+  /// On again: everything but the work offset is forgotten. Also without SwitchOff.
   void PowerCycle();
 
   State state() const { return state_; }
   const VirtualGrblMotion& motion() const { return motion_; }
-  /// Where the stage is, counted from its first power-up, whatever the controller counts.
-  Steps TrueSteps() const;
+  Steps TrueSteps() const { return motion_.TrueSteps(); }
   bool spindle_on() const { return spindle_ != Spindle::kOff; }
   /// An output of M62..M65 is on; where it was switched on.
   bool output_on() const { return output_on_; }
@@ -153,9 +165,11 @@ class VirtualGrbl {
 
   State state_ = State::kIdle;
   bool mute_ = false, crashed_ = false, locked_ = false, homed_ = false;
-  bool door_open_ = false, reports_ = false;
+  bool door_open_ = false, reports_ = false, off_ = false;
+  bool emergency_stop_ = false, refuses_next_ = false;
+  int reports_to_offset_ = 0;  // WCO comes with every tenth
 
-  Steps home_from_{}, uncounted_{};  // of $H; what the counter does not have
+  Steps home_from_{}, home_way_{};  // of $H
   double home_us_ = 0, home_done_us_ = 0;
 
   // The parser's modal state.

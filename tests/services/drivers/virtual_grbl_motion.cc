@@ -68,27 +68,40 @@ bool VirtualGrblMotion::CommandedLit() const {
   return block.beam == Beam::kDynamic && speed_mm_s_ > 0;
 }
 
+Steps VirtualGrblMotion::PlusUncounted(const Steps& counted) const {
+  Steps steps = counted;
+  for (std::size_t i = 0; i < 3; ++i) steps[i] += uncounted_[i];
+  return steps;
+}
+
+void VirtualGrblMotion::CountAs(const Steps& at) {
+  const Steps is = TrueSteps();
+  at_ = at;
+  for (std::size_t i = 0; i < 3; ++i) uncounted_[i] = is[i] - at[i];
+}
+
 void VirtualGrblMotion::SetOutput(bool lit) {
   if (lit == lit_) return;
   EndWay();
   lit_ = lit;
   if (lit) {
-    flashes_.push_back({now_us_, now_us_, at_, at_, 0, line()});
+    flashes_.push_back({now_us_, now_us_, TrueSteps(), TrueSteps(), 0, line()});
   } else {
     flashes_.back().off_us = now_us_;
-    flashes_.back().off_at = at_;
+    flashes_.back().off_at = TrueSteps();
   }
 }
 
 void VirtualGrblMotion::EndWay() {
-  way_.push_back({now_us_, at_, lit_, blocks_.empty() ? 0 : blocks_.front().power});
+  way_.push_back(
+      {now_us_, TrueSteps(), lit_, blocks_.empty() ? 0 : blocks_.front().power});
 }
 
 void VirtualGrblMotion::Pass(double us, bool moves) {
   now_us_ += us;
   if (!lit_) return;
   flashes_.back().off_us = now_us_;
-  flashes_.back().off_at = at_;
+  flashes_.back().off_at = TrueSteps();
   if (moves) return;
   flashes_.back().at_rest_us += us;
   lit_at_rest_us_ += us;

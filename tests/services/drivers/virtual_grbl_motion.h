@@ -93,7 +93,12 @@ class VirtualGrblMotion {
   const Steps& planned_end() const {
     return blocks_.empty() ? at_ : blocks_.back().target;
   }
-  void SetPosition(const Steps& at) { at_ = at; }
+  /// The stage goes there at once, and the counter with it.
+  void MoveTo(const Steps& at) { at_ = at; }
+  /// The controller counts the place where the stage is as `at` from now on.
+  void CountAs(const Steps& at);
+  /// Where the stage is, counted from the first power-up, whatever the controller counts.
+  Steps TrueSteps() const { return PlusUncounted(at_); }
   double speed_mm_s() const { return speed_mm_s_; }
   /// Line number of the block that is executed; 0: none.
   std::int64_t line() const { return blocks_.empty() ? 0 : blocks_.front().line; }
@@ -101,7 +106,7 @@ class VirtualGrblMotion {
     return Vec3(double(at_[0]), double(at_[1]), double(at_[2])) / options_.steps_per_mm;
   }
 
-  // The record.
+  // The record: of true places, over power cycles, homing and lost steps.
   const std::vector<Flash>& flashes() const { return flashes_; }
   bool lit() const { return lit_; }
   /// All that the tool did, in order; the way that is under way is not in it.
@@ -133,6 +138,7 @@ class VirtualGrblMotion {
   void Move(Block& block, double mm);
   void EndBlock();
   void Begin(Block& block);
+  Steps PlusUncounted(const Steps& counted) const;
   bool CommandedLit() const;
   /// The output for the next `us`, with or without motion.
   void Pass(double us, bool moves);
@@ -142,6 +148,7 @@ class VirtualGrblMotion {
   MotionOptions options_;
   std::deque<Block> blocks_;
   Steps at_{};
+  Steps uncounted_{};  // of the true place, what the counter does not have
   double speed_mm_s_ = 0, now_us_ = 0;
   bool holding_ = false, flush_at_rest_ = false;
   bool resting_lit_ = false, forced_dark_ = false, lit_ = false;

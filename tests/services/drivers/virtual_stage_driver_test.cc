@@ -268,10 +268,10 @@ TEST_F(VirtualStageDriver, ReportsEveryFaultInASentence) {
         Case{StageFault::kFollowingError, intaglio_MOTION_FOLLOWING_ERROR},
         Case{StageFault::kLate, intaglio_MOTION_LATE},
         Case{StageFault::kRunRefused, intaglio_MOTION_LATE},
-        Case{StageFault::kSafeState, intaglio_MOTION_SAFE_STATE},
+        Case{StageFault::kSafeState, intaglio_MOTION_STARVED},
         Case{StageFault::kNoAir, intaglio_MOTION_NO_AIR},
         Case{StageFault::kAirReturned, intaglio_MOTION_SAFE_STATE},
-        Case{StageFault::kBadSequence, intaglio_MOTION_SAFE_STATE}}) {
+        Case{StageFault::kBadSequence, intaglio_MOTION_STARVED}}) {
     const std::uint64_t number = driver->state().number;
     stage.status.fault = c.sent;
     stage.SendStatus();
@@ -328,7 +328,7 @@ TEST_F(VirtualStageDriver, AnUnpluggedLineIsOpenedAgain) {
   EXPECT_EQ(driver->fd(), -1);
   stage.status.fault = link::StageFault::kSafeState;
   stage.Plug();
-  ASSERT_TRUE(Until([&] { return driver->state().fault == intaglio_MOTION_SAFE_STATE; }));
+  ASSERT_TRUE(Until([&] { return driver->state().fault == intaglio_MOTION_STARVED; }));
   EXPECT_TRUE(driver->state().link_up);
 }
 

@@ -171,7 +171,7 @@ TEST_F(BridgeProcess, KilledItLeavesAStageThatComesToRestByItself) {
   state_.reset();
   StartBridge();
   ASSERT_TRUE(
-      UntilState([](const auto& s) { return s.fault == intaglio_MOTION_SAFE_STATE; }));
+      UntilState([](const auto& s) { return s.fault == intaglio_MOTION_STARVED; }));
   EXPECT_NE(message_.find("250 ms"), std::string::npos) << message_;
   EXPECT_GE(state_->highest_run, 1u);
   ASSERT_TRUE(Eventually([&] { return batches_.matched_count() > 0; }));

@@ -1,4 +1,4 @@
-// The guarantees M1..M8 of services/drivers/mark_driver.h, kept by the driver of a scan
+// The guarantees K1..K8 of services/drivers/mark_driver.h, kept by the driver of a scan
 // head and the virtual head together; and that it makes marks where they belong.
 
 #include "services/drivers/galvo/galvo_driver.h"
@@ -106,7 +106,7 @@ TEST_F(GalvoDriver, MakesMarksOnAPieceAtRestEachOnceInOrder) {
     EXPECT_GE(ticks[i].mark, ticks[i - 1].mark);
 }
 
-TEST_F(GalvoDriver, RefusesWhatItCannotMakeByTheMarksNumber) {  // M1
+TEST_F(GalvoDriver, RefusesWhatItCannotMakeByTheMarksNumber) {  // K1
   EXPECT_FALSE(bench_.driver().Begin(1, std::array{kFastPen}));
   ASSERT_TRUE(bench_.Connect());
   EXPECT_FALSE(bench_.driver().Append({0, LineMark({0, 0}, {1, 0})}));
@@ -129,7 +129,7 @@ TEST_F(GalvoDriver, RefusesWhatItCannotMakeByTheMarksNumber) {  // M1
   EXPECT_GT(taken, 0u);
 }
 
-TEST_F(GalvoDriver, BurnsOnlyWhilePermittedAndTheControllerEndsItByItself) {  // M2
+TEST_F(GalvoDriver, BurnsOnlyWhilePermittedAndTheControllerEndsItByItself) {  // K2
   BeginLines();
   bench_.permits = false;
   ExpectDark();
@@ -147,7 +147,7 @@ TEST_F(GalvoDriver, BurnsOnlyWhilePermittedAndTheControllerEndsItByItself) {  //
   EXPECT_THAT(bench_.FatesOf(0), ElementsAre(MarkFate::kBegun, MarkFate::kDone));
 }
 
-TEST_F(GalvoDriver, WithdrawnPermissionAndStopEndTheBeam) {  // M4
+TEST_F(GalvoDriver, WithdrawnPermissionAndStopEndTheBeam) {  // K4
   BeginLines();
   bench_.permits = false;
   ASSERT_TRUE(bench_.driver().Permit(false));
@@ -167,7 +167,7 @@ TEST_F(GalvoDriver, WithdrawnPermissionAndStopEndTheBeam) {  // M4
   EXPECT_EQ(bench_.FatesOf(2).back(), MarkFate::kNotBegun);
 }
 
-TEST_F(GalvoDriver, PausesBehindTheMarkInHand) {  // M5
+TEST_F(GalvoDriver, PausesBehindTheMarkInHand) {  // K5
   BeginLines();
   ASSERT_TRUE(bench_.driver().Pause());
   ExpectDark();
@@ -181,7 +181,7 @@ TEST_F(GalvoDriver, PausesBehindTheMarkInHand) {  // M5
   EXPECT_NEAR(way_mm, 10, 0.01);
 }
 
-TEST_F(GalvoDriver, RemembersForAnotherHostWhatBecameOfMarks) {  // M6
+TEST_F(GalvoDriver, RemembersForAnotherHostWhatBecameOfMarks) {  // K6
   ASSERT_TRUE(bench_.Connect());
   EXPECT_TRUE(bench_.state().remembers_marks);
   const std::string power_up = bench_.state().power_up;
@@ -205,7 +205,7 @@ TEST_F(GalvoDriver, RemembersForAnotherHostWhatBecameOfMarks) {  // M6
   EXPECT_TRUE(bench_.state().safe_state);
 }
 
-TEST_F(GalvoDriver, ALostLineEndsTheBeamAndTheRun) {  // M4
+TEST_F(GalvoDriver, ALostLineEndsTheBeamAndTheRun) {  // K4
   BeginLines();
   const auto session = bench_.state().session;
   bench_.CutLine();
@@ -221,7 +221,7 @@ TEST_F(GalvoDriver, ALostLineEndsTheBeamAndTheRun) {  // M4
   EXPECT_THAT(bench_.state().fault, HasSubstr("line"));
 }
 
-TEST_F(GalvoDriver, KeyDoorAndStopButtonEndTheBeamAndAreCounted) {  // M7
+TEST_F(GalvoDriver, KeyDoorAndStopButtonEndTheBeamAndAreCounted) {  // K7
   std::uint32_t openings = 0;
   std::uint32_t run = 0;
   using Head = virtual_engraver::HeadController;
@@ -247,7 +247,7 @@ TEST_F(GalvoDriver, KeyDoorAndStopButtonEndTheBeamAndAreCounted) {  // M7
   }
 }
 
-TEST_F(GalvoDriver, RefusesAnotherHeadAndAnotherField) {  // M8
+TEST_F(GalvoDriver, RefusesAnotherHeadAndAnotherField) {  // K8
   MachineSpec profile = HeadProfile();
   profile.mutable_mark_line()->set_serial_number("sh-7");
   HeadBench other(profile, HeadTruthOf(HeadProfile()));

@@ -75,25 +75,56 @@ mark::Mark LineMark(const Vec2& from_mm, const Vec2& to_mm) {
 
 HeadBench::HeadBench(const MachineSpec& machine,
                      const virtual_engraver::HeadOptions& head)
-    : profile_(machine) {
+    : profile_(machine), head_(head) {
   static int number = 0;
   record_ = std::filesystem::temp_directory_path() /
             ("head_bench_" + std::to_string(getpid()) + "_" + std::to_string(++number));
-  machine_ =
-      virtual_engraver::HeadMachine::Make(head, record_, [this] { return now_; }).value();
+  MakeMachine();
   Restart();
+}
+
+void HeadBench::MakeMachine() {
+  machine_ = virtual_engraver::HeadMachine::Make(head_, record_, [this] {
+               return now_;
+             }).value();
+}
+
+void HeadBench::SwitchOff() { machine_.reset(); }
+
+void HeadBench::SwitchOn() {
+  ++head_.power_up;
+  MakeMachine();
+  Plug();
+}
+
+void HeadBench::Plug() {
+  wire_->to_head.clear();
+  wire_->to_host.clear();
+  machine_->Plug(std::make_unique<End>(wire_, false, cut_));
 }
 
 HeadBench::~HeadBench() { std::filesystem::remove(record_); }
 
-void HeadBench::Restart() {
-  const auto wire = std::make_shared<Wire>();
-  machine_->Plug(std::make_unique<End>(wire, false, cut_));
-  const auto open = [this, wire]() -> Result<std::unique_ptr<link::ByteStream>> {
+std::unique_ptr<MarkDriver> HeadBench::NewDriver(const MachineSpec& profile) {
+  wire_ = std::make_shared<Wire>();
+  Plug();
+  const auto open = [this, wire = wire_]() -> Result<std::unique_ptr<link::ByteStream>> {
     return std::make_unique<End>(wire, true, cut_);
   };
-  driver_ = MakeGalvoDriver(profile_, open, [this] { return now_; });
+  return MakeGalvoDriver(profile, open, [this] { return now_; });
+}
+
+void HeadBench::Restart() {
+  driver_ = NewDriver(profile_);
   events.clear();
+}
+
+void HeadBench::AdvanceHead(std::chrono::milliseconds time) {
+  constexpr std::chrono::microseconds kPart{200};
+  for (std::chrono::nanoseconds done{0}; done < time; done += kPart) {
+    now_ += kPart;
+    if (machine_) (void)machine_->Turn();
+  }
 }
 
 void HeadBench::Step() {

@@ -27,6 +27,15 @@ class HeadBench {
 
   /// A new driver in place of the one before, as when its process was killed.
   void Restart();
+  /// At the end of a new line to the head; the caller polls it, and moves the time.
+  std::unique_ptr<MarkDriver> NewDriver(const MachineSpec& profile);
+  /// Of the head alone.
+  void AdvanceHead(std::chrono::milliseconds time);
+  /// Since the head's newest power-up.
+  std::uint64_t burnt_ticks() const { return machine_ ? machine_->burnt_ticks() : 0; }
+  void SwitchOff();
+  /// With another power-up, and a new record of what it burns.
+  void SwitchOn();
   /// The line carries nothing from now on.
   void CutLine() { cut_ = true; }
   void JoinLine() { cut_ = false; }
@@ -61,8 +70,13 @@ class HeadBench {
  private:
   struct Wire;
   class End;
+  void MakeMachine();
+  void Plug();
+
   MachineSpec profile_;
+  virtual_engraver::HeadOptions head_;
   std::filesystem::path record_;
+  std::shared_ptr<Wire> wire_;
   std::chrono::nanoseconds now_{std::chrono::seconds(1)}, next_permit_{0};
   bool cut_ = false;
   std::unique_ptr<virtual_engraver::HeadMachine> machine_;

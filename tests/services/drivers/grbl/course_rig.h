@@ -56,7 +56,7 @@ class CourseRig {
   bool permits = true;
   std::vector<MarkEvent> events;
   std::vector<SeenPlace> seen;
-  /// Marks of which something moved at work before its kBegun had come; M3.
+  /// Marks of which something moved at work before its kBegun had come; K3.
   std::size_t early_count = 0;
 
  private:

@@ -1,5 +1,5 @@
 // The driver of marks on a virtual grbl: its path against the marks' own chords, and what
-// it refuses (mark_driver.h: M1, M2, M8).
+// it refuses (mark_driver.h: K1, K2, K8).
 
 #include <gmock/gmock.h>
 #include <google/protobuf/text_format.h>

@@ -163,7 +163,7 @@ TEST(IselDriver, ALostLineLeavesOnePointUncertainAndDoublesNone) {
     EXPECT_FALSE(cell.machine.isel.output()) << "what comes first is off";
     cell.StepFor(1000);
     EXPECT_EQ(cell.machine.isel.flashes().size(), flashes) << "nothing fires by itself";
-    EXPECT_EQ(cell.driver->state().fault, intaglio_MOTION_SAFE_STATE);
+    EXPECT_EQ(cell.driver->state().fault, intaglio_MOTION_STARVED);
     const std::size_t made = cell.FlashesAtTheirPoints();
     ASSERT_TRUE(cell.driver->RequestPast(first, 50));
     cell.StepFor(2);

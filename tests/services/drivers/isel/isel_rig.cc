@@ -22,6 +22,22 @@ class IselMotionRig final : public MotionRig {
     StepFor(1s);
     machine_.SwitchOn();
   }
+  // Its own stop key ends a move; door and stop button are its chain.
+  bool Inflict(ControllerFault fault) override {
+    if (fault == ControllerFault::kEmergencyStop) {
+      machine_.isel.SetCover(true);
+      return true;
+    }
+    if (fault == ControllerFault::kHold && machine_.isel.moves()) {
+      machine_.isel.PressStop();
+      return true;
+    }
+    return MotionRig::Inflict(fault);
+  }
+  void Relieve(ControllerFault fault) override {
+    if (fault == ControllerFault::kEmergencyStop) machine_.isel.SetCover(false);
+    MotionRig::Relieve(fault);
+  }
   Vec3 actual_mm() override {
     const isel::Steps& place = machine_.isel.place();
     return Vec3(place[0], place[1], place[2]) / kIselStepsPerMm;

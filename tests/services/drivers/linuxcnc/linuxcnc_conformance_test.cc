@@ -16,7 +16,15 @@ namespace {
 const std::set<std::string> kLong = {"M9_cut_at_any_byte", "L7_cut_at_any_byte",
                                      "L6_memory"};
 
+bool IsOneOfMany(const std::string& check) {
+  const bool of_faults = check.starts_with("M17_") || check.starts_with("L14_");
+  return of_faults && check != "M17_unplug_in_the_run" &&
+         check != "L14_emergency_stop_in_the_run";
+}
+
 std::string WhyNot(const std::string& check) {
+  if (IsOneOfMany(check) && std::getenv("INTAGLIO_LONG") == nullptr)
+    return "is one of many in real time: set INTAGLIO_LONG=1";
   if (kLong.contains(check) && std::getenv("INTAGLIO_LONG") == nullptr)
     return "takes minutes: set INTAGLIO_LONG=1";
   return EnterNamespace();

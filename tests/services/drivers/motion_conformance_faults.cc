@@ -1,0 +1,93 @@
+// M17: what happens at a motion controller.
+
+#include "services/drivers/laser_controller.h"
+#include "tests/services/drivers/motion_bench.h"
+#include "tests/services/drivers/motion_conformance.h"
+
+namespace intaglio::drivers {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// What a host compares, so that no grant of before counts any more; of a controller that
+/// switches the laser.
+struct KnownOfLaser {
+  std::uint32_t power_up = 0, openings = 0;
+  bool operator==(const KnownOfLaser&) const = default;
+};
+/// Null: it has no laser side, or one that is not up while the motion side alone is used.
+LaserController* UsedLaser(MotionBench& bench) {
+  LaserController* const laser = bench.driver().laser();
+  return laser != nullptr && laser->up() ? laser : nullptr;
+}
+KnownOfLaser KnownOf(MotionBench& bench) {
+  LaserController* const laser = UsedLaser(bench);
+  if (laser == nullptr) return {};
+  return {laser->identity().power_up, laser->status().openings};
+}
+
+bool IsOfTheLine(intaglio_MotionFault fault) {
+  return fault == intaglio_MOTION_LINK_LOST || fault == intaglio_MOTION_STARVED ||
+         fault == intaglio_MOTION_LATE;
+}
+
+void ExpectReported(MotionBench& bench, ControllerFault fault,
+                    const KnownOfLaser& known) {
+  const intaglio_MotionFault reported = bench.state().fault;
+  const bool in_order = reported == intaglio_MOTION_OK;
+  if (fault == ControllerFault::kUnplug) {
+    Expect(KnownOf(bench) == known && (in_order || IsOfTheLine(reported)),
+           "M17: a lost line is reported as a stop of the controller");
+  } else if (UsedLaser(bench) != nullptr) {
+    Expect(KnownOf(bench) != known, "M17: a stop of the controller is not counted");
+    Expect(in_order || !IsOfTheLine(reported),
+           "M17: a stop of the controller is reported as a lost line");
+  } else {
+    Expect(fault == ControllerFault::kPowerCycle ? bench.state().run == 0
+                                                 : !in_order && !IsOfTheLine(reported),
+           "M17: a stop of the controller is not reported");
+  }
+}
+
+void AFaultEndsTheMotion(const MotionRigMaker& make, ControllerFault fault,
+                         FaultInstant instant) {
+  MotionBench bench(make);
+  bench.Connect();
+  if (instant == FaultInstant::kInTheRun) bench.MoveALot(1);
+  if (instant == FaultInstant::kBehindTheRun) bench.ExpectGoodRun(1);
+  const KnownOfLaser known = KnownOf(bench);
+  if (!bench.rig().Inflict(fault)) return;
+  bench.StepFor(1s);
+  bench.rig().Relieve(fault);
+  Expect(bench.Until([&] { return bench.state().link_up; }, 5s),
+         "M17: the line does not come back: " + bench.Message());
+  bench.StepFor(500ms);
+  bench.ExpectStill(2s, "M17: it goes on by itself");
+  ExpectReported(bench, fault, known);
+  if (UsedLaser(bench) != nullptr) Expect(UsedLaser(bench)->Reset(), "Reset");
+  Expect(bench.driver().ClearFault(), "ClearFault");
+  Expect(bench.Until([&] {
+    return bench.state().fault == intaglio_MOTION_OK && bench.state().at_rest;
+  }),
+         "M17: the fault stays: " + bench.Message());
+  bench.ExpectStill(500ms, "M17: ClearFault moves the stage");
+  bench.positions.clear();
+  bench.ExpectGoodRun(9);
+}
+
+}  // namespace
+
+std::vector<MotionCheck> MotionFaultChecks() {
+  std::vector<MotionCheck> all;
+  for (const ControllerFault fault : kControllerFaults) {
+    for (const FaultInstant instant : kFaultInstants) {
+      all.push_back({fmt::format("M17_{}_{}", NameOf(fault), NameOf(instant)),
+                     [fault, instant](const MotionRigMaker& make) {
+                       AFaultEndsTheMotion(make, fault, instant);
+                     }});
+    }
+  }
+  return all;
+}
+
+}  // namespace intaglio::drivers
