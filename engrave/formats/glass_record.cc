@@ -17,7 +17,8 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "numbers are copied as they lie in memory");
 constexpr char kGlassMagic[] = "INTGLAS1";
-constexpr std::uint32_t kGlassVersion = 1;
+constexpr std::uint32_t kGlassVersion = 2, kOldestGlassVersion = 1;
+constexpr std::uint8_t kCollision = 2;  // byte 41
 
 template <typename T>
 void PutAt(std::byte* at, T value) {
@@ -29,6 +30,28 @@ T GetAt(const std::byte* at) {
   T value;
   std::memcpy(&value, at, sizeof value);
   return value;
+}
+
+Vec3 PlaceAt(const std::byte* at) {
+  return {GetAt<double>(at + 8), GetAt<double>(at + 16), GetAt<double>(at + 24)};
+}
+
+GlassCrack CrackAt(const std::byte* at) {
+  GlassCrack crack;
+  crack.tick = GetAt<std::uint64_t>(at);
+  crack.position_mm = PlaceAt(at);
+  crack.pulse_energy_mj = GetAt<double>(at + 32);
+  const auto place = GetAt<std::uint8_t>(at + 40);
+  crack.channel = place % 4;
+  crack.station = static_cast<std::uint8_t>(1 + place / 4);
+  crack.in_glass = GetAt<std::uint8_t>(at + 41) != 0;
+  crack.length_mm = GetAt<std::uint16_t>(at + 42) / 1000.0;
+  return crack;
+}
+
+GlassCollision CollisionAt(const std::byte* at) {
+  return {GetAt<std::uint64_t>(at), PlaceAt(at), GetAt<double>(at + 32),
+          GetAt<std::uint8_t>(at + 42), GetAt<std::uint8_t>(at + 43)};
 }
 
 }  // namespace
@@ -62,6 +85,19 @@ void AppendGlassCrack(const GlassCrack& crack, std::vector<std::byte>& out) {
   PutAt(at + 44, io::Crc32({at, 44}));
 }
 
+void AppendGlassCollision(const GlassCollision& collision, std::vector<std::byte>& out) {
+  const std::size_t begin = out.size();
+  out.resize(begin + kGlassRecordSize);
+  std::byte* at = out.data() + begin;
+  PutAt(at, collision.tick);
+  for (int axis = 0; axis < 3; ++axis) PutAt(at + 8 + 8 * axis, collision.focus_mm[axis]);
+  PutAt(at + 32, collision.overlap_mm);
+  PutAt(at + 41, kCollision);
+  PutAt(at + 42, collision.body);
+  PutAt(at + 43, collision.solid);
+  PutAt(at + 44, io::Crc32({at, 44}));
+}
+
 Result<GlassRecord> ParseGlassRecord(std::span<const std::byte> bytes) {
   if (bytes.size() < kGlassHeaderSize || std::memcmp(bytes.data(), kGlassMagic, 8) != 0 ||
       GetAt<std::uint32_t>(bytes.data() + 60) != io::Crc32(std::span(bytes).first(60))) {
@@ -69,11 +105,12 @@ Result<GlassRecord> ParseGlassRecord(std::span<const std::byte> bytes) {
                 "not a glass record: its header is missing or damaged");
   }
   if (const auto version = GetAt<std::uint32_t>(bytes.data() + 8);
-      version != kGlassVersion) {
-    return Fail(ErrorCode::kUnsupported,
-                fmt::format("the glass record has version {}; this program reads {}",
-                            version, kGlassVersion),
-                fmt::format("{}", version));
+      version < kOldestGlassVersion || version > kGlassVersion) {
+    return Fail(
+        ErrorCode::kUnsupported,
+        fmt::format("the glass record has version {}; this program reads {} to {}",
+                    version, kOldestGlassVersion, kGlassVersion),
+        fmt::format("{}", version));
   }
   GlassRecord record;
   for (int axis = 0; axis < 3; ++axis) {
@@ -87,18 +124,11 @@ Result<GlassRecord> ParseGlassRecord(std::span<const std::byte> bytes) {
   for (; offset + kGlassRecordSize <= bytes.size(); offset += kGlassRecordSize) {
     const std::byte* at = bytes.data() + offset;
     if (GetAt<std::uint32_t>(at + 44) != io::Crc32({at, 44})) break;
-    GlassCrack crack;
-    crack.tick = GetAt<std::uint64_t>(at);
-    for (int axis = 0; axis < 3; ++axis) {
-      crack.position_mm[axis] = GetAt<double>(at + 8 + 8 * axis);
+    if (GetAt<std::uint8_t>(at + 41) == kCollision) {
+      record.collisions.push_back(CollisionAt(at));
+    } else {
+      record.cracks.push_back(CrackAt(at));
     }
-    crack.pulse_energy_mj = GetAt<double>(at + 32);
-    const auto place = GetAt<std::uint8_t>(at + 40);
-    crack.channel = place % 4;
-    crack.station = static_cast<std::uint8_t>(1 + place / 4);
-    crack.in_glass = GetAt<std::uint8_t>(at + 41) != 0;
-    crack.length_mm = GetAt<std::uint16_t>(at + 42) / 1000.0;
-    record.cracks.push_back(crack);
   }
   record.torn_bytes = bytes.size() - offset;
   return record;

@@ -5,7 +5,7 @@
 //
 //   offset  size  header (64 bytes)         offset  size  record (48 bytes)
 //        0     8  "INTGLAS1"                     0     8  tick
-//        8     4  version, 1                     8    24  x, y, z: glass frame, mm
+//        8     4  version, 1 or 2                8    24  x, y, z: glass frame, mm
 //       12     4  record size, 48               32     8  pulse energy, mJ
 //       16    24  block size x, y, z, mm        40     1  channel, 0..3, plus 4
 //                                                     times (station - 1)
@@ -15,6 +15,13 @@
 //                 0: not known
 //       60     4  CRC-32 of bytes 0..59
 // All numbers little endian.
+//
+// Since version 2 a record with 2 in byte 41 is no crack but a collision: x, y, z is
+// where the focus would be in air, from the corner of the block at station 1;
+// bytes 32..39 have how deep the body is in what it met, mm; byte 40 is 0; byte 42 the
+// body, 0 the lens, 1 the head above it; byte 43 what it met, 0 a block, else the number
+// of a fixture. A collision is recorded when it begins, and again whenever it has become
+// 0.1 mm deeper.
 
 #include <cstddef>
 #include <cstdint>
@@ -47,9 +54,19 @@ struct GlassCrack {
   std::uint8_t station = 1;
 };
 
+/// A part of the head met something on the table.
+struct GlassCollision {
+  std::uint64_t tick = 0;  ///< the newest that had passed
+  Vec3 focus_mm = Vec3::Zero();
+  double overlap_mm = 0;
+  std::uint8_t body = 0;   ///< 0: the lens, 1: the head above it
+  std::uint8_t solid = 0;  ///< 0: a block, else the number of a fixture
+};
+
 struct GlassRecord {
   GlassHeader header;
   std::vector<GlassCrack> cracks;
+  std::vector<GlassCollision> collisions;
   std::uint64_t torn_bytes = 0;  ///< behind the last whole record
 };
 
@@ -59,6 +76,7 @@ inline constexpr std::size_t kGlassRecordSize = 48;
 std::vector<std::byte> EncodeGlassHeader(const GlassHeader& header);
 /// Appends the crack's record to `out`.
 void AppendGlassCrack(const GlassCrack& crack, std::vector<std::byte>& out);
+void AppendGlassCollision(const GlassCollision& collision, std::vector<std::byte>& out);
 
 /// kUnreadable when the header is not a glass record's.
 Result<GlassRecord> ParseGlassRecord(std::span<const std::byte> bytes);

@@ -11,6 +11,7 @@
 #include "engrave/formats/journal_file.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/io/atomic_file.h"
+#include "services/client/proof/collisions.h"
 #include "services/client/proof/glass_search.h"
 #include "services/client/proof/known_outcome.h"
 #include "services/client/proof/marks/mark_figures.h"
@@ -29,11 +30,13 @@ namespace fs = std::filesystem;
 
 constexpr const char* kGlassFile = "glass.ply";
 
-Status WriteGlass(const std::vector<formats::GlassCrack>& cracks, const fs::path& file) {
+/// glass.ply, and beside it what the head ran into.
+Status WriteGlass(const JobGlass& glass, const fs::path& file) {
+  INTAGLIO_TRY(WriteCollisions(glass.collisions, file.parent_path()));
   formats::PointTable table;
   std::vector<double> tick;
   std::vector<std::uint8_t> channel, station;
-  for (const formats::GlassCrack& crack : cracks) {
+  for (const formats::GlassCrack& crack : glass.cracks) {
     if (!crack.in_glass) continue;
     table.points_mm.push_back(crack.position_mm);
     tick.push_back(static_cast<double>(crack.tick));
@@ -100,8 +103,8 @@ Status CompleteGlass(const FolderToComplete& which) {
     const auto burnt = INTAGLIO_TRY(FindBurnt(journal, MarkRecordsIn(records, number)));
     return burnt ? formats::WriteMarkRecord(file, *burnt) : Status();
   }
-  const auto cracks = INTAGLIO_TRY(FindCracks(journal, records));
-  return cracks ? WriteGlass(*cracks, file) : Status();
+  const auto glass = INTAGLIO_TRY(FindGlass(journal, records));
+  return glass ? WriteGlass(*glass, file) : Status();
 }
 
 Status WriteViewsOf(const fs::path& folder, const ProvedFolder& proved) {
@@ -158,7 +161,8 @@ Result<JobReport> MakeProof(const ProofInputs& inputs) {
                                  INTAGLIO_TRY(AllBurnt(journal, inputs.glass_record))));
   } else {
     const auto record = INTAGLIO_TRY(formats::ReadGlassRecord(inputs.glass_record));
-    INTAGLIO_TRY(WriteGlass(record.cracks, inputs.folder / kGlassFile));
+    INTAGLIO_TRY(
+        WriteGlass({record.cracks, record.collisions}, inputs.folder / kGlassFile));
   }
   ProvedFolder proved = INTAGLIO_TRY(ReadFolder(inputs.folder));
   AddStages(StagesOf(inputs), proved.report);

@@ -5,6 +5,7 @@
 #include <google/protobuf/util/json_util.h>
 
 #include "engrave/io/whole_file.h"
+#include "services/client/proof/collisions.h"
 #include "services/client/proof/marks/mark_verdict.h"
 #include "services/client/proof/proof_figures.h"
 #include "services/job/verdict/verdict.h"
@@ -23,6 +24,8 @@ void AddFaults(const JobReport& report, Verdict& verdict) {
     if (!holds) verdict.add_reasons(std::move(reason));
   };
   need(points.planned() > 0, "the plan has no points");
+  for (const CollisionReport& collision : report.collisions())
+    need(false, CollisionText(collision));
   need(points.doubled() == 0, fmt::format("{} points were made twice", points.doubled()));
   need(points.stray() == 0,
        fmt::format("{} cracks belong to no planned point", points.stray()));

@@ -6,6 +6,7 @@
 
 #include "services/job/job_defaults.h"
 #include "services/job/machine/focus_offset.h"
+#include "services/job/machine/head_clearance.h"
 #include "services/job/machine/laser_setting.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/machine/stations.h"
@@ -157,6 +158,40 @@ void SetStations(const MachineSpec& machine, TruthBlock& block) {
   }
 }
 
+/// What hangs around the beam. A lens of unknown size is at its focal length, as thin as
+/// one can be.
+void SetBodies(const MachineSpec& machine, const MachineLens& lens, MachineTruth& truth) {
+  truth.mutable_lens()->set_above_focus_mm(FreeDistanceMm(lens));
+  if (lens.has_mount_diameter_mm())
+    truth.mutable_lens()->set_diameter_mm(lens.mount_diameter_mm());
+  if (machine.has_head_body() && lens.has_working_distance_mm()) {
+    TruthBody& carrier = *truth.mutable_lens_carrier();
+    carrier.set_above_focus_mm(lens.working_distance_mm() +
+                               machine.head_body().above_reference_mm());
+    carrier.set_diameter_mm(machine.head_body().diameter_mm());
+  }
+  for (const Fixture& fixture : machine.fixtures()) {
+    TruthObstacle& obstacle = *truth.add_obstacles();
+    *obstacle.mutable_min_mm() = fixture.min_mm();
+    *obstacle.mutable_max_mm() = fixture.max_mm();
+  }
+}
+
+/// Where its axes count from, or as far above as its lens is free of the block.
+void SetStart(const MachineSpec& machine, MachineTruth& truth) {
+  const Box3 travel = AxisLimitsOf(machine).travel_mm;
+  const auto kinematics = KinematicsOf(machine);
+  Vec3 axes = Vec3::Zero().cwiseMax(travel.min_mm).cwiseMin(travel.max_mm);
+  const TruthBlock& block = truth.block();
+  const double free_mm =
+      block.origin_mm().z() + block.size_mm().z() - truth.lens().above_focus_mm();
+  const double below_mm = free_mm - kinematics->ToPlace(axes).z();
+  if (below_mm <= 0) return;
+  axes.z() += below_mm / kinematics->ScaleAt(axes)(2, 2);
+  axes = axes.cwiseMax(travel.min_mm).cwiseMin(travel.max_mm);
+  *truth.mutable_stage()->mutable_start_mm() = Vector(axes.x(), axes.y(), axes.z());
+}
+
 /// An ideal head; a truth file of the user has a real one.
 void SetHead(const MachineSpec& machine, HeadTruth& head) {
   head.set_field_mm(machine.scan_head().field_mm());
@@ -189,6 +224,9 @@ MachineTruth TruthOf(const MachineSpec& machine, const MountedDescription& mount
   if (lens != nullptr && lens->crack_length_mm() > 0)
     block.set_crack_length_mm(lens->crack_length_mm());
   SetStations(machine, block);
+  if (lens == nullptr) return truth;
+  SetBodies(machine, *lens, truth);
+  SetStart(machine, truth);
   return truth;
 }
 

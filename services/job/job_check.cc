@@ -254,7 +254,7 @@ std::vector<Finding> CheckJobOnMachine(const JobSpec& job, const MachineSpec& ma
     CheckReach(whole, machine, stage_per_glass_ratio, findings);
     CheckStation(whole, machine, findings);
   }
-  CheckLens(whole, machine, findings);
+  CheckLens(whole, machine, stage_per_glass_ratio, findings);
   CheckDividedBlock(whole, machine, findings);
   CheckLayers(whole, findings);
   CheckOwnSpacing(whole, findings);

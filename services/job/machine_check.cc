@@ -8,6 +8,7 @@
 #include "services/job/field_ranges.h"
 #include "services/job/job_check.h"
 #include "services/job/machine/focus_offset.h"
+#include "services/job/machine/head_check.h"
 #include "services/job/machine/laser_head_check.h"
 #include "services/job/machine/machine_drives.h"
 #include "services/job/machine/profile_errors.h"
@@ -264,6 +265,7 @@ std::vector<Error> CheckMachine(const MachineSpec& machine) {
   if (errors.empty()) CheckDrives(machine, errors);
   if (errors.empty()) CheckLoading(machine, errors);
   if (errors.empty()) CheckTaught(machine, errors);
+  if (errors.empty()) CheckHead(machine, errors);
   return errors;
 }
 

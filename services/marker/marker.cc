@@ -12,7 +12,7 @@ namespace {
 using bus::Borrow;
 // The loop turns every 5 ms and asks.
 const auto kNoWakeOfMarker = [] {};
-constexpr std::chrono::milliseconds kInterlockPeriod{100};
+constexpr std::chrono::milliseconds kInterlockPeriod{50};
 
 std::uint32_t BitsOf(const drivers::MarkDeviceState& state, bool stopped) {
   return (state.link_up ? 1u : 0u) | (state.key_on ? 2u : 0u) |
@@ -114,6 +114,8 @@ void Marker::Drop() {
 void Marker::PublishInterlock() {
   const drivers::MarkDeviceState& state = driver_->state();
   const host::StopLatch& stop = task_.permission().stop();
+  if (state.number != state_number_) state_at_ = now_;
+  state_number_ = state.number;
   const std::uint32_t bits = BitsOf(state, stop.pressed());
   if (bits == published_interlocks_ && stop.revision() == stop_revision_ &&
       now_ < next_interlock_) {
@@ -131,6 +133,7 @@ void Marker::PublishInterlock() {
   const std::string& message = state.refusal.empty() ? state.message : state.refusal;
   sample.message = Borrow(message);
   if (state.link_up) {
+    sample.state_age_ms = bus::AgeMs(now_ - state_at_);
     sample.key_on = state.key_on;
     sample.door_closed = state.door_closed;
     sample.emergency_stop_released = state.stop_released;

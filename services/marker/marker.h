@@ -91,8 +91,10 @@ class Marker final : private cell::Maker {
   cell::CellTask task_;
 
   std::chrono::nanoseconds now_{0}, next_interlock_{0};
+  std::chrono::nanoseconds state_at_{0};  // when the controller's newest status came
   std::uint64_t stop_revision_ = 0;
   std::uint32_t published_interlocks_ = ~0u;
+  std::uint64_t state_number_ = 0;
 };
 
 }  // namespace intaglio::marker

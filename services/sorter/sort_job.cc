@@ -9,6 +9,7 @@
 #include "engrave/sort/travel.h"
 #include "services/job/channels.h"
 #include "services/job/machine/first_estimate.h"
+#include "services/job/machine/head_clearance.h"
 #include "services/job/marks/mark_maker.h"
 #include "services/job/options.h"
 #include "services/job/plan/ordering.h"
@@ -53,6 +54,7 @@ Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
     masks.push_back(of_cloud[index]);
   }
   cloud = {};
+  INTAGLIO_TRY(CheckHeadClearance(job, result.cloud.points_mm, PointOrder::kOfEngraving));
   outcome.set_shadow_violation_count(sort::CountShadowViolations(
       result.cloud.points_mm, masks, job.optics().cone_tangent()));
   outcome.set_shutter_change_count(CountChanges(masks));

@@ -5,6 +5,7 @@
 #include "engrave/core/try.h"
 #include "engrave/formats/journal_file.h"
 #include "services/job/channels.h"
+#include "services/job/machine/head_clearance.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/machine/pulse_energies.h"
 #include "services/job/options.h"
@@ -43,6 +44,7 @@ Result<EngravingJob> EngravingOf(const PreparationTask& task, const PointCloud& 
   auto axes = INTAGLIO_TRY(
       CheckedAxes(path, BlocksOfModels(frozen.job()), frames, job.plan.limits.travel_mm));
   job.machine_points_mm = std::move(axes);
+  INTAGLIO_TRY(CheckHeadClearance(frozen, path.points_mm, PointOrder::kOfEngraving));
   auto energies = INTAGLIO_TRY(EnergiesOfPoints(frozen.job(), path.source));
   job.energies = std::move(energies);
   job.max_missed_in_a_row = frozen.machine().laser().max_missed_in_a_row();

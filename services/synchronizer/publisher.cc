@@ -10,8 +10,8 @@ using formats::PointOutcome;
 using namespace std::chrono_literals;
 
 constexpr auto kPulsePeriod = 20ms;
-// Whoever moves the stage by hand stops when it has not come for 500 ms.
-constexpr auto kInterlockPeriod = 100ms;
+// Whoever moves the stage by hand stops when what it has is older than 150 ms.
+constexpr auto kInterlockPeriod = 50ms;
 constexpr std::size_t kPulseBatch = 1024;
 
 intaglio_PulseOutcome WireOutcome(PointOutcome outcome) {
@@ -83,7 +83,7 @@ void Publisher::PublishLaser(const drivers::LaserController& laser,
   published_interlocks_ = interlocks;
   published_stop_ = stop.revision();
   next_interlock_ = now + kInterlockPeriod;
-  PublishInterlock(laser, stop);
+  PublishInterlock(laser, stop, now);
 }
 
 void Publisher::PublishLampSync(const drivers::LaserController& laser) {
@@ -100,7 +100,8 @@ void Publisher::PublishLampSync(const drivers::LaserController& laser) {
 }
 
 void Publisher::PublishInterlock(const drivers::LaserController& laser,
-                                 const host::StopLatch& stop) {
+                                 const host::StopLatch& stop,
+                                 std::chrono::nanoseconds now) {
   intaglio_Interlock sample{};
   sample.bus_stop_pressed = stop.pressed();
   const auto held = host::WireOf(stop.held());
@@ -109,6 +110,7 @@ void Publisher::PublishInterlock(const drivers::LaserController& laser,
   sample.laser_link_up = laser.up();
   sample.message = Borrow(laser.message());
   if (laser.up()) {
+    sample.state_age_ms = bus::AgeMs(now - laser.status_at());
     sample.key_on = laser.Has(link::kKeyOn);
     sample.door_closed = laser.Has(link::kDoorClosed);
     sample.emergency_stop_released = laser.Has(link::kStopReleased);

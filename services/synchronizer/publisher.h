@@ -32,7 +32,7 @@ class Publisher {
  private:
   void PublishLampSync(const drivers::LaserController& laser);
   void PublishInterlock(const drivers::LaserController& laser,
-                        const host::StopLatch& stop);
+                        const host::StopLatch& stop, std::chrono::nanoseconds now);
 
   std::string cell_;
   bus::Writer<intaglio_PulseEventBatch> pulses_;

@@ -36,6 +36,10 @@ void Glass::Add(const formats::GlassCrack& crack) {
   ++crack_count_;
 }
 
+void Glass::Add(const formats::GlassCollision& collision) {
+  formats::AppendGlassCollision(collision, unwritten_);
+}
+
 Status Glass::Flush() {
   if (unwritten_.empty()) return {};
   const auto before = out_.tellp();

@@ -1,7 +1,8 @@
 #pragma once
 
-// The glass: it records every crack and refuses nothing. What it holds is on disk at the
-// latest when Flush is called; a record file once begun is only appended to.
+// The glass: it records every crack, and what the head ran into, and refuses nothing.
+// What it holds is on disk at the latest when Flush is called; a record file once begun
+// is only appended to.
 
 #include <filesystem>
 #include <fstream>
@@ -24,6 +25,7 @@ class Glass {
                               const formats::GlassHeader& header);
 
   void Add(const formats::GlassCrack& crack);
+  void Add(const formats::GlassCollision& collision);
   /// kIo when the disk refuses; what was not written is kept and tried again.
   Status Flush();
   std::uint64_t crack_count() const { return crack_count_; }

@@ -70,6 +70,7 @@ Machine::Machine(const MachineOptions& options, Glass glass, link::SteadyClock c
       stage_(options.stage),
       laser_(options.laser),
       glass_(std::move(glass)),
+      bodies_(options.bodies, options.block, options.further_stations),
       clock_(std::move(clock)),
       next_tick_at_(clock_()) {}
 
@@ -180,6 +181,13 @@ void Machine::AdvanceJog() {
   const nanoseconds now = clock_();
   const nanoseconds passed = now - std::exchange(jogged_at_, now);
   if (stage_.jogging()) stage_.AdvanceJog(1e-9 * static_cast<double>(passed.count()));
+  FeelBodies();
+}
+
+void Machine::FeelBodies() {
+  if (!bodies_.any()) return;
+  bodies_.Move(FocusAt(options_.positioner, stage_.place_mm()), laser_.tick(),
+               [this](const formats::GlassCollision& met) { glass_.Add(met); });
 }
 
 void Machine::KeepSafe() {
@@ -204,6 +212,7 @@ void Machine::DelaySync(double seconds) {
 void Machine::PassTick() {
   const double late_s = std::exchange(sync_late_s_, 0);
   stage_.AdvanceTick(1 / (1 / laser_.rate_hz() + late_s));
+  FeelBodies();
   // What passes within the tick is known from its begin: nothing commands the stage anew
   // before the next one.
   const bool at_place = laser_.NextFiresAtPlace();

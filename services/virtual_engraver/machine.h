@@ -23,6 +23,7 @@
 
 #include "services/platform/link/reliable_link.h"
 #include "services/virtual_engraver/beam.h"
+#include "services/virtual_engraver/bodies.h"
 #include "services/virtual_engraver/glass.h"
 #include "services/virtual_engraver/laser.h"
 #include "services/virtual_engraver/positioner.h"
@@ -37,6 +38,7 @@ struct MachineOptions {
   BlockInMachine block;
   std::vector<StationInMachine> further_stations;
   PositionerOptions positioner;
+  BodyOptions bodies;
   double crack_length_mm = 0.2;  ///< of the laser's largest pulse, along the beam
   double split_ratio = 1;        ///< of a pulse, in the beam of each channel
   /// How far beside that of channel 1 the beam of each channel meets.
@@ -107,6 +109,8 @@ class Machine {
   bool MayPassTick() const;
   bool PassTicks();
   void PassTick();
+  /// The stage has moved: what meets now?
+  void FeelBodies();
   void Fire(std::uint8_t channels, const Vec3& place_mm);
   void SendReports(bool at_once);
 
@@ -114,6 +118,7 @@ class Machine {
   Stage stage_;
   Laser laser_;
   Glass glass_;
+  Bodies bodies_;
   link::SteadyClock clock_;
   Line laser_line_, motion_line_;
   bool one_line_ = false;

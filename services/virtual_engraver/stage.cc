@@ -32,8 +32,8 @@ constexpr double kTurnS = 1e-4;
 
 Stage::Stage(const StageOptions& options)
     : options_(options),
-      knot_mm_(
-          Vec3::Zero().cwiseMax(options.travel_min_mm).cwiseMin(options.travel_max_mm)),
+      knot_mm_(options.start_mm.cwiseMax(options.travel_min_mm)
+                   .cwiseMin(options.travel_max_mm)),
       commanded_mm_(knot_mm_),
       mechanics_(options.mechanics, knot_mm_),
       backlash_(options.backlash_mm, knot_mm_),

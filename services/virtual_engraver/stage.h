@@ -37,6 +37,8 @@ inline constexpr std::uint64_t kSubticksPerTick = 65536;
 struct StageOptions {
   Vec3 travel_min_mm = Vec3::Zero();
   Vec3 travel_max_mm = Vec3::Constant(170);
+  /// Where the axes are at power-up and at home; within the travel the nearest place.
+  Vec3 start_mm = Vec3::Zero();
   MechanicsOptions mechanics;  ///< of each axis
   std::optional<VibrationOptions> vibration = {};
   double repeatability_mm = 0;  ///< of every place it goes to, each axis

@@ -27,12 +27,12 @@ void Stage::Jog(const link::JogMove& jog) {
   StartJog(Vec3(jog.x_nm, jog.y_nm, jog.z_nm) / kNmPerMm, jog.speed_nm_s / kNmPerMm);
 }
 
-// Its encoders are absolute: home is where the axes count from, or the travel's nearest
-// place to it.
+// Its encoders are absolute: home is where the axes were at power-up.
 void Stage::Home() {
   ++jogs_taken_;
-  StartJog(Vec3::Zero().cwiseMax(options_.travel_min_mm).cwiseMin(options_.travel_max_mm),
-           kHomeSpeedMmS);
+  StartJog(
+      options_.start_mm.cwiseMax(options_.travel_min_mm).cwiseMin(options_.travel_max_mm),
+      kHomeSpeedMmS);
 }
 
 void Stage::StartJog(const Vec3& target, double speed_mm_s) {

@@ -73,6 +73,7 @@ void SetAxisDrives(const TruthStage& truth, MechanicsOptions& mechanics) {
 void SetStage(const TruthStage& truth, StageOptions& stage) {
   if (truth.has_travel_min_mm()) stage.travel_min_mm = Vec3Of(truth.travel_min_mm());
   if (truth.has_travel_max_mm()) stage.travel_max_mm = Vec3Of(truth.travel_max_mm());
+  if (truth.has_start_mm()) stage.start_mm = Vec3Of(truth.start_mm());
   SetMechanics(truth, stage.mechanics);
   SetAxisDrives(truth, stage.mechanics);
   if (truth.has_vibration()) {
@@ -145,6 +146,22 @@ void SetBlock(const TruthBlock& truth, BlockInMachine& block) {
     block.numerical_aperture = truth.numerical_aperture();
 }
 
+HangingBody HangingBodyOf(const TruthBody& truth) {
+  HangingBody body{truth.above_focus_mm()};
+  if (truth.has_diameter_mm()) body.radius_mm = truth.diameter_mm() / 2;
+  return body;
+}
+
+BodyOptions BodiesOf(const MachineTruth& truth) {
+  BodyOptions bodies;
+  if (truth.has_lens()) bodies.lens = HangingBodyOf(truth.lens());
+  if (truth.has_lens_carrier()) bodies.carrier = HangingBodyOf(truth.lens_carrier());
+  for (const TruthObstacle& obstacle : truth.obstacles()) {
+    bodies.obstacles.push_back({Vec3Of(obstacle.min_mm()), Vec3Of(obstacle.max_mm())});
+  }
+  return bodies;
+}
+
 std::vector<StationInMachine> StationsOf(const TruthBlock& truth) {
   std::vector<StationInMachine> stations;
   for (const TruthStation& station : truth.stations())
@@ -160,6 +177,7 @@ MachineOptions OptionsOf(const MachineTruth& truth) {
   SetLaser(truth.laser(), options);
   SetBlock(truth.block(), options.block);
   options.further_stations = StationsOf(truth.block());
+  options.bodies = BodiesOf(truth);
   options.positioner = PositionerOf(truth.stage().positioner());
   const BlockInMachine& block = options.block;
   options.stage.focus_per_axis_unit_mm = FocusPerAxisUnitMm(

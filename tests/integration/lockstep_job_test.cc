@@ -154,6 +154,38 @@ TEST_F(RunJob, FiredAtThePlaceALateStageMakesItsPoints) {
   EXPECT_LT(at_place_um, 0.4 * at_tick_um);
 }
 
+// The profile knows nothing of a mount that ends 30 mm below its lens.
+TEST_F(RunJob, AMountThatEntersTheBlockIsRecordedAndTheVerdictIsNotGood) {
+  const fs::path truth = folder_ / "truth.textproto";
+  std::ofstream(truth) << "lens { above_focus_mm: 13 }";
+  const Ended ended = Run({"--lockstep", "--warm-up", "0", "--height", "20", "--spacing",
+                           "0.8", "--truth", truth.string()});
+  EXPECT_NE(ended.exit_code, 0) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr("NOT GOOD"));
+  const JobReport report = Report();
+  EXPECT_EQ(report.points().made(), report.points().planned());
+  ASSERT_EQ(report.collisions_size(), 1) << ended.output;
+  EXPECT_EQ(report.collisions(0).body(), "lens");
+  EXPECT_EQ(report.collisions(0).solid(), "block");
+  // The lowest point, 25 mm deep in N-BK7, is 16.4 mm below the face in air.
+  EXPECT_NEAR(report.collisions(0).overlap_mm(), 16.4 - 13, 0.15);
+}
+
+// Both before anything moves: by what the job says, and by its points.
+TEST_F(RunJob, ALensThatWouldEnterTheBlockIsRefused) {
+  const Ended high = Run({"--lockstep", "--block", "60", "60", "100", "--height", "80"});
+  EXPECT_NE(high.exit_code, 0);
+  EXPECT_THAT(high.output, HasSubstr("fit_height_mm: 80 is more than the lens f43"));
+  const Ended deep = Run({"--lockstep", "--warm-up", "0", "--block", "60", "60", "100",
+                          "--height", "40", "--spacing", "1.5"});
+  EXPECT_NE(deep.exit_code, 0);
+  // 70 mm of N-BK7 are 46.0 mm of air.
+  EXPECT_THAT(deep.output, HasSubstr("the lens f43 would be 3.0 mm inside the block"));
+  EXPECT_THAT(deep.output, HasSubstr("or take the lens f70"));
+  const auto glass = formats::ReadGlassRecord(folder_ / "out/session/glass.rec");
+  if (glass) EXPECT_TRUE(glass->cracks.empty() && glass->collisions.empty());
+}
+
 TEST_F(RunJob, AWrongTruthFileIsWrongInput) {
   const fs::path truth = folder_ / "truth.textproto";
   std::ofstream(truth) << "stage { repeatability_um: -1 }";

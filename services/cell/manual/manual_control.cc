@@ -9,6 +9,8 @@
 namespace intaglio::cell {
 namespace {
 
+using namespace std::chrono_literals;
+
 // At 50 states a second, more than two seconds; what is older is stale anyway.
 constexpr std::size_t kRemembered = 128;
 // Clients come and go; the oldest names are of processes that have ended.
@@ -16,6 +18,14 @@ constexpr std::size_t kMaxSenders = 256;
 
 bool IsLight(intaglio_ManualCommandKind kind) {
   return kind == intaglio_MANUAL_LAMP || kind == intaglio_MANUAL_SHUTTER;
+}
+
+/// Key, door and stop.
+bool AreKnown(const ManualConditions& conditions, bool homes,
+              std::chrono::nanoseconds now) {
+  if (conditions.interlocks_at.count() < 0) return false;
+  const auto since = now - conditions.interlocks_at;
+  return since + (homes ? 0ns : conditions.interlocks_age) <= kInterlockTime;
 }
 
 std::string DoneText(const ManualOrder& order, const Vec3& position) {
@@ -27,7 +37,9 @@ std::string DoneText(const ManualOrder& order, const Vec3& position) {
 }  // namespace
 
 std::string WhyNoMotionByHand(const ManualConditions& conditions,
-                              const drivers::DriverState& state, bool by_cell) {
+                              const drivers::DriverState& state, const ManualOrder& order,
+                              std::chrono::nanoseconds now) {
+  const bool by_cell = order.by_cell;
   if (!state.link_up) return "the stage does not answer: " + state.message;
   if (conditions.run_active) return "a job moves the stage: pause it first";
   if (!by_cell && !conditions.permission_fresh) {
@@ -38,7 +50,8 @@ std::string WhyNoMotionByHand(const ManualConditions& conditions,
     return "a job is armed on this machine: pause or cancel it first";
   if (conditions.stop_pressed)
     return "the emergency stop is pressed: release it with `intaglio stop --reset`";
-  if (!conditions.interlocks_fresh || !conditions.laser_line_up) {
+  if (!AreKnown(conditions, order.kind == intaglio_MANUAL_HOME, now) ||
+      !conditions.laser_line_up) {
     return "key and door are not known, because the laser controller does not answer: "
            "check the synchronizer and the laser line";
   }
@@ -161,13 +174,14 @@ Status ManualControl::Start(const ManualOrder& order) {
   }
   const auto target = TargetOf(order);
   if (!target) return tl::unexpected(target.error());
-  return driver_.Jog(*target, std::min(order.speed_mm_s, kMaxSpeedMmS));
+  speed_mm_s_ = std::min(order.speed_mm_s, kMaxSpeedMmS);
+  return driver_.Jog(*target, speed_mm_s_);
 }
 
 void ManualControl::Begin(const ManualOrder& order, const ManualConditions& conditions,
                           Nanoseconds now) {
   if (!IsFresh(order.seen, now)) return Answer(order, intaglio_MANUAL_STOPPED, "let go");
-  std::string why = WhyNoMotionByHand(conditions, driver_.state(), order.by_cell);
+  std::string why = WhyNoMotionByHand(conditions, driver_.state(), order, now);
   if (!why.empty()) return Answer(order, intaglio_MANUAL_REFUSED, std::move(why));
   // No command brings air back.
   if (!IsLight(order.kind) && driver_.state().fault == intaglio_MOTION_NO_AIR)
@@ -218,13 +232,30 @@ void ManualControl::Brake(std::string why) {
   hold_owed_ = !driver_.Hold();
 }
 
+std::string ManualControl::WhyEnded(const ManualConditions& conditions,
+                                    Nanoseconds now) const {
+  const drivers::DriverState& state = driver_.state();
+  std::string why = WhyNoMotionByHand(conditions, state, order_, now);
+  const bool moves =
+      order_.kind == intaglio_MANUAL_JOG || order_.kind == intaglio_MANUAL_MOVE;
+  if (moves && state.link_up && !AreKnown(conditions, false, now)) {
+    why += fmt::format(
+        "; the motion was ended {} ms after the last report of key, door and stop: at "
+        "{:g} mm/s at most {:.1f} mm and the braking distance",
+        kInterlockTime.count(), speed_mm_s_,
+        speed_mm_s_ * std::chrono::duration<double>(kInterlockTime).count());
+  }
+  if (why.empty() && !IsLight(order_.kind) && state.fault != intaglio_MOTION_OK)
+    why = state.message;
+  if (why.empty() && (let_go_ || now - held_at_ > kHeldTime)) why = "let go";
+  return why;
+}
+
 void ManualControl::Turn(const ManualConditions& conditions, Nanoseconds now) {
   const drivers::DriverState& state = driver_.state();
   if (phase_ == Phase::kMoving) {
     const bool light = IsLight(order_.kind);
-    std::string why = WhyNoMotionByHand(conditions, state, order_.by_cell);
-    if (why.empty() && !light && state.fault != intaglio_MOTION_OK) why = state.message;
-    if (why.empty() && (let_go_ || now - held_at_ > kHeldTime)) why = "let go";
+    std::string why = WhyEnded(conditions, now);
     if (light) {
       TurnLight(std::move(why), conditions, now);
     } else if (!why.empty()) {

@@ -21,6 +21,12 @@
 // Nothing restarts by itself: what ended, for whatever reason, is spent with its number;
 // only an order with a greater number moves again.
 //
+// Key, door and stop are read by the laser's controller and reported by another process.
+// A motion is ended when what is known of them is older than kInterlockTime: so much
+// longer than with a report it goes on when that process has died, and its braking
+// distance,
+//   v kInterlockTime + v^2 / 2a,   v: its speed, a: that of braking.
+//
 // Who decides: the job service, by a fresh Permission that is not granted. While a job is
 // armed, nothing is moved by hand. Key, door and the stops hold as in engraving. A run of
 // the synchronizer takes the stage at once (bridge.h). Used from one thread; pure but for
@@ -56,17 +62,28 @@ struct ManualOrder {
 struct ManualConditions {
   bool permission_fresh = false;  ///< the job service answers for this machine
   bool job_armed = false;
-  bool run_active = false;        ///< of the synchronizer
-  bool interlocks_fresh = false;  ///< the next four are known
+  bool run_active = false;  ///< of the synchronizer
+  /// When the newest report of the next four came, by the clock of Turn; negative: none
+  /// has come, or its sender has ended.
+  std::chrono::nanoseconds interlocks_at{-1};
+  /// How old they were by then: since the controller reported them.
+  std::chrono::nanoseconds interlocks_age{0};
   bool key_on = false, door_closed = false, stop_released = false, laser_line_up = false;
   bool stop_pressed = false;       ///< on the bus
   bool lamp_on = false;            ///< as the laser controller reports it
   std::uint8_t shutters_open = 0;  ///< bit 0..3: channel 1..4
 };
 
-/// Why nothing may be moved by hand, and what to do; empty: it may be.
+/// How old key, door and stop may be for a motion by hand: two periods of 50 ms in which
+/// they are sent, and a third for a busy computer. A controller that homes answers
+/// nothing meanwhile (grbl, isel) and watches its own chain: then the report that came
+/// counts.
+inline constexpr std::chrono::milliseconds kInterlockTime{150};
+
+/// Why this order may not be executed at `now`, and what to do; empty: it may be.
 std::string WhyNoMotionByHand(const ManualConditions& conditions,
-                              const drivers::DriverState& state, bool by_cell);
+                              const drivers::DriverState& state, const ManualOrder& order,
+                              std::chrono::nanoseconds now);
 
 struct ManualAnswer {
   std::string sender;
@@ -124,6 +141,8 @@ class ManualControl {
   void Begin(const ManualOrder& order, const ManualConditions& conditions,
              Nanoseconds now);
   Status Start(const ManualOrder& order);
+  /// Why the motion has to end; empty: it has not.
+  std::string WhyEnded(const ManualConditions& conditions, Nanoseconds now) const;
   Result<Vec3> TargetOf(const ManualOrder& order) const;
   void Brake(std::string why);
   void TurnLight(std::string why, const ManualConditions& conditions, Nanoseconds now);
@@ -142,7 +161,8 @@ class ManualControl {
   std::map<std::string, std::uint64_t> spent_;  // greatest number by sender
   std::optional<ManualOrder> pending_;
   Phase phase_ = Phase::kResting;
-  ManualOrder order_;  // whose motion is executed
+  ManualOrder order_;      // whose motion is executed
+  double speed_mm_s_ = 0;  // of the newest jog
   std::uint32_t channels_ = 1;
   Nanoseconds began_at_{0};
   bool was_lit_ = false;    // the effect of order_ was reported

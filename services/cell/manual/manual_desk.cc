@@ -16,8 +16,6 @@ using namespace std::chrono_literals;
 
 // As the synchronizer's: written every 20 ms.
 constexpr auto kPermissionTime = 90ms;
-// Written every 100 ms.
-constexpr auto kInterlockTime = 500ms;
 constexpr auto kBusyPeriod = 20ms;
 constexpr auto kIdlePeriod = 500ms;
 constexpr auto kBusyTime = 5s;
@@ -71,8 +69,10 @@ void ManualDesk::TakeConditions(std::chrono::nanoseconds now) {
       });
   interlocks_.TakeAll(
       [&](const intaglio_Interlock& sample, const bus::SampleOrigin& origin) {
-        interlock_at_ = origin.alive ? now : std::chrono::nanoseconds(-1);
+        conditions_.interlocks_at = std::chrono::nanoseconds(-1);
         if (!origin.alive) return;
+        conditions_.interlocks_at = now;
+        conditions_.interlocks_age = std::chrono::milliseconds(sample.state_age_ms);
         conditions_.laser_line_up = sample.laser_link_up;
         conditions_.key_on = sample.key_on;
         conditions_.door_closed = sample.door_closed;
@@ -82,8 +82,6 @@ void ManualDesk::TakeConditions(std::chrono::nanoseconds now) {
       });
   conditions_.permission_fresh =
       permission_at_.count() >= 0 && now - permission_at_ < kPermissionTime;
-  conditions_.interlocks_fresh =
-      interlock_at_.count() >= 0 && now - interlock_at_ < kInterlockTime;
 }
 
 void ManualDesk::Turn(bool run_active, bool stop_pressed, std::chrono::nanoseconds now) {
@@ -164,7 +162,7 @@ void ManualDesk::Publish(std::chrono::nanoseconds now) {
                             : std::chrono::nanoseconds(kIdlePeriod));
   const drivers::DriverState& state = motion_.state();
   const std::string held_by = control_.held_by();
-  const std::string refusal = WhyNoMotionByHand(conditions_, state, false);
+  const std::string refusal = WhyNoMotionByHand(conditions_, state, ManualOrder{}, now);
   const std::string names =
       fmt::format("{} {} {}", axes_.names[0], axes_.names[1], axes_.names[2]);
   intaglio_ManualState sample{};

@@ -54,8 +54,7 @@ class ManualDesk {
   bus::Reader<intaglio_Permission> permissions_;
   bus::Writer<intaglio_ManualState> states_;
   ManualConditions conditions_;
-  std::chrono::nanoseconds permission_at_{-1}, interlock_at_{-1}, commanded_at_{-1},
-      next_state_{0};
+  std::chrono::nanoseconds permission_at_{-1}, commanded_at_{-1}, next_state_{0};
   std::uint64_t number_;
 };
 

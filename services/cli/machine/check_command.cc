@@ -19,6 +19,7 @@
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
 #include "services/job/job_file.h"
+#include "services/job/machine/head_check.h"
 #include "services/job/machine/head_warnings.h"
 #include "services/platform/command_line/supplied_files.h"
 
@@ -60,6 +61,8 @@ void FindAll(const MachineSpec& machine, MachineCheck& check) {
   for (const Error& error : found) *check.add_findings() = FindingOf(error);
   if (!found.empty()) return;
   for (const Error& error : HeadWarningsOf(machine))
+    *check.add_warnings() = FindingOf(error);
+  for (const Error& error : LensWarningsOf(machine))
     *check.add_warnings() = FindingOf(error);
 }
 

@@ -20,6 +20,7 @@
 #include "services/client/proof/proof_figures.h"
 #include "services/job/channels.h"
 #include "services/job/json_text.h"
+#include "services/job/machine/head_clearance.h"
 #include "services/job/methods/method_table.h"
 #include "services/job/model_kind.h"
 #include "services/job/models/job_cloud.h"
@@ -186,6 +187,7 @@ Result<Preview> MakePreview(const FrozenJob& job, const PreviewOptions& options,
   if (progress && !progress("check", 0, 0)) {
     return Fail(ErrorCode::kCancelled, "the preview was cancelled");
   }
+  INTAGLIO_TRY(CheckHeadClearance(job, made.cloud.points_mm, PointOrder::kNone));
   const CloudFindings found =
       FindInCloud(job.job(), job.machine(), made.cloud, made.masks, options.executor);
   Preview preview;

@@ -13,7 +13,6 @@ namespace intaglio::client {
 namespace {
 
 namespace fs = std::filesystem;
-using formats::GlassCrack;
 
 bool IsKeptRecord(const fs::path& file) {
   return file.extension() == ".rec" && file.stem().string().starts_with("glass-");
@@ -30,6 +29,18 @@ std::map<std::uint32_t, fs::path> RecordsIn(const fs::path& folder) {
     if (header && header->power_up != 0) records[header->power_up] = file;
   }
   return records;
+}
+
+/// Those of the span, with ticks that are `offset` later. Unsigned: it may be negative,
+/// and the sum is not.
+template <typename Record>
+void AddOfSpan(const std::vector<Record>& all, const TickSpan& span, std::uint64_t offset,
+               std::vector<Record>& into) {
+  for (Record record : all) {
+    if (record.tick < span.first_tick || record.tick > span.last_tick) continue;
+    record.tick += offset;
+    into.push_back(record);
+  }
 }
 
 }  // namespace
@@ -61,32 +72,28 @@ std::vector<TickSpan> TickSpansOf(const formats::Journal& journal) {
   return spans;
 }
 
-Result<std::optional<std::vector<GlassCrack>>> FindCracks(const formats::Journal& journal,
-                                                          const fs::path& folder) {
+Result<std::optional<JobGlass>> FindGlass(const formats::Journal& journal,
+                                          const fs::path& folder) {
   const auto records = RecordsIn(folder);
   std::map<std::uint32_t, formats::GlassRecord> read;
-  std::vector<GlassCrack> cracks;
+  JobGlass glass;
   std::uint64_t offset = 0, last_tick = 0;
   std::uint32_t power_up = 0;
   for (const TickSpan& span : TickSpansOf(journal)) {
     const auto file = records.find(span.power_up);
-    if (file == records.end()) return std::optional<std::vector<GlassCrack>>();
+    if (file == records.end()) return std::optional<JobGlass>();
     if (!read.contains(span.power_up)) {
       auto record = INTAGLIO_TRY(formats::ReadGlassRecord(file->second));
       read.emplace(span.power_up, std::move(record));
     }
-    // Unsigned: the offset may be negative, and the sum is not.
     if (power_up != 0 && power_up != span.power_up)
       offset = last_tick + 1 - span.first_tick;
     power_up = span.power_up;
     last_tick = span.last_tick + offset;
-    for (GlassCrack crack : read.at(span.power_up).cracks) {
-      if (crack.tick < span.first_tick || crack.tick > span.last_tick) continue;
-      crack.tick += offset;
-      cracks.push_back(crack);
-    }
+    AddOfSpan(read.at(span.power_up).cracks, span, offset, glass.cracks);
+    AddOfSpan(read.at(span.power_up).collisions, span, offset, glass.collisions);
   }
-  return std::optional(std::move(cracks));
+  return std::optional(std::move(glass));
 }
 
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 
-// The cracks of one job among all that virtual engravers have recorded. An engraver
-// records every crack of one power-up in one file, whatever the job; the journal of a job
-// has the power-ups and the ticks at which it was engraved.
+// The cracks and collisions of one job among all that virtual engravers have recorded. An
+// engraver records every crack of one power-up in one file, whatever the job; the journal
+// of a job has the power-ups and the ticks at which it was engraved.
 
 #include <cstdint>
 #include <filesystem>
@@ -31,11 +31,17 @@ struct TickSpan {
 /// left out.
 std::vector<TickSpan> TickSpansOf(const formats::Journal& journal);
 
-/// The job's cracks from the records in the folder, in the order of the spans. The ticks
-/// of a later power-up follow those of the one before. Nullopt when a power-up has no
-/// record there: it was a real machine's, or the record is lost. kUnreadable, kIo.
-Result<std::optional<std::vector<formats::GlassCrack>>> FindCracks(
-    const formats::Journal& journal, const std::filesystem::path& folder);
+/// What happened to the glass while a job had the laser.
+struct JobGlass {
+  std::vector<formats::GlassCrack> cracks;
+  std::vector<formats::GlassCollision> collisions;
+};
+
+/// From the records in the folder, in the order of the spans. The ticks of a later
+/// power-up follow those of the one before. Nullopt when a power-up has no record there:
+/// it was a real machine's, or the record is lost. kUnreadable, kIo.
+Result<std::optional<JobGlass>> FindGlass(const formats::Journal& journal,
+                                          const std::filesystem::path& folder);
 
 /// Gives the record of an earlier engraver its own name, so that another one can begin.
 Status KeepGlassRecord(const std::filesystem::path& record);

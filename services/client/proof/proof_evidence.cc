@@ -8,6 +8,7 @@
 #include "engrave/core/try.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/io/whole_file.h"
+#include "services/client/proof/collisions.h"
 #include "services/client/proof/glass_search.h"
 #include "services/job/channels.h"
 
@@ -84,6 +85,8 @@ Result<Evidence> ReadEvidence(const fs::path& folder) {
   if (fs::exists(folder / "glass.ply")) {
     INTAGLIO_TRY(ReadCracks(folder / "glass.ply", evidence));
     evidence.has_glass = true;
+    auto collisions = INTAGLIO_TRY(ReadCollisions(folder));
+    evidence.collisions = std::move(collisions);
   }
   const auto journal = INTAGLIO_TRY(formats::ReadJournal(folder / "journal.bin"));
   evidence.history = formats::HistoryOf(journal);

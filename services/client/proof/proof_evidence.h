@@ -11,6 +11,7 @@
 #include "engrave/core/result.h"
 #include "engrave/formats/journal_file.h"
 #include "engrave/proof/glass_comparison.h"
+#include "proto/report.pb.h"
 #include "proto/task.pb.h"
 #include "services/job/machine/pulse_energies.h"
 
@@ -25,6 +26,7 @@ struct Evidence {
   std::vector<proof::Crack> cracks;  ///< in the block of the job's station
   /// In blocks at other stations, where none of the job's may be.
   std::uint64_t cracks_elsewhere_count = 0;
+  CollisionRecord collisions;  ///< of the machine's head
   std::vector<formats::PointHistory> history;
   std::vector<std::uint32_t> power_ups;  ///< of the journal, in their order
 };

@@ -195,6 +195,7 @@ JobReport FiguresOf(const Evidence& evidence) {
            evidence.has_glass ? MeasureGlass(evidence, report)
                               : CountByController(evidence, report),
            report);
+  *report.mutable_collisions() = evidence.collisions.collisions();
   AddPulseEnergies(evidence.history, evidence.energies, report);
   AddMisses(evidence.history, report);
   if (evidence.plan_mm.size() > 1) {

@@ -4,12 +4,14 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string_view>
 #include <utility>
 
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
+#include "engrave/machine/clearance.h"
 #include "engrave/post/tab_parts.h"
 #include "services/job/course/course_check.h"
 #include "services/job/course/course_files.h"
@@ -141,6 +143,29 @@ Status CheckToolOfMachine(const Course& course, const MachineSpec& machine) {
   return {};
 }
 
+/// What is wider than the tool stays above the sheet, whose face is at 0 (the room of
+/// engrave/machine/clearance.h, with the tip in the place of the focus).
+Status CheckFreeLength(const mark::MarkSet& set, const MachineSpec& machine) {
+  const CourseTool& tool = machine.course_tool();
+  if (tool.kind() != COURSE_TOOL_SPINDLE || !tool.has_free_length_mm()) return {};
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  const Box3 sheet{Vec3::Constant(-kInfinite), Vec3(kInfinite, kInfinite, 0)};
+  const machine::Clearance clearance({{tool.free_length_mm()}}, {sheet});
+  for (const mark::Pen& pen : set.pens) {
+    const auto collision = clearance.At(Vec3(0, 0, -pen.depth_mm));
+    if (!collision) continue;
+    return Fail(ErrorCode::kOutsideBlock,
+                fmt::format("{}: {:g} mm deep, the spindle of {} would be {:.2f} mm "
+                            "inside the sheet, for its tool is free over {:g} mm "
+                            "(course_tool.free_length_mm); make them less deep, or let "
+                            "the tool stand out further",
+                            pen.name, pen.depth_mm, machine.name(), collision->overlap_mm,
+                            tool.free_length_mm()),
+                fmt::format("{:g}", pen.depth_mm));
+  }
+  return {};
+}
+
 /// A spindle holds one tool.
 Status RequireOneTool(const ContourWork& work) {
   const std::size_t tools = work.rounds.size() + (work.paths.empty() ? 0 : 1);
@@ -228,6 +253,7 @@ Result<mark::MarkSet> MakeCourseMarks(const JobSpec& job, const MachineSpec& mac
   for (const post::ToolPath& path : work.paths) AddPath(path, course, set);
   if (!laser) AddDrilledHoles(course, work, set);
   INTAGLIO_TRY(mark::CheckMarks(set));
+  INTAGLIO_TRY(CheckFreeLength(set, machine));
   INTAGLIO_TRY(Report(progress, 3));
   return set;
 }

@@ -6,11 +6,44 @@
 #include <vector>
 
 #include "services/job/job_defaults.h"
+#include "services/job/machine/head_check.h"
+#include "services/job/machine/head_clearance.h"
 #include "services/job/options.h"
 
 namespace intaglio {
 
-void CheckLens(const JobSpec& job, const MachineSpec& machine, Findings& findings) {
+namespace {
+
+void CheckFocus(const JobSpec& job, const MachineLens& lens, const MachineSpec& machine,
+                Findings& findings) {
+  for (const std::uint32_t channel : job.laser().channels()) {
+    const std::string why = WhyFocusIsUnknown(machine, lens.name(), channel);
+    if (why.empty()) continue;
+    return findings.Wrong("lens.focal_length_mm", lens.focal_length_mm(), "is {}: {}",
+                          lens.name(), why);
+  }
+}
+
+/// A model of this height has its lowest point at least so deep, wherever it is between
+/// the margins.
+void CheckHeights(const JobSpec& job, const MachineLens& lens, double reach_mm,
+                  Findings& findings) {
+  const double below_mm = job.block().margin_mm();
+  for (int i = 0; i < job.models_size(); ++i) {
+    const double height_mm = job.models(i).placement().fit_height_mm();
+    if (height_mm + below_mm <= reach_mm || job.block().clip()) continue;
+    findings.Wrong(fmt::format("models[{}].placement.fit_height_mm", i), height_mm,
+                   "is more than the lens {} reaches: {:.1f} mm below the top face, with "
+                   "the margin of {:g} mm; deeper the lens would be in the block; make "
+                   "the model lower, or take another lens",
+                   lens.name(), reach_mm, below_mm);
+  }
+}
+
+}  // namespace
+
+void CheckLens(const JobSpec& job, const MachineSpec& machine,
+               std::optional<double> stage_per_glass_ratio, Findings& findings) {
   const Lens& lens = job.lens();
   if (const MachineLens* own = FindLens(machine, lens.focal_length_mm())) {
     const double height_mm = job.block().size_mm().z();
@@ -21,6 +54,9 @@ void CheckLens(const JobSpec& job, const MachineSpec& machine, Findings& finding
           "block or another lens",
           own->max_block_height_mm(), own->name(), machine.name());
     }
+    CheckFocus(job, *own, machine, findings);
+    if (stage_per_glass_ratio)
+      CheckHeights(job, *own, ReachMm(*own, *stage_per_glass_ratio), findings);
     return;
   }
   std::vector<double> lengths_mm;

@@ -3,7 +3,10 @@
 // Filling and reading the plain C structs of the topics. A sample that is written only
 // borrows: the strings and vectors must live until Write returns.
 
+#include <algorithm>
+#include <chrono>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -35,6 +38,13 @@ auto View(const Sequence& sequence) {
 /// A view of a received string; empty for a null pointer.
 inline std::string_view View(const char* text) {
   return text == nullptr ? std::string_view() : std::string_view(text);
+}
+
+/// An age for a sample, ms, rounded up; of a time to come 0.
+inline std::uint32_t AgeMs(std::chrono::nanoseconds age) {
+  constexpr std::int64_t kMax = std::numeric_limits<std::uint32_t>::max();
+  const auto ms = std::chrono::ceil<std::chrono::milliseconds>(age).count();
+  return static_cast<std::uint32_t>(std::clamp<std::int64_t>(ms, 0, kMax));
 }
 
 }  // namespace intaglio::bus

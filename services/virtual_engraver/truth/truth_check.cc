@@ -17,6 +17,7 @@ constexpr int kMaxRates = 32;
 constexpr std::size_t kMaxSerialNumber = 64;
 // What a glass record can number (engrave/formats/glass_record.h), less the first.
 constexpr int kMaxFurtherStations = 63;
+constexpr int kMaxObstacles = 64;
 
 constexpr TruthRange kRanges[] = {
     {"TruthSecondOrder", "natural_frequency_hz", 1, 10000},
@@ -58,6 +59,7 @@ constexpr TruthRange kRanges[] = {
     {"TruthAxisDrive", "first_order_lag_s", 0, 0.1},
     {"TruthStage", "brake_acceleration_mm_s2", 1, 1000000},
     {"TruthStage", "position_tolerance_um", 0.001, 10000},
+    {"TruthStage", "start_mm", -10000, 10000},
     {"TruthStage", "clock_drift_ppm", -200, 200},
     {"TruthStage", "repeatability_um", 0, 1000},
     {"TruthStage", "backlash_um", 0, 10000},
@@ -83,6 +85,10 @@ constexpr TruthRange kRanges[] = {
     {"TruthBlock", "refractive_index", 1, 4},
     {"TruthBlock", "numerical_aperture", 0, 0.95},
     {"TruthBlock", "crack_length_mm", 0.001, 10},
+    {"TruthBody", "above_focus_mm", -1000, 10000},
+    {"TruthBody", "diameter_mm", 0.1, 10000},
+    {"TruthObstacle", "min_mm", -10000, 10000},
+    {"TruthObstacle", "max_mm", -10000, 10000},
     {"HeadTruth", "field_mm", 1, 2000},
     {"HeadTruth", "half_angle_deg", 0, 30},
     {"HeadTruth", "lens_ratio", -0.2, 0.2},
@@ -157,6 +163,21 @@ class Checker {
     if (block.stations_size() <= kMaxFurtherStations) return;
     Add("block.stations", fmt::format("{} stations", block.stations_size()),
         fmt::format("are more than {}", kMaxFurtherStations));
+  }
+
+  void CheckObstacles(const MachineTruth& truth) {
+    if (truth.obstacles_size() > kMaxObstacles) {
+      Add("obstacles", fmt::format("{} obstacles", truth.obstacles_size()),
+          fmt::format("are more than {}", kMaxObstacles));
+    }
+    for (int i = 0; i < truth.obstacles_size(); ++i) {
+      const Vector3 &min = truth.obstacles(i).min_mm(),
+                    &max = truth.obstacles(i).max_mm();
+      if (min.x() < max.x() && min.y() < max.y() && min.z() < max.z()) continue;
+      Add(fmt::format("obstacles[{}].min_mm", i),
+          fmt::format("{}, {}, {}", min.x(), min.y(), min.z()),
+          "is not below max_mm in each axis");
+    }
   }
 
   void CheckAxisDrives(const TruthStage& stage) {
@@ -245,6 +266,7 @@ std::vector<Error> CheckTruth(const MachineTruth& truth) {
   checker.CheckRates(truth.laser());
   checker.CheckOffsets(truth.laser());
   checker.CheckStations(truth.block());
+  checker.CheckObstacles(truth);
   checker.CheckSerialNumber(truth.laser().serial_number(), "laser.serial_number");
   checker.CheckSerialNumber(truth.head().serial_number(), "head.serial_number");
   return checker.Take();

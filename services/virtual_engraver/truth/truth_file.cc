@@ -46,6 +46,7 @@ void Replace(const MachineTruth& changes, MachineTruth& truth) {
     truth.mutable_laser()->clear_channel_offset_mm();
   }
   if (changes.block().stations_size() > 0) truth.mutable_block()->clear_stations();
+  if (changes.obstacles_size() > 0) truth.clear_obstacles();
   truth.MergeFrom(changes);
 }
 

@@ -23,7 +23,7 @@ Result<MachineTruth> ReadTruthFile(const std::filesystem::path& file);
 Result<MachineTruth> ParseTruth(std::string_view text, const std::string& name);
 
 /// What `changes` sets replaces the value in `truth`; of messages field by field, of the
-/// rates, of the channels' places and of the stations all.
+/// rates, of the channels' places, of the stations and of the obstacles all.
 void Replace(const MachineTruth& changes, MachineTruth& truth);
 
 /// The file is there whole or not at all.

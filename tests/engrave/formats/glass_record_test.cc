@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
+
+#include "engrave/io/crc32.h"
+
 namespace intaglio::formats {
 namespace {
 
@@ -31,6 +35,38 @@ TEST(GlassRecord, RoundTripIsExact) {
     EXPECT_EQ(record->cracks[static_cast<std::size_t>(i)].channel, i % 4);
     EXPECT_EQ(record->cracks[static_cast<std::size_t>(i)].station, 1 + 7 * i % 64);
   }
+}
+
+TEST(GlassRecord, ACollisionIsNoCrack) {
+  auto bytes = Sample(2);
+  AppendGlassCollision({77, Vec3(25, 24.5, 37.5), 19.5, 1, 64}, bytes);
+  AppendGlassCrack({105, Vec3(1, 2, 3), 30, 0, true}, bytes);
+  const auto record = ParseGlassRecord(bytes);
+  ASSERT_TRUE(record.has_value());
+  EXPECT_EQ(record->cracks.size(), 3u);
+  EXPECT_EQ(record->torn_bytes, 0u);
+  ASSERT_EQ(record->collisions.size(), 1u);
+  const GlassCollision& collision = record->collisions.front();
+  EXPECT_EQ(collision.tick, 77u);
+  EXPECT_EQ(collision.focus_mm, Vec3(25, 24.5, 37.5));
+  EXPECT_EQ(collision.overlap_mm, 19.5);
+  EXPECT_EQ(collision.body, 1);
+  EXPECT_EQ(collision.solid, 64);
+}
+
+// Those of engravers of before, which had no bodies.
+TEST(GlassRecord, OfVersion1IsRead) {
+  auto bytes = Sample(2);
+  bytes[8] = std::byte{1};
+  const std::uint32_t crc = io::Crc32(std::span(bytes).first(60));
+  std::memcpy(bytes.data() + 60, &crc, sizeof crc);
+  const auto record = ParseGlassRecord(bytes);
+  ASSERT_TRUE(record.has_value()) << record.error().message;
+  EXPECT_EQ(record->cracks.size(), 2u);
+  bytes[8] = std::byte{3};
+  const std::uint32_t later = io::Crc32(std::span(bytes).first(60));
+  std::memcpy(bytes.data() + 60, &later, sizeof later);
+  EXPECT_FALSE(ParseGlassRecord(bytes).has_value());
 }
 
 TEST(GlassRecord, CutAnywhereKeepsEveryWholeRecord) {

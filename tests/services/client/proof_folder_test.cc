@@ -13,6 +13,7 @@
 #include "engrave/formats/glass_record.h"
 #include "engrave/formats/journal_file.h"
 #include "engrave/formats/point_file.h"
+#include "services/client/proof/collisions.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::client {
@@ -154,6 +155,21 @@ TEST_F(ProofFolderTest, ABlockAsPlannedIsGood) {
   EXPECT_EQ(report.ticks(), 7u);
   EXPECT_DOUBLE_EQ(report.machining_time_s(), 0.07);
   EXPECT_DOUBLE_EQ(report.utilisation(), 4.0 / 7);
+}
+
+// One a body and what it met, at its deepest, however often it was recorded.
+TEST_F(ProofFolderTest, ACollisionIsNotGoodAndNamesWhatMetWhatAndHowDeep) {
+  ASSERT_TRUE(WriteCollisions({{1001, Vec3(10, 10, 12), 0.2, 0, 0},
+                               {1002, Vec3(10, 10, 5), 7.25, 0, 0},
+                               {1003, Vec3(10, 10, 9), 3, 0, 0}},
+                              folder_));
+  EXPECT_THAT(Reason(), AllOf(HasSubstr("the lens was 7.2 mm inside the block"),
+                              HasSubstr("10.0, 10.0, 5.0 mm"), HasSubstr("tick 1001")));
+  EXPECT_EQ(Verified().collisions_size(), 1);
+  ASSERT_TRUE(WriteCollisions({{1001, Vec3(10, 10, 12), 0.2, 1, 2}}, folder_));
+  EXPECT_THAT(Reason(), HasSubstr("the head was 0.2 mm inside the fixture 2"));
+  ASSERT_TRUE(WriteCollisions({}, folder_));
+  EXPECT_TRUE(Verified().verdict().good()) << "that of an earlier proof is gone";
 }
 
 TEST_F(ProofFolderTest, AMissedPulseIsNotGood) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <optional>
 
 #include "services/platform/bus/samples.h"
@@ -26,6 +27,7 @@ class ManualProcess : public ::testing::Test {
   ManualProcess()
       : folder_(test::FreshFolder()),
         engraver_(folder_,
+                  "laser { rates_hz: [1, 2, 5, 10, 25, 50, 100, 200] door_lock: true }"
                   "stage { travel_min_mm { x: -2 y: -2 z: -2 }"
                   "        travel_max_mm { x: 172 y: 172 z: 172 }"
                   "        position_tolerance_um: 30 }"),
@@ -60,11 +62,15 @@ class ManualProcess : public ::testing::Test {
     permission.job_uid = Borrow(kNoJob);
     permission.granted = armed_;
     (void)permissions_.Write(permission);
+    if (!beats_interlocks_) return Take();
     intaglio_Interlock interlock{};
     interlock.cell = Borrow(kMachine);
     interlock.key_on = interlock.emergency_stop_released = interlock.laser_link_up = true;
     interlock.door_closed = door_closed;
     (void)interlocks_.Write(interlock);
+    Take();
+  }
+  void Take() {
     states_.Take([this](const intaglio_ManualState& state) {
       number_ = state.number;
       refusal_ = View(state.refusal);
@@ -85,7 +91,7 @@ class ManualProcess : public ::testing::Test {
     command.kind = kind;
     command.place[0] = place.x(), command.place[1] = place.y(),
     command.place[2] = place.z();
-    command.speed_mm_s = 20;
+    command.speed_mm_s = speed_mm_s_;
     command.channel = 1;
     command.sets = 7;
     const std::string lens = "f43";
@@ -104,6 +110,13 @@ class ManualProcess : public ::testing::Test {
   bool BeginJog(std::uint64_t number) {
     return HoldUntil(intaglio_MANUAL_JOG, number, [&] { return held_ && x_mm_ > 2; });
   }
+  /// Where the machine itself has its stage.
+  double StageX() const {
+    const std::string status = engraver_.Ask("status"), name = "\"stage_mm\": [";
+    const auto at = status.find(name);
+    return at == std::string::npos ? std::nan("")
+                                   : std::stod(status.substr(at + name.size()));
+  }
   bool StageRuns() { return engraver_.StatusOf("running") == "true"; }
 
   std::filesystem::path folder_;
@@ -114,7 +127,8 @@ class ManualProcess : public ::testing::Test {
   bus::Writer<intaglio_Permission> permissions_;
   bus::Writer<intaglio_Interlock> interlocks_;
   std::optional<test::ChildProgram> bridge_;
-  bool armed_ = false, held_ = false;
+  bool armed_ = false, held_ = false, beats_interlocks_ = true;
+  double speed_mm_s_ = 20;
   std::uint64_t number_ = 0, answered_ = 0;
   std::string refusal_ = "no state came", message_;
   double x_mm_ = 0;
@@ -138,6 +152,39 @@ TEST_F(ManualProcess, ABridgeThatIsKilledStopsTheStage) {
   ASSERT_TRUE(BeginJog(1)) << message_;
   bridge_.reset();
   EXPECT_TRUE(Eventually([&] { return !StageRuns(); }, 2s));
+}
+
+// At 50 mm/s: 150 ms without a report (7.5 mm), braking at 700 mm/s^2 (1.8 mm), and 100
+// ms for the report under way, the lines and a computer under load (5 mm).
+TEST_F(ManualProcess, ASynchronizerThatIsKilledStopsTheStageWithin150ms) {
+  test::ChildProgram synchronizer(
+      intaglio::testing::Program("intaglio-synchronizer").string(),
+      {"--machine", (folder_ / "machine.textproto").string(), "--device",
+       engraver_.laser_line(), "--tag", test::PrivateTag(), "--cell", kMachine,
+       "--log-level", "error"});
+  beats_interlocks_ = false;
+  speed_mm_s_ = 50;
+  // Its reports and no others hold the motion from here on.
+  std::uint64_t jog = 0;
+  ASSERT_TRUE(Eventually([&] {
+    Beat();
+    if (answered_ == jog && answer_ != intaglio_MANUAL_ACCEPTED) ++jog;
+    Send(intaglio_MANUAL_JOG, jog);
+    return held_ && x_mm_ > 20;
+  })) << message_;
+  const double killed_at_mm = StageX();
+  synchronizer.Kill();
+  ASSERT_TRUE(Eventually([&] {
+    Beat();
+    Send(intaglio_MANUAL_JOG, jog);
+    return !StageRuns();
+  }));
+  EXPECT_LT(StageX() - killed_at_mm, 7.5 + 1.8 + 5);
+  ASSERT_TRUE(Eventually([&] {
+    Beat();
+    return answered_ == jog && answer_ == intaglio_MANUAL_STOPPED;
+  }));
+  EXPECT_NE(message_.find("at 50 mm/s at most 7.5 mm"), std::string::npos) << message_;
 }
 
 TEST_F(ManualProcess, AnOpenDoorAndAnArmedJobEndAndRefuseTheJog) {

@@ -55,14 +55,18 @@ class ManualControlTest : public ::testing::Test {
     driver_.now.link_up = driver_.now.at_rest = true;
     driver_.now.fault = intaglio_MOTION_OK;
     driver_.now.position_mm = Vec3(10, 10, 10);
-    conditions_.permission_fresh = conditions_.interlocks_fresh = true;
+    conditions_.permission_fresh = true;
     conditions_.key_on = conditions_.door_closed = conditions_.stop_released = true;
     conditions_.laser_line_up = true;
     Publish();
   }
 
   void Publish() { control_.NotePublished(++number_, now_); }
-  void Turn() { control_.Turn(conditions_, now_); }
+  /// Of key, door and stop, as long as the test wants them.
+  void Turn() {
+    if (are_reported_) conditions_.interlocks_at = now_;
+    control_.Turn(conditions_, now_);
+  }
   ManualOrder Jog(std::uint64_t number, const std::string& sender = "ann") const {
     return {sender, number, number_, intaglio_MANUAL_JOG, Vec3(1, 0, 0), 20};
   }
@@ -84,6 +88,7 @@ class ManualControlTest : public ::testing::Test {
   ManualControl control_;
   ManualConditions conditions_;
   Nanoseconds now_ = 10s;
+  bool are_reported_ = true;
   std::uint64_t number_ = 1000;
 };
 

@@ -162,12 +162,67 @@ INSTANTIATE_TEST_SUITE_P(
         Opened{"Run", &ManualConditions::run_active, true, "a job moves"},
         Opened{"NoJobService", &ManualConditions::permission_fresh, false, "job service"},
         Opened{"BusStop", &ManualConditions::stop_pressed, true, "emergency stop"},
-        Opened{"NoInterlocks", &ManualConditions::interlocks_fresh, false, "not known"},
         Opened{"LaserLine", &ManualConditions::laser_line_up, false, "not known"},
         Opened{"Key", &ManualConditions::key_on, false, "key"},
         Opened{"Door", &ManualConditions::door_closed, false, "door"},
         Opened{"Stop", &ManualConditions::stop_released, false, "stop button"}),
     [](const auto& opened) { return std::string(opened.param.name); });
+
+// Of a process that has died nothing comes; the order is held all the time.
+TEST_F(ManualControlTest, AMotionEndsWhenKeyDoorAndStopAreOlderThan150ms) {
+  BeginJog();
+  are_reported_ = false;
+  for (int ms = 0; ms < 150; ms += 50) {
+    now_ += 50ms;
+    Publish();
+    Give(Jog(1));
+  }
+  EXPECT_EQ(driver_.holds, 0);
+  now_ += 1ms;
+  Give(Jog(1));
+  EXPECT_EQ(driver_.holds, 1);
+  ComeToRest();
+  EXPECT_EQ(control_.answer().code, intaglio_MANUAL_STOPPED);
+  // 20 mm/s for 150 ms.
+  EXPECT_THAT(control_.answer().message, HasSubstr("150 ms after the last report"));
+  EXPECT_THAT(control_.answer().message, HasSubstr("at 20 mm/s at most 3.0 mm"));
+  Publish();
+  Give(Jog(2));
+  EXPECT_EQ(driver_.jogs, 1) << "and none begins";
+}
+
+// A report that comes says how old its content is: a laser that is silent is no news.
+TEST_F(ManualControlTest, TheAgeOfAReportCountsFromItsController) {
+  conditions_.interlocks_age = 100ms;
+  BeginJog();
+  are_reported_ = false;
+  now_ += 50ms;
+  Turn();
+  EXPECT_EQ(driver_.holds, 0);
+  now_ += 1ms;
+  Turn();
+  EXPECT_EQ(driver_.holds, 1);
+  ComeToRest();
+  are_reported_ = true;
+  conditions_.interlocks_age = 151ms;
+  Publish();
+  Give(Jog(2));
+  EXPECT_EQ(driver_.jogs, 1);
+  EXPECT_THAT(control_.answer().message, HasSubstr("not known"));
+}
+
+// grbl and isel answer nothing while they home, and watch their own chain.
+TEST_F(ManualControlTest, HomingNeedsTheReportsAndNotThoseOfASilentController) {
+  conditions_.interlocks_at = now_;
+  conditions_.interlocks_age = 10s;
+  ManualOrder home = Jog(1);
+  home.kind = intaglio_MANUAL_HOME;
+  EXPECT_EQ(WhyNoMotionByHand(conditions_, driver_.now, home, now_ + 150ms), "");
+  EXPECT_THAT(WhyNoMotionByHand(conditions_, driver_.now, home, now_ + 151ms),
+              HasSubstr("not known"));
+  EXPECT_THAT(WhyNoMotionByHand(conditions_, driver_.now, Jog(2), now_),
+              HasSubstr("not known"));
+}
 
 TEST_F(ManualControlTest, TheSynchronizerDrivesForAnArmedJobAndNotInARun) {
   conditions_.job_armed = true;

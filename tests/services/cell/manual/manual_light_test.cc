@@ -73,7 +73,7 @@ TEST_F(ManualLight, NeedsWhatMotionNeeds) {
   for (bool ManualConditions::*good :
        {&ManualConditions::key_on, &ManualConditions::door_closed,
         &ManualConditions::stop_released, &ManualConditions::permission_fresh,
-        &ManualConditions::interlocks_fresh, &ManualConditions::laser_line_up}) {
+        &ManualConditions::laser_line_up}) {
     Publish();
     Give(Lamp(++order_));
     ASSERT_TRUE(control_.lamp_by_hand());
@@ -95,6 +95,16 @@ TEST_F(ManualLight, NeedsWhatMotionNeeds) {
     EXPECT_EQ(control_.answer().code, intaglio_MANUAL_REFUSED);
     conditions_.*bad = false;
   }
+}
+
+TEST_F(ManualLight, GoesOffWithoutReportsOfKeyAndDoor) {
+  Give(Lamp(++order_));
+  ASSERT_TRUE(control_.lamp_by_hand());
+  are_reported_ = false;
+  now_ += 151ms;
+  Publish();
+  Give(Lamp(order_));
+  ExpectDark();
 }
 
 // A fault of the stage does not matter to the lamp.

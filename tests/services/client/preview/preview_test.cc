@@ -113,6 +113,19 @@ TEST(Preview, WhatIsRefusedInAJobIsRefusedHere) {
   EXPECT_THAT(preview.error().message, HasSubstr("--unit"));
 }
 
+TEST(Preview, ALensThatWouldEnterTheBlockIsRefused) {
+  JobSpec job = GoodJob();
+  job.mutable_block()->mutable_size_mm()->set_z(100);
+  job.mutable_models(0)->mutable_placement()->mutable_move_mm()->set_z(-20);
+  const auto refused = PreviewOf(job);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kOutsideBlock);
+  EXPECT_THAT(refused.error().message, HasSubstr("the lens f43 would be"));
+  EXPECT_THAT(refused.error().message, HasSubstr("take the lens f70"));
+  job.mutable_models(0)->mutable_placement()->mutable_move_mm()->set_z(20);
+  EXPECT_TRUE(PreviewOf(job));
+}
+
 TEST(Preview, EndsWhenItIsNotWantedAnyMore) {
   std::set<std::string> stages;
   const FrozenJob job = FrozenOf(GoodJob());

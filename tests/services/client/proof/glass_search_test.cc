@@ -40,11 +40,11 @@ class GlassSearchTest : public ::testing::Test {
     journal_.records.push_back(record);
   }
   std::vector<std::uint64_t> Ticks() const {
-    const auto cracks = FindCracks(journal_, folder_);
-    EXPECT_TRUE(cracks && *cracks);
+    const auto glass = FindGlass(journal_, folder_);
+    EXPECT_TRUE(glass && *glass);
     std::vector<std::uint64_t> ticks;
-    if (cracks && *cracks) {
-      for (const auto& crack : **cracks) ticks.push_back(crack.tick);
+    if (glass && *glass) {
+      for (const auto& crack : (*glass)->cracks) ticks.push_back(crack.tick);
     }
     return ticks;
   }
@@ -89,9 +89,9 @@ TEST_F(GlassSearchTest, WithoutARecordTheGlassIsNotKnown) {
   Record("glass.rec", 4, {5, 8});
   Session(9, 1);
   Intent(5);
-  const auto cracks = FindCracks(journal_, folder_);
-  ASSERT_TRUE(cracks);
-  EXPECT_FALSE(cracks->has_value());
+  const auto glass = FindGlass(journal_, folder_);
+  ASSERT_TRUE(glass);
+  EXPECT_FALSE(glass->has_value());
   // A power-up in which nothing was tried does not matter.
   journal_.records.clear();
   Session(9, 1);
