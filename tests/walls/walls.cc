@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 #include <map>
+#include <regex>
 #include <set>
 
 namespace intaglio::walls {
@@ -11,6 +12,8 @@ namespace {
 namespace fs = std::filesystem;
 constexpr int kMaxLines = 400;
 constexpr int kMaxFiles = 39;
+constexpr std::size_t kMaxBuildColumns = 100;
+constexpr char kBuildFile[] = "CMakeLists.txt";
 
 // What each folder may include of the product, besides itself.
 const std::map<std::string, std::set<std::string>> kMayInclude = {
@@ -238,6 +241,18 @@ class Inspector {
     if (file.extension() == ".h" && !once) Report(path, "has no #pragma once");
   }
 
+  /// A CMakeLists.txt.
+  void InspectBuild(const fs::path& file) {
+    static const std::regex kTwoSources("[^#]*\\.cc\\s+[\\w/]+\\.cc\\b.*");
+    const std::string path = file.lexically_relative(root_).string();
+    std::ifstream in(file);
+    for (std::string line; std::getline(in, line);) {
+      if (line.size() > kMaxBuildColumns) Report(path, "has a longer line: " + line);
+      if (std::regex_match(line, kTwoSources))
+        Report(path, "has two sources in a line: " + line);
+    }
+  }
+
   std::vector<std::string> Take() {
     for (const auto& [folder, count] : files_in_) {
       if (count <= kMaxFiles) continue;
@@ -285,6 +300,14 @@ std::vector<std::string> Violations(const fs::path& root) {
       if (extension == ".h" || extension == ".cc") inspector.Inspect(entry.path());
     }
   }
+  for (const char* top :
+       {"deploy", "engrave", "idl", "materials_db", "proto", "services", "tests"}) {
+    if (!fs::exists(root / top)) continue;
+    for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
+      if (entry.path().filename() == kBuildFile) inspector.InspectBuild(entry.path());
+    }
+  }
+  if (fs::exists(root / kBuildFile)) inspector.InspectBuild(root / kBuildFile);
   return inspector.Take();
 }
 

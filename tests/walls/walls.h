@@ -10,7 +10,8 @@
 namespace intaglio::walls {
 
 /// One sentence a violation, beginning with the file. Looks at every .h and .cc below the
-/// product's folders of `root`.
+/// product's folders of `root`, and at every CMakeLists.txt: one source a line, and no
+/// line longer than 100 characters.
 std::vector<std::string> Violations(const std::filesystem::path& root);
 
 }  // namespace intaglio::walls
