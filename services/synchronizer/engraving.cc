@@ -168,8 +168,8 @@ void Engraving::Prepare(const EngravingInputs& inputs) {
     const bool granted = chain_.has_grant(links);
     if (granted) preparation_.LightLamp(inputs.now);
     preparation_.LeaveSafeState(chain_.may_reset(links), inputs.now);
-    SendIdleTicks();
     const bool lit = granted || laser_.Has(link::kLampOn);
+    if (lit || !inputs.motion.at_rest) SendIdleTicks();
     wait = preparation_.WhatIsMissing(inputs.motion, lit);
     if (!lit && wait.empty()) wait = TextOf(Missing::kPermission);
   }
