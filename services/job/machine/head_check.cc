@@ -41,8 +41,9 @@ void CheckFixtures(const MachineSpec& machine, std::vector<Error>& errors) {
   }
 }
 
-/// At the lower end of the travel of z, over the table, on which the block stands.
-void CheckAboveTable(const MachineSpec& machine, std::vector<Error>& errors) {
+/// At the lower end of the travel of z, over what the block stands on. Jobs keep their
+/// points in the block; motion by hand goes there.
+void AddBelowTable(const MachineSpec& machine, std::vector<Error>& warnings) {
   const auto kinematics = KinematicsOf(machine);
   const Box3 travel = AxisLimitsOf(machine).travel_mm;
   const double lowest_mm = std::min(kinematics->ToPlace(travel.min_mm).z(),
@@ -56,7 +57,7 @@ void CheckAboveTable(const MachineSpec& machine, std::vector<Error>& errors) {
     const machine::Clearance clearance({{FreeDistanceMm(lens)}}, {table});
     const auto collision = clearance.At(Vec3(0, 0, lowest_mm));
     if (!collision) continue;
-    Wrong(errors, "z.travel",
+    Wrong(warnings, "z.travel",
           fmt::format("brings the focus of the lens {0} to {1:.6g} mm and its lowest "
                       "edge, {2:g} mm above it, {3:.1f} mm into the table, which is at "
                       "{4:.6g} mm, where the block stands; shorten the travel of z by "
@@ -80,7 +81,6 @@ void CheckHead(const MachineSpec& machine, std::vector<Error>& errors) {
                       "reference face of the head; measure both again",
                       lens.free_distance_mm(), lens.working_distance_mm()));
   }
-  CheckAboveTable(machine, errors);
 }
 
 std::string WhyFocusIsUnknown(const MachineSpec& machine, const std::string& name,
@@ -100,6 +100,7 @@ std::string WhyFocusIsUnknown(const MachineSpec& machine, const std::string& nam
 
 std::vector<Error> LensWarningsOf(const MachineSpec& machine) {
   std::vector<Error> warnings;
+  if (machine.has_mark_line()) return warnings;
   for (int i = 0; i < machine.lenses_size(); ++i) {
     const std::string why = WhyFocusIsUnknown(machine, machine.lenses(i).name(), 1);
     if (why.empty()) continue;
@@ -109,6 +110,7 @@ std::vector<Error> LensWarningsOf(const MachineSpec& machine) {
                                     machine.lenses(i).name(), why),
                         path});
   }
+  AddBelowTable(machine, warnings);
   return warnings;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// Whether a profile's lenses, head and fixtures are possible, and whether the travel of
-// its z axis keeps them above the table.
+// Whether a profile's lenses, head and fixtures are possible, whether the foci of its
+// lenses are known, and whether the travel of z keeps them above the table.
 
 #include <vector>
 

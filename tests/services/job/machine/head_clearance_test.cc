@@ -132,7 +132,8 @@ TEST(HeadCheck, ProfilesThatAreNotPossibleAreNamed) {
   EXPECT_THAT(CheckMachine(GoodMachine()), IsEmpty());
   MachineSpec machine = GoodMachine();
   machine.mutable_z()->set_travel_min_mm(-50);
-  const auto low = CheckMachine(machine);
+  EXPECT_THAT(CheckMachine(machine), IsEmpty()) << "jobs stay in the block";
+  const auto low = LensWarningsOf(machine);
   ASSERT_EQ(low.size(), 1u);
   EXPECT_THAT(low[0].message, AllOf(HasSubstr("z.travel"), HasSubstr("the lens f43"),
                                     HasSubstr("7.0 mm into the table")));
