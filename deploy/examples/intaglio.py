@@ -132,6 +132,8 @@ class Event:
     result_directory: str = ""
     alarm: str = ""
     makes: str = ""
+    awaits_block: bool = False
+    block_id: str = ""
 
     @property
     def ended(self):

@@ -97,16 +97,33 @@ class Shop:
             up.wait(timeout=30)
 
 
+# The job has its machine, and is not armed.
+MACHINE_IS_FREE = ("discretizing", "ordering", "waiting_for_arm")
+
+
+def load(shop, event):
+    """What a loader does: a fresh block into the machine, then the arm with its identity."""
+    block = f"{event['cell']}-block-{event['job']}"
+    arm = shop.intaglio + ["arm", str(event["job"]), "--loaded", block] + shop.bus
+    subprocess.Popen(arm, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
 def run_batch(options, shop, batch, profiles):
-    """The batch's exit code; what happens is told as it happens."""
+    """The batch's exit code; what happens is told as it happens. A loader at each machine
+    puts the next block in and arms its job."""
     command = shop.intaglio + ["batch", str(batch), "--cells", *map(str, profiles)]
-    command += ["--arm", "--keep-going", "--events", "--pause-limit", "120"]
+    command += ["--keep-going", "--events", "--pause-limit", "120"]
     command += ["--results", str(options.folder / "results.json")]
     command += ["--materials", str(options.folder / "materials.db")] + shop.bus
     with (options.folder / "batch.txt").open("w") as people:
         running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=people, text=True)
+        loaded = set()
         for line in running.stdout:
             event = json.loads(line)
+            if event["event"] == "state" and event["state"] in MACHINE_IS_FREE \
+                    and not event["armed"] and (event["job"], event["attempt"]) not in loaded:
+                loaded.add((event["job"], event["attempt"]))
+                load(shop, event)
             if event["event"] in ("ended", "refused", "skipped"):
                 print(f"{event['time']}  {event['id']:<8} {event['cell']:<6} {event['state']:<9} "
                       f"{event['verdict']:<8} {event['made']:>5} points  {event['message']}")

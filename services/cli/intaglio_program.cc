@@ -11,6 +11,7 @@
 #include "services/cli/machine/machine_command.h"
 #include "services/cli/marks/marks_command.h"
 #include "services/cli/materials/materials_command.h"
+#include "services/cli/mount_command.h"
 #include "services/cli/offline/measure_command.h"
 #include "services/cli/offline/offline_command.h"
 #include "services/cli/offline/plan_command.h"
@@ -52,6 +53,7 @@ std::unique_ptr<command_line::Program> IntaglioProgram() {
   AddRunCommand(root);
   AddUpCommand(root);
   AddJobsCommands(root);
+  AddMountCommand(root);
   AddBatchCommand(root);
   AddStopCommand(root);
   AddStatusCommand(root);

@@ -10,8 +10,10 @@
 
 #include "services/cli/complain.h"
 #include "services/cli/flags/event_flag.h"
+#include "services/cli/flags/same_block_flag.h"
 #include "services/cli/json/job_record.h"
 #include "services/cli/json/print_json.h"
+#include "services/cli/mount_command.h"
 #include "services/cli/status/command_effect.h"
 #include "services/cli/status/job_text.h"
 #include "services/cli/submit_jobs.h"
@@ -42,6 +44,8 @@ int CommandJob(client::JobClient& client, const client::JobView& job,
   if (const auto ended = WhyEnded(job)) return Complain(*ended, client::kExitWrongInput);
   if (order.kind == intaglio_COMMAND_ARM) PrintWarnings(job, std::cerr);
   if (auto taken = client.Command(job, order); !taken) return ComplainOf(taken.error());
+  if (order.kind == intaglio_COMMAND_ARM || order.kind == intaglio_COMMAND_RESUME)
+    PrintMounted(client, job.cell, std::cout);
   return AwaitEffect(client, job, order.kind, std::cout);
 }
 
@@ -136,6 +140,7 @@ void AddArmAndWatch(command_line::Command command, JobsOptions& options) {
       "--arm", options.arm,
       "you are at the machine: the job is armed once, as soon as it has its machine");
   AddAcceptFlag(command, options.accept);
+  AddSameBlockFlag(command, options.same_block);
   command.AddFlag("--watch", options.watch, "follow it to its end");
   AddEventsFlag(command, options.events);
 }
@@ -224,13 +229,19 @@ void AddJobsCommands(command_line::Command app) {
                         {.kind = kind,
                          .from_point = options->from_point,
                          .fire_uncertain = options->fire_uncertain,
-                         .accept_breakage = options->accept.breakage()});
+                         .accept_breakage = options->accept.breakage(),
+                         .basis = options->block_id.empty() ? intaglio_ARM_BY_PERSON
+                                                            : intaglio_ARM_BY_LOADER,
+                         .block_id = options->block_id});
     };
   };
-  AddAcceptFlag(
+  command_line::Command arm =
       add("arm", "you are at the machine, and the job's block is in it: the job may fire",
-          command(intaglio_COMMAND_ARM)),
-      options->accept);
+          command(intaglio_COMMAND_ARM));
+  AddAcceptFlag(arm, options->accept);
+  arm.AddOption("--loaded", options->block_id,
+                "of a loader: the identity of the block that it has put in for this job; "
+                "no other job of the machine had it");
   add("pause", "stop firing, bring the stage to rest", command(intaglio_COMMAND_PAUSE));
   command_line::Command resume = add("resume", "continue at the first point not made",
                                      command(intaglio_COMMAND_RESUME));

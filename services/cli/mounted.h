@@ -9,7 +9,7 @@
 
 #include "engrave/core/result.h"
 #include "proto/machine.pb.h"
-#include "services/client/mounted_description.h"
+#include "services/job/machine/mounted_parts.h"
 #include "services/platform/command_line/program.h"
 
 namespace intaglio::cli {
@@ -20,27 +20,29 @@ struct MountFlags {
   std::string glass;
   double refractive_index = 0;  ///< 0: not given
   std::string lens;
+  std::string piece;
 };
 
-/// --block, --block-glass, --index and --lens.
+/// --block, --block-glass, --index, --lens and --piece, of a shop that is opened.
 void AddMountFlags(command_line::Command command, MountFlags& flags);
+/// The same with --glass, of a person at the machine.
+void AddNamedMountFlags(command_line::Command command, MountFlags& flags);
 
-struct Mounted {
-  client::MountedDescription description;
-  std::string glass;  ///< name; empty: known by its index, or not at all
-  std::string lens;   ///< name; empty: not known
-};
+/// Only what was named; errors as MountedOf.
+Result<MountedParts> NamedParts(const MountFlags& flags, const MachineSpec& machine,
+                                const std::filesystem::path& materials_db);
 
 /// Of a virtual machine everything is known, by default 100 x 100 x 100 mm of N-BK7 and
-/// the profile's first lens; of a real one what was given. kNotFound: no such lens in the
-/// profile, or no such glass in the material base; the error of ComputeOptics when the
-/// glass has no index at the laser's wavelength.
-Result<Mounted> MountedOf(const MountFlags& flags, bool is_virtual,
-                          const MachineSpec& machine,
-                          const std::filesystem::path& materials_db);
+/// the profile's first lens; of a real one what was given, and the profile's
+/// mounted_lens. A machine that makes marks has a piece, in words. kNotFound: no such
+/// lens in the profile, or no such glass in the material base; the error of ComputeOptics
+/// when the glass has no index at the laser's wavelength.
+Result<MountedParts> MountedOf(const MountFlags& flags, bool is_virtual,
+                               const MachineSpec& machine,
+                               const std::filesystem::path& materials_db);
 
 /// For people, e.g. "block in the machine: 100 x 100 x 100 mm (--block), N-BK7 of index
 /// 1.51947 (--block-glass); lens f43: f 43 mm, NA 0.2 (--lens)".
-std::string TextOf(const Mounted& mounted);
+std::string MountedText(const MountedParts& mounted);
 
 }  // namespace intaglio::cli

@@ -82,7 +82,7 @@ class RunSession {
 
  private:
   Status MakeFolders();
-  client::MountedDescription MountedParts() const;
+  MountedParts PartsOfJob() const;
   Result<client::VirtualMachine> MachineOf() const;
   Result<client::ServiceSet> StartServices(const client::VirtualMachine& machine);
   int Engrave(client::ServiceSet& services);
@@ -127,16 +127,15 @@ Status RunSession::MakeFolders() {
   return PrepareRunFolder(out_, session_);
 }
 
-client::MountedDescription RunSession::MountedParts() const {
-  if (!optics_) return {};
-  const Vector3& block = job_.job.block().size_mm();
-  return {Vec3(block.x(), block.y(), block.z()), optics_->refractive_index,
-          LensOf(job_.job)};
+MountedParts RunSession::PartsOfJob() const {
+  if (!optics_) return {.piece = "virtual piece"};
+  return {BlockSizeOf(job_.job), optics_->refractive_index, LensOf(job_.job),
+          job_.job.glass()};
 }
 
 Result<client::VirtualMachine> RunSession::MachineOf() const {
   client::VirtualMachine machine;
-  machine.truth = client::TruthOf(job_.machine, MountedParts());
+  machine.truth = client::TruthOf(job_.machine, PartsOfJob());
   const double web_mm_s =
       INTAGLIO_TRY(VirtualWebSpeed(job_.job, job_.machine, options_.job.size_limits));
   if (web_mm_s > 0) machine.truth.mutable_head()->set_web_mm_s(web_mm_s);
@@ -159,7 +158,6 @@ Result<client::ServiceSet> RunSession::StartServices(
   set.without = {options_.without.begin(), options_.without.end()};
   if (options_.record) set.recording = out_ / "session.mcap";
   set.recording_bulk = options_.bulk;
-  set.mounted = MountedParts();
   HandOnSizeLimits(options_.job.size_limits);
   return client::ServiceSet::Start(set, &machine);
 }
@@ -190,10 +188,11 @@ int RunSession::Engrave(client::ServiceSet& services) {
   if (auto ready = services.AwaitReady(client); !ready) {
     return Complain(ready.error(), client::kExitInternal);
   }
-  std::cerr << "processes  ";
-  for (const std::string& process : services.Processes())
-    std::cerr << " " << process << ",";
-  std::cerr << " logs in " << session_.string() << "\n";
+  const auto reported =
+      client.Mount(job_.machine.name(), PartsOfJob(), intaglio_ARM_BY_PERSON);
+  if (!reported) return Complain(reported.error(), client::kExitInternal);
+  std::cerr << fmt::format("processes   {}, logs in {}\n",
+                           fmt::join(services.Processes(), ", "), session_.string());
   JobSpec job = job_.job;
   job.set_machine_file(services.machine_file().string());
   auto submitted = client.Submit(job, 20s);
@@ -216,7 +215,8 @@ void RunSession::Show(const client::JobView& job) {
 void RunSession::Arm(client::JobClient& client, const client::JobView& job) {
   if (job.state == intaglio_JOB_QUEUED || job.ended()) return;
   if (!arm_ || (job.attempt != armed_attempt_ && arm_holds_)) {
-    arm_.emplace(client, job, options_.accept.breakage());
+    arm_.emplace(client, job,
+                 client::ArmTerms{options_.accept.breakage(), intaglio_ARM_BY_PERSON});
   }
   armed_attempt_ = job.attempt;
   const client::ArmOnce::State state = arm_->Follow(job);

@@ -8,6 +8,7 @@
 #include "services/cli/batch/station_jobs.h"
 #include "services/cli/complain.h"
 #include "services/cli/job_series.h"
+#include "services/cli/mount_command.h"
 #include "services/cli/status/command_effect.h"
 #include "services/cli/watch_job.h"
 #include "services/client/arm_once.h"
@@ -71,12 +72,30 @@ int SubmitSeries(const JobsOptions& options) {
   return submitted ? client::kExitGood : ComplainOfShop(submitted.error());
 }
 
+/// No job of others has the machine of these, or waits for it.
+bool MachineWasFree(const client::JobClient& client,
+                    const std::vector<client::JobView>& jobs) {
+  for (const auto& [uid, other] : client.jobs()) {
+    if (other.cell == jobs.front().cell && !other.ended() &&
+        other.number < jobs.front().number)
+      return false;
+  }
+  return true;
+}
+
 /// One after the other, each armed when it has the machine. The first that is not good
 /// ends it, and those behind it stay in the queue, not armed.
 int ArmAndWatchAll(client::JobClient& client, const std::vector<client::JobView>& jobs,
                    const JobsOptions& options) {
+  const intaglio_ArmBasis other_basis =
+      options.same_block ? intaglio_ARM_SAME_BLOCK : intaglio_ARM_BY_PROGRAM;
+  const intaglio_ArmBasis first_basis =
+      MachineWasFree(client, jobs) ? intaglio_ARM_BY_PERSON : other_basis;
   for (const client::JobView& job : jobs) {
-    const auto armed = client::ArmWhenTaken(client, job, options.accept.breakage());
+    // The person who types it is at the machine, whose table has the first block.
+    const bool is_first = job.uid == jobs.front().uid;
+    const auto armed = client::ArmWhenTaken(
+        client, job, {options.accept.breakage(), is_first ? first_basis : other_basis});
     if (!armed) return ComplainOf(armed.error());
     const int end = Watch(client, job.uid, options);
     if (end != client::kExitGood) return end;
@@ -111,8 +130,11 @@ int SubmitJob(const JobSpec& spec, const JobsOptions& options) {
   const auto submitted = SubmitOne(client, spec, options, options.id);
   if (!submitted) return ComplainOfShop(submitted.error());
   if (options.arm) {
-    auto armed = client::ArmWhenTaken(client, *submitted, options.accept.breakage());
+    const auto basis = client::BasisFor(client, *submitted, options.same_block);
+    auto armed =
+        client::ArmWhenTaken(client, *submitted, {options.accept.breakage(), basis});
     if (!armed) return ComplainOf(armed.error());
+    PrintMounted(client, submitted->cell, options.human());
     const int effect =
         AwaitEffect(client, *submitted, intaglio_COMMAND_ARM, options.human());
     if (effect != client::kExitGood && !options.watch) return effect;

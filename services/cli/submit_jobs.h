@@ -28,7 +28,8 @@ struct JobsOptions {
   std::uint32_t from_point = 0;
   bool fire_uncertain = false;
   AcceptFlag accept;
-  bool arm = false;
+  bool arm = false, same_block = false;
+  std::string block_id;  ///< arm: of a loader; empty: a person arms
   bool watch = false;
   bool events = false, json = false;
 

@@ -19,6 +19,7 @@
 #include "services/cli/interrupt.h"
 #include "services/cli/job_options.h"
 #include "services/cli/job_series.h"
+#include "services/cli/mount_command.h"
 #include "services/cli/mounted.h"
 #include "services/cli/proofs/cell_proofs.h"
 #include "services/client/exit_codes.h"
@@ -60,7 +61,7 @@ struct UpOptions {
 
 Result<client::VirtualMachine> MachineOf(const UpOptions& options,
                                          const MachineSpec& machine,
-                                         const client::MountedDescription& mounted) {
+                                         const MountedParts& mounted) {
   client::VirtualMachine virtual_machine;
   virtual_machine.truth = client::TruthOf(machine, mounted);
   INTAGLIO_TRY(options.truth.Change(virtual_machine.truth));
@@ -126,10 +127,30 @@ Status LockFolder(const client::ServiceSetOptions& set,
   return {};
 }
 
-void Welcome(client::ServiceSet& services, const Mounted& mounted,
+/// What the shop was opened with, to the job service. Of a real machine nothing is
+/// reported that nobody has named; an identity that may not command says nothing.
+Status ReportMounted(const UpOptions& options, client::JobClient& client,
+                     const std::string& cell, const MountedParts& mounted) {
+  const MountFlags& given = options.mount;
+  const bool named = !given.block_mm.empty() || !given.glass.empty() ||
+                     given.refractive_index > 0 || !given.lens.empty() ||
+                     !given.piece.empty();
+  if (options.real_machine && !named) return {};
+  if (!client.may_command()) {
+    std::cerr << "this identity may not say what is mounted: intaglio mount\n";
+    return {};
+  }
+  const auto known = client.mounts().find(cell);
+  const MountedParts parts = options.real_machine && known != client.mounts().end()
+                                 ? MergedParts(known->second.parts, mounted)
+                                 : mounted;
+  return client.Mount(cell, parts, intaglio_ARM_BY_PROGRAM, 15s);
+}
+
+void Welcome(client::ServiceSet& services, const MountedParts& mounted,
              const client::ServiceSetOptions& set) {
   for (const std::string& process : services.Processes()) std::cout << process << "\n";
-  std::cout << TextOf(mounted) << "\n"
+  std::cout << MountedText(mounted) << "\n"
             << "machine profile for jobs: " << services.machine_file().string() << "\n"
             << "the shop is open (domain " << set.bus.control_domain << ", interface "
             << set.bus.interface
@@ -189,7 +210,6 @@ int Up(const UpOptions& options) {
   const auto mounted =
       MountedOf(options.mount, !options.real_machine, *machine, set.materials_db);
   if (!mounted) return Complain(mounted.error(), client::kExitWrongInput);
-  set.mounted = mounted->description;
   if (options.record) {
     const auto recording = NewRecording(set.folder / "recordings");
     if (!recording) return Complain(recording.error(), client::kExitWrongInput);
@@ -198,7 +218,7 @@ int Up(const UpOptions& options) {
   }
   std::optional<client::VirtualMachine> virtual_machine;
   if (!options.real_machine) {
-    auto made = MachineOf(options, *machine, mounted->description);
+    auto made = MachineOf(options, *machine, *mounted);
     if (!made) return Complain(made.error(), client::kExitWrongInput);
     virtual_machine = std::move(*made);
   }
@@ -211,9 +231,15 @@ int Up(const UpOptions& options) {
     const bool faulty = ready.error().code == ErrorCode::kFault;
     return Complain(ready.error(), faulty ? client::kExitMachine : client::kExitInternal);
   }
+  const bool has_machine = !set.without.contains("synchronizer");
+  const Status reported =
+      has_machine ? ReportMounted(options, client, set.bus.cell, *mounted) : Status();
+  if (!reported) {
+    services->Stop();
+    return Complain(reported.error(), client::kExitMachine);
+  }
   Welcome(*services, *mounted, set);
   client::ShopProofs proofs = ProofsOf(set.folder, set.bus.cell, options.picture);
-  const bool has_machine = !set.without.contains("synchronizer");
   return KeepOpen(*services, client, has_machine ? &proofs : nullptr);
 }
 

@@ -13,15 +13,16 @@ ArmOnce::State ArmOnce::Follow(const JobView& job) {
     Leave(job.disarm_reason);
   } else if (job.state == intaglio_JOB_PAUSED) {
     Leave(job.message);
-  } else if (job.state != intaglio_JOB_QUEUED) {
+  } else if (job.state != intaglio_JOB_QUEUED && WhatBlockItAwaits(job).empty()) {
     Ask(job);
   }
   return state_;
 }
 
 void ArmOnce::Ask(const JobView& job) {
-  const auto sent = client_->Send(
-      job, {.kind = intaglio_COMMAND_ARM, .accept_breakage = accept_breakage_});
+  const auto sent = client_->Send(job, {.kind = intaglio_COMMAND_ARM,
+                                        .accept_breakage = terms_.accept_breakage,
+                                        .basis = terms_.basis});
   if (!sent) return Leave(sent.error().message);
   asked_ = *sent;
   state_ = State::kAsked;
@@ -32,8 +33,10 @@ void ArmOnce::TakeAnswer() {
   if (!answer) return;
   if (answer->taken()) {
     state_ = State::kArmed;
-  } else if (answer->code == intaglio_ANSWER_NOT_YET) {
-    state_ = State::kWaits;  // it lost its machine before the command came
+  } else if (answer->code == intaglio_ANSWER_NOT_YET ||
+             answer->code == intaglio_ANSWER_SAME_BLOCK) {
+    // It lost its machine, or had no other block, before the command came.
+    state_ = State::kWaits;
   } else {
     Leave(answer->message);
   }
@@ -44,16 +47,46 @@ void ArmOnce::Leave(const std::string& reason) {
   reason_ = reason;
 }
 
-Status ArmWhenTaken(JobClient& client, const JobView& submitted, bool accept_breakage,
+std::string ArmOnce::WhatBlockItAwaits(const JobView& job) const {
+  if (!job.awaits_block || terms_.basis != intaglio_ARM_BY_PROGRAM ||
+      state_ != State::kWaits) {
+    return {};
+  }
+  return fmt::format(
+      "neither key nor door of {} was opened and closed since the piece before it: open "
+      "the door, change the block and close it, and the job is armed",
+      job.cell);
+}
+
+intaglio_ArmBasis BasisFor(const JobClient& client, const JobView& submitted,
+                           bool same_block) {
+  if (same_block) return intaglio_ARM_SAME_BLOCK;
+  for (const auto& [uid, other] : client.jobs()) {
+    if (uid != submitted.uid && other.cell == submitted.cell && !other.ended())
+      return intaglio_ARM_BY_PROGRAM;
+  }
+  return intaglio_ARM_BY_PERSON;
+}
+
+Status ArmWhenTaken(JobClient& client, const JobView& submitted, const ArmTerms& terms,
                     std::chrono::milliseconds timeout) {
-  ArmOnce arm(client, submitted, accept_breakage);
+  ArmOnce arm(client, submitted, terms);
+  std::string awaits;
   const auto settled = [&] {
-    const ArmOnce::State state = arm.Follow(client.jobs().at(submitted.uid));
-    return state == ArmOnce::State::kArmed || state == ArmOnce::State::kLeft;
+    const JobView& job = client.jobs().at(submitted.uid);
+    const ArmOnce::State state = arm.Follow(job);
+    awaits = arm.WhatBlockItAwaits(job);
+    return state == ArmOnce::State::kArmed || state == ArmOnce::State::kLeft ||
+           (job.state != intaglio_JOB_QUEUED && !awaits.empty());
   };
   if (client.PollUntil(settled, timeout)) {
     if (arm.state() == ArmOnce::State::kArmed) return {};
-    return Fail(ErrorCode::kRefused, arm.reason());
+    if (awaits.empty()) return Fail(ErrorCode::kRefused, arm.reason());
+    return Fail(ErrorCode::kRefused,
+                fmt::format("job {0} is not armed by a program: its block may be that of "
+                            "the piece before it; put its block into {1}, then intaglio "
+                            "arm {0} (or give --same-block)",
+                            submitted.number, submitted.cell));
   }
   const JobView& job = client.jobs().at(submitted.uid);
   if (arm.state() == ArmOnce::State::kAsked) {

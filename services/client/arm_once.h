@@ -7,6 +7,8 @@
 //     ^                                    |--not yet------+
 //     +------------------------------------+
 //                                          +--refused----> kLeft
+//   kWaits --a program's arm needs another block (awaits_block)--> kWaits, until the
+//            machine was opened and is closed again
 //   kWaits --paused, stopped or disarmed meanwhile-------> kLeft
 //   kWaits --ended, or armed by another person-----------> kArmed
 
@@ -19,22 +21,33 @@
 
 namespace intaglio::client {
 
+/// What the person who typed the command has stated.
+struct ArmTerms {
+  bool accept_breakage = false;  ///< the glass may break
+  intaglio_ArmBasis basis = intaglio_ARM_BY_PROGRAM;
+};
+
+/// Of a command that a person types for one job: its block is in, unless another job has
+/// the machine or waits for it; then the arm is a program's. `same_block`: the person has
+/// stated that every job goes into the block that is in.
+intaglio_ArmBasis BasisFor(const JobClient& client, const JobView& submitted,
+                           bool same_block);
+
 class ArmOnce {
  public:
   enum class State { kWaits, kAsked, kArmed, kLeft };
 
-  /// `submitted`: the job as the person who arms it knows it. `accept_breakage`: this
-  /// person accepts that the glass may break.
-  ArmOnce(JobClient& client, const JobView& submitted, bool accept_breakage)
-      : client_(&client),
-        disarm_count_(submitted.disarm_count),
-        accept_breakage_(accept_breakage) {}
+  /// `submitted`: the job as the person who arms it knows it.
+  ArmOnce(JobClient& client, const JobView& submitted, const ArmTerms& terms)
+      : client_(&client), disarm_count_(submitted.disarm_count), terms_(terms) {}
 
   /// The next step, by the newest status of the job. After every Poll of the client.
   State Follow(const JobView& job);
   State state() const { return state_; }
   /// Of the status on which it arms: a greater one has taken its arm back.
   std::uint64_t disarm_count() const { return disarm_count_; }
+  /// It waits for another block: what a person has to do; empty: it does not.
+  std::string WhatBlockItAwaits(const JobView& job) const;
   /// Why it was left.
   const std::string& reason() const { return reason_; }
 
@@ -45,7 +58,7 @@ class ArmOnce {
 
   JobClient* client_;
   std::uint64_t disarm_count_;
-  bool accept_breakage_;
+  ArmTerms terms_;
   std::uint64_t asked_ = 0;  // number of the command
   State state_ = State::kWaits;
   std::string reason_;
@@ -54,9 +67,10 @@ class ArmOnce {
 /// Time in which a machine that is free takes a job.
 inline constexpr std::chrono::seconds kMachineTakesJobWithin{15};
 
-/// Follows the job until it is armed: kRefused with the reason; kTimedOut, and not armed,
-/// when its machine has not taken it by then.
-Status ArmWhenTaken(JobClient& client, const JobView& submitted, bool accept_breakage,
+/// Follows the job until it is armed: kRefused with the reason, also when its machine was
+/// not opened since the last piece; kTimedOut, and not armed, when its machine has not
+/// taken it by then.
+Status ArmWhenTaken(JobClient& client, const JobView& submitted, const ArmTerms& terms,
                     std::chrono::milliseconds timeout = kMachineTakesJobWithin);
 
 }  // namespace intaglio::client

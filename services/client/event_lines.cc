@@ -90,6 +90,8 @@ JobEvent EventOf(const char* event, const JobView& job, const std::string& id) {
   line.set_result_directory(job.result_directory);
   line.set_alarm(job.alarm);
   line.set_makes(job.makes);
+  line.set_awaits_block(job.awaits_block);
+  line.set_block_id(job.block_id);
   const JobView::Progress* stage = StageAtWork(job);
   if (stage == nullptr || job.state == intaglio_JOB_QUEUED) return line;
   line.set_stage(NameOf(stage->stage));

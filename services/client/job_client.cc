@@ -7,6 +7,7 @@
 
 #include "engrave/core/try.h"
 #include "services/client/patience.h"
+#include "services/job/machine/mounted_sample.h"
 #include "services/job/models/discretize_outcome.h"
 #include "services/job/verdict/warnings.h"
 #include "services/platform/bus/samples.h"
@@ -27,41 +28,37 @@ constexpr auto kFaultTime = 2s;
 
 constexpr int kLastStage = intaglio_STAGE_ENGRAVE;
 
-/// A command, or its key alone.
-intaglio_JobCommand CommandOf(const std::string& sender, std::uint64_t number,
-                              const std::string& job_uid, const std::string& name) {
-  intaglio_JobCommand sample{};
-  sample.sender = Borrow(sender);
-  sample.number = number;
-  sample.job_uid = Borrow(job_uid);
-  sample.operator_name = Borrow(name);
-  return sample;
-}
-
 }  // namespace
 
 JobClient::Commands::Commands(bus::Bus& bus)
-    : submissions(bus, bus::kJobSubmission),
-      commands(bus, bus::kJobCommand),
-      answers(bus, bus::kJobCommandAnswer) {}
+    : commands(bus, bus::kJobCommand), answers(bus, bus::kJobCommandAnswer) {}
 
 JobClient::JobClient(bus::Bus& bus, std::function<Clock::time_point()> now)
     : sender_(fmt::format("{}-{}-{}", OperatorName(), getpid(), NewSubmissionKey())),
       statuses_(bus, bus::kJobStatus),
       job_counts_(bus, bus::kJobCount),
+      mounted_(bus, bus::kMounted),
       tasks_(bus, bus::kTaskStatus),
       health_(bus, bus::kServiceHealth),
       disk_spaces_(bus, bus::kDiskSpace),
       wait_(bus),
       now_(std::move(now)) {
+  // Two rights: to submit, and to command.
+  try {
+    submissions_ =
+        std::make_unique<bus::Writer<intaglio_JobSubmission>>(bus, bus::kJobSubmission);
+  } catch (const bus::NotAllowedError& error) {
+    no_submissions_ = error.what();
+  }
   try {
     commands_ = std::make_unique<Commands>(bus);
   } catch (const bus::NotAllowedError& error) {
-    not_allowed_ = error.what();
+    no_commands_ = error.what();
   }
   if (commands_) wait_.Attach(commands_->answers);
   wait_.Attach(statuses_);
   wait_.Attach(job_counts_);
+  wait_.Attach(mounted_);
   wait_.Attach(tasks_);
   wait_.Attach(health_);
 }
@@ -97,6 +94,8 @@ void JobClient::Take(const intaglio_JobStatus& status) {
   view.counts = status.counts;
   view.verdict = View(status.verdict);
   view.alarm = View(status.alarm);
+  view.awaits_block = status.awaits_block;
+  view.block_id = View(status.block_id);
   if (view.uid.empty()) {
     refused_[view.submission_uid] = view;
   } else {
@@ -169,6 +168,7 @@ void JobClient::Poll(std::chrono::milliseconds timeout) {
         LoseStatus(std::string(View(status.job_uid)),
                    std::string(View(status.submission_uid)));
       });
+  TakeMounts();
   tasks_.TakeAll([this](const intaglio_TaskStatus& status, const bus::SampleOrigin& o) {
     if (o.alive && (host::HasNoRole(o) || host::IsOwnTask(status, o))) Take(status);
   });
@@ -224,6 +224,16 @@ std::optional<std::uint64_t> JobClient::counted_jobs() const {
 bool JobClient::KnowsAllJobs() const {
   const auto counted = counted_jobs();
   return counted && jobs_.size() - lost_.size() >= *counted;
+}
+
+void JobClient::TakeMounts() {
+  mounted_.Take([this](const intaglio_CellMount& mount) {
+    auto parts = PartsOf(mount.parts);
+    if (!parts) return;
+    mounts_[std::string(View(mount.cell))] = {std::move(*parts),
+                                              std::string(View(mount.operator_name)),
+                                              std::string(View(mount.mounted_utc))};
+  });
 }
 
 void JobClient::TakeDisks() {
@@ -283,58 +293,6 @@ bool JobClient::PollUntil(const std::function<bool()>& condition,
     if (std::chrono::steady_clock::now() >= end) return false;
     Poll(50ms);
   }
-}
-
-Result<std::uint64_t> JobClient::Send(const JobView& job, const JobOrder& order) {
-  if (!commands_) return Fail(ErrorCode::kRefused, not_allowed_);
-  const std::string name = OperatorName();
-  intaglio_JobCommand sample = CommandOf(sender_, ++last_number_, job.uid, name);
-  sample.epoch = job.epoch;
-  sample.kind = order.kind;
-  sample.disarm_count = job.disarm_count;
-  sample.from_point = order.from_point;
-  sample.fire_uncertain = order.fire_uncertain;
-  sample.speed_percent = order.speed_percent;
-  sample.accept_breakage = order.accept_breakage;
-  INTAGLIO_TRY(commands_->commands.Write(sample));
-  return last_number_;
-}
-
-void JobClient::Take(const intaglio_JobCommandAnswer& answer) {
-  if (View(answer.sender) != sender_ || replies_.contains(answer.number)) return;
-  replies_[answer.number] = {answer.code, std::string(View(answer.message))};
-  Withdraw(answer.number);
-}
-
-void JobClient::Withdraw(std::uint64_t number) {
-  (void)commands_->commands.Dispose(CommandOf(sender_, number, {}, {}));
-}
-
-std::optional<CommandReply> JobClient::AnswerTo(std::uint64_t number) const {
-  const auto found = replies_.find(number);
-  if (found == replies_.end()) return std::nullopt;
-  return found->second;
-}
-
-Status JobClient::Command(const JobView& job, const JobOrder& order,
-                          std::chrono::milliseconds timeout) {
-  const auto number = INTAGLIO_TRY(Send(job, order));
-  const Result<bool> answer =
-      AwaitAnswer([&] { return AnswerTo(number).has_value(); }, timeout);
-  if (!answer || !*answer) {
-    Withdraw(number);
-    if (!answer) return tl::unexpected(answer.error());
-    return Fail(ErrorCode::kTimedOut,
-                fmt::format("the job service did not answer the command for job {0} "
-                            "within {1:.0f} s: check that it runs (intaglio list) and "
-                            "what the job does (intaglio show {0})",
-                            job.number, std::chrono::duration<double>(timeout).count()));
-  }
-  const CommandReply reply = *AnswerTo(number);
-  if (reply.taken()) return {};
-  return Fail(ErrorCode::kRefused,
-              fmt::format("refused, {}: {}", NameOf(reply.code), reply.message),
-              NameOf(reply.code));
 }
 
 Result<JobView> JobClient::Find(const std::string& uid_or_number) const {

@@ -25,8 +25,8 @@ inline constexpr char kNoJobService[] =
 /// 16 hex digits, at random.
 std::string NewSubmissionKey();
 
-/// Every client sees the jobs; commands are refused (kRefused) unless the client's
-/// identity allows them.
+/// Every client sees the jobs; submissions and commands are refused (kRefused) unless the
+/// client's identity allows them: the role submitter allows only submissions.
 class JobClient {
  public:
   using Clock = std::chrono::steady_clock;
@@ -55,6 +55,14 @@ class JobClient {
   /// its reason; kTimedOut when no answer comes: the command is withdrawn then.
   Status Command(const JobView& job, const JobOrder& order,
                  std::chrono::milliseconds timeout = kAnswerTime);
+  /// What is mounted in the machine, as a person reports at it (ARM_BY_PERSON), or as a
+  /// program was started with: that ends no arm when nothing changes. Errors as Command.
+  Status Mount(const std::string& cell, const MountedParts& parts,
+               intaglio_ArmBasis basis, std::chrono::milliseconds timeout = kAnswerTime);
+  /// As people have reported, by machine.
+  const std::map<std::string, MountView>& mounts() const { return mounts_; }
+  /// This client's identity allows commands: arm, mount, pause ...
+  bool may_command() const { return commands_ != nullptr; }
   /// The same without waiting; the number of the command, for AnswerTo. It stays until it
   /// is answered, also by the next job service.
   Result<std::uint64_t> Send(const JobView& job, const JobOrder& order);
@@ -98,31 +106,39 @@ class JobClient {
   void Take(const intaglio_JobCommandAnswer& answer);
   void TakeDisks();
   void TakeCounts();
+  void TakeMounts();
   Error WhyNoAnswer(const std::string& key, double waited_s) const;
   /// `condition`, or kFault once the job service has reported a fault for two seconds.
   Result<bool> AwaitAnswer(const std::function<bool()>& condition,
                            std::chrono::milliseconds timeout);
+  /// The answer to a command about `what`, for people.
+  Status AwaitCommand(std::uint64_t number, const std::string& what,
+                      std::chrono::milliseconds timeout);
   /// The job service forgets it, unless it was taken.
   void Withdraw(std::uint64_t number);
 
   struct Commands {
     explicit Commands(bus::Bus& bus);
-    bus::Writer<intaglio_JobSubmission> submissions;
     bus::Writer<intaglio_JobCommand> commands;
     bus::Reader<intaglio_JobCommandAnswer> answers;
   };
-  std::string sender_;                  // no other client has it
-  std::unique_ptr<Commands> commands_;  // null: not allowed
-  std::string not_allowed_;             // and why
+  std::string sender_;  // no other client has it
+  // Null: its identity does not allow it, and why.
+  std::unique_ptr<bus::Writer<intaglio_JobSubmission>> submissions_;
+  std::string no_submissions_;
+  std::unique_ptr<Commands> commands_;
+  std::string no_commands_;
   bus::Reader<intaglio_JobStatus> statuses_;
   bus::Reader<intaglio_JobCount> job_counts_;
+  bus::Reader<intaglio_CellMount> mounted_;
   bus::Reader<intaglio_TaskStatus> tasks_;
   bus::Reader<intaglio_ServiceHealth> health_;
   bus::Reader<intaglio_DiskSpace> disk_spaces_;
   bus::WaitSet wait_;
   std::map<std::string, JobView> jobs_;
-  std::map<std::string, JobView> refused_;  // by submission
-  std::vector<std::string> old_refusals_;   // no longer on the bus; were read by then
+  std::map<std::string, JobView> refused_;   // by submission
+  std::map<std::string, MountView> mounts_;  // by machine
+  std::vector<std::string> old_refusals_;    // no longer on the bus; were read by then
   struct StageOutcomes {
     std::uint32_t attempt = 0, part_count = 1;
     std::map<std::uint32_t, StageOutcome> outcomes;  // by part

@@ -29,6 +29,12 @@ std::string NeedOf(const JobView& job) {
   }
   if (job.state == intaglio_JOB_PAUSED) return PausedNeed(job);
   if (job.state != intaglio_JOB_WAITING_FOR_ARM) return "";
+  if (job.awaits_block) {
+    return fmt::format(
+        "job {} waits for its block: neither key nor door of {} was opened and closed "
+        "since the piece before it; change the block ({}, if it is in)",
+        job.number, job.cell, ArmCommandOf(job));
+  }
   return fmt::format("job {} waits for its arm: put its block into {}, then {}",
                      job.number, job.cell, ArmCommandOf(job));
 }

@@ -83,6 +83,10 @@ const char* NameOf(intaglio_CommandAnswerCode code) {
       return "out_of_range";
     case intaglio_ANSWER_NEEDS_CONSENT:
       return "needs_consent";
+    case intaglio_ANSWER_SAME_BLOCK:
+      return "same_block";
+    case intaglio_ANSWER_NOT_MOUNTED:
+      return "not_mounted";
   }
   return "unknown";
 }

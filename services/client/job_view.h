@@ -11,6 +11,7 @@
 #include "engrave/core/warning.h"
 #include "idl/job.h"
 #include "idl/service.h"
+#include "services/job/machine/mounted_parts.h"
 
 namespace intaglio::client {
 
@@ -43,6 +44,10 @@ struct JobView {
   intaglio_PointCounts counts{};     ///< of the newest engraving; all 0 before its path
   std::string verdict;               ///< of an ended job, as in the history; else empty
   std::string alarm;  ///< why its engraving makes no progress; empty: it does
+  /// Its machine was not opened and closed again since the last piece: no program arms
+  /// it.
+  bool awaits_block = false;
+  std::string block_id;  ///< of the loader that armed it; empty: no loader did
 
   /// Done, failed or cancelled.
   bool ended() const;
@@ -86,6 +91,15 @@ struct JobOrder {
   bool fire_uncertain = false;   ///< resume: uncertain points are fired again
   std::uint32_t speed_percent = 100;  ///< speed: 1..140
   bool accept_breakage = false;       ///< arm, resume: the glass may break
+  /// Arm, resume: what it is based on.
+  intaglio_ArmBasis basis = intaglio_ARM_BY_PROGRAM;
+  std::string block_id = {};  ///< arm by a loader: the block that it has put in
+};
+
+/// A CellMount, copied.
+struct MountView {
+  MountedParts parts;
+  std::string operator_name, mounted_utc;
 };
 
 /// A DiskSpace, copied.

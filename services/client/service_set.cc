@@ -26,23 +26,6 @@ constexpr auto kLinesTimeout = 10s;
 // The job service tries its disk again every second.
 constexpr auto kFaultTime = 2500ms;
 
-std::string Triple(const Vec3& v) { return fmt::format("{},{},{}", v.x(), v.y(), v.z()); }
-
-std::vector<std::string> ArgumentsOf(const MountedDescription& mounted) {
-  std::vector<std::string> arguments;
-  const auto add = [&arguments](const char* option, std::string value) {
-    arguments.insert(arguments.end(), {option, std::move(value)});
-  };
-  if (mounted.block_size_mm) add("--block", Triple(*mounted.block_size_mm));
-  if (mounted.refractive_index)
-    add("--block-index", fmt::format("{}", *mounted.refractive_index));
-  if (mounted.lens) {
-    add("--lens", fmt::format("{},{}", mounted.lens->focal_length_mm,
-                              mounted.lens->numerical_aperture));
-  }
-  return arguments;
-}
-
 struct Expected {
   intaglio_ServiceRole role;
   const char* name;
@@ -104,13 +87,9 @@ Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
   if (set.records_) {
     of_the_queue.insert(of_the_queue.end(), {"--recording", options.recording.string()});
   }
-  std::vector<std::string> of_the_laser = at_the_machine;
-  for (const std::string& argument : ArgumentsOf(options.mounted)) {
-    of_the_laser.push_back(argument);
-  }
   // A machine waits less than a tenth of a second for samples of these services.
   if (!lockstep) {
-    for (auto* arguments : {&at_the_machine, &of_the_laser, &of_the_queue}) {
+    for (auto* arguments : {&at_the_machine, &of_the_queue}) {
       arguments->push_back("--real-time");
     }
   }
@@ -126,7 +105,7 @@ Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
     services.emplace_back("marker", at_the_machine);
   } else {
     services.emplace_back("motion-bridge", at_the_machine);
-    services.emplace_back("synchronizer", of_the_laser);
+    services.emplace_back("synchronizer", at_the_machine);
   }
   for (const auto& [name, arguments] : services) {
     if (options.without.contains(name) || (name == "recorder" && !set.records_)) continue;

@@ -15,7 +15,6 @@
 #include "services/client/child_process.h"
 #include "services/client/job_client.h"
 #include "services/client/kept_process.h"
-#include "services/client/mounted_description.h"
 #include "services/platform/bus/bus.h"
 
 namespace intaglio::client {
@@ -32,7 +31,6 @@ struct ServiceSetOptions {
   std::filesystem::path results;  ///< job folders
   std::filesystem::path materials_db;
   MachineSpec machine;
-  MountedDescription mounted;
   bus::BusOptions bus;
   std::set<std::string> without;    ///< services that run elsewhere, e.g. "discretizer"
   std::filesystem::path recording;  ///< file of a recorder; empty: none

@@ -54,7 +54,7 @@ Error JobClient::WhyNoAnswer(const std::string& key, double waited_s) const {
 
 Result<JobView> JobClient::Submit(const JobSpec& job, std::chrono::milliseconds timeout,
                                   std::string key) {
-  if (!commands_) return Fail(ErrorCode::kRefused, not_allowed_);
+  if (!submissions_) return Fail(ErrorCode::kRefused, no_submissions_);
   if (key.empty()) key = NewSubmissionKey();
   INTAGLIO_TRY(CheckSubmissionKey(key));
   const std::vector<std::uint8_t> bytes = BytesOf(job);
@@ -65,7 +65,7 @@ Result<JobView> JobClient::Submit(const JobSpec& job, std::chrono::milliseconds 
   sample.client = Borrow(client);
   Borrow(sample.job, bytes);
   sample.steady_ns = SteadyNs();
-  INTAGLIO_TRY(commands_->submissions.Write(sample));
+  INTAGLIO_TRY(submissions_->Write(sample));
   const JobView* found = nullptr;
   const auto answered = [&] {
     if (refused_.contains(uid)) return true;
@@ -78,7 +78,7 @@ Result<JobView> JobClient::Submit(const JobSpec& job, std::chrono::milliseconds 
   const Result<bool> answer = AwaitAnswer(answered, timeout);
   const std::chrono::duration<double> waited = Clock::now() - began;
   // The job service that answered has stored it; one that has not read it does not.
-  (void)commands_->submissions.Dispose(sample);
+  (void)submissions_->Dispose(sample);
   if (!answer) return tl::unexpected(answer.error());
   if (!*answer) return tl::unexpected(WhyNoAnswer(key, waited.count()));
   if (found == nullptr) return Fail(ErrorCode::kRefused, refused_[uid].message);

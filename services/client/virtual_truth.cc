@@ -203,7 +203,7 @@ void SetHead(const MachineSpec& machine, HeadTruth& head) {
 
 }  // namespace
 
-MachineTruth TruthOf(const MachineSpec& machine, const MountedDescription& mounted) {
+MachineTruth TruthOf(const MachineSpec& machine, const MountedParts& mounted) {
   MachineTruth truth;
   if (machine.has_mark_line()) {
     SetHead(machine, *truth.mutable_head());
@@ -212,7 +212,7 @@ MachineTruth TruthOf(const MachineSpec& machine, const MountedDescription& mount
   SetStage(machine, *truth.mutable_stage());
   SetLaser(machine, *truth.mutable_laser());
   TruthBlock& block = *truth.mutable_block();
-  const Vec3& size_mm = mounted.block_size_mm.value();
+  const Vec3& size_mm = mounted.block_mm.value();
   *block.mutable_size_mm() = Vector(size_mm.x(), size_mm.y(), size_mm.z());
   // The truth is that of the mounted lens: the focus is at the machine's zero with it.
   const MachineLens* lens = FindLens(machine, mounted.lens.value().focal_length_mm);

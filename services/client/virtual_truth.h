@@ -4,7 +4,7 @@
 
 #include "proto/machine.pb.h"
 #include "proto/truth.pb.h"
-#include "services/client/mounted_description.h"
+#include "services/job/machine/mounted_parts.h"
 
 namespace intaglio::client {
 
@@ -12,6 +12,6 @@ namespace intaglio::client {
 /// machine that marks nothing is taken from it. The
 /// repeatability is 0, not the profile's: the glass then shows what the services do and
 /// nothing else; a truth file of the user sets it.
-MachineTruth TruthOf(const MachineSpec& machine, const MountedDescription& mounted);
+MachineTruth TruthOf(const MachineSpec& machine, const MountedParts& mounted);
 
 }  // namespace intaglio::client

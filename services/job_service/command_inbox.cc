@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 #include <vector>
 
+#include "services/job/machine/mounted_sample.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/process/log.h"
 
@@ -26,7 +28,33 @@ CommandView ViewOf(const intaglio_JobCommand& sample) {
   command.fire_uncertain = sample.fire_uncertain;
   command.speed_percent = sample.speed_percent;
   command.accept_breakage = sample.accept_breakage;
+  command.basis = sample.basis;
+  command.block_id = View(sample.block_id);
+  command.cell = View(sample.cell);
+  if (auto parts = PartsOf(sample.mounted)) {
+    command.mounted = std::move(*parts);
+  } else {
+    command.mount_error = parts.error().message;
+  }
   return command;
+}
+
+std::string AboutWhat(const CommandView& command) {
+  return command.job_uid.empty() ? command.cell : "job " + command.job_uid;
+}
+
+/// What an arm is based on, for the log.
+std::string BasisText(const CommandView& command) {
+  switch (command.basis) {
+    case intaglio_ARM_BY_PROGRAM:
+    case intaglio_ARM_BY_PERSON:
+      break;
+    case intaglio_ARM_SAME_BLOCK:
+      return ", into the block that is in";
+    case intaglio_ARM_BY_LOADER:
+      return ", with the block " + command.block_id;
+  }
+  return "";
 }
 
 /// Obeying it lets less fire: it takes precedence over commands sent at the same time,
@@ -75,10 +103,11 @@ CommandAnswer CommandInbox::AnswerTo(const CommandView& command, const Decide& d
   const CommandAnswer answer = decide(command);
   store_.KeepAnswer(command, answer);
   if (answer.taken()) {
-    host::LogInfo("job {}: command {} of {} is accepted", command.job_uid,
-                  static_cast<int>(command.kind), command.operator_name);
+    host::LogInfo("{}: command {} of {} is accepted{}", AboutWhat(command),
+                  static_cast<int>(command.kind), command.operator_name,
+                  BasisText(command));
   } else {
-    host::LogWarning("job {}: command {} of {} is refused: {}", command.job_uid,
+    host::LogWarning("{}: command {} of {} is refused: {}", AboutWhat(command),
                      static_cast<int>(command.kind), command.operator_name,
                      answer.message);
   }

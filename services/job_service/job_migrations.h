@@ -175,6 +175,43 @@ ALTER TABLE jobs ADD COLUMN undisturbed_ticks INTEGER NOT NULL DEFAULT 0;
     // What a job makes, points or marks.
     R"sql(
 ALTER TABLE jobs ADD COLUMN makes TEXT NOT NULL DEFAULT 'points';
+)sql",
+    // What is known of the machines: whose block is in each, the blocks of loaders, and
+    // what people reported as mounted. What an arm was based on, as an ArmBasis: 1 a
+    // person.
+    R"sql(
+CREATE TABLE pieces (
+  cell TEXT PRIMARY KEY,
+  job_uid TEXT NOT NULL,
+  job_number INTEGER NOT NULL,
+  opened INTEGER NOT NULL,
+  stations TEXT NOT NULL,
+  block TEXT NOT NULL
+);
+CREATE TABLE loaded_blocks (
+  cell TEXT NOT NULL,
+  block_id TEXT NOT NULL,
+  job_uid TEXT NOT NULL,
+  loaded_utc TEXT NOT NULL,
+  PRIMARY KEY (cell, block_id)
+);
+CREATE TABLE mounts (
+  number INTEGER PRIMARY KEY,
+  cell TEXT NOT NULL,
+  block_x_mm REAL NOT NULL,
+  block_y_mm REAL NOT NULL,
+  block_z_mm REAL NOT NULL,
+  glass TEXT NOT NULL,
+  refractive_index REAL NOT NULL,
+  lens TEXT NOT NULL,
+  focal_length_mm REAL NOT NULL,
+  numerical_aperture REAL NOT NULL,
+  piece TEXT NOT NULL,
+  operator_name TEXT NOT NULL,
+  mounted_utc TEXT NOT NULL
+);
+ALTER TABLE jobs ADD COLUMN block_id TEXT NOT NULL DEFAULT '';
+ALTER TABLE commands ADD COLUMN basis INTEGER NOT NULL DEFAULT 1;
 )sql"};
 
 }  // namespace intaglio::job_service

@@ -14,6 +14,7 @@
 #include "services/job_service/submission.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/process/log.h"
+#include "services/platform/host/times/utc_time.h"
 
 namespace intaglio::job_service {
 namespace {
@@ -44,6 +45,13 @@ TaskView ViewOf(const intaglio_TaskStatus& status) {
   return view;
 }
 
+/// Of a partition's pattern a permission would reach other machines, too.
+bool IsCellName(const std::string& cell) {
+  return !cell.empty() && std::all_of(cell.begin(), cell.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '-' || c == '_';
+  });
+}
+
 FrozenJob FrozenOf(const JobRecord& job) {
   FrozenJob frozen;
   if (!frozen.ParseFromString(job.frozen_job)) {
@@ -71,10 +79,15 @@ JobService::JobService(host::ServiceHost& host, const JobServiceOptions& options
       sort_tasks_(host.bus(), bus::kSortTask),
       engrave_tasks_(host.bus(), bus::kEngraveTask),
       permissions_(host.bus()),
+      interlocks_(host.bus()),
       seen_(options_.database.string() + ".seen"),
       feed_(host.bus()),
       queue_(*this),
       now_(now) {
+  const auto pieces = store_.LoadPieces();
+  for (const PieceRecord& piece : pieces) interlocks_.OpenCell(piece.cell);
+  queue_.RestoreCells(pieces, store_.LoadLoadedBlocks(), store_.LoadMounts());
+  for (const auto& [cell, mount] : queue_.mounts().mounts()) board_.Publish(mount);
   std::vector<JobRecord> restored = store_.Load(kRememberedJobs);
   std::set<std::string> announced;
   for (const JobRecord& job : restored) announced.insert(job.uid);
@@ -96,6 +109,7 @@ JobService::~JobService() = default;
 void JobService::OpenCell(const std::string& cell) {
   permissions_.Open(cell, CellsInUse());
   reports_.OpenCell(cell);
+  interlocks_.OpenCell(cell);
 }
 
 // Tasks before health: a worker's last report counts before its absence.
@@ -105,7 +119,8 @@ void JobService::Turn(Nanoseconds now) {
   TakeHealth(now);
   TakeSubmissions(now);
   TakeManualCommands();
-  commands_.Take([&](const CommandView& command) { return queue_.Take(command, now); },
+  for (const auto& [cell, door] : interlocks_.Take()) queue_.SetDoor(cell, door);
+  commands_.Take([&](const CommandView& command) { return TakeCommand(command, now); },
                  now);
   for (const ModelFeed::Failure& failure : feed_.TakeFailures()) {
     queue_.FeedFailed(failure.job_uid, failure.attempt, failure.message, now);
@@ -123,15 +138,37 @@ void JobService::Turn(Nanoseconds now) {
 
 void JobService::TakeManualCommands() {
   manual_commands_.Take([this](const intaglio_ManualCommand& command) {
-    // Of a partition's pattern the permission would reach other machines, too.
-    const std::string_view cell = View(command.cell);
-    const bool is_name =
-        !cell.empty() && std::all_of(cell.begin(), cell.end(), [](unsigned char c) {
-          return std::isalnum(c) != 0 || c == '-' || c == '_';
-        });
-    if (is_name) permissions_.Open(std::string(cell), CellsInUse());
+    const std::string cell(View(command.cell));
+    if (IsCellName(cell)) permissions_.Open(cell, CellsInUse());
   });
 }
+
+CommandAnswer JobService::TakeCommand(const CommandView& command, Nanoseconds now) {
+  return command.kind == intaglio_COMMAND_MOUNT ? Mount(command, now)
+                                                : queue_.Take(command, now);
+}
+
+CommandAnswer JobService::Mount(const CommandView& command, Nanoseconds now) {
+  if (!command.mount_error.empty())
+    return {intaglio_ANSWER_OUT_OF_RANGE, command.mount_error};
+  if (!IsCellName(command.cell)) {
+    return {intaglio_ANSWER_OUT_OF_RANGE,
+            fmt::format("cell '{}' is no name of a machine", command.cell)};
+  }
+  const auto mount =
+      queue_.mounts().RecordFor(command, host::UtcText(std::chrono::system_clock::now()));
+  if (!mount) return {};
+  store_.KeepMount(*mount);
+  queue_.SetMount(*mount, now);
+  board_.Publish(*mount);
+  host::LogInfo("{} has mounted in {}: {}", mount->operator_name, mount->cell,
+                TextOf(mount->parts));
+  return {};
+}
+
+void JobService::PieceChanged(const PieceRecord& piece) { store_.KeepPiece(piece); }
+
+void JobService::BlockLoaded(const LoadedBlock& block) { store_.KeepLoadedBlock(block); }
 
 void JobService::Close(Nanoseconds now) {
   queue_.Close(now);

@@ -12,6 +12,7 @@
 #include <set>
 #include <string>
 
+#include "services/job_service/cells/interlock_watch.h"
 #include "services/job_service/command_inbox.h"
 #include "services/job_service/job_store.h"
 #include "services/job_service/last_seen.h"
@@ -67,6 +68,8 @@ class JobService : private JobActions {
   void StopFeed(const std::string& job_uid) override;
   void Forgotten(const JobRecord& job) override;
   void WorkerForgotten(const std::string& instance) override;
+  void PieceChanged(const PieceRecord& piece) override;
+  void BlockLoaded(const LoadedBlock& block) override;
 
   void StartFeed(const TaskOrder& order, const JobRecord& job);
   /// The topics of a job's machine.
@@ -78,6 +81,9 @@ class JobService : private JobActions {
   void TakeSubmissions(Nanoseconds now);
   /// A machine that a person moves by hand needs a permission, though it has no job.
   void TakeManualCommands();
+  CommandAnswer TakeCommand(const CommandView& command, Nanoseconds now);
+  /// Kept with who and when before it has an effect.
+  CommandAnswer Mount(const CommandView& command, Nanoseconds now);
   void Submit(const intaglio_JobSubmission& submission, Nanoseconds now);
   /// Another job was taken under the key of this submission; nullopt: none was.
   std::optional<std::string> WhyKeyIsTaken(const std::string& uid);
@@ -106,6 +112,7 @@ class JobService : private JobActions {
   bus::Writer<intaglio_StageTask> sort_tasks_;
   bus::Writer<intaglio_StageTask> engrave_tasks_;
   PermissionKeeper permissions_;
+  InterlockWatch interlocks_;
   LastSeen seen_;
   ModelFeed feed_;
   JobQueue queue_;

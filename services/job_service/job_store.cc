@@ -100,7 +100,7 @@ constexpr const char* kColumns =
     "first_estimate_ticks, revision, "
     "last_command, ever_granted, armed, operator_name, first_point, fire_uncertain, "
     "asks_before_resume, disarm_count, disarm_reason, last_command_id, pause_reason, "
-    "warnings, breakage_accepted_by, makes";
+    "warnings, breakage_accepted_by, makes, block_id";
 
 JobRecord RecordOf(SQLite::Statement& row) {
   JobRecord job;
@@ -141,6 +141,7 @@ JobRecord RecordOf(SQLite::Statement& row) {
   arm.last_command = u64("last_command");
   arm.last_command_id = text("last_command_id");
   arm.breakage_accepted_by = text("breakage_accepted_by");
+  arm.block_id = text("block_id");
   job.arm = JobArm(std::move(arm));
   job.warnings = WarningsOfBytes(text("warnings"));
   job.pause_reason =
@@ -278,12 +279,14 @@ void JobStore::Keep(const JobRecord& job) {
             "estimate_ticks, revision, last_command, ever_granted, priority, material, "
             "armed, operator_name, asks_before_resume, first_point, "
             "fire_uncertain, disarm_count, disarm_reason, last_command_id, pause_reason, "
-            "warnings, breakage_accepted_by, first_estimate_ticks, makes, changed_utc, "
+            "warnings, breakage_accepted_by, first_estimate_ticks, makes, block_id, "
+            "changed_utc, "
             "ended_utc) "
             "VALUES "
             "(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, "
             "?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, "
-            "?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, ?33, {0}, "
+            "?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, ?33, ?34, "
+            "{0}, "
             "CASE ?11 WHEN 1 THEN {0} ELSE '' END) "
             "ON CONFLICT (number) DO UPDATE SET state = excluded.state, "
             "ended = excluded.ended, attempt = excluded.attempt, "
@@ -300,6 +303,7 @@ void JobStore::Keep(const JobRecord& job) {
             "warnings = excluded.warnings, "
             "breakage_accepted_by = excluded.breakage_accepted_by, "
             "first_estimate_ticks = excluded.first_estimate_ticks, "
+            "block_id = excluded.block_id, "
             "changed_utc = excluded.changed_utc, "
             // The first time stays.
             "started_utc = CASE WHEN started_utc = '' AND excluded.attempt > 0 THEN "
@@ -345,6 +349,7 @@ void JobStore::Keep(const JobRecord& job) {
     insert.bind(31, arm.breakage_accepted_by);
     insert.bind(32, Signed(job.first_estimate_ticks));
     insert.bind(33, job.makes);
+    insert.bind(34, arm.block_id);
     insert.exec();
     KeepStages(*database_, job);
     transaction.commit();

@@ -7,7 +7,9 @@
 // Tables: runs (epochs of the job service), jobs, submissions (what became of each, also
 // refused ones), commands (what was asked, and what was answered: a command that is
 // delivered again is answered again) and tasks (what was handed out: after a restart it
-// is taken back from the worker that has it). The table of jobs is the shop's history as
+// is taken back from the worker that has it); pieces, loaded_blocks and mounts (what is
+// known of the machines, cells/cell_records.h: each mount stays, with who and when). The
+// table of jobs is the shop's history as
 // well (services/history). Used from one thread. A database that cannot be opened or
 // written throws StoreError.
 
@@ -21,6 +23,7 @@
 #include <vector>
 
 #include "proto/shop.pb.h"
+#include "services/job_service/cells/cell_records.h"
 #include "services/job_service/job_warnings.h"
 #include "services/job_service/queue/job_queue.h"
 #include "services/job_service/queue/job_record.h"
@@ -102,6 +105,16 @@ class JobStore {
   /// Of a job that was kept, as it is now.
   JobStatistics StatisticsOf(const JobRecord& job,
                              std::chrono::system_clock::time_point now);
+
+  /// Of the machines: a piece replaces that of its machine, a block stays with the job
+  /// that it was loaded for first, and every mount is kept.
+  void KeepPiece(const PieceRecord& piece);
+  std::vector<PieceRecord> LoadPieces();
+  void KeepLoadedBlock(const LoadedBlock& block);
+  std::vector<LoadedBlock> LoadLoadedBlocks();
+  void KeepMount(const MountRecord& mount);
+  /// The newest of each machine.
+  std::vector<MountRecord> LoadMounts();
 
   /// All open jobs, with the parts that are handed out, and the newest `ended_count`
   /// ended ones, without their frozen jobs, by number. Reads these rows alone, however

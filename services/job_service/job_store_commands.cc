@@ -13,8 +13,8 @@ void JobStore::KeepAnswer(const CommandView& command, const CommandAnswer& answe
     SQLite::Statement insert(
         *database_,
         fmt::format("INSERT OR IGNORE INTO commands (sender, number, job_uid, kind, "
-                    "operator_name, code, message, taken_utc) "
-                    "VALUES (?, ?, ?, ?, ?, ?, ?, {})",
+                    "operator_name, code, message, basis, taken_utc) "
+                    "VALUES (?, ?, ?, ?, ?, ?, ?, ?, {})",
                     kNow));
     insert.bind(1, command.sender);
     insert.bind(2, Signed(command.number));
@@ -23,6 +23,7 @@ void JobStore::KeepAnswer(const CommandView& command, const CommandAnswer& answe
     insert.bind(5, command.operator_name);
     insert.bind(6, static_cast<int>(answer.code));
     insert.bind(7, answer.message);
+    insert.bind(8, static_cast<int>(command.basis));
     insert.exec();
   });
 }

@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "services/job/machine/mounted_sample.h"
 #include "services/job/verdict/warnings.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/process/log.h"
@@ -15,7 +16,20 @@ using bus::Borrow;
 StatusBoard::StatusBoard(bus::Bus& bus, std::string instance)
     : instance_(std::move(instance)),
       statuses_(bus, bus::kJobStatus),
-      counts_(bus, bus::kJobCount) {}
+      counts_(bus, bus::kJobCount),
+      mounts_(bus, bus::kMounted) {}
+
+void StatusBoard::Publish(const MountRecord& mount) {
+  intaglio_CellMount sample{};
+  sample.cell = Borrow(mount.cell);
+  sample.number = mount.number;
+  sample.parts = SampleOf(mount.parts);
+  sample.operator_name = Borrow(mount.operator_name);
+  sample.mounted_utc = Borrow(mount.mounted_utc);
+  if (auto written = mounts_.Write(sample); !written) {
+    host::LogWarning("what is mounted in {}: {}", mount.cell, written.error().message);
+  }
+}
 
 void StatusBoard::Announce(const std::set<std::string>& job_uids) {
   counted_.insert(job_uids.begin(), job_uids.end());
@@ -75,6 +89,8 @@ void StatusBoard::Write(const JobRecord& job, const intaglio_PointCounts& counts
   sample.counts = counts;
   sample.verdict = Borrow(verdict);
   sample.alarm = Borrow(job.alarm);
+  sample.awaits_block = job.awaits_block;
+  sample.block_id = Borrow(job.arm.kept().block_id);
   if (!job.uid.empty() && counted_.insert(job.uid).second) WriteCount();
   published_.emplace(job.uid, job.submission_uid);
   if (auto written = statuses_.Write(sample); !written) {
@@ -91,7 +107,7 @@ void StatusBoard::Withdraw(const std::string& job_uid,
   const std::string empty;
   sample.name = sample.message = sample.result_directory = sample.cell = Borrow(empty);
   sample.disarm_reason = sample.breakage_accepted_by = Borrow(empty);
-  sample.makes = sample.verdict = sample.alarm = Borrow(empty);
+  sample.makes = sample.verdict = sample.alarm = sample.block_id = Borrow(empty);
   if (auto disposed = statuses_.Dispose(sample); !disposed) {
     host::LogWarning("end of the status of job {}: {}", job_uid,
                      disposed.error().message);

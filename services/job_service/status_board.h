@@ -1,6 +1,7 @@
 #pragma once
 
-// The statuses of the jobs on the bus, and how many jobs have one (JobCount). It lives
+// The statuses of the jobs on the bus, how many jobs have one (JobCount), and what is
+// mounted in the machines. It lives
 // longer than a queue: while the database cannot be written there is no queue, and
 // clients still see every job as it was published last.
 //
@@ -30,6 +31,7 @@ class StatusBoard {
   void Publish(const JobRecord& job);
   /// One that has ended, with what the database has of it.
   void PublishEnded(const JobRecord& job, const JobResult& result);
+  void Publish(const MountRecord& mount);
   /// Ends the DDS instance.
   void Withdraw(const std::string& job_uid, const std::string& submission_uid);
   /// Withdraws what an earlier queue has published and the present one does not have.
@@ -43,7 +45,8 @@ class StatusBoard {
   std::string instance_;
   bus::Writer<intaglio_JobStatus> statuses_;
   bus::Writer<intaglio_JobCount> counts_;
-  std::set<std::string> counted_;                            // uids of jobs
+  std::set<std::string> counted_;  // uids of jobs
+  bus::Writer<intaglio_CellMount> mounts_;
   std::set<std::pair<std::string, std::string>> published_;  // job and submission
 };
 

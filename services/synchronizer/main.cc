@@ -18,13 +18,12 @@ struct Options {
   double refractive_index = 0;
 };
 
-Result<synchronizer::MountedParts> MountedOf(const Options& options,
-                                             const MachineSpec& machine) {
-  synchronizer::MountedParts mounted;
+Result<MountedParts> MountedOf(const Options& options, const MachineSpec& machine) {
+  MountedParts mounted;
   if (!options.block_mm.empty())
     mounted.block_mm = Eigen::Map<const Vec3>(options.block_mm.data());
   if (options.refractive_index > 0) mounted.refractive_index = options.refractive_index;
-  auto lens = INTAGLIO_TRY(synchronizer::MountedLens(options.lens, machine));
+  auto lens = INTAGLIO_TRY(MountedLens(options.lens, machine));
   mounted.lens = lens;
   return mounted;
 }

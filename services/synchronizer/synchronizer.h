@@ -13,6 +13,7 @@
 #include "proto/task.pb.h"
 #include "services/cell/cell_task.h"
 #include "services/cell/maker.h"
+#include "services/job/machine/mounted_parts.h"
 #include "services/platform/host/process/service_host.h"
 #include "services/platform/host/stage/flow.h"
 #include "services/synchronizer/cell_drive.h"
@@ -21,7 +22,6 @@
 #include "services/synchronizer/lamp_hold.h"
 #include "services/synchronizer/light_by_hand.h"
 #include "services/synchronizer/motion_intake.h"
-#include "services/synchronizer/mounted_parts.h"
 #include "services/synchronizer/publisher.h"
 
 namespace intaglio::synchronizer {

@@ -40,7 +40,7 @@ const std::vector<std::string> kCommands = {
     "pause",    "resume", "cancel", "discretize", "sort",    "plan",  "post",
     "measure",  "verify", "render", "materials",  "history", "batch", "again",
     "security", "stop",   "record", "recording",  "replay",  "help",  "preview",
-    "fonts",    "status", "course"};
+    "fonts",    "status", "course", "mount"};
 
 std::set<std::string> FlagsIn(const std::string& text) {
   std::set<std::string> flags;

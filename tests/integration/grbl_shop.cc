@@ -135,7 +135,8 @@ bool GrblShop::Open() {
       Program("intaglio"),
       std::vector<std::string>{"up", "--real-machine", "--machine", profile().string(),
                                "--folder", (folder_ / "shop").string(), "--materials",
-                               (folder_ / "materials.db").string(), "--domain", kDomain,
+                               (folder_ / "materials.db").string(), "--block", "50", "50",
+                               "30", "--block-glass", "N-BK7", "--domain", kDomain,
                                "--tag", tag_},
       folder_ / ("shop" + std::to_string(++opened_) + ".log"));
   return Eventually(

@@ -84,7 +84,8 @@ class IselJob : public ::testing::Test {
         std::vector<std::string>{
             "up", "--real-machine", "--machine", (folder_ / "machine.textproto").string(),
             "--folder", (folder_ / "shop").string(), "--materials",
-            (folder_ / "materials.db").string(), "--domain", "49", "--tag", tag_},
+            (folder_ / "materials.db").string(), "--block", "50", "50", "30",
+            "--block-glass", "N-BK7", "--domain", "49", "--tag", tag_},
         folder_ / "shop.log");
     ASSERT_TRUE(Eventually(
         [this] { return shop_->Output().find("the shop is open") != std::string::npos; },

@@ -52,7 +52,8 @@ class LinuxcncJob : public ::testing::Test {
     shop_ = std::make_unique<Running>(
         Program("intaglio"),
         With({"up", "--real-machine", "--machine", folder_ / "machine.textproto",
-              "--folder", folder_ / "shop", "--materials", folder_ / "materials.db"}),
+              "--folder", folder_ / "shop", "--materials", folder_ / "materials.db",
+              "--block", "20", "20", "20", "--block-glass", "N-BK7"}),
         folder_ / "shop.log");
     ASSERT_TRUE(Eventually(
         [&] { return shop_->Output().find("the shop is open") != std::string::npos; },

@@ -268,7 +268,8 @@ class ShopTest(Folder):
         batch.write_text('{"id": "a", "job": "knot.textproto"}\n'
                          '{"id": "b", "job": "knot.textproto", "overrides": {"name": "second"}}\n')
         results = self.folder / "results.json"
-        lines = typed("batch", batch, "--arm", "--events", "--results", results, *self.words)
+        lines = typed("batch", batch, "--arm", "--same-block", "--events", "--results", results,
+                      *self.words)
         for line in lines.splitlines():
             validate(json.loads(line), "event")
         made = json.loads(results.read_text())

@@ -182,6 +182,23 @@ TEST_F(SecuredShop, LetsTheObserverReadAndTheOperatorCommand) {
     }
     EXPECT_THAT(refused.output, HasSubstr("permissions do not allow it"));
   }
+  // To submit is one right; to arm, move and light is another one.
+  const std::string submitter = keys_ / "submitter";
+  const Ended given = Type(As(submitter, {"submit", kSample, "--height", "5"}));
+  EXPECT_EQ(given.exit_code, 0) << given.output;
+  for (const auto& words :
+       std::vector<std::vector<std::string>>{{"arm", "1"},
+                                             {"mount", "--block", "60", "60", "30"},
+                                             {"teach", "jog", "x", "1"},
+                                             {"teach", "lamp", "--for", "1"}}) {
+    Ended refused;
+    for (int i = 0; i < 5; ++i) {
+      refused = Type(As(submitter, words));
+      EXPECT_NE(refused.exit_code, 0) << words.front();
+      if (refused.output.find("permissions") != std::string::npos) break;
+    }
+    EXPECT_THAT(refused.output, HasSubstr("permissions do not allow it"));
+  }
   // A program without an identity discovers no participant.
   const Ended plain =
       Type({"list", "--domain", "46", "--tag", "secured" + std::to_string(getpid())});

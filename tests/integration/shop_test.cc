@@ -163,14 +163,18 @@ TEST_F(Shop, EngravesTwoJobsOneAfterTheOtherWithAPauseBetween) {
 
 // Its points would come at other depths. Nothing is lost: the queue knows of the job.
 TEST_F(Shop, AJobForAnotherBlockIsNotFiredAndKeptForTheRightOne) {
-  const std::string job = Submit({"--block", "60", "55", "20", "--arm"});
-  ASSERT_TRUE(Reaches(job, "paused")) << last_;
+  const std::string job = Submit({"--block", "60", "55", "20"});
+  ASSERT_TRUE(Reaches(job, "waiting for arm")) << last_;
   EXPECT_THAT(last_, HasSubstr("for a block of 60 x 55 x 20 mm"));
   EXPECT_THAT(last_, HasSubstr("the one in the machine has 50 x 50 x 30 mm"));
-  EXPECT_THAT(last_, HasSubstr("`intaglio up --block 60 55 20`"));
+  EXPECT_THAT(last_, HasSubstr("`intaglio mount --block 60 55 20`"));
+  const Ended refused = Type({"arm", job});
+  EXPECT_EQ(refused.exit_code, 4) << refused.output;
+  EXPECT_THAT(refused.output, HasSubstr("refused, not_mounted"));
+  EXPECT_EQ(Pulses(), 0u);
   Close();
   Open({"60", "55", "20"});
-  ASSERT_TRUE(Eventually([&] { return Type({"show", job}).exit_code == 0; }, 40s));
+  ASSERT_TRUE(Eventually([&] { return Type({"arm", job}).exit_code == 0; }, 40s));
   EXPECT_TRUE(RunsTo(job, "done")) << last_;
 }
 
@@ -181,8 +185,9 @@ TEST_F(Shop, AJobForAnotherLensOrGlassIsNotFiredAndKeptForTheRightOnes) {
       40s));
   Close();
   Open({"50", "50", "30"}, {"--lens", "f70", "--block-glass", "fused-silica"});
-  const std::string job = Submit({"--arm"});
-  ASSERT_TRUE(Reaches(job, "paused")) << last_;
+  const std::string job = Submit({});
+  ASSERT_TRUE(Reaches(job, "waiting for arm")) << last_;
+  EXPECT_EQ(Type({"arm", job}).exit_code, 4);
   EXPECT_THAT(last_, HasSubstr("the job is for the lens f43"));
   EXPECT_THAT(last_, HasSubstr("the lens f70 (f 70 mm, NA 0.0357) is mounted"));
   EXPECT_THAT(last_, HasSubstr("the job is for N-BK7 (refractive index 1.519"));
@@ -193,8 +198,7 @@ TEST_F(Shop, AJobForAnotherLensOrGlassIsNotFiredAndKeptForTheRightOnes) {
     return up_->Output().find("N-BK7 of index 1.519") != std::string::npos &&
            up_->Output().find("lens f43: f 43 mm, NA 0.0581") != std::string::npos;
   }));
-  ASSERT_TRUE(Eventually([&] { return Type({"show", job}).exit_code == 0; }, 40s));
-  Type({"resume", job});
+  ASSERT_TRUE(Eventually([&] { return Type({"arm", job}).exit_code == 0; }, 40s));
   EXPECT_TRUE(RunsTo(job, "done")) << last_;
 }
 

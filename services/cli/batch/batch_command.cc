@@ -15,6 +15,7 @@
 #include "services/cli/flags/accept_flag.h"
 #include "services/cli/flags/bus_flags.h"
 #include "services/cli/flags/event_flag.h"
+#include "services/cli/flags/same_block_flag.h"
 #include "services/cli/interrupt.h"
 #include "services/client/exit_codes.h"
 #include "services/client/known_jobs.h"
@@ -140,7 +141,9 @@ void AddBatchCommand(command_line::Command app) {
       "continue after a job that is not good; only jobs that come after it are skipped");
   batch.AddFlag("--arm", options->run.arm,
                 "you are at the machines and change the blocks: each job is armed once, "
-                "as soon as it has its machine");
+                "when it has its machine and the door or the key was opened since the "
+                "piece before it");
+  AddSameBlockFlag(batch, options->run.same_block);
   AddAcceptFlag(batch, options->accept);
   batch
       .AddOption("--pause-limit", options->run.pause_limit_s,

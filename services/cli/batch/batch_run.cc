@@ -145,7 +145,11 @@ void BatchRun::Submit(const BatchPlan::Start& start) {
   Out& out = out_[start.job];
   out.uid = submitted->uid;
   out.since = Clock::now();
-  if (options_.arm) out.arm.emplace(client_, *submitted, options_.accept_breakage);
+  const auto basis =
+      options_.same_block ? intaglio_ARM_SAME_BLOCK : intaglio_ARM_BY_PROGRAM;
+  if (options_.arm)
+    out.arm.emplace(client_, *submitted,
+                    client::ArmTerms{options_.accept_breakage, basis});
   if (events_ != nullptr) events_->Submitted(*submitted, job.id);
 }
 
@@ -181,6 +185,8 @@ std::string BatchRun::WaitsFor(const client::JobView& view, const Out& out) cons
   const std::string hint = "; " + client::ArmCommandOf(view);
   const Warning* consent = view.open_consent();
   if (consent != nullptr) return consent->text + hint;
+  const std::string awaits = out.arm->WhatBlockItAwaits(view);
+  if (!awaits.empty()) return awaits + hint;
   if (out.arm->state() == client::ArmOnce::State::kLeft) return out.arm->reason() + hint;
   // Its arm was taken and withdrawn; the status that shows it armed may not be here yet.
   const bool disarmed = out.arm->state() == client::ArmOnce::State::kArmed &&

@@ -24,7 +24,8 @@ struct BatchRunOptions {
   std::string file;
   std::size_t parallel = 0;  ///< 0: one a machine
   bool keep_going = false;   ///< after a job that is not good
-  bool arm = false;
+  bool arm = false;          ///< each job, once its machine was opened after the last
+  bool same_block = false;   ///< a person's statement: all go into the block that is in
   bool accept_breakage = false;  ///< the person who arms accepts that glass may break
   double pause_limit_s = 0;  ///< a job that waits for a person for longer is cancelled;
                              ///< 0: never

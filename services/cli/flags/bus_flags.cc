@@ -16,10 +16,11 @@ void AddBusFlags(command_line::Command command, bus::BusOptions& options) {
                     "only participants with the same tag communicate");
   command
       .AddOption("--security", options.security,
-                 "folder of the operator's or observer's identity, or of all roles; "
+                 "folder of the operator's, submitter's or observer's identity, or of "
+                 "all roles; "
                  "needed beyond lo")
       .FromEnvironment("INTAGLIO_SECURITY");
-  options.roles = {"operator", "observer"};
+  options.roles = {"operator", "submitter", "observer"};
 }
 
 }  // namespace intaglio::cli

@@ -32,6 +32,7 @@ bool Reached(const client::JobView& job, intaglio_JobCommandKind kind) {
       return job.ended() || (job.armed && job.state != intaglio_JOB_PAUSED &&
                              job.state != intaglio_JOB_WAITING_FOR_ARM);
     case intaglio_COMMAND_SPEED:
+    case intaglio_COMMAND_MOUNT:
       break;
   }
   return true;

@@ -101,6 +101,7 @@ ShopSnapshot ShopWatcher::Take() const {
             });
   shop.disks = client_.disks();
   shop.cells = cells_;
+  shop.mounts = client_.mounts();
   return shop;
 }
 

@@ -31,7 +31,8 @@ struct ShopSnapshot {
   std::vector<client::ServiceView> services;
   std::vector<client::JobView> jobs;
   std::vector<client::DiskView> disks;
-  std::map<std::string, CellSnapshot> cells;  ///< by name
+  std::map<std::string, CellSnapshot> cells;        ///< by name
+  std::map<std::string, client::MountView> mounts;  ///< by machine
 };
 
 /// Follows a shop. Used from one thread.

@@ -163,6 +163,11 @@ class Builder {
                             cell.motion_fault != intaglio_MOTION_LINK_LOST &&
                             cell.motion_fault != intaglio_MOTION_WRONG_CONTROLLER);
     line.set_motion_message(cell.motion_message);
+    if (const auto mount = shop_.mounts.find(name); mount != shop_.mounts.end()) {
+      line.set_mounted(TextOf(mount->second.parts));
+      line.set_mounted_by(mount->second.operator_name);
+      line.set_mounted_utc(mount->second.mounted_utc);
+    }
     const auto job = job_of_.find(name);
     if (job != job_of_.end()) line.set_job(job->second);
     NeedAtMachine(name, cell, line);

@@ -45,6 +45,12 @@ std::string LineOf(const MachineStatus& machine) {
   return fmt::format("{:<10} {}\n", machine.cell(), fmt::join(parts, ", "));
 }
 
+std::string MountedLine(const MachineStatus& machine) {
+  if (machine.mounted().empty()) return "";
+  return fmt::format("mounted    {:<10} {} ({}, {})\n", machine.cell(), machine.mounted(),
+                     machine.mounted_by(), machine.mounted_utc());
+}
+
 std::string LineOf(const OpenJob& job) {
   std::string progress;
   if (job.total() > 0) {
@@ -79,7 +85,7 @@ std::string TextOf(const ShopStatus& status) {
       fmt::format("shop       {}, {}\n", status.time(),
                   status.needs_person() ? "NEEDS A PERSON" : "all is well");
   for (const MachineStatus& machine : status.machines())
-    text += "machine    " + LineOf(machine);
+    text += "machine    " + LineOf(machine) + MountedLine(machine);
   for (const DiskStatus& disk : status.disks()) text += "disk       " + LineOf(disk);
   text += "services   " + ServicesText(status);
   text += fmt::format("jobs       {} open, {} ended\n", status.jobs_size(),

@@ -12,6 +12,7 @@
 #include "proto/teach.pb.h"
 #include "services/cli/complain.h"
 #include "services/cli/json/print_json.h"
+#include "services/cli/mount_command.h"
 #include "services/cli/teach/teach_light.h"
 #include "services/cli/teach/teach_move.h"
 #include "services/cli/teach/teach_options.h"
@@ -295,6 +296,7 @@ void AddTeachCommand(command_line::Command app) {
   AddLightCommands(teach);
   AddUndo(teach);
   AddHistory(teach);
+  AddTeachMount(teach);
 }
 
 }  // namespace intaglio::cli

@@ -159,7 +159,8 @@ class TeachScreen {
             "\n  step {:g} (mm, of a rotary axis rad)   {}\n\n"
             "  arrows x and y, page up and down z: a step, held: continuous\n"
             "  1 2 3 4 step {:g}   h home   s sample   p park   u undo   q end\n"
-            "  zeros: `intaglio teach zero` in another terminal\n",
+            "  zeros: `intaglio teach zero`, what is mounted: `intaglio teach mount`, in "
+            "another terminal\n",
             kSteps[step_], message_, fmt::join(kSteps, " "));
     // Each line is written over the one before and cleared behind it: nothing flickers.
     for (std::size_t at = text.find('\n'); at != std::string::npos;

@@ -33,6 +33,8 @@ CommandAnswer Arming::Check(const JobRecord& job, const CommandView& command) co
     case intaglio_COMMAND_PAUSE:
     case intaglio_COMMAND_CANCEL:
       return {};
+    case intaglio_COMMAND_MOUNT:
+      break;  // of a machine
   }
   return {intaglio_ANSWER_OUT_OF_RANGE,
           fmt::format("kind {} of a command for job {} is unknown: use the same version "
@@ -68,7 +70,39 @@ CommandAnswer Arming::CheckArm(const JobRecord& job, const CommandView& command)
             fmt::format("job {} cannot be armed without a consent: {}", job.number,
                         ConsentMessage(job, *warning))};
   }
-  return {};
+  if (const std::string misfit = mounts_.MisfitOf(job); !misfit.empty()) {
+    return {intaglio_ANSWER_NOT_MOUNTED,
+            fmt::format("job {} cannot be armed: {}", job.number, misfit)};
+  }
+  return pieces_.Check(job, command);
+}
+
+void Arming::SetMount(const MountRecord& mount, Nanoseconds now) {
+  mounts_.Set(mount);
+  const std::string what = TextOf(mount.parts);
+  EndArms(intaglio_PAUSE_MACHINE_CHANGED, now, [&](const JobRecord& job) {
+    if (job.cell != mount.cell) return std::string();
+    return fmt::format("{} has reported what is mounted{}", mount.operator_name,
+                       what.empty() ? "" : ", " + what);
+  });
+}
+
+const std::string& Arming::MountMisfitOf(JobRecord& job) const {
+  if (job.mount_revision != mounts_.revision()) {
+    job.mount_revision = mounts_.revision();
+    job.mount_misfit = mounts_.MisfitOf(job);
+  }
+  return job.mount_misfit;
+}
+
+void Arming::TurnPieces() {
+  pieces_.Turn([this](const std::string& uid) { return book_.FindOpen(uid) != nullptr; });
+  for (JobRecord* job : book_.InTurn()) {
+    const bool awaits = job->active() && !job->arm.ever_granted() && pieces_.Awaits(*job);
+    if (awaits == job->awaits_block) continue;
+    job->awaits_block = awaits;
+    book_.PublishProgress(*job);
+  }
 }
 
 std::string Arming::ConsentMessage(const JobRecord& job, const Warning& warning) {
@@ -86,6 +120,7 @@ void Arming::TakeWarnings(JobRecord& job, const Warnings& warnings, Nanoseconds 
 
 void Arming::Arm(JobRecord& job, const CommandView& command, Nanoseconds now) {
   const bool had_consent = job.open_consent() == nullptr;
+  pieces_.NoteArmed(job, command);
   job.arm.Arm(command, now);
   job.arm_loss.clear();
   if (job.state != intaglio_JOB_PAUSED) {
@@ -204,6 +239,7 @@ std::vector<PermissionView> Arming::Permissions(Nanoseconds now) {
         job.may_be_granted() && job.arm.MayFire(now) && !IsStopped(job.cell) &&
         workers_.IsAssigned(synchronizer, job.TaskOf(intaglio_STAGE_ENGRAVE));
     if (granted && !job.arm.ever_granted()) {
+      pieces_.NoteGranted(job);
       job.arm.NoteGranted();
       book_.Change(job, job.state, job.message);
     }

@@ -13,6 +13,9 @@
 //    first grant is kept before it is handed out.
 // 5. A job with a warning that a person has to accept is armed only with that consent;
 //    an arm from before the warning was known ends with it.
+// 6. A program's arm counts only after the machine was opened (cells/piece_book.h).
+// 7. A job is armed only for what is mounted in its machine (cells/mount_book.h), and a
+//    person who says that something was mounted ends the arms there.
 // Used from one thread.
 
 #include <functional>
@@ -20,6 +23,8 @@
 #include <string>
 #include <vector>
 
+#include "services/job_service/cells/mount_book.h"
+#include "services/job_service/cells/piece_book.h"
 #include "services/job_service/queue/job_book.h"
 #include "services/job_service/queue/worker_book.h"
 
@@ -27,7 +32,9 @@ namespace intaglio::job_service {
 
 class Arming {
  public:
-  Arming(JobBook& book, const WorkerBook& workers) : book_(book), workers_(workers) {}
+  /// All outlive this.
+  Arming(JobBook& book, const WorkerBook& workers, PieceBook& pieces, MountBook& mounts)
+      : book_(book), workers_(workers), pieces_(pieces), mounts_(mounts) {}
 
   /// Whether the command is allowed; else why not. Changes nothing.
   CommandAnswer Check(const JobRecord& job, const CommandView& command) const;
@@ -43,6 +50,13 @@ class Arming {
   void TakeWarnings(JobRecord& job, const Warnings& warnings, Nanoseconds now);
   /// What a job that waits for a consent asks for, for people.
   static std::string ConsentMessage(const JobRecord& job, const Warning& warning);
+
+  /// A person has reported what is mounted, or a program with another content.
+  void SetMount(const MountRecord& mount, Nanoseconds now);
+  /// Why the job may not be armed for what is mounted; empty: it may.
+  const std::string& MountMisfitOf(JobRecord& job) const;
+  /// Publishes of every job with a machine whether it awaits another block.
+  void TurnPieces();
 
   /// After a loss: arms the job as it was armed, a while later, unless something forbids
   /// it (JobArm::Renew).
@@ -69,6 +83,8 @@ class Arming {
 
   JobBook& book_;
   const WorkerBook& workers_;
+  PieceBook& pieces_;
+  MountBook& mounts_;
   std::set<std::string> stopped_cells_;
 };
 

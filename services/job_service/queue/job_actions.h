@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "services/job_service/cells/cell_records.h"
 #include "services/job_service/queue/job_record.h"
 #include "services/job_service/queue/job_views.h"
 
@@ -24,6 +25,9 @@ class JobActions {
   virtual void Forgotten(const JobRecord& job) = 0;
   /// So does a worker that was lost long ago: its task is withdrawn.
   virtual void WorkerForgotten(const std::string& instance) = 0;
+  /// Of what is known of a machine's block: to be kept before anything that follows.
+  virtual void PieceChanged(const PieceRecord& piece) = 0;
+  virtual void BlockLoaded(const LoadedBlock& block) = 0;
 };
 
 }  // namespace intaglio::job_service

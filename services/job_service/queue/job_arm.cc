@@ -48,6 +48,7 @@ void JobArm::Arm(const CommandView& command, Nanoseconds now) {
   kept_.first_point = std::max(kept_.first_point, command.from_point);
   kept_.fire_uncertain =
       command.fire_uncertain && command.kind == intaglio_COMMAND_RESUME;
+  if (command.basis == intaglio_ARM_BY_LOADER) kept_.block_id = command.block_id;
   kept_.armed = true;
   renewal_count_ = 0;
   absence_.Restart(now);

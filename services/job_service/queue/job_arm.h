@@ -46,6 +46,7 @@ struct KeptArm {
   /// Sender and number of the command that changed the job last: after a power failure it
   /// may be delivered once more without being in the table of answers.
   std::string last_command_id = {};
+  std::string block_id = {};  ///< of the loader that armed it; empty: none did
 };
 
 /// A machine that is paused for this reason was halted by a fault, not by a permission

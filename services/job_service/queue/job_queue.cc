@@ -52,6 +52,7 @@ void JobQueue::Restore(std::vector<JobRecord> jobs, std::optional<Nanoseconds> a
       continue;
     }
     JobRecord& job = book_.Add(std::move(restored));
+    job.place = PlaceOf(job.frozen_job);
     if (!job.active()) {
       job.arm.Drop();  // what waits for its machine is not armed
       book_.PublishRestored(job);
@@ -71,6 +72,7 @@ void JobQueue::Restore(std::vector<JobRecord> jobs, std::optional<Nanoseconds> a
 }
 
 void JobQueue::Add(JobRecord job) {
+  job.place = PlaceOf(job.frozen_job);
   book_.Change(book_.Add(std::move(job)), intaglio_JOB_QUEUED, "");
 }
 
@@ -108,6 +110,8 @@ void JobQueue::Apply(JobRecord& job, const CommandView& command, Nanoseconds now
     case intaglio_COMMAND_SPEED:
       job.speed_percent = command.speed_percent;
       return book_.Change(job, job.state, job.message);
+    case intaglio_COMMAND_MOUNT:
+      break;  // of a machine, not of a job
   }
 }
 
@@ -124,6 +128,7 @@ void JobQueue::Turn(Nanoseconds now) {
   for (JobRecord* job : book_.InTurn()) discretizing_.GiveOpen(*job, now);
   for (JobRecord* job : book_.InTurn()) take_up_.GiveToFree(*job, now);
   StartWaiting(now);
+  arming_.TurnPieces();
 }
 
 void JobQueue::StartWaiting(Nanoseconds now) {
@@ -345,9 +350,12 @@ void JobQueue::EngraveStatus(JobRecord& job, const TaskView& task, Nanoseconds n
   // warnings about the path, may still be on its way.
   discretizing_.Finish(job, now);
   const Warning* consent = job.open_consent();
+  const std::string misfit = job.arm.armed() ? "" : arming_.MountMisfitOf(job);
   book_.Publish(
       job, task.done_count > 0 ? intaglio_JOB_ENGRAVING : intaglio_JOB_WAITING_FOR_ARM,
-      consent == nullptr ? task.message : Arming::ConsentMessage(job, *consent));
+      consent != nullptr ? Arming::ConsentMessage(job, *consent)
+      : misfit.empty()   ? task.message
+                         : misfit);
 }
 
 }  // namespace intaglio::job_service

@@ -20,6 +20,8 @@
 //   JobBook       the jobs, their turn, and the publishing of their changes
 //   TaskHandout   who works on what (WorkerBook), and the orders to workers
 //   Discretizing  the parts of a job (JobParts) and the discretizers that make them
+//   PieceBook     whose block is in each machine
+//   MountBook     what is mounted in each machine
 //   Arming        commands, emergency stops and permissions, by the arms (JobArm)
 //   TakeUp        engravings after a loss, an absence or a restart
 // This class is the way of a job through its stages.
@@ -35,6 +37,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "services/job_service/queue/arming.h"
@@ -50,7 +53,8 @@ inline constexpr std::uint32_t kMaxAttempts = 3;
 
 class JobQueue {
  public:
-  explicit JobQueue(JobActions& actions) : book_(actions), tasks_(actions) {}
+  explicit JobQueue(JobActions& actions)
+      : book_(actions), tasks_(actions), pieces_(actions) {}
   JobQueue(const JobQueue&) = delete;
   JobQueue& operator=(const JobQueue&) = delete;
 
@@ -78,6 +82,22 @@ class JobQueue {
   /// An emergency stop is pressed there, or not any more.
   void SetStop(const std::string& cell, bool pressed, Nanoseconds now) {
     arming_.SetStop(cell, pressed, now);
+  }
+  /// What was kept of the machines, before Restore.
+  void RestoreCells(const std::vector<PieceRecord>& pieces,
+                    const std::vector<LoadedBlock>& blocks,
+                    std::vector<MountRecord> mounts) {
+    pieces_.Restore(pieces, blocks);
+    mounts_.Restore(std::move(mounts));
+  }
+  void SetDoor(const std::string& cell, DoorState state) {
+    pieces_.SetDoor(cell, state);
+    arming_.TurnPieces();
+  }
+  const MountBook& mounts() const { return mounts_; }
+  /// The record was made by mounts(), and is kept.
+  void SetMount(const MountRecord& mount, Nanoseconds now) {
+    arming_.SetMount(mount, now);
   }
   /// A person closes the shop: the person who opens it again arms again.
   void Close(Nanoseconds now) { take_up_.CloseShop(now); }
@@ -122,8 +142,10 @@ class JobQueue {
 
   JobBook book_;
   TaskHandout tasks_;
+  PieceBook pieces_;
+  MountBook mounts_;
   Discretizing discretizing_{book_, tasks_};
-  Arming arming_{book_, tasks_.workers()};
+  Arming arming_{book_, tasks_.workers(), pieces_, mounts_};
   TakeUp take_up_{book_, tasks_, arming_};
 };
 

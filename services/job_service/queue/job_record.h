@@ -36,6 +36,12 @@ struct GivenTask {
   bool done;
 };
 
+/// Where in its machine a job is made.
+struct JobPlace {
+  std::uint32_t station = 0;  ///< of a machine with a loading, from 1; else 0
+  std::string block;          ///< its size, to be compared; empty: none
+};
+
 struct JobRecord {
   std::uint32_t number = 0;  ///< for people, from 1
   std::string uid;           ///< <number>-<epoch in hex>
@@ -64,6 +70,10 @@ struct JobRecord {
   std::uint64_t revision = 0;
 
   // Not kept over a restart.
+  JobPlace place;                     ///< made of the frozen job
+  bool awaits_block = false;          ///< no program arms it: piece_book.h
+  std::string mount_misfit;           ///< of what is mounted, as of
+  std::uint64_t mount_revision = 0;   ///< this MountBook::revision; 0: not compared
   std::uint32_t speed_percent = 100;  ///< override, 1..140
   std::string last_loss;              ///< why the attempt before this one broke
   std::string arm_loss;               ///< why its arm was spent before it had a path

@@ -9,6 +9,7 @@
 
 #include "engrave/core/warning.h"
 #include "idl/job.h"
+#include "services/job/machine/mounted_parts.h"
 #include "services/job_service/queue/task_id.h"
 
 namespace intaglio::job_service {
@@ -38,6 +39,11 @@ struct CommandView {
   bool fire_uncertain = false;
   std::uint32_t speed_percent = 100;
   bool accept_breakage = false;
+  intaglio_ArmBasis basis = intaglio_ARM_BY_PROGRAM;
+  std::string block_id;
+  std::string cell;  ///< mount: the machine, and what is in it
+  MountedParts mounted;
+  std::string mount_error;  ///< why `mounted` cannot be read; empty: it can
 };
 /// Of the speed override, per cent of the job's speed limits (Trochimczuk 2008, 6.4.2).
 inline constexpr std::uint32_t kMinSpeedPercent = 1, kMaxSpeedPercent = 140;

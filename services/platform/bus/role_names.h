@@ -13,6 +13,7 @@
 namespace intaglio::bus {
 
 inline constexpr char kOperatorRole[] = "operator";
+inline constexpr char kSubmitterRole[] = "submitter";
 inline constexpr char kJobServiceRole[] = "job-service";
 inline constexpr char kStageWorkerRole[] = "stage-worker";
 inline constexpr char kRecorderRole[] = "recorder";

@@ -52,6 +52,9 @@ inline constexpr Topic<intaglio_JobStatus> kJobStatus{
 inline constexpr Topic<intaglio_JobCount> kJobCount{"JobCount", &intaglio_JobCount_desc,
                                                     Profile::kState, DomainKind::kControl,
                                                     Scope::kShop};
+inline constexpr Topic<intaglio_CellMount> kMounted{"Mounted", &intaglio_CellMount_desc,
+                                                    Profile::kState, DomainKind::kControl,
+                                                    Scope::kShop};
 inline constexpr Topic<intaglio_StageTask> kDiscretizeTask{
     "DiscretizeTask", &intaglio_StageTask_desc, Profile::kCommand, DomainKind::kControl,
     Scope::kShop};

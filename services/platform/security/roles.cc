@@ -24,7 +24,8 @@ Topics OwnReports() { return {Of(bus::kServiceHealth), Of(bus::kAlarm)}; }
 // What can be seen of a shop without seeing what is engraved.
 Topics ShopState() {
   return {Of(bus::kJobStatus),     Of(bus::kJobCount), Of(bus::kTaskStatus),
-          Of(bus::kServiceHealth), Of(bus::kAlarm),    Of(bus::kDiskSpace)};
+          Of(bus::kServiceHealth), Of(bus::kAlarm),    Of(bus::kDiskSpace),
+          Of(bus::kMounted)};
 }
 
 Topics CellState() {
@@ -41,6 +42,15 @@ Role Operator() {
           Join({ShopState(), CellState(), {Of(bus::kJobCommandAnswer)}})};
 }
 
+// To submit is one right; to arm, to move and to light is another one. An emergency stop
+// is everybody's who has a place in the shop.
+Role Submitter() {
+  return {bus::kSubmitterRole,
+          "*",
+          {Of(bus::kJobSubmission), Of(bus::kEmergencyStop)},
+          Join({ShopState(), CellState()})};
+}
+
 Role JobService() {
   return {bus::kJobServiceRole,
           "*",
@@ -48,10 +58,10 @@ Role JobService() {
                 {Of(bus::kPresence), Of(bus::kDiskSpace), Of(bus::kJobStatus),
                  Of(bus::kJobCount), Of(bus::kJobCommandAnswer), Of(bus::kDiscretizeTask),
                  Of(bus::kSortTask), Of(bus::kEngraveTask), Of(bus::kModelChunk),
-                 Of(bus::kPermission)}}),
+                 Of(bus::kPermission), Of(bus::kMounted)}}),
           {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kTaskStatus),
            Of(bus::kServiceHealth), Of(bus::kCredit), Of(bus::kEmergencyStop),
-           Of(bus::kPresence), Of(bus::kManualCommand)}};
+           Of(bus::kPresence), Of(bus::kManualCommand), Of(bus::kInterlock)}};
 }
 
 Role StageWorker() {
@@ -102,8 +112,8 @@ Role Observer() {
 }  // namespace
 
 std::vector<Role> RolesOf(const std::vector<std::string>& cells) {
-  std::vector<Role> roles = {Operator(), JobService(), StageWorker(), Recorder(),
-                             Observer()};
+  std::vector<Role> roles = {Operator(),    Submitter(), JobService(),
+                             StageWorker(), Recorder(),  Observer()};
   for (const std::string& cell : cells) roles.push_back(Cell(cell));
   return roles;
 }

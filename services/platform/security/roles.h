@@ -30,8 +30,8 @@ struct Role {
   std::vector<RoleTopic> writes, reads;
 };
 
-/// operator, job-service, stage-worker, recorder, observer, and a cell-NAME for each of
-/// `cells`: synchronizer and motion bridge of that machine.
+/// operator, submitter, job-service, stage-worker, recorder, observer, and a cell-NAME
+/// for each of `cells`: synchronizer and motion bridge of that machine.
 std::vector<Role> RolesOf(const std::vector<std::string>& cells);
 
 /// The partition in which the role may write or read the topic; empty: in none.

@@ -68,10 +68,10 @@ bool CourseShop::Open() {
   up_.reset();
   up_ = std::make_unique<Running>(
       Program("intaglio"),
-      std::vector<std::string>{"up", "--real-machine", "--machine",
-                               folder_ / "machine.textproto", "--folder",
-                               folder_ / "shop", "--materials", folder_ / "materials.db",
-                               "--domain", "49", "--tag", tag_},
+      std::vector<std::string>{
+          "up", "--real-machine", "--machine", folder_ / "machine.textproto", "--folder",
+          folder_ / "shop", "--materials", folder_ / "materials.db", "--piece",
+          "copper-clad FR4", "--domain", "49", "--tag", tag_},
       folder_ / ("up" + std::to_string(++opened_) + ".log"));
   const auto is_open = [&] {
     return up_->Output().find("the shop is open") != std::string::npos;

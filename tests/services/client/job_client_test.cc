@@ -237,12 +237,12 @@ TEST_F(JobClientTest, ArmsWhenTheMachineHasTheJobAndElseLeavesItQueued) {
   Start();
   const auto job = ann_.Submit(GoodJob(), 10s);
   ASSERT_TRUE(job.has_value());
-  const auto late = ArmWhenTaken(ann_, *job, false, 500ms);
+  const auto late = ArmWhenTaken(ann_, *job, {}, 500ms);
   ASSERT_FALSE(late.has_value());
   EXPECT_THAT(late.error().message, HasSubstr("job 1 stays queued and is not armed"));
   EXPECT_THAT(late.error().message, HasSubstr("intaglio arm 1"));
   shop_.ready = true;
-  EXPECT_TRUE(ArmWhenTaken(ann_, *job, false, 10s).has_value());
+  EXPECT_TRUE(ArmWhenTaken(ann_, *job, {}, 10s).has_value());
   OfBob(job->uid);
   EXPECT_EQ(StateOf(BobAwaits(job->uid,
                               [](const JobView& view) {

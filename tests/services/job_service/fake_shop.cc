@@ -121,6 +121,7 @@ void FakeShop::Command(const StatusCopy& job, intaglio_JobCommandKind kind,
   sample.number = number;
   sample.kind = kind;
   sample.fire_uncertain = fire_uncertain;
+  sample.basis = intaglio_ARM_BY_PERSON;
   const std::string name = "ann@shop";
   sample.operator_name = Borrow(name);
   (void)commands_.Write(sample);
@@ -136,6 +137,7 @@ void FakeShop::Accept(const StatusCopy& job, std::uint64_t number) {
   sample.number = number;
   sample.kind = intaglio_COMMAND_ARM;
   sample.accept_breakage = true;
+  sample.basis = intaglio_ARM_BY_PERSON;
   sample.operator_name = Borrow(name);
   (void)commands_.Write(sample);
 }

@@ -44,7 +44,9 @@ class ArmingTest : public testing::Test {
   RecordingActions actions_;
   JobBook book_{actions_};
   WorkerBook workers_;
-  Arming arming_{book_, workers_};
+  PieceBook pieces_{actions_};
+  MountBook mounts_;
+  Arming arming_{book_, workers_, pieces_, mounts_};
   JobRecord* job_ = nullptr;
 };
 

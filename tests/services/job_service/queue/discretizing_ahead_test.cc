@@ -190,6 +190,8 @@ class RandomShop : public JobActions {
   void StopFeed(const std::string&) override {}
   void Forgotten(const JobRecord&) override {}
   void WorkerForgotten(const std::string&) override {}
+  void PieceChanged(const PieceRecord& /*piece*/) override {}
+  void BlockLoaded(const LoadedBlock& /*block*/) override {}
   void Give(const TaskOrder& order, const JobRecord&) override {
     if (order.stage != intaglio_STAGE_DISCRETIZE) return;
     const auto found = tasks_.find(order.worker);

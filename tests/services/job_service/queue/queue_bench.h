@@ -41,10 +41,14 @@ class RecordingActions : public JobActions {
   void StopFeed(const std::string& uid) override { orders.push_back("stop " + uid); }
   void Forgotten(const JobRecord& job) override { forgotten.push_back(job.uid); }
   void WorkerForgotten(const std::string& name) override { forgotten.push_back(name); }
+  void PieceChanged(const PieceRecord& piece) override { pieces[piece.cell] = piece; }
+  void BlockLoaded(const LoadedBlock& block) override { blocks.push_back(block); }
   std::vector<std::string> Orders() { return std::exchange(orders, {}); }
 
   std::map<std::string, JobRecord> kept;
   std::map<std::string, int> progress;
+  std::map<std::string, PieceRecord> pieces;  // by cell
+  std::vector<LoadedBlock> blocks;
   std::vector<std::string> orders;
   std::vector<std::string> forgotten;
 };
@@ -132,6 +136,7 @@ class JobQueueTest : public testing::Test {
   /// Of a client that has seen the newest status of the job.
   CommandView Order(intaglio_JobCommandKind kind, const std::string& uid = "j1") {
     CommandView command;
+    command.basis = intaglio_ARM_BY_PERSON;
     command.sender = "ann@shop-1";
     command.number = ++command_;
     command.job_uid = uid;

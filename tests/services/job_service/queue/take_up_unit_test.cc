@@ -36,7 +36,9 @@ class TakeUpUnitTest : public testing::Test {
   RecordingActions actions_;
   JobBook book_{actions_};
   TaskHandout tasks_{actions_};
-  Arming arming_{book_, tasks_.workers()};
+  PieceBook pieces_{actions_};
+  MountBook mounts_;
+  Arming arming_{book_, tasks_.workers(), pieces_, mounts_};
   TakeUp take_up_{book_, tasks_, arming_};
   JobRecord* job_ = nullptr;
 };

@@ -14,6 +14,7 @@ void ForEachTopic(Visit&& visit) {
   visit(bus::kJobCommandAnswer);
   visit(bus::kJobStatus);
   visit(bus::kJobCount);
+  visit(bus::kMounted);
   visit(bus::kDiscretizeTask);
   visit(bus::kSortTask);
   visit(bus::kEngraveTask);

@@ -1,25 +1,51 @@
 #pragma once
 
-// What is known to be mounted in the machine: block, its glass, and lens. A job for other
-// ones is not fired: its points would come at other depths, or beside the glass. What is
-// not known is the responsibility of the person who arms the job.
+// What is known to be mounted in the machine: block, its glass, and lens; of a machine
+// that makes marks the piece and the tool, in words. A job for another block, glass or
+// lens is not fired: its points would come at other depths, or beside the glass. What is
+// not known is not compared; which parts a person has to name before a job is armed,
+// MissingParts says.
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
 #include "engrave/optics/focus.h"
 #include "proto/task.pb.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio {
 
 struct MountedParts {
   std::optional<Vec3> block_mm = {};
   std::optional<double> refractive_index =
       {};  ///< of the block, at the laser's wavelength
   std::optional<optics::Lens> lens = {};
+  std::string glass = {};      ///< its name; empty: known by its index, or not at all
+  std::string lens_name = {};  ///< in the profile; empty: known by its numbers, or not
+  std::string piece = {};      ///< in words, of what is no block
+
+  bool operator==(const MountedParts&) const;
+  bool empty() const { return *this == MountedParts(); }
 };
+
+/// For people: "60 x 30 x 20 N-BK7, f70"; what is not known is left out.
+std::string TextOf(const MountedParts& mounted);
+
+/// What the job is for: its own block, glass and lens; of a job of marks nothing.
+MountedParts PartsOf(const FrozenJob& job);
+
+/// "intaglio mount --machine els-03 --block 60 30 20 --glass N-BK7 --lens f70": what a
+/// person types when the job's own parts are mounted.
+std::string MountCommandFor(const FrozenJob& job);
+
+/// The machine has real controllers, as far as its profile says.
+bool IsRealMachine(const MachineSpec& machine);
+
+/// Which of "block", "glass" and "lens" the job needs and nobody has named; the lens is
+/// known where the profile has just one, or names the mounted one.
+std::vector<std::string> MissingParts(const FrozenJob& job, const MountedParts& mounted);
 
 /// `text`: the name of one of the machine's lenses, or "FOCAL_LENGTH,NA" (mm, -), of
 /// which the focal length is one of the machine's. Empty: the machine's lens when it has
@@ -40,4 +66,4 @@ double DepthErrorMm(const FrozenJob& job, double mounted_index);
 /// Precondition: a task that CheckTask lets pass.
 std::string MountMisfit(const FrozenJob& job, const MountedParts& mounted);
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio

@@ -1,10 +1,10 @@
-#include "services/synchronizer/block_fit.h"
+#include "services/job/machine/block_fit.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
-namespace intaglio::synchronizer {
+namespace intaglio {
 namespace {
 
 constexpr double kSameMm = 1e-3;
@@ -19,10 +19,10 @@ std::string BlockMisfit(const Vec3& job_size_mm, const Vec3& in_machine_mm) {
   }
   return fmt::format(
       "the job is for a block of {0:g} x {1:g} x {2:g} mm, the one in the machine has "
-      "{3:g} x {4:g} x {5:g} mm: no pulse is fired; close the shop and open it with "
-      "`intaglio up --block {0:g} {1:g} {2:g}`, then resume the job",
+      "{3:g} x {4:g} x {5:g} mm: no pulse is fired; insert one of the job's and report "
+      "it: `intaglio mount --block {0:g} {1:g} {2:g}`",
       job_size_mm.x(), job_size_mm.y(), job_size_mm.z(), in_machine_mm.x(),
       in_machine_mm.y(), in_machine_mm.z());
 }
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio

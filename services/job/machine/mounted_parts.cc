@@ -4,27 +4,29 @@
 // mm) a quarter is 34 um: 100 mm of N-BK7 whose melts differ by 0.0005 (33 um) pass, and
 // so do 5 mm of soda-lime glass in the place of N-BK7, but not 20 mm of it.
 
-#include "services/synchronizer/mounted_parts.h"
+#include "services/job/machine/mounted_parts.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <charconv>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "services/job/job_defaults.h"
+#include "services/job/machine/block_fit.h"
 #include "services/job/machine/focus_offset.h"
+#include "services/job/machine/mark_job_check.h"
 #include "services/job/options.h"
-#include "services/synchronizer/block_fit.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio {
 namespace {
 
 constexpr double kSameLens = 1e-6;
 constexpr double kCrackShare = 0.25;
 
-optics::Lens LensOf(const MachineLens& lens) {
+optics::Lens OpticsOf(const MachineLens& lens) {
   return {lens.focal_length_mm(), lens.numerical_aperture()};
 }
 
@@ -49,13 +51,13 @@ bool AreSame(const optics::Lens& one, const optics::Lens& other) {
 /// Empty for a lens that the profile does not have.
 std::string NameOf(const optics::Lens& lens, const MachineSpec& machine) {
   for (const MachineLens& known : machine.lenses()) {
-    if (AreSame(lens, LensOf(known))) return known.name();
+    if (AreSame(lens, OpticsOf(known))) return known.name();
   }
   return "";
 }
 
 std::string LensMisfit(const FrozenJob& job, const optics::Lens& mounted) {
-  const optics::Lens wanted = intaglio::LensOf(job.job());
+  const optics::Lens wanted = LensOf(job.job());
   if (AreSame(wanted, mounted)) return "";
   const auto text = [&job](const optics::Lens& lens) {
     return fmt::format("the lens {} (f {:g} mm, NA {:.3g})", NameOf(lens, job.machine()),
@@ -65,11 +67,10 @@ std::string LensMisfit(const FrozenJob& job, const optics::Lens& mounted) {
   return fmt::format(
       "the job is for {}, but {} is mounted: no pulse is fired; {}", text(wanted),
       text(mounted),
-      name.empty() ? "this machine does not have the job's lens: cancel the job and "
-                     "submit it again with the mounted lens"
-                   : fmt::format("mount it and open the shop with `intaglio up --lens "
-                                 "{}`, then resume the job",
-                                 name));
+      name.empty()
+          ? "this machine does not have the job's lens: cancel the job and "
+            "submit it again with the mounted lens"
+          : fmt::format("mount it and report it: `intaglio mount --lens {}`", name));
 }
 
 std::string GlassMisfit(const FrozenJob& job, double mounted_index) {
@@ -80,8 +81,8 @@ std::string GlassMisfit(const FrozenJob& job, double mounted_index) {
   return fmt::format(
       "the job is for {} (refractive index {:.6g}), the block in the machine has the "
       "index {:.6g}: the deepest points would be off by {:.3f} mm, {:.3f} mm are "
-      "allowed: no pulse is fired; insert a block of the job's glass and open the shop "
-      "with `intaglio up --block-glass {}`, then resume the job",
+      "allowed: no pulse is fired; insert a block of the job's glass and report it: "
+      "`intaglio mount --glass {}`",
       job.job().glass(), job.optics().refractive_index(), mounted_index, error_mm,
       allowed_mm, job.job().glass());
 }
@@ -92,14 +93,14 @@ Result<std::optional<optics::Lens>> MountedLens(const std::string& text,
                                                 const MachineSpec& machine) {
   if (text.empty()) {
     if (const auto* own = FindLensNamed(machine, machine.mounted_lens())) {
-      return LensOf(*own);
+      return OpticsOf(*own);
     }
     if (machine.lenses_size() != 1) return std::nullopt;
-    return LensOf(machine.lenses(0));
+    return OpticsOf(machine.lenses(0));
   }
   std::vector<std::string> names;
   for (const MachineLens& lens : machine.lenses()) {
-    if (lens.name() == text) return LensOf(lens);
+    if (lens.name() == text) return OpticsOf(lens);
     names.push_back(lens.name());
   }
   const auto numbers = ParseLens(text);
@@ -130,4 +131,77 @@ std::string MountMisfit(const FrozenJob& job, const MountedParts& mounted) {
   return fmt::format("{}", fmt::join(misfits, "; and "));
 }
 
-}  // namespace intaglio::synchronizer
+bool MountedParts::operator==(const MountedParts& other) const {
+  const auto numbers = [](const std::optional<optics::Lens>& of) {
+    return of ? std::pair(of->focal_length_mm, of->numerical_aperture)
+              : std::pair(0.0, 0.0);
+  };
+  return block_mm == other.block_mm && refractive_index == other.refractive_index &&
+         numbers(lens) == numbers(other.lens) && glass == other.glass &&
+         lens_name == other.lens_name && piece == other.piece;
+}
+
+std::string TextOf(const MountedParts& mounted) {
+  std::string block;
+  if (mounted.block_mm) {
+    block = fmt::format("{:g} x {:g} x {:g}", mounted.block_mm->x(),
+                        mounted.block_mm->y(), mounted.block_mm->z());
+  }
+  std::string glass = mounted.glass;
+  if (glass.empty() && mounted.refractive_index)
+    glass = fmt::format("glass of index {:.6g}", *mounted.refractive_index);
+  if (!block.empty() && !glass.empty()) block += " ";
+  block += glass;
+  std::string lens = mounted.lens_name;
+  if (lens.empty() && mounted.lens)
+    lens = fmt::format("lens of f {:g} mm", mounted.lens->focal_length_mm);
+  std::vector<std::string> texts;
+  for (const std::string& text : {block, lens, mounted.piece}) {
+    if (!text.empty()) texts.push_back(text);
+  }
+  return fmt::format("{}", fmt::join(texts, ", "));
+}
+
+MountedParts PartsOf(const FrozenJob& job) {
+  if (ConcernsMarks(job.job(), job.machine())) return {};
+  MountedParts parts;
+  parts.block_mm = BlockSizeOf(job.job());
+  parts.glass = job.job().glass();
+  parts.refractive_index = job.optics().refractive_index();
+  parts.lens = LensOf(job.job());
+  parts.lens_name = NameOf(*parts.lens, job.machine());
+  return parts;
+}
+
+std::string MountCommandFor(const FrozenJob& job) {
+  const std::string command = "intaglio mount --machine " + job.machine().name();
+  if (ConcernsMarks(job.job(), job.machine())) return command + " --piece TEXT";
+  const MountedParts parts = PartsOf(job);
+  return fmt::format("{} --block {:g} {:g} {:g} --glass {}{}", command,
+                     parts.block_mm->x(), parts.block_mm->y(), parts.block_mm->z(),
+                     parts.glass,
+                     parts.lens_name.empty() ? "" : " --lens " + parts.lens_name);
+}
+
+bool IsRealMachine(const MachineSpec& machine) {
+  const auto is_real = [](const SerialLine& line) {
+    return !line.protocol().empty() && !line.protocol().starts_with("virtual-");
+  };
+  if (machine.has_mark_line()) return is_real(machine.mark_line());
+  return is_real(machine.motion_line());
+}
+
+std::vector<std::string> MissingParts(const FrozenJob& job, const MountedParts& mounted) {
+  if (ConcernsMarks(job.job(), job.machine())) {
+    if (mounted.empty()) return {"piece"};
+    return {};
+  }
+  std::vector<std::string> missing;
+  if (!mounted.block_mm) missing.emplace_back("block");
+  if (!mounted.refractive_index) missing.emplace_back("glass");
+  const auto lens = MountedLens("", job.machine());
+  if (!mounted.lens && !(lens && *lens)) missing.emplace_back("lens");
+  return missing;
+}
+
+}  // namespace intaglio

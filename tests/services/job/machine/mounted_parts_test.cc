@@ -1,4 +1,4 @@
-#include "services/synchronizer/mounted_parts.h"
+#include "services/job/machine/mounted_parts.h"
 
 #include <gmock/gmock.h>
 
@@ -28,7 +28,7 @@ TEST(MountedParts, AJobForAnotherLensIsNamedWithBothAndTheRemedy) {
       MountMisfit(GoodTask(), {.lens = kF70}),
       AllOf(HasSubstr("for the lens f43 (f 43 mm, NA 0.0581)"),
             HasSubstr("the lens f70 (f 70 mm, NA 0.0357) is mounted"),
-            HasSubstr("no pulse is fired"), HasSubstr("`intaglio up --lens f43`")));
+            HasSubstr("no pulse is fired"), HasSubstr("`intaglio mount --lens f43`")));
 }
 
 TEST(MountedParts, AnotherApertureIsAnotherLens) {
@@ -48,7 +48,7 @@ TEST(MountedParts, AJobForAnotherGlassIsNamedWithTheDepthErrorAndTheRemedy) {
   EXPECT_THAT(MountMisfit(GoodTask(), {.refractive_index = 1.46}),
               AllOf(HasSubstr("the job is for N-BK7 (refractive index 1.519"),
                     HasSubstr("has the index 1.46"), HasSubstr("0.034 mm are allowed"),
-                    HasSubstr("`intaglio up --block-glass N-BK7`")));
+                    HasSubstr("`intaglio mount --glass N-BK7`")));
 }
 
 // What matters is where the focus is: the same glasses, in a block that is low.
@@ -80,6 +80,32 @@ TEST(MountedParts, EverythingThatDiffersIsNamed) {
       MountMisfit(GoodTask(),
                   {.block_mm = Vec3(20, 20, 20), .refractive_index = 1.9, .lens = kF70}),
       AllOf(HasSubstr("20 x 20 x 20 mm"), HasSubstr("1.9"), HasSubstr("f70")));
+}
+
+TEST(MountedParts, TheJobsOwnAreNamedAndFit) {
+  const FrozenJob job = GoodTask();
+  const MountedParts parts = PartsOf(job);
+  EXPECT_EQ(MountMisfit(job, parts), "");
+  EXPECT_EQ(TextOf(parts), "50 x 50 x 30 N-BK7, f43");
+  EXPECT_THAT(MountCommandFor(job),
+              HasSubstr("--block 50 50 30 --glass N-BK7 --lens f43"));
+}
+
+TEST(MountedParts, WhatNobodyNamedIsMissing) {
+  const FrozenJob job = GoodTask();
+  EXPECT_THAT(MissingParts(job, {}), testing::ElementsAre("block", "glass", "lens"));
+  EXPECT_THAT(MissingParts(job, PartsOf(job)), testing::IsEmpty());
+  FrozenJob one_lens = job;
+  one_lens.mutable_machine()->mutable_lenses()->DeleteSubrange(1, 1);
+  EXPECT_THAT(MissingParts(one_lens, {}), testing::ElementsAre("block", "glass"));
+}
+
+TEST(MountedParts, OnlyVirtualControllersAreNoRealMachine) {
+  MachineSpec machine = GoodMachine();
+  machine.mutable_motion_line()->set_protocol("virtual-stage");
+  EXPECT_FALSE(IsRealMachine(machine));
+  machine.mutable_motion_line()->set_protocol("grbl");
+  EXPECT_TRUE(IsRealMachine(machine));
 }
 
 TEST(MountedLens, IsNamedOrGivenByItsNumbers) {

@@ -7,11 +7,11 @@
 
 #include "engrave/core/geometry.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio {
 
 /// Both sizes and the remedy; empty when it fits: the top faces, through which the beam
 /// is focused, are at one height, within 1 um, and the block in the machine is at least
 /// as wide and as deep. Sizes in mm, > 0.
 std::string BlockMisfit(const Vec3& job_size_mm, const Vec3& in_machine_mm);
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio

@@ -1,8 +1,8 @@
-#include "services/synchronizer/block_fit.h"
+#include "services/job/machine/block_fit.h"
 
 #include <gmock/gmock.h>
 
-namespace intaglio::synchronizer {
+namespace intaglio {
 namespace {
 
 using testing::AllOf;
@@ -22,7 +22,7 @@ TEST(BlockFit, AnyOtherIsNamedBesideTheJobsWithTheRemedy) {
                                     Vec3(49.9, 50, 30.5), Vec3(50, 20, 30.5)}) {
     EXPECT_THAT(BlockMisfit(job_mm, in_machine_mm),
                 AllOf(HasSubstr("a block of 50 x 50 x 30.5 mm"),
-                      HasSubstr("`intaglio up --block 50 50 30.5`")))
+                      HasSubstr("`intaglio mount --block 50 50 30.5`")))
         << in_machine_mm.transpose();
   }
   EXPECT_THAT(BlockMisfit(job_mm, Vec3(100, 100, 99.5)),
@@ -30,4 +30,4 @@ TEST(BlockFit, AnyOtherIsNamedBesideTheJobsWithTheRemedy) {
 }
 
 }  // namespace
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio

@@ -1,0 +1,31 @@
+#pragma once
+
+// Key and door of every machine that has a job, from the Interlock of its synchronizer or
+// marker. Used from one thread.
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "services/job_service/cells/piece_book.h"
+#include "services/platform/bus/bus.h"
+
+namespace intaglio::job_service {
+
+class InterlockWatch {
+ public:
+  explicit InterlockWatch(bus::Bus& bus) : bus_(bus) {}
+
+  /// Retained samples come at once.
+  void OpenCell(const std::string& cell);
+  /// What was received since the last call, in its order: a door that was opened and
+  /// closed in between is in it with both.
+  std::vector<std::pair<std::string, DoorState>> Take();
+
+ private:
+  bus::Bus& bus_;
+  std::map<std::string, bus::Reader<intaglio_Interlock>> readers_;  // by cell
+};
+
+}  // namespace intaglio::job_service
