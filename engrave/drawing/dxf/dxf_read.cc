@@ -97,7 +97,12 @@ class DxfReader {
       if (group.value == "EOF") break;
       if (group.value != "SECTION") continue;
       any = true;
-      if (!groups.Next(group) || !ReadSection(group.value, groups)) return false;
+      if (!groups.Next(group)) {
+        return builder_.Refuse(ErrorCode::kUnreadable, "",
+                               "the file ends at a SECTION; it is truncated, copy it "
+                               "again");
+      }
+      if (!ReadSection(group.value, groups)) return false;
     }
     if (!groups.good()) return false;
     return any || builder_.Refuse(ErrorCode::kUnreadable, "",

@@ -13,7 +13,7 @@ namespace {
 
 using Entities = std::map<std::string, std::string, std::less<>>;
 
-std::string_view Word(std::string_view& rest) {
+std::string_view NextToken(std::string_view& rest) {
   while (!rest.empty() && IsSvgBlank(rest.front())) rest.remove_prefix(1);
   const auto* const end = std::ranges::find_if(rest, IsSvgBlank);
   const std::string_view word(rest.begin(), end);
@@ -33,7 +33,7 @@ Entities EntitiesOf(std::string_view text, std::size_t& end, std::uint64_t& exte
   for (auto at = text.find("<!ENTITY", inside); at < end;
        at = text.find("<!ENTITY", at + 1)) {
     std::string_view rest = text.substr(at + std::string_view("<!ENTITY").size());
-    const std::string name(Word(rest));
+    const std::string name(NextToken(rest));
     const std::string_view value = text.substr(at);
     const auto open = value.find_first_of("\"'>");
     if (open == value.npos) break;

@@ -18,8 +18,8 @@ namespace intaglio::drawing {
 namespace {
 
 std::string BytesOf(const std::string& name) {
-  const auto bytes =
-      io::ReadWholeFile(INTAGLIO_SOURCE_DIR "/tests/data/kinds/" + name, std::uint64_t{1} << 20);
+  const auto bytes = io::ReadWholeFile(INTAGLIO_SOURCE_DIR "/tests/data/kinds/" + name,
+                                       std::uint64_t{1} << 20);
   EXPECT_TRUE(bytes) << name;
   return bytes ? *bytes : std::string();
 }
@@ -118,7 +118,10 @@ TEST(FilesOfOthers, ABinaryDxfIsReadAsItsText) {
   ASSERT_EQ(drawing->curves.size(), 1U);
   EXPECT_EQ(std::get<Polyline>(drawing->curves[0].pieces[0]).points_mm,
             (PointList{{1.5, 0.1, 0}, {4, -2e-3, 0}}));
+  // Without the group EOF, which programs leave out, it is whole.
+  const std::size_t end = binary.size() - Binary(0, "EOF").size();
   for (std::size_t size = 22; size < binary.size(); ++size) {
+    if (size == end) continue;
     const auto cut = ReadDxf(binary.substr(0, size));
     EXPECT_FALSE(cut.has_value()) << size;
   }
