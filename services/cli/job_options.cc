@@ -13,7 +13,7 @@
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
 #include "services/job/job_file.h"
-#include "services/job/machine/mark_job_check.h"
+#include "services/job/checks/mark_job_check.h"
 #include "services/job/models/chosen_block.h"
 #include "services/job/models/program_limits.h"
 #include "services/job/models/text_model.h"

@@ -37,7 +37,7 @@
 #include "services/client/virtual_truth.h"
 #include "services/job/course/course_check.h"
 #include "services/job/job_check.h"
-#include "services/job/machine/mark_job_check.h"
+#include "services/job/checks/mark_job_check.h"
 #include "services/job/options.h"
 
 namespace intaglio::cli {

@@ -3,7 +3,7 @@
 #include "services/discretizer/discretize_job.h"
 #include "services/discretizer/kept_job.h"
 #include "services/discretizer/model_intake.h"
-#include "services/job/machine/mark_job_check.h"
+#include "services/job/checks/mark_job_check.h"
 #include "services/job/marks/mark_maker.h"
 #include "services/job/model_kind.h"
 #include "services/job/models/program_limits.h"

@@ -5,7 +5,7 @@
 #include "engrave/sort/kdz.h"
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
-#include "services/job/machine/mark_job_check.h"
+#include "services/job/checks/mark_job_check.h"
 #include "services/job/material_record.h"
 #include "services/job/options.h"
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "proto/task.pb.h"
-#include "services/job/machine/mark_job_check.h"
+#include "services/job/checks/mark_job_check.h"
 #include "services/job/marks/mark_maker.h"
 #include "services/job/model_kind.h"
 #include "services/job/verdict/warnings.h"

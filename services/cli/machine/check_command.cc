@@ -19,7 +19,7 @@
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
 #include "services/job/job_file.h"
-#include "services/job/machine/head_check.h"
+#include "services/job/checks/head_check.h"
 #include "services/job/machine/head_warnings.h"
 #include "services/platform/command_line/supplied_files.h"
 

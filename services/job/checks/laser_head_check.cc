@@ -1,4 +1,4 @@
-#include "services/job/machine/laser_head_check.h"
+#include "services/job/checks/laser_head_check.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,4 +1,4 @@
-#include "services/job/machine/head_check.h"
+#include "services/job/checks/head_check.h"
 
 #include <fmt/format.h>
 

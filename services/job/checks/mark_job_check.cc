@@ -1,4 +1,4 @@
-#include "services/job/machine/mark_job_check.h"
+#include "services/job/checks/mark_job_check.h"
 
 #include <filesystem>
 #include <string>

@@ -1,4 +1,4 @@
-#include "services/job/machine/laser_check.h"
+#include "services/job/checks/laser_check.h"
 
 #include <fmt/ranges.h>
 

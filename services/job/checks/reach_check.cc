@@ -1,4 +1,4 @@
-#include "services/job/machine/reach_check.h"
+#include "services/job/checks/reach_check.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "services/job/machine/lens_check.h"
+#include "services/job/checks/lens_check.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "services/job/job_defaults.h"
-#include "services/job/machine/head_check.h"
+#include "services/job/checks/head_check.h"
 #include "services/job/machine/head_clearance.h"
 #include "services/job/options.h"
 
