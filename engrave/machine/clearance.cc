@@ -95,15 +95,15 @@ std::optional<Collision> Clearance::Along(const Vec3& from_mm, const Vec3& to_mm
       const double lowest_mm =
           std::min(from_mm.z(), to_mm.z()) + bodies_[b].bottom_above_focus_mm;
       const double top_mm = solids_[s].max_mm.z();
-      const double least_mm = worst ? worst->overlap_mm : kTouchMm;
-      if (!(top_mm - lowest_mm > least_mm)) continue;
+      const double best_mm = worst ? worst->overlap_mm : kTouchMm;
+      if (!(top_mm - lowest_mm > best_mm)) continue;
       const Interval t =
           Beside(from_mm.head<2>(), way_mm.head<2>(), solids_[s], bodies_[b].radius_mm);
       if (t.empty()) continue;
       const Vec3 deepest_mm = from_mm + (way_mm.z() < 0 ? t.to : t.from) * way_mm;
       const double overlap_mm =
           top_mm - bodies_[b].bottom_above_focus_mm - deepest_mm.z();
-      if (overlap_mm > least_mm) worst = Collision{b, s, overlap_mm, deepest_mm};
+      if (overlap_mm > best_mm) worst = Collision{b, s, overlap_mm, deepest_mm};
     }
   }
   return worst;

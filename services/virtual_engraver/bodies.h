@@ -45,7 +45,7 @@ class Bodies {
 
  private:
   /// A box that stands on the table, turned by `turn_rad` about the origin.
-  struct Standing {
+  struct Solid {
     std::uint8_t number = 0;
     Box3 box;
     double turn_rad = 0;
@@ -58,7 +58,7 @@ class Bodies {
   };
 
   Vec3 corner_mm_;
-  std::vector<Standing> standing_;
+  std::vector<Solid> solids_;
   std::vector<Hanging> hanging_;
 };
 

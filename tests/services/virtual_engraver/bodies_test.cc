@@ -27,7 +27,7 @@ std::vector<formats::GlassCollision> Moved(const BodyOptions& options,
   return found;
 }
 
-TEST(Bodies, MeetWhereTheClearanceOfTheServicesSaysSo) {
+TEST(Bodies, MeetWhereTheClearanceOfTheServicesFindsIt) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> side(-60, 110), up(0, 120), size(2, 25);
   int met = 0;
