@@ -95,7 +95,7 @@ TEST(Clearance, AgreesWithARayThatLeavesTheLens) {
 
 TEST(Clearance, IsThatOfSampledBodiesAtAPlace) {
   std::mt19937 random(7);
-  std::uniform_real_distribution<double> side(-40, 40), up(-10, 60), size(1, 20);
+  std::uniform_real_distribution<double> side(-20, 20), up(-10, 60), size(1, 20);
   int met = 0;
   for (int i = 0; i < 400; ++i) {
     const Vec3 low_mm(side(random), side(random), up(random));
@@ -130,13 +130,13 @@ TEST(Clearance, OfAWayIsTheWorstOfItsPlaces) {
     const Vec3 from_mm(side(random), side(random), up(random));
     const Vec3 to_mm(side(random), side(random), up(random));
     double worst_mm = 0;
-    for (int k = 0; k <= 4000; ++k) {
-      const auto at = clearance.At(from_mm + k / 4000.0 * (to_mm - from_mm));
+    for (int k = 0; k <= 1500; ++k) {
+      const auto at = clearance.At(from_mm + k / 1500.0 * (to_mm - from_mm));
       if (at) worst_mm = std::max(worst_mm, at->overlap_mm);
     }
     const auto found = clearance.Along(from_mm, to_mm);
     const double found_mm = found ? found->overlap_mm : 0;
-    // A step of the way goes 0.01 to 0.03 mm down.
+    // A step of the way goes up to 0.035 mm down.
     EXPECT_GE(found_mm, worst_mm - 1e-9) << i;
     EXPECT_NEAR(found_mm, worst_mm, 0.04) << i;
     if (!found) continue;
