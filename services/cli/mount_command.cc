@@ -54,7 +54,7 @@ int ShowMounted(client::JobClient& client, const std::string& cell) {
   if (mount == client.mounts().end()) {
     std::cout << cell << ": nobody has reported what is mounted\n";
   } else {
-    std::cout << TextOf(cell, mount->second) << "\n";
+    std::cout << MountText(cell, mount->second) << "\n";
   }
   return client::kExitGood;
 }
@@ -110,7 +110,7 @@ MountedParts MergedParts(MountedParts known, const MountedParts& named) {
   return known;
 }
 
-std::string TextOf(const std::string& cell, const client::MountView& mount) {
+std::string MountText(const std::string& cell, const client::MountView& mount) {
   return fmt::format("{:<10} {} ({}, {})", cell, TextOf(mount.parts), mount.operator_name,
                      mount.mounted_utc);
 }

@@ -14,7 +14,7 @@ void AddTeachMount(command_line::Command teach);
 MountedParts MergedParts(MountedParts known, const MountedParts& named);
 
 /// "els-03     60 x 30 x 20 N-BK7, f70 (ann@desk, 2026-11-26T14:00:00.000Z)".
-std::string TextOf(const std::string& cell, const client::MountView& mount);
+std::string MountText(const std::string& cell, const client::MountView& mount);
 
 /// After an arm: "60 x 30 x 20 N-BK7, f70: armed", as far as somebody has reported it.
 void PrintMounted(client::JobClient& client, const std::string& cell, std::ostream& out);
