@@ -8,12 +8,12 @@
 
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
+#include "services/job/checks/mark_job_check.h"
 #include "services/job/course/course_check.h"
 #include "services/job/field_path.h"
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
 #include "services/job/job_file.h"
-#include "services/job/checks/mark_job_check.h"
 #include "services/job/models/chosen_block.h"
 #include "services/job/models/program_limits.h"
 #include "services/job/models/text_model.h"

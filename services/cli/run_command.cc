@@ -35,9 +35,9 @@
 #include "services/client/proof_verdict.h"
 #include "services/client/service_set.h"
 #include "services/client/virtual_truth.h"
+#include "services/job/checks/mark_job_check.h"
 #include "services/job/course/course_check.h"
 #include "services/job/job_check.h"
-#include "services/job/checks/mark_job_check.h"
 #include "services/job/options.h"
 
 namespace intaglio::cli {

@@ -27,8 +27,8 @@ class ModelIntake {
               std::size_t model_count);
   /// Takes what has come and drops what is not of the open stream, also when none is
   /// open; true when all models are whole. kLinkLost: a chunk is missing. kFault: a chunk
-  /// contradicts the ones before it or exceeds the credit. kTooLarge: all models together are above
-  /// ReadLimits::max_file_bytes.
+  /// contradicts the ones before it or exceeds the credit. kTooLarge: all models together
+  /// are above ReadLimits::max_file_bytes.
   Result<bool> Poll();
   void Close();
   /// The files in the order of the job, once.

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include "engrave/sort/kdz.h"
+#include "services/job/checks/mark_job_check.h"
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
-#include "services/job/checks/mark_job_check.h"
 #include "services/job/material_record.h"
 #include "services/job/options.h"
 

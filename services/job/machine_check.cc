@@ -5,11 +5,11 @@
 #include <set>
 
 #include "engrave/optics/pulse_focus.h"
+#include "services/job/checks/head_check.h"
+#include "services/job/checks/laser_head_check.h"
 #include "services/job/field_ranges.h"
 #include "services/job/job_check.h"
 #include "services/job/machine/focus_offset.h"
-#include "services/job/checks/head_check.h"
-#include "services/job/checks/laser_head_check.h"
 #include "services/job/machine/machine_drives.h"
 #include "services/job/machine/profile_errors.h"
 #include "services/job/machine/stations.h"

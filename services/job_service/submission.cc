@@ -5,11 +5,11 @@
 #include <filesystem>
 #include <optional>
 
+#include "services/job/checks/mark_job_check.h"
 #include "services/job/freeze.h"
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
 #include "services/job/job_file.h"
-#include "services/job/checks/mark_job_check.h"
 #include "services/job/model_kind.h"
 
 namespace intaglio::job_service {

@@ -16,10 +16,10 @@
 #include "services/cli/machine/machine_command.h"
 #include "services/client/exit_codes.h"
 #include "services/client/machine/device_comparison.h"
+#include "services/job/checks/head_check.h"
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
 #include "services/job/job_file.h"
-#include "services/job/checks/head_check.h"
 #include "services/job/machine/head_warnings.h"
 #include "services/platform/command_line/supplied_files.h"
 

@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "services/job/job_defaults.h"
 #include "services/job/checks/head_check.h"
+#include "services/job/job_defaults.h"
 #include "services/job/machine/head_clearance.h"
 #include "services/job/options.h"
 

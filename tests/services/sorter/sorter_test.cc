@@ -11,7 +11,6 @@
 #include "services/platform/bus/error_code.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/host/stage/flow.h"
-#include "services/platform/host/stage/flow.h"
 #include "tests/services/platform/host/stage/stage_shop.h"
 
 namespace intaglio {

@@ -180,8 +180,7 @@ TEST_F(EngravingLoss, APowerCycleCostsTheArmHoweverShortItWas) {
     EXPECT_FALSE(cell.permission_granted) << "the job service has taken it back";
     EXPECT_TRUE(cell.engraving->waits());
     EXPECT_FALSE(cell.engraving->lost_a_line()) << "it is not renewed";
-    EXPECT_THAT(cell.engraving->message(),
-                testing::HasSubstr("controller was s"))
+    EXPECT_THAT(cell.engraving->message(), testing::HasSubstr("controller was s"))
         << "switched off and on, or silent";
     cell.GrantAnew();
     ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();

@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 
 #include "engrave/optics/focus.h"
+#include "services/job/checks/head_check.h"
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
-#include "services/job/checks/head_check.h"
 #include "tests/services/job/finding_matcher.h"
 #include "tests/services/job/test_job.h"
 
