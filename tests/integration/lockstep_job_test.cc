@@ -157,7 +157,8 @@ TEST_F(RunJob, FiredAtThePlaceALateStageMakesItsPoints) {
 // The profile knows nothing of a mount that ends 30 mm below its lens.
 TEST_F(RunJob, AMountThatEntersTheBlockIsRecordedAndTheVerdictIsNotGood) {
   const fs::path truth = folder_ / "truth.textproto";
-  std::ofstream(truth) << "lens { above_focus_mm: 13 }";
+  // Switched on with its lens above the block, as a person leaves a machine.
+  std::ofstream(truth) << "lens { above_focus_mm: 13 } stage { start_mm { z: 57 } }";
   const Ended ended = Run({"--lockstep", "--warm-up", "0", "--height", "20", "--spacing",
                            "0.8", "--truth", truth.string()});
   EXPECT_NE(ended.exit_code, 0) << ended.output;
@@ -173,10 +174,10 @@ TEST_F(RunJob, AMountThatEntersTheBlockIsRecordedAndTheVerdictIsNotGood) {
 
 // Both before anything moves: by what the job says, and by its points.
 TEST_F(RunJob, ALensThatWouldEnterTheBlockIsRefused) {
-  const Ended high = Run({"--lockstep", "--block", "60", "60", "100", "--height", "80"});
+  const Ended high = Run({"--lockstep", "--block", "80", "80", "100", "--height", "80"});
   EXPECT_NE(high.exit_code, 0);
   EXPECT_THAT(high.output, HasSubstr("fit_height_mm: 80 is more than the lens f43"));
-  const Ended deep = Run({"--lockstep", "--warm-up", "0", "--block", "60", "60", "100",
+  const Ended deep = Run({"--lockstep", "--warm-up", "0", "--block", "80", "80", "100",
                           "--height", "40", "--spacing", "1.5"});
   EXPECT_NE(deep.exit_code, 0);
   // 70 mm of N-BK7 are 46.0 mm of air.
