@@ -29,8 +29,9 @@ std::vector<std::string_view> StringsOf(std::string_view json, std::string_view 
   return strings;
 }
 
-/// Of the look alone: materials, textures, lights, and what programs note for themselves.
-bool IsOfTheLook(std::string_view extension) {
+/// Of the appearance alone: materials, textures, lights, and what programs note for
+/// themselves.
+bool IsOfAppearance(std::string_view extension) {
   constexpr std::string_view kBeginnings[] = {"KHR_materials_",
                                               "KHR_texture_",
                                               "EXT_texture_",
@@ -61,7 +62,7 @@ std::string_view JsonOf(std::string_view file) {
 Status CheckGltf(const ImportSource& source, std::string_view file) {
   const std::string_view json = JsonOf(file);
   auto changing = StringsOf(json, "\"extensionsRequired\"");
-  std::erase_if(changing, IsOfTheLook);
+  std::erase_if(changing, IsOfAppearance);
   // An instance is part of the shape also where a file does not require it.
   for (const std::string_view used : StringsOf(json, "\"extensionsUsed\"")) {
     if (used == "EXT_mesh_gpu_instancing") changing.push_back(used);

@@ -31,7 +31,7 @@ constexpr std::array<std::string_view, 30> kWithoutFaces = {
 constexpr std::array<std::string_view, 7> kFreeForms = {"curv", "curv2", "surf", "trim",
                                                         "hole", "scrv",  "sp"};
 
-std::string_view Word(std::string_view& line) {
+std::string_view NextToken(std::string_view& line) {
   line.remove_prefix(std::min(line.find_first_not_of(" \t\r"), line.size()));
   const std::string_view word = line.substr(0, line.find_first_of(" \t\r"));
   line.remove_prefix(word.size());
@@ -71,12 +71,12 @@ class ObjReader {
 
   Status TakeLine(std::string_view line) {
     std::string_view rest = line.substr(0, line.find('#'));
-    const std::string_view statement = Word(rest);
+    const std::string_view statement = NextToken(rest);
     if (statement.empty()) return {};
     if (statement == "v") return TakeVertex(rest);
     if (statement == "f" || statement == "fo") return TakeFace(rest);
     if (statement == "o" || statement == "g") {
-      object_ = Word(rest);
+      object_ = NextToken(rest);
       is_wanted_ = source_.options.objects.empty() || IsAskedFor(object_);
       return {};
     }
@@ -100,7 +100,7 @@ class ObjReader {
     const std::string_view line = rest;
     Vec3 p;
     for (int axis = 0; axis < 3; ++axis) {
-      const auto number = io::ParseNumber<double>(Word(rest));
+      const auto number = io::ParseNumber<double>(NextToken(rest));
       if (!number) return Refuse(fmt::format("is not a vertex: {:.60?}", line));
       p[axis] = *number;
     }
@@ -118,7 +118,7 @@ class ObjReader {
   Status TakeFace(std::string_view rest) {
     corners_.clear();
     places_.clear();
-    for (std::string_view word = Word(rest); !word.empty(); word = Word(rest)) {
+    for (std::string_view word = NextToken(rest); !word.empty(); word = NextToken(rest)) {
       const std::string_view digits = word.substr(0, word.find('/'));
       long long index = 0;
       const auto [end, failure] =
