@@ -30,12 +30,12 @@ double AreaOf(const TriangleMesh& mesh) {
   return area;
 }
 
-struct Expected {
+struct FileArea {
   const char* file;
   double area_mm2;
 };
 
-class MeshesOfOthers : public ::testing::TestWithParam<Expected> {};
+class MeshesOfOthers : public ::testing::TestWithParam<FileArea> {};
 
 TEST_P(MeshesOfOthers, HaveTheAreaOfTheirStandard) {
   const auto mesh = ImportMesh(kFolder + GetParam().file);
@@ -46,12 +46,12 @@ TEST_P(MeshesOfOthers, HaveTheAreaOfTheirStandard) {
 
 INSTANTIATE_TEST_SUITE_P(
     Meshes, MeshesOfOthers,
-    ::testing::Values(Expected{"unit.3mf", 5200}, Expected{"parts.3mf", 1050},
-                      Expected{"item_path.3mf", 450}, Expected{"zip64.3mf", 5200},
-                      Expected{"unit.dae", 22 * 25.4 * 25.4}, Expected{"notch.obj", 90},
-                      Expected{"dot.obj", 600}, Expected{"far.obj", 1252.1562527746587},
-                      Expected{"cr.stl", 600},
-                      Expected{"line_feed.ply", 599.0050141186343}));
+    ::testing::Values(FileArea{"unit.3mf", 5200}, FileArea{"parts.3mf", 1050},
+                      FileArea{"item_path.3mf", 450}, FileArea{"zip64.3mf", 5200},
+                      FileArea{"unit.dae", 22 * 25.4 * 25.4}, FileArea{"notch.obj", 90},
+                      FileArea{"dot.obj", 600}, FileArea{"far.obj", 1252.1562527746587},
+                      FileArea{"cr.stl", 600},
+                      FileArea{"line_feed.ply", 599.0050141186343}));
 
 TEST(MeshesOfOthers, WhatCannotBeReadRightIsRefusedByName) {
   const std::pair<const char*, const char*> refused[] = {
