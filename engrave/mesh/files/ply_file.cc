@@ -181,6 +181,12 @@ class PlyReader {
 Result<TriangleMesh> ReadPly(std::string_view file, const ImportSource& source) {
   const auto header = io::ParsePlyHeader(file.substr(0, kMaxPlyHeaderSize));
   if (!header) return source.Refuse(ErrorCode::kUnreadable, header.error().message);
+  const bool has_vertices = std::ranges::any_of(
+      header->elements,
+      [](const io::PlyElement& element) { return element.name == "vertex"; });
+  if (!has_vertices) {
+    return source.RefuseAsUnreadable("its header declares no element vertex");
+  }
   for (const io::PlyElement& element : header->elements) {
     if (element.name != "range_grid" || element.count == 0) continue;
     return source.Refuse(ErrorCode::kUnsupported,
