@@ -23,6 +23,32 @@ bool TakeNumber(std::string_view& line, double& value) {
   return number.has_value();
 }
 
+bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+
+/// The line with its decimal commas as points; empty: it has none. They are, where three
+/// or more words between blanks, tabs or semicolons hold one comma each at most, and
+/// commas stand between digits and beside no decimal point: "21,3 20 27,9".
+std::string WithDecimalPoints(std::string_view line) {
+  std::string changed(line);
+  std::size_t words = 0, commas = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const bool begins =
+        i == 0 || line[i - 1] == ' ' || line[i - 1] == '\t' || line[i - 1] == ';';
+    if (line[i] == '.') return {};
+    if (begins && line[i] != ' ' && line[i] != '\t' && line[i] != ';') {
+      ++words;
+      if (std::ranges::count(line.substr(i, line.find_first_of(" \t;", i) - i), ',') > 1)
+        return {};
+    }
+    if (line[i] != ',') continue;
+    if (i == 0 || i + 1 == line.size() || !IsDigit(line[i - 1]) || !IsDigit(line[i + 1]))
+      return {};
+    changed[i] = '.';
+    ++commas;
+  }
+  return words >= 3 && commas > 0 ? changed : std::string();
+}
+
 std::string CommentOf(std::string_view line) {
   line.remove_prefix(line.find('#') + 1);
   if (!line.empty() && line.front() == ' ') line.remove_prefix(1);
@@ -37,7 +63,8 @@ Status ReadLine(std::string_view line, std::size_t line_number, PointTable& tabl
     return {};
   }
   Vec3 p;
-  std::string_view rest = line;
+  const std::string with_points = WithDecimalPoints(line);
+  std::string_view rest = with_points.empty() ? line : with_points;
   for (int axis = 0; axis < 3; ++axis) {
     if (TakeNumber(rest, p[axis])) continue;
     return Fail(

@@ -41,7 +41,7 @@ struct ImageOptions {
   ImageLimits limits;
 };
 
-/// The picture, turned upright by the EXIF orientation of a JPEG. Errors name the place
+/// The picture, turned upright by its EXIF orientation (JPEG, PNG). Errors name the place
 /// and the remedy: kUnreadable (none of the four formats, damaged or cut off, a profile
 /// that is damaged), kUnsupported (a kind of theirs that is not read), kTooLarge.
 Result<GreyImage> ParseImage(std::string_view bytes, const ImageOptions& options = {});

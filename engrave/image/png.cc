@@ -6,9 +6,11 @@
 #include <cstring>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "engrave/core/try.h"
 #include "engrave/image/decoders.h"
+#include "engrave/image/exif.h"
 #include "engrave/image/icc_light.h"
 #include "engrave/image/luminance.h"
 
@@ -145,8 +147,19 @@ Result<std::optional<IccLight>> ProfileOf(const PngReader& r,
 /// What follows the pixels is read too: a file without its end is damaged.
 bool ReadEnd(PngReader& r) {
   if (setjmp(png_jmpbuf(r.png))) return false;
-  png_read_end(r.png, nullptr);
+  png_read_end(r.png, r.info);
   return true;
+}
+
+/// Of the chunk eXIf, before or behind the pixels: the body of a JPEG's segment without
+/// its signature.
+int OrientationIn(const PngReader& r) {
+  png_uint_32 size = 0;
+  png_bytep exif = nullptr;
+  if (png_get_eXIf_1(r.png, r.info, &size, &exif) == 0 || exif == nullptr) return 1;
+  std::string body("Exif\0\0", 6);
+  body.append(reinterpret_cast<const char*>(exif), size);
+  return OrientationOf(body);
 }
 
 template <typename Channel>
@@ -205,7 +218,7 @@ Result<GreyImage> ParsePng(std::string_view bytes, const ImageOptions& options) 
     }
   }
   if (!ReadEnd(r)) return Damaged(r);
-  return image;
+  return Upright(std::move(image), OrientationIn(r));
 }
 
 }  // namespace intaglio::image

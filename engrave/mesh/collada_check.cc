@@ -134,4 +134,13 @@ UpAxis UpAxisInCollada(std::string_view text) {
   return value.starts_with("X_UP") ? UpAxis::kX : UpAxis::kY;
 }
 
+bool DeclaresUnitInCollada(std::string_view text) {
+  bool declared = false;
+  ForEachTag(text, "unit", [&](std::string_view tag, std::size_t) {
+    declared = Attribute(tag, "meter").has_value();
+    return false;
+  });
+  return declared;
+}
+
 }  // namespace intaglio::mesh

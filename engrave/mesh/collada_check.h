@@ -19,4 +19,7 @@ std::string WrongInCollada(std::string_view text);
 /// has another value than X_UP, Y_UP and Z_UP.
 UpAxis UpAxisInCollada(std::string_view text);
 
+/// Whether the file declares its unit of length (COLLADA 1.4.1, "unit").
+bool DeclaresUnitInCollada(std::string_view text);
+
 }  // namespace intaglio::mesh

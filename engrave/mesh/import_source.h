@@ -17,6 +17,7 @@ struct ImportSource {
   std::string name;
   std::string extension;  ///< lower case, without a dot
   ImportOptions options;
+  double unit_mm = 1;  ///< by which coordinates of the library's scene are multiplied
 
   tl::unexpected<Error> Refuse(ErrorCode code,
                                std::string_view problem_and_remedy) const {

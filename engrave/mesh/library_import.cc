@@ -4,11 +4,12 @@
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
-#include <assimp/version.h>
 #include <fmt/format.h>
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <assimp/IOStream.hpp>
+#include <assimp/IOSystem.hpp>
 #include <exception>
 #include <limits>
 #include <set>
@@ -53,6 +54,7 @@ struct NodeTransform {
 NodeTransform ModelFromScene(const ImportSource& source) {
   NodeTransform transform;
   if (source.extension == "3ds") transform.linear << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  transform.linear *= source.unit_mm;
   return transform;
 }
 
@@ -226,18 +228,15 @@ Result<TriangleMesh> MeshFromScene(const ImportSource& source,
   return mesh;
 }
 
-/// Assimp before 5.4 frees the pictures of a 3MF package while the scene still points to
-/// them, and the scene's destructor frees them again (its issues 5307 and 5328). They are
-/// not used here, so the scene's pointers to them are cleared.
-void ForgetFreedPictures(const ImportSource& source, Assimp::Importer& importer) {
-  const bool fixed =
-      std::pair(aiGetVersionMajor(), aiGetVersionMinor()) >= std::pair(5u, 4u);
-  if (fixed || source.extension != "3mf" || importer.GetScene() == nullptr) return;
-  auto* scene = const_cast<aiScene*>(importer.GetScene());
-  delete[] scene->mTextures;  // the array of pointers only
-  scene->mTextures = nullptr;
-  scene->mNumTextures = 0;
-}
+/// No file but the one in memory: the library would take another of that name from the
+/// working directory.
+class NoOtherFiles final : public Assimp::IOSystem {
+ public:
+  bool Exists(const char*) const override { return false; }
+  char getOsSeparator() const override { return '/'; }
+  Assimp::IOStream* Open(const char*, const char*) override { return nullptr; }
+  void Close(Assimp::IOStream*) override {}
+};
 
 /// Leaves the importer only the readers of the source's extension. Otherwise a file
 /// refused by those is offered to all others, which search it for their signatures, and
@@ -261,9 +260,9 @@ Result<TriangleMesh> ImportByLibrary(const ImportSource& source,
     Assimp::Importer importer;
     importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
     importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+    importer.SetIOHandler(new NoOtherFiles);  // which it then owns
     KeepReadersOf(source, importer);
     read(importer);
-    ForgetFreedPictures(source, importer);
     return MeshFromScene(source, importer);
   } catch (const std::bad_alloc&) {
     return source.Refuse(ErrorCode::kTooLarge,

@@ -12,11 +12,14 @@
 #include "engrave/core/try.h"
 #include "engrave/io/lower_case.h"
 #include "engrave/mesh/collada_check.h"
+#include "engrave/mesh/files/gltf_check.h"
+#include "engrave/mesh/files/obj_file.h"
+#include "engrave/mesh/files/ply_file.h"
+#include "engrave/mesh/files/three_mf_file.h"
 #include "engrave/mesh/import_source.h"
 #include "engrave/mesh/library_import.h"
 #include "engrave/mesh/ply_check.h"
 #include "engrave/mesh/stl_file.h"
-#include "engrave/mesh/unpacked_size.h"
 
 namespace intaglio::mesh {
 namespace {
@@ -58,30 +61,23 @@ Status CheckCollada(const ImportSource& source, std::string_view text) {
                   wrong));
 }
 
-Status CheckPackage(const ImportSource& source, std::string_view archive) {
-  const std::optional<std::uint64_t> unpacked = UnpackedSize(archive);
-  if (!unpacked) {
-    return source.RefuseAsUnreadable("it is not a zip archive, or it is truncated");
-  }
-  if (*unpacked <= source.options.max_file_bytes &&
-      *unpacked / source.options.max_unpacked_ratio <= archive.size()) {
-    return {};
-  }
-  return source.Refuse(
-      ErrorCode::kTooLarge,
-      fmt::format("its {} bytes unpack to {}, more than {} times as many or than the {} "
-                  "allowed; reduce the mesh or raise the limit",
-                  archive.size(), *unpacked, source.options.max_unpacked_ratio,
-                  source.options.max_file_bytes));
-}
-
 /// The checks of a file's content before the library reads it.
 Status CheckContent(const ImportSource& source, std::string_view text,
                     std::uint64_t byte_count) {
   if (source.extension == "ply") return CheckPlyHeader(source, text, byte_count);
   if (source.extension == "dae") return CheckCollada(source, text);
-  if (source.extension == "3mf") return CheckPackage(source, text);
+  if (source.extension == "gltf" || source.extension == "glb")
+    return CheckGltf(source, text);
   return {};
+}
+
+/// mm: the library brings a DAE to metres by the unit that it declares.
+double UnitOfScene(std::span<const std::byte> bytes, std::string_view extension) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  constexpr double kMetre_mm = 1000;
+  return io::LowerCaseExtension(extension) == "dae" && DeclaresUnitInCollada(text)
+             ? kMetre_mm
+             : 1;
 }
 
 /// What `read` gives, or the error that there is not enough memory for it.
@@ -107,8 +103,8 @@ Result<TriangleMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
                                           std::string_view extension,
                                           const ImportOptions& options,
                                           std::string_view name) {
-  const ImportSource source{std::string(name), io::LowerCaseExtension(extension),
-                            options};
+  const ImportSource source{std::string(name), io::LowerCaseExtension(extension), options,
+                            UnitOfScene(bytes, extension)};
   INTAGLIO_TRY(CheckExtension(source));
   INTAGLIO_TRY(CheckSize(source, bytes.size()));
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -117,7 +113,13 @@ Result<TriangleMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
     MemoryReader reader(text);
     return WithinMemory(source, [&] { return ReadStl(reader, text.size(), source); });
   }
+  if (source.extension == "obj")
+    return WithinMemory(source, [&] { return ReadObj(text, source); });
+  if (source.extension == "3mf")
+    return WithinMemory(source, [&] { return ReadThreeMf(text, source); });
   INTAGLIO_TRY(CheckContent(source, text, text.size()));
+  if (source.extension == "ply")
+    return WithinMemory(source, [&] { return ReadPly(text, source); });
   return ImportByLibrary(source, [&](Assimp::Importer& importer) {
     importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, source.extension.c_str());
   });

@@ -14,17 +14,16 @@
 //   the format splits by normal, texture or material. Disconnected parts are kept;
 // - coordinates are 32-bit floats, converted exactly: those of the file, or the nearest
 // to
-//   its decimals in an STL; the import library, which reads all other formats, may be off
-//   by the last bit of a decimal.
+//   its decimals in an STL; in an OBJ and a 3MF they are doubles, so that a model at map
+//   coordinates keeps its shape; the import library, which reads all other formats, may
+//   be off by the last bit of a decimal.
 //
 // Units and axes:
 // - STL, OBJ, PLY, 3DS carry no unit and are taken as they are (a 3DS is z-up);
-// - 3MF declares one (millimetre by default), which is not applied: a file in inches
-//   needs unit_mm = 25.4;
+// - 3MF declares one (millimetre by default), and is brought to mm by it;
+// - DAE may declare one, and is then brought to mm by it; one without is taken as it is;
 // - glTF is in metres and y-up by its standard, and is taken as it is: unit_mm = 1000
-//   shows it in true size;
-// - DAE is brought to metres (unit_mm = 1000) by the unit it declares, metre by default;
-//   its up axis is left as it is.
+//   shows it in true size. The up axis of a DAE is left as it is, too.
 // Which axis is up: up_axis.h; the placement turns it. plausible_size.h detects a
 // forgotten unit.
 
@@ -61,9 +60,10 @@ struct ImportOptions {
 /// Errors name the file, the problem and the remedy: kUnsupported (extension),
 /// kUnreadable (empty, damaged, or not of its extension's format), kMissing (no
 /// triangles), kInvalidValue (a coordinate is not a finite number), kTooLarge. What the
-/// import library throws becomes kUnreadable. `extension` is "stl", ".STL" or the like;
-/// `name` is what errors call the model. A .gltf whose buffers are other files is
-/// kUnreadable.
+/// import library throws becomes kUnreadable. kUnsupported also: an extension of glTF or
+/// 3MF, a beam lattice, or a free form of OBJ, without which the shape would be wrong.
+/// `extension` is "stl", ".STL" or the like; `name` is what errors call the model. A
+/// .gltf whose buffers are other files is kUnreadable.
 Result<TriangleMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
                                           std::string_view extension,
                                           const ImportOptions& options = {},
@@ -75,7 +75,7 @@ using MeshReader = std::function<Result<TriangleMesh>(
     std::span<const std::byte> bytes, std::string_view extension,
     const ImportOptions& options, std::string_view name)>;
 
-/// Whether the import library reads the files of this extension: all but STL.
+/// Whether files of this extension are read by a separate process: all but STL.
 bool IsReadByLibrary(std::string_view extension);
 
 }  // namespace intaglio::mesh

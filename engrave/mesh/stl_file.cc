@@ -173,15 +173,18 @@ Result<TriangleMesh> ReadText(std::string beginning, ByteReader& bytes,
   TextReader reader(source,
                     std::min(byte_count / kBytesATriangle, source.options.max_triangles));
   std::string text = std::move(beginning);
+  char line_end = '\0';
   for (bool at_end = false; !at_end;) {
     const std::size_t begin = text.size();
     text.resize(kTextSize);
     text.resize(begin + bytes.Read(std::span(text).subspan(begin)));
     at_end = text.size() < kTextSize;
+    // Lines of old computers end with a carriage return alone.
+    if (line_end == '\0') line_end = text.find('\n') == text.npos ? '\r' : '\n';
     std::string_view rest = text;
-    for (std::size_t size = rest.find('\n');
+    for (std::size_t size = rest.find(line_end);
          size != std::string_view::npos || (at_end && !rest.empty());
-         size = rest.find('\n')) {
+         size = rest.find(line_end)) {
       const std::string_view line = rest.substr(0, size);
       INTAGLIO_TRY(reader.TakeLine(line));
       rest.remove_prefix(std::min(line.size() + 1, rest.size()));

@@ -19,7 +19,8 @@ constexpr char kBuildFile[] = "CMakeLists.txt";
 const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"engrave/core", {}},
     {"engrave/io", {"engrave/core"}},
-    {"engrave/mesh", {"engrave/core", "engrave/io"}},
+    {"engrave/mesh", {"engrave/core", "engrave/io", "engrave/mesh/files"}},
+    {"engrave/mesh/files", {"engrave/core", "engrave/io", "engrave/mesh"}},
     {"engrave/drawing/dxf", {"engrave/core", "engrave/io", "engrave/drawing"}},
     {"engrave/drawing/svg", {"engrave/core", "engrave/io", "engrave/drawing"}},
     {"engrave/drawing", {"engrave/core", "engrave/io"}},

@@ -50,6 +50,16 @@ TEST(XyzFile, IsShortText) {
   EXPECT_EQ(test::ContentOf(file), "# one point\n0.1 20 -3.25\n");
 }
 
+// Programs of many countries write them; "1,2,3" and "1, 2, 3" stay three numbers.
+TEST(XyzFile, DecimalCommasBetweenBlanksAreDecimals) {
+  const auto table =
+      ParseXyz("20,5 12,1 3\n1;-2,25;3,5\n1,2,3\n1, 2, 3\n1.5,2 3\n1,2 3\n0,5\t1\t2\n");
+  ASSERT_TRUE(table.has_value()) << table.error().message;
+  EXPECT_THAT(table->points_mm, ElementsAre(Vec3(20.5, 12.1, 3), Vec3(1, -2.25, 3.5),
+                                            Vec3(1, 2, 3), Vec3(1, 2, 3), Vec3(1.5, 2, 3),
+                                            Vec3(1, 2, 3), Vec3(0.5, 1, 2)));
+}
+
 TEST(XyzFile, TakesAnySeparatorAndPassesOverTheRest) {
   const auto table = ParseXyz(
       "#comment\r\n\r\n1 2 3\r\n  4,5,\t6 , 255\n+7;8;9e-1\n  # indented\n \t\n1 2 3.5 "

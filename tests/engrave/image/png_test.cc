@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "engrave/image/image_file.h"
+#include "engrave/io/whole_file.h"
 #include "tests/engrave/image/pictures.h"
 
 namespace intaglio::image {
@@ -24,6 +25,19 @@ TEST(Png, ColoursBecomeTheirLuminanceInLinearLight) {
       }
     }
   }
+}
+
+// 60 x 30 pixels, the dark strip on the left; the orientation 6 of eXIf (EXIF 2.3, 4.6.4)
+// turns it a quarter to the right: the strip is at the top. Made for the tests.
+TEST(Png, IsTurnedUprightByItsExif) {
+  const auto bytes = io::ReadWholeFile(INTAGLIO_SOURCE_DIR "/tests/data/kinds/turned.png",
+                                       std::uint64_t{1} << 20);
+  ASSERT_TRUE(bytes);
+  const auto image = ParseImage(*bytes);
+  ASSERT_TRUE(image) << image.error().message;
+  EXPECT_EQ(image->width, 30);
+  EXPECT_EQ(image->height, 60);
+  EXPECT_LT(image->at(15, 2), image->at(15, 57));
 }
 
 TEST(Png, BlackAndWhiteAreExact) {

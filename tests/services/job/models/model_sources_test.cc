@@ -105,8 +105,9 @@ TEST(ModelSources, APlyWithoutFacesIsACloud) {
   ASSERT_TRUE(commented.has_value()) << commented.error().message;
   EXPECT_EQ(commented->cloud.size(), 2u);
   const std::string strips =
-      head + points + "element tristrips 1\nproperty list int int vertex_indices\n" +
-      rows + "3 0 1 1\n";
+      head + "element vertex 3" + points.substr(points.find('\n')) +
+      "element tristrips 1\nproperty list int int vertex_indices\n" + rows +
+      "0 3 0\n3 0 1 2\n";
   const JobSpec whole = WithDefaults(one.job, GoodMachine());
   const auto sources = MakeSources(whole, {BytesOf(strips)}, {}, {});
   ASSERT_TRUE(sources.has_value()) << sources.error().message;

@@ -1,0 +1,80 @@
+#include "engrave/mesh/files/gltf_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace intaglio::mesh {
+namespace {
+
+/// The strings of the array behind the key, wherever it is; without escapes, which names
+/// of extensions do not have.
+std::vector<std::string_view> StringsOf(std::string_view json, std::string_view key) {
+  std::vector<std::string_view> strings;
+  for (auto at = json.find(key); at != json.npos; at = json.find(key, at + 1)) {
+    std::string_view rest = json.substr(at + key.size());
+    const auto open = rest.find_first_not_of(" \t\r\n:");
+    if (open == rest.npos || rest[open] != '[') continue;
+    rest = rest.substr(open + 1, rest.find(']', open) - open - 1);
+    while (true) {
+      const auto begin = rest.find('"');
+      const auto end = begin == rest.npos ? rest.npos : rest.find('"', begin + 1);
+      if (end == rest.npos) break;
+      strings.push_back(rest.substr(begin + 1, end - begin - 1));
+      rest.remove_prefix(end + 1);
+    }
+  }
+  return strings;
+}
+
+/// Of the appearance alone: materials, textures, lights, and what programs note for
+/// themselves.
+bool IsOfAppearance(std::string_view extension) {
+  constexpr std::string_view kBeginnings[] = {"KHR_materials_",
+                                              "KHR_texture_",
+                                              "EXT_texture_",
+                                              "MSFT_texture_",
+                                              "KHR_lights_",
+                                              "EXT_lights_",
+                                              "KHR_xmp",
+                                              "EXT_materials_",
+                                              "ADOBE_materials_",
+                                              "KHR_techniques_webgl",
+                                              "AGI_",
+                                              "KHR_animation_pointer"};
+  return std::ranges::any_of(kBeginnings, [&](std::string_view beginning) {
+    return extension.starts_with(beginning);
+  });
+}
+
+/// The JSON of a GLB is its first chunk.
+std::string_view JsonOf(std::string_view file) {
+  if (!file.starts_with("glTF") || file.size() < 20) return file;
+  std::uint32_t size = 0;
+  std::copy_n(file.data() + 12, sizeof size, reinterpret_cast<char*>(&size));
+  return file.substr(20, size);
+}
+
+}  // namespace
+
+Status CheckGltf(const ImportSource& source, std::string_view file) {
+  const std::string_view json = JsonOf(file);
+  auto changing = StringsOf(json, "\"extensionsRequired\"");
+  std::erase_if(changing, IsOfAppearance);
+  // An instance is part of the shape also where a file does not require it.
+  for (const std::string_view used : StringsOf(json, "\"extensionsUsed\"")) {
+    if (used == "EXT_mesh_gpu_instancing") changing.push_back(used);
+  }
+  if (!changing.empty()) {
+    return source.Refuse(
+        ErrorCode::kUnsupported,
+        fmt::format("it needs the extension {:.80} of glTF, which is not supported; "
+                    "export it without this extension, or as stl",
+                    changing.front()));
+  }
+  return {};
+}
+
+}  // namespace intaglio::mesh

@@ -1,0 +1,18 @@
+#pragma once
+
+// Reads a PLY (Turk 1994) with faces: polygons (vertex_indices, vertex_index) and
+// triangle strips, whose parts are divided by -1. Other elements and properties are read
+// past. A grid of ranges (range_grid) is refused by name.
+
+#include <string_view>
+
+#include "engrave/core/result.h"
+#include "engrave/mesh/import_source.h"
+#include "engrave/mesh/mesh.h"
+
+namespace intaglio::mesh {
+
+/// Errors as ImportMeshFromMemory() has them. The header must have passed CheckPlyHeader.
+Result<TriangleMesh> ReadPly(std::string_view file, const ImportSource& source);
+
+}  // namespace intaglio::mesh

@@ -1,0 +1,147 @@
+// Models of the kinds that people reported with other programs. The files are our own;
+// their areas are computed by arithmetic from the numbers written and the standards of
+// their formats: tests/data/README.md.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "engrave/mesh/files/polygon.h"
+#include "tests/engrave/mesh/mesh_file.h"
+#include "tests/test_folder.h"
+
+namespace intaglio::mesh {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::string kFolder = INTAGLIO_SOURCE_DIR "/tests/data/kinds/";
+
+double AreaOf(const TriangleMesh& mesh) {
+  double area = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3& a = mesh.vertices[t[0]];
+    area += (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).norm() / 2;
+  }
+  return area;
+}
+
+struct FileArea {
+  const char* file;
+  double area_mm2;
+};
+
+class MeshesOfOthers : public ::testing::TestWithParam<FileArea> {};
+
+TEST_P(MeshesOfOthers, HaveTheAreaOfTheirStandard) {
+  const auto mesh = ImportMesh(kFolder + GetParam().file);
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  // Of 32-bit floats, 1 part in 10^7 each.
+  EXPECT_NEAR(AreaOf(*mesh), GetParam().area_mm2, 1e-5 * GetParam().area_mm2);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Meshes, MeshesOfOthers,
+    ::testing::Values(FileArea{"unit.3mf", 5200}, FileArea{"parts.3mf", 1050},
+                      FileArea{"item_path.3mf", 450}, FileArea{"zip64.3mf", 5200},
+                      FileArea{"unit.dae", 22 * 25.4 * 25.4}, FileArea{"notch.obj", 90},
+                      FileArea{"dot.obj", 600}, FileArea{"far.obj", 1252.1562527746587},
+                      FileArea{"cr.stl", 600},
+                      FileArea{"line_feed.ply", 599.0050141186343}));
+
+TEST(MeshesOfOthers, WhatCannotBeReadRightIsRefusedByName) {
+  const std::pair<const char*, const char*> refused[] = {
+      {"instances.glb", "EXT_mesh_gpu_instancing"},
+      {"quantized.glb", "KHR_mesh_quantization"},
+      {"scene.gltf", "scene.bin"}};
+  for (const auto& [file, name] : refused) {
+    const auto mesh = ImportMesh(kFolder + file);
+    ASSERT_FALSE(mesh) << file;
+    EXPECT_THAT(mesh.error().message, HasSubstr(name));
+    EXPECT_THAT(mesh.error().message, HasSubstr(file));
+  }
+}
+
+// The other scene.bin of the working directory would make another model.
+TEST(MeshesOfOthers, NoFileOfTheWorkingDirectoryIsTaken) {
+  const auto before = std::filesystem::current_path();
+  const std::filesystem::path folder = test::FreshFolder();
+  std::ofstream(folder / "scene.bin") << std::string(1000, '\0');
+  std::filesystem::current_path(folder);
+  const auto mesh = ImportMesh(kFolder + "scene.gltf");
+  std::filesystem::current_path(before);
+  EXPECT_FALSE(mesh);
+}
+
+TEST(Polygon, TrianglesHaveItsArea) {
+  // A comb of 50 teeth: every second tooth of the upper side is a notch.
+  PointList comb;
+  for (int i = 0; i <= 50; ++i) comb.emplace_back(i, 0, 0);
+  for (int i = 50; i >= 0; --i) comb.emplace_back(i, i % 2 == 0 ? 10 : 1, 0);
+  const auto triangles = TriangulatePolygon(comb);
+  ASSERT_TRUE(triangles);
+  EXPECT_EQ(triangles->size(), comb.size() - 2);
+  double area = 0;
+  for (const auto& [a, b, c] : *triangles) {
+    const Vec3 twice = (comb[b] - comb[a]).cross(comb[c] - comb[a]);
+    EXPECT_GE(twice.z(), 0);
+    area += twice.z() / 2;
+  }
+  EXPECT_NEAR(area, 50 * 5.5, 1e-9);
+  const PointList bow = {{0, 0, 0}, {2, 2, 0}, {2, 0, 0}, {0, 3, 0}};
+  EXPECT_FALSE(TriangulatePolygon(bow));
+}
+
+// The scans of Stanford are strips: a box of 12 triangles in two of them.
+TEST(PlyFile, TriangleStripsAreAllTheirTriangles) {
+  const std::string header =
+      "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
+      "property float z\nelement tristrips 1\nproperty list int int vertex_indices\n"
+      "end_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n";
+  const auto read = [](const std::string& text) {
+    return ImportMeshFromMemory(std::as_bytes(std::span(text)), "ply");
+  };
+  const auto mesh = read(header + "9 0 1 2 3 4 -1 0 1 2\n");
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  ASSERT_EQ(mesh->triangles.size(), 4U);
+  EXPECT_DOUBLE_EQ(AreaOf(*mesh), 2);
+  for (const Triangle& t : mesh->triangles) {
+    const Vec3& a = mesh->vertices[t[0]];
+    EXPECT_GT((mesh->vertices[t[1]] - a).cross(mesh->vertices[t[2]] - a).z(), 0);
+  }
+  EXPECT_FALSE(read(header + "3 0 1 9\n"));
+  EXPECT_FALSE(read(header + "4 0 1 2\n"));
+}
+
+// Each statement of the OBJ manual is read, left out as one without faces, or refused.
+TEST(ObjFile, EveryStatementIsReadOrRefused) {
+  const std::string box = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  const auto read = [](const std::string& text) {
+    return ImportMeshFromMemory(std::as_bytes(std::span(text)), "obj");
+  };
+  for (const char* line :
+       {"vt 0 0", "vn 0 0 1", "vp 0 0", "p 1", "l 1 2", "s off", "mg 1 1", "o a", "g a b",
+        "mtllib a.mtl", "usemtl a", "lod 1", "bevel on", "# note", "call a.obj"}) {
+    const auto mesh = read(box + line + "\n");
+    ASSERT_TRUE(mesh) << line << mesh.error().message;
+    EXPECT_EQ(mesh->triangles.size(), 1U) << line;
+  }
+  for (const char* line : {"curv 0 1 1 2", "curv2 1 2", "surf 0 1 0 1 1 2 3",
+                           "trim 0 1 1", "hole 0 1 1", "scrv 0 1 1", "sp 1"}) {
+    const auto mesh = read(box + line + "\n");
+    ASSERT_FALSE(mesh) << line;
+    EXPECT_EQ(mesh.error().code, ErrorCode::kUnsupported) << line;
+  }
+  for (const char* line : {"w 1", "f 1 2 9", "f 1 2 x", "f 1 2 0", "v 1 2", "f 1 -9 2"}) {
+    const auto mesh = read(box + line + "\n");
+    ASSERT_FALSE(mesh) << line;
+    EXPECT_THAT(mesh.error().message, HasSubstr("line 5")) << line;
+  }
+}
+
+}  // namespace
+}  // namespace intaglio::mesh
