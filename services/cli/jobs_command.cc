@@ -13,7 +13,7 @@
 #include "services/cli/flags/same_block_flag.h"
 #include "services/cli/json/job_record.h"
 #include "services/cli/json/print_json.h"
-#include "services/cli/mount_command.h"
+#include "services/cli/machine/mount_command.h"
 #include "services/cli/status/command_effect.h"
 #include "services/cli/status/job_text.h"
 #include "services/cli/submit_jobs.h"

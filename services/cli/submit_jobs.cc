@@ -8,7 +8,7 @@
 #include "services/cli/batch/station_jobs.h"
 #include "services/cli/complain.h"
 #include "services/cli/job_series.h"
-#include "services/cli/mount_command.h"
+#include "services/cli/machine/mount_command.h"
 #include "services/cli/status/command_effect.h"
 #include "services/cli/watch_job.h"
 #include "services/client/arm_once.h"

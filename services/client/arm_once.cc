@@ -7,16 +7,22 @@ namespace intaglio::client {
 ArmOnce::State ArmOnce::Follow(const JobView& job) {
   if (state_ == State::kAsked) TakeAnswer();
   if (state_ != State::kWaits) return state_;
+  awaited_block_ = awaited_block_ || !WhatBlockItAwaits(job).empty();
   if (job.ended() || job.armed) {
     state_ = State::kArmed;
   } else if (job.disarm_count != disarm_count_) {
     Leave(job.disarm_reason);
-  } else if (job.state == intaglio_JOB_PAUSED) {
+  } else if (job.state == intaglio_JOB_PAUSED && !IsChangeOfBlock(job)) {
     Leave(job.message);
   } else if (job.state != intaglio_JOB_QUEUED && WhatBlockItAwaits(job).empty()) {
     Ask(job);
   }
   return state_;
+}
+
+// A door that is opened while nothing was armed yet is what it waits for.
+bool ArmOnce::IsChangeOfBlock(const JobView& job) const {
+  return awaited_block_ && job.pause_reason == intaglio_PAUSE_INTERLOCK;
 }
 
 void ArmOnce::Ask(const JobView& job) {

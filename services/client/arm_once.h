@@ -9,7 +9,8 @@
 //                                          +--refused----> kLeft
 //   kWaits --a program's arm needs another block (awaits_block)--> kWaits, until the
 //            machine was opened and is closed again
-//   kWaits --paused, stopped or disarmed meanwhile-------> kLeft
+//   kWaits --paused, stopped or disarmed meanwhile, but not by the door that is opened to
+//            change the block-----------------------------> kLeft
 //   kWaits --ended, or armed by another person-----------> kArmed
 
 #include <chrono>
@@ -52,6 +53,7 @@ class ArmOnce {
   const std::string& reason() const { return reason_; }
 
  private:
+  bool IsChangeOfBlock(const JobView& job) const;
   void Ask(const JobView& job);
   void TakeAnswer();
   void Leave(const std::string& reason);
@@ -61,6 +63,7 @@ class ArmOnce {
   ArmTerms terms_;
   std::uint64_t asked_ = 0;  // number of the command
   State state_ = State::kWaits;
+  bool awaited_block_ = false;
   std::string reason_;
 };
 

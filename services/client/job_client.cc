@@ -7,8 +7,8 @@
 
 #include "engrave/core/try.h"
 #include "services/client/patience.h"
-#include "services/job/machine/mounted_sample.h"
 #include "services/job/models/discretize_outcome.h"
+#include "services/job/mounted/mounted_sample.h"
 #include "services/job/verdict/warnings.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/peers/identity_role.h"

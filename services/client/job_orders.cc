@@ -4,7 +4,7 @@
 
 #include "engrave/core/try.h"
 #include "services/client/job_client.h"
-#include "services/job/machine/mounted_sample.h"
+#include "services/job/mounted/mounted_sample.h"
 #include "services/platform/bus/samples.h"
 
 namespace intaglio::client {

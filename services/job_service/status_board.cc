@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "services/job/machine/mounted_sample.h"
+#include "services/job/mounted/mounted_sample.h"
 #include "services/job/verdict/warnings.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/process/log.h"

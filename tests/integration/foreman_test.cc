@@ -215,7 +215,7 @@ TEST_F(Foreman, PlaysTheDay) {
   ASSERT_NO_FATAL_FAILURE(Open());
   ASSERT_TRUE(Shows({"list"}, "1  paused ")) << last_.output;
   EXPECT_EQ(last_.exit_code, 0);
-  EXPECT_THAT(last_.output, HasSubstr("check that the right block is in the machine"));
+  EXPECT_THAT(last_.output, HasSubstr("that the right block is in the machine"));
   ASSERT_TRUE(Shows({"status"}, "job 1 is paused")) << last_.output;
   EXPECT_EQ(last_.exit_code, 4);
   ASSERT_TRUE(RunsTo("done")) << last_.output;

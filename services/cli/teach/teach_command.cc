@@ -12,7 +12,7 @@
 #include "proto/teach.pb.h"
 #include "services/cli/complain.h"
 #include "services/cli/json/print_json.h"
-#include "services/cli/mount_command.h"
+#include "services/cli/machine/mount_command.h"
 #include "services/cli/teach/teach_light.h"
 #include "services/cli/teach/teach_move.h"
 #include "services/cli/teach/teach_options.h"

@@ -1,8 +1,8 @@
-#include "services/cli/mounted.h"
+#include "services/cli/machine/mounted.h"
 
 #include <gmock/gmock.h>
 
-#include "services/cli/mount_command.h"
+#include "services/cli/machine/mount_command.h"
 #include "services/job/job_file.h"
 
 namespace intaglio::cli {

@@ -1,4 +1,4 @@
-#include "services/cli/mount_command.h"
+#include "services/cli/machine/mount_command.h"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 #include "services/cli/flags/bus_flags.h"
 #include "services/cli/job_options.h"
 #include "services/cli/job_series.h"
-#include "services/cli/mounted.h"
+#include "services/cli/machine/mounted.h"
 #include "services/cli/teach/teach_options.h"
 #include "services/client/exit_codes.h"
 #include "services/job/job_file.h"

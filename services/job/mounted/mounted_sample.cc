@@ -1,4 +1,4 @@
-#include "services/job/machine/mounted_sample.h"
+#include "services/job/mounted/mounted_sample.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "services/cli/mounted.h"
+#include "services/cli/machine/mounted.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
