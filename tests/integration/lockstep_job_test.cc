@@ -168,8 +168,10 @@ TEST_F(RunJob, AMountThatEntersTheBlockIsRecordedAndTheVerdictIsNotGood) {
   ASSERT_EQ(report.collisions_size(), 1) << ended.output;
   EXPECT_EQ(report.collisions(0).body(), "lens");
   EXPECT_EQ(report.collisions(0).solid(), "block");
-  // The lowest point, 25 mm deep in N-BK7, is 16.4 mm below the face in air.
-  EXPECT_NEAR(report.collisions(0).overlap_mm(), 16.4 - 13, 0.15);
+  // The lowest point, 25 mm deep in N-BK7, is 16.4 mm below the face in air; recorded is
+  // every 0.1 mm, and between two points the stage swings a little lower.
+  EXPECT_GT(report.collisions(0).overlap_mm(), 16.4 - 13 - 0.1);
+  EXPECT_LT(report.collisions(0).overlap_mm(), 16.4 - 13 + 0.3);
 }
 
 // Both before anything moves: by what the job says, and by its points.

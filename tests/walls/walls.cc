@@ -114,8 +114,8 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
       "services/replayer", "services/virtual_engraver/truth"}},
     {"services/*",
      {"engrave/*", "materials_db", "proto", "idl", "services/job", "services/job/course",
-      "services/job/marks", "services/job/models", "services/job/verdict",
-      "services/platform/*", "services/history"}},
+      "services/job/marks", "services/job/models", "services/job/mounted",
+      "services/job/verdict", "services/platform/*", "services/history"}},
     // Drivers of controllers, for the programs that hold a line to one: a controller may
     // move the stage and switch the laser.
     {"services/drivers",
