@@ -114,9 +114,12 @@ Missing FirstMissing(const ChainLinks& links, bool with_shutters);
 
 /// Only a line, or the process that has it, was lost: a renewal of the grant suffices.
 /// `late_motion`: a kMotionFault is of a line that is down or was too slow, not of the
-/// controller.
+/// controller. A safe state is that of a controller that received nothing from its host
+/// for too long: one that it enters for a reason of its own is counted among the openings
+/// in the same status, which spends the grant before this is asked.
 constexpr bool IsLostLine(Missing missing, bool late_motion) {
   return missing == Missing::kLaserLine || missing == Missing::kMotionState ||
+         missing == Missing::kSafeState ||
          (missing == Missing::kMotionFault && late_motion);
 }
 
