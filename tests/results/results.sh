@@ -1,6 +1,10 @@
 # shellcheck shell=bash
 # Runs ctest and reports its results. Sourced by tests/run, tests/sanitizers and .ci/run.
 
+# A test in real time needs a processor. More failures than this have another reason than
+# the tests beside it, unless the host took a tenth of the processors' time.
+few_failures=10
+
 # Jiffies of all processors so far: those that they worked, and those that the host of this
 # virtual computer took from them.
 worked_and_stolen() { awk '/^cpu /{print $2 + $3 + $4 + $7 + $8, $9}' /proc/stat; }
@@ -90,10 +94,9 @@ print_counts() { # PASSED FAILED SKIPPED FLAKY
 }
 
 # Runs ctest, one test more at a time than there are processors, for the longest mostly wait
-# for a machine in real time, and, when something failed while the host took a tenth of the
-# processors' time or more, what failed once more, alone: a test in real time needs a
-# processor. Prints the tests that were run twice with both results, those that were skipped
-# with their reasons, the slowest and, as the last line, the closing line; all are kept in
+# for a machine in real time. What failed runs once more, alone, when that is few, or the host
+# took a tenth of the processors' time or more. Prints the tests that were run twice with both
+# results, those that were skipped with their reasons, the slowest and, as the last line, the closing line; all are kept in
 # BUILD/tests.summary. Fails when a test failed (twice, if it was run twice) or a sanitizer
 # reported.
 run_tests() { # BUILD [ARGUMENTS OF CTEST]
@@ -108,8 +111,8 @@ run_tests() { # BUILD [ARGUMENTS OF CTEST]
   cp "$build/Testing/Temporary/LastTest.log" "$outputs" || : > "$outputs"
   failed=$(tests_that failed "$log" | wc -l)
   : > "$summary"
-  if [[ $failed -gt 0 && $taken -ge 10 ]]; then
-    echo "the host took $taken % of the processors' time; what failed is run again, alone"
+  if [[ $failed -gt 0 && ($failed -le $few_failures || $taken -ge 10) ]]; then
+    echo "$failed failed, and the host took $taken % of the processors' time: again, alone"
     status=0
     run_ctest "$build" --rerun-failed "$@" 2>&1 | tee "$again" || status=$?
     report_second_runs "$log" "$again" > "$summary"

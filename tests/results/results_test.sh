@@ -69,15 +69,29 @@ expect_lines() { # LINES, one below the other, anywhere in the output
 expect_one_run() { expect "what was run again" "$(cat "$build/run_again")" ""; }
 expect_status() { expect "the status" "$status" "$1"; }
 
-FailuresWithoutStolenTimeAreNotRunAgain() {
-  first=(A.B=passed C.D=Failed)
-  second=(C.D=passed)
+ManyFailuresWithoutStolenTimeAreNotRunAgain() {
+  first=(A.B=passed)
+  second=()
+  local i
+  for i in {1..11}; do
+    first+=("C.$i=Failed")
+    second+=("C.$i=passed")
+  done
   host_took=99  # of 1099: 9 %
   run
   expect_one_run
-  expect "what is kept" "$(cat "$build/tests.summary")" "slowest: A.B 0.02 s, C.D 0.02 s
-1 passed, 1 failed, 0 skipped"
-  expect_end "1 passed, 1 failed, 0 skipped"
+  expect_end "1 passed, 11 failed, 0 skipped"
+  expect_status 8
+}
+AFewFailuresAreRunAgain() {
+  first=(A.B=passed C.1=Failed C.2=Failed)
+  second=(C.1=passed C.2=Failed)
+  host_took=0
+  run
+  expect_lines "flaky: C.1 failed, then passed alone
+failed twice: C.2 failed, then failed alone
+2 tests were run again: 1 flaky, 1 failed twice"
+  expect_end "1 passed, 1 failed, 0 skipped, 1 flaky"
   expect_status 8
 }
 FlakyTestIsListedAndCountedApart() {
