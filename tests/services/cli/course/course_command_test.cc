@@ -36,7 +36,7 @@ class CourseCommand : public TypedCommand {
         << R"(<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="40mm" viewBox="0 0 60 40">)"
         << R"(<line x1="5" y1="5" x2="25" y2="5"/><line x1="25" y1="5" x2="25" y2="25"/>)"
         << R"(<line x1="25" y1="25" x2="5" y2="25"/><line x1="5" y1="25" x2="5" y2="5"/>)"
-        << R"(<polyline points="30,5 35,15 40,5 45,15" fill="none"/></svg>)";
+        << R"(<polyline points="30,5 35,15 40,5 45,15" fill="none" stroke="black"/></svg>)";
     std::string profile = test::ContentOf(kProfile);
     const std::string lag = "stage_lag_s: 0.0002";
     profile.replace(profile.find(lag), lag.size(),
