@@ -59,15 +59,15 @@ class BinaryReader {
   std::optional<std::string> Value(int code) {
     switch (TypeOf(code)) {
       case ValueType::kDouble:
-        return Shown(Number<double>());
+        return ShownNumber<double>();
       case ValueType::kInt16:
-        return Shown(Number<std::int16_t>());
+        return ShownNumber<std::int16_t>();
       case ValueType::kInt32:
-        return Shown(Number<std::int32_t>());
+        return ShownNumber<std::int32_t>();
       case ValueType::kInt64:
-        return Shown(Number<std::int64_t>());
+        return ShownNumber<std::int64_t>();
       case ValueType::kBool:
-        return Shown(Number<std::int8_t>());
+        return ShownNumber<std::int8_t>();
       case ValueType::kBytes: {
         const auto size = Number<std::uint8_t>();
         if (!size || rest_.size() < *size) return std::nullopt;
@@ -86,15 +86,16 @@ class BinaryReader {
   template <typename T>
   std::optional<T> Number() {
     if (rest_.size() < sizeof(T)) return std::nullopt;
-    T number;
+    T number{};
     std::memcpy(&number, rest_.data(), sizeof number);
     rest_.remove_prefix(sizeof number);
     return number;
   }
   template <typename T>
-  static std::optional<std::string> Shown(std::optional<T> number) {
-    if (!number) return std::nullopt;
-    return fmt::format("{}", *number);
+  std::optional<std::string> ShownNumber() {
+    const std::optional<T> number = Number<T>();
+    return number.has_value() ? std::optional(fmt::format("{}", number.value()))
+                              : std::nullopt;
   }
   std::optional<std::string> Text() {
     const auto end = rest_.find('\0');
