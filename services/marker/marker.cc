@@ -1,12 +1,9 @@
 #include "services/marker/marker.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <utility>
 
 #include "engrave/core/try.h"
-#include "services/cell/begun_job.h"
 #include "services/platform/bus/samples.h"
 
 namespace intaglio::marker {
@@ -16,26 +13,6 @@ using bus::Borrow;
 // The loop turns every 5 ms and asks.
 const auto kNoWakeOfMarker = [] {};
 constexpr std::chrono::milliseconds kInterlockPeriod{50};
-
-// Controllers report three decimals.
-constexpr double kSameZero_mm = 0.002;
-
-FrozenJob WithBegunZero(const FrozenJob& job, const Vec3& zero_mm) {
-  FrozenJob begun = job;
-  TaughtPositions& taught = *begun.mutable_machine()->mutable_taught();
-  taught.clear_zeros();
-  Vector3& place = *taught.add_zeros()->mutable_block_origin_mm();
-  place.set_x(zero_mm.x());
-  place.set_y(zero_mm.y());
-  place.set_z(zero_mm.z());
-  return begun;
-}
-
-std::optional<Vec3> BegunZeroOf(const FrozenJob& begun) {
-  if (begun.machine().taught().zeros_size() != 1) return std::nullopt;
-  const Vector3& place = begun.machine().taught().zeros(0).block_origin_mm();
-  return Vec3(place.x(), place.y(), place.z());
-}
 
 std::uint32_t BitsOf(const drivers::MarkDeviceState& state, bool stopped) {
   return (state.link_up ? 1u : 0u) | (state.key_on ? 2u : 0u) |
@@ -70,7 +47,6 @@ void Marker::Turn(std::chrono::nanoseconds now) {
   if (!marking_) (void)driver_->TakeEvents();
   ReceiveMarks();
   AcceptPrepared();
-  CheckZero();
   TurnByHand();
   task_.Turn();
   PublishInterlock();
@@ -87,11 +63,7 @@ void Marker::TurnByHand() {
 
 Status Marker::Begin(FrozenJob& job, const intaglio_StageTask& task) {
   INTAGLIO_TRY(CheckMarkTask(job, machine_));
-  begun_zero_mm_.reset();
-  zero_refusal_.clear();
   if (task.take_up) {
-    const auto begun = INTAGLIO_TRY(cell::ReadBegunJob(job.result_directory()));
-    if (begun) begun_zero_mm_ = BegunZeroOf(*begun);
     Prepare(std::nullopt);
     return {};
   }
@@ -128,44 +100,6 @@ void Marker::AcceptPrepared() {
   journal_ = std::move(prepared->journal);
   marking_ =
       std::make_unique<Marking>(std::move(job), *driver_, *journal_, task_.chain());
-}
-
-std::string Marker::WhyNoArmCounts() const {
-  const std::string& why = marker::WhyNoArmCounts(driver_->state());
-  return why.empty() ? zero_refusal_ : why;
-}
-
-void Marker::TurnWork(const cell::GrantInputs& inputs) {
-  cell::GrantInputs with_zero = inputs;
-  with_zero.zero_refusal = zero_refusal_;
-  marking_->Turn(with_zero);
-}
-
-// A person may set the zero while the job waits: the newest is on the disk before the
-// first run, and every later run is compared with it, in another life, too.
-void Marker::CheckZero() {
-  const drivers::MarkDeviceState& state = driver_->state();
-  zero_refusal_.clear();
-  if (!marking_ || !state.link_up || !state.work_offset_mm) return;
-  const Vec3& now_mm = *state.work_offset_mm;
-  if (!marking_->started()) {
-    if (begun_zero_mm_ == now_mm || !task_.has_grant()) return;
-    const auto written = cell::WriteBegunJob(task_.job().result_directory(),
-                                             WithBegunZero(task_.job(), now_mm));
-    if (!written) {
-      zero_refusal_ = written.error().message;
-    } else {
-      begun_zero_mm_ = now_mm;
-    }
-  } else if (begun_zero_mm_ && (now_mm - *begun_zero_mm_).norm() > kSameZero_mm) {
-    zero_refusal_ = fmt::format(
-        "the work zero of the controller is at {:.3f}, {:.3f}, {:.3f} mm of its axes "
-        "now, "
-        "and the job was begun with {:.3f}, {:.3f}, {:.3f} mm: set it back there, or "
-        "cancel the job",
-        now_mm.x(), now_mm.y(), now_mm.z(), begun_zero_mm_->x(), begun_zero_mm_->y(),
-        begun_zero_mm_->z());
-  }
 }
 
 void Marker::Drop() {

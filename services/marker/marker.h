@@ -60,18 +60,19 @@ class Marker final : private cell::Maker {
   cell::WorkStates* work() override { return marking_.get(); }
   bool line_up() const override { return driver_->state().link_up; }
   std::string Refusal() const override { return driver_->state().refusal; }
-  std::string WhyNoArmCounts() const override;
+  std::string WhyNoArmCounts() const override {
+    return marker::WhyNoArmCounts(driver_->state());
+  }
   cell::ChainLinks Links(const cell::GrantInputs& inputs) const override {
     return LinksOf(driver_->state(), inputs);
   }
   Status Begin(FrozenJob& job, const intaglio_StageTask& task) override;
-  void TurnWork(const cell::GrantInputs& inputs) override;
+  void TurnWork(const cell::GrantInputs& inputs) override { marking_->Turn(inputs); }
   void Drop() override;
 
   void ReceiveMarks();
   void Prepare(std::optional<mark::MarkSet> marks);
   void AcceptPrepared();
-  void CheckZero();
   void TurnByHand();
   void PublishInterlock();
 
@@ -82,11 +83,6 @@ class Marker final : private cell::Maker {
   bus::Writer<intaglio_Interlock> interlocks_;
   HandTeacher teacher_;
   std::optional<cell::ManualDesk> desk_;  ///< of a controller that a person can move
-
-  /// Zero of the piece in the controller's axes that the job is made with, mm; none: not
-  /// begun, or not known.
-  std::optional<Vec3> begun_zero_mm_;
-  std::string zero_refusal_;  ///< why the zero refuses every arm; empty: it does not
 
   std::unique_ptr<Preparation> preparation_;
   std::vector<std::unique_ptr<Preparation>> abandoned_;

@@ -92,8 +92,7 @@ void Marking::Turn(const GrantInputs& inputs) {
   TakeEvents(inputs.now);
   const Missing unseen = TurnChain(LinksOf(driver_.state(), inputs), inputs.now);
   if (unseen != Missing::kNothing) Halt(unseen, TextFor(unseen), true, inputs.now);
-  const std::string& why = WhyNoArmCounts(driver_.state());
-  RefuseArms(why.empty() ? inputs.zero_refusal : why);
+  RefuseArms(WhyNoArmCounts(driver_.state()));
   ReceiveConsent(inputs);
   AskOverUncertain(inputs);
   switch (phase_) {

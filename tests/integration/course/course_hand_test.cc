@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
-#include <algorithm>
 #include <optional>
 #include <thread>
 
@@ -146,42 +145,6 @@ TEST_F(MillByHand, WhileAJobIsArmedOrADoorIsOpenNothingIsMovedByHand) {
   };
   EXPECT_TRUE(Eventually([&] { return is_refused({"jog", "x", "0.1"}); }, 60s)) << answer;
   EXPECT_TRUE(Eventually([&] { return is_refused({"zero"}); }, 60s)) << answer;
-  shop_.Type({"cancel", "1"});
-}
-
-// 7 mm beside what is cut already: nothing more is cut before it is set back.
-TEST_F(MillByHand, AZeroThatIsSetInAPauseRefusesTheArmUntilItIsSetBack) {
-  ASSERT_TRUE(shop_.Submit(Job("repeat_count: 60")));
-  const auto cuts = [&] {
-    const auto way = shop_.Way();
-    return std::count_if(way.begin(), way.end(), [](const ToolStep& s) { return s.on; });
-  };
-  ASSERT_TRUE(Eventually([&] { return shop_.GoOn(), cuts() > 20; }, 60s)) << shop_.Log();
-  shop_.Type({"pause", "1"});
-  ASSERT_TRUE(Eventually(
-      [&] { return Teach({"status"}).find("by hand: allowed") != std::string::npos; },
-      30s))
-      << Teach({"status"});
-  EXPECT_EQ(Do({"move", "7", "0", "5"}), "");
-  EXPECT_THAT(Do({"zero", "--axes", "x"}), HasSubstr("the work zero is set"));
-  const auto cut = cuts();
-  std::string shown;
-  EXPECT_TRUE(Eventually(
-      [&] {
-        shop_.Type({"resume", "1"});
-        shown = shop_.Type({"show", "1"});
-        return shown.find("the work zero of the controller") != std::string::npos;
-      },
-      30s))
-      << shown;
-  std::this_thread::sleep_for(1s);
-  EXPECT_EQ(cuts(), cut) << "beside what is made";
-  ASSERT_TRUE(Eventually(
-      [&] { return Teach({"status"}).find("by hand: allowed") != std::string::npos; },
-      30s));
-  EXPECT_EQ(Do({"move", "-7", "0", "5"}), "");
-  EXPECT_THAT(Do({"zero", "--axes", "x"}), HasSubstr("the work zero is set"));
-  EXPECT_TRUE(Eventually([&] { return shop_.GoOn(), cuts() > cut; }, 60s)) << shown;
   shop_.Type({"cancel", "1"});
 }
 
