@@ -105,11 +105,11 @@ TEST_F(RecorderProcess, FiltersAreKept) {
   auto recorder = Start({"--topic", "Job*", "--topic", "Interlock", "--not-topic",
                          "JobCommand*", "--not-partition", "els-7"});
   auto peer = Peer();
-  ASSERT_TRUE(test::Eventually([&] { return Holds(2); }, 20s));
+  ASSERT_TRUE(test::Eventually([&] { return Holds(3); }, 20s));
   recorder.Signal(SIGINT);
   EXPECT_EQ(recorder.ExitCode(), 0);
   EXPECT_EQ(TopicsOf(*McapReader::Open(file_)),
-            (std::set<std::string>{"JobStatus", "JobSubmission"}));
+            (std::set<std::string>{"JobCount", "JobStatus", "JobSubmission"}));
 }
 
 TEST_F(RecorderProcess, KilledOneLosesLessThanASecond) {

@@ -103,7 +103,7 @@ TEST_F(IdentityFiles, KeepPrivateKeysToTheirOwner) {
     }
     keys += secret ? 1 : 0;
   }
-  EXPECT_EQ(keys, 2 + 6);  // two authorities, six roles
+  EXPECT_EQ(keys, 2 + 7);  // two authorities, seven roles
 }
 
 TEST_F(IdentityFiles, AMissingFolderNamesTheRemedy) {
