@@ -31,7 +31,7 @@ TEST(Bodies, MeetWhereTheClearanceOfTheServicesFindsIt) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> side(-60, 110), up(0, 120), size(2, 25);
   int met = 0;
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < 4000; ++i) {
     const Vec3 low = Vec3(side(random), side(random), up(random)) - kBlock.origin_mm;
     const Box3 obstacle{low, low + Vec3(size(random), size(random), size(random))};
     const HangingBody lens{30 + size(random), size(random)};
