@@ -66,11 +66,13 @@ report_skipped() { # LOG LOG_OF_CTEST_WITH_ALL_OUTPUT
     sed -E 's/^ *([0-9]+) (.*)/skipped: \1 because: \2/'
 }
 
-# Prints the ten tests that took longest, in one line.
+# Prints the ten tests that took longest, in one line. All lines are read to their end: a
+# program that is still writing when its reader ends (as with head) fails the whole pipe.
 report_slowest() { # LOG
   sed -nE 's@^ *[0-9]+/[0-9]+ Test +#[0-9]+: (.*[^ ]) \.+.* ([0-9.]+) sec.*@\2 \1@p' "$1" |
-    sort -k1,1rn | head -n 10 |
-    sed -E 's/^([^ ]+) (.*)/\2 \1 s/' | paste -sd ',' | sed 's/,/, /g; s/^/slowest: /'
+    sort -k1,1rn |
+    sed -nE '1,10{s/ +# GetParam\(\).*//; s/^([^ ]+) (.*)/\2 \1 s/p}' |
+    paste -sd ',' | sed 's/,/, /g; s/^/slowest: /'
 }
 
 # Prints the closing line. The reports of sanitizers count as one test, because a process
@@ -96,8 +98,8 @@ print_counts() { # PASSED FAILED SKIPPED FLAKY
 # Runs ctest, one test more at a time than there are processors, for the longest mostly wait
 # for a machine in real time. What failed runs once more, alone, when that is few, or the host
 # took a tenth of the processors' time or more. Prints the tests that were run twice with both
-# results, those that were skipped with their reasons, the slowest and, as the last line, the closing line; all are kept in
-# BUILD/tests.summary. Fails when a test failed (twice, if it was run twice) or a sanitizer
+# results, those that were skipped with their reasons, the slowest and, as the last line, the
+# closing line; all are kept in BUILD/tests.summary. Fails when a test failed (twice, if it was run twice) or a sanitizer
 # reported.
 run_tests() { # BUILD [ARGUMENTS OF CTEST]
   local build=$1 log=$1/tests.log again=$1/tests_again.log reports=$1/reports
