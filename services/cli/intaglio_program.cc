@@ -37,7 +37,7 @@ constexpr const char* kWelcome =
 
 constexpr const char* kNext = R"(Where to begin:
   intaglio preview FILE --height 40                 picture, time, size and warnings
-  intaglio run --mesh FILE --height 40 --lockstep   engrave in the virtual engraver
+  intaglio run FILE --height 40 --lockstep          engrave in the virtual engraver
   intaglio materials list                           list the known glasses
   intaglio up                                       open a shop; then submit, list, watch
   intaglio contour FILE --page page.html            a mill's or cutter's work, played

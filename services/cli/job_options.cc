@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <utility>
 
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
@@ -167,9 +168,8 @@ Result<JobSpec> ReadJob(const JobFlags& flags, bool needs_model) {
         command_line::FindSupplied(flags.job_file, command_line::kSuppliedJobs)));
   }
   if (!flags.meshes.empty() || flags.texts.text || !needs_model) return JobSpec();
-  return Fail(
-      ErrorCode::kMissing,
-      "nothing to engrave: name a job file, a model with --mesh, or a text with --text");
+  return Fail(ErrorCode::kMissing,
+              "nothing to engrave: name a job file, a model, or a text with --text");
 }
 
 Status SetBlock(JobAndMachine& built, const PointList* points_mm,
@@ -267,7 +267,31 @@ Result<fs::path> FindMachineFile(const std::string& name_or_file) {
   return command_line::FindSupplied(name_or_file, command_line::kSuppliedProfiles);
 }
 
-Result<JobAndMachine> BuildJob(const JobFlags& flags) {
+bool NamesJobFile(const std::string& word) {
+  const fs::path extension = fs::path(word).extension();
+  return extension == ".textproto" || extension == ".txtpb" || extension == ".json" ||
+         extension.empty();  // a supplied one
+}
+
+Result<JobFlags> SortOut(JobFlags flags) {
+  const std::vector<std::string> what = std::exchange(flags.what, {});
+  if (what.size() == 1 && NamesJobFile(what.front())) {
+    flags.job_file = what.front();
+    return flags;
+  }
+  for (const std::string& word : what) {
+    if (NamesJobFile(word)) {
+      return Fail(ErrorCode::kInvalidValue,
+                  fmt::format("'{}': give one job file, or models, not both", word),
+                  word);
+    }
+  }
+  flags.meshes.insert(flags.meshes.begin(), what.begin(), what.end());
+  return flags;
+}
+
+Result<JobAndMachine> BuildJob(const JobFlags& given) {
+  const JobFlags flags = INTAGLIO_TRY(SortOut(given));
   auto read = INTAGLIO_TRY(ReadJob(flags, true));
   return Build(flags, std::move(read), nullptr);
 }
@@ -290,7 +314,8 @@ Result<JobAndMachine> BuildMarkJob(const JobFlags& flags, JobSpec read) {
 
 }  // namespace
 
-Result<JobAndMachine> BuildJobToEngrave(const JobFlags& flags) {
+Result<JobAndMachine> BuildJobToEngrave(const JobFlags& given) {
+  const JobFlags flags = INTAGLIO_TRY(SortOut(given));
   if (const auto read = ReadJob(flags, true); read && MakesMarks(*read))
     return BuildMarkJob(flags, *read);
   auto built = INTAGLIO_TRY(BuildJob(flags));
@@ -303,7 +328,8 @@ Result<JobAndMachine> CompleteJob(const JobFlags& flags, JobSpec job) {
   return Build(flags, std::move(job), nullptr);
 }
 
-Result<std::optional<JobSpec>> FindCourseJob(const JobFlags& flags) {
+Result<std::optional<JobSpec>> FindCourseJob(const JobFlags& given) {
+  const JobFlags flags = INTAGLIO_TRY(SortOut(given));
   const auto read = ReadJob(flags, true);
   if (!read || !read->has_course()) return std::optional<JobSpec>();
   // No option at all leaves empty messages behind, too. A model, so that it would change.
@@ -323,7 +349,8 @@ Result<std::optional<JobSpec>> FindCourseJob(const JobFlags& flags) {
       flags.job_file);
 }
 
-Result<JobSpec> ReadPattern(const JobFlags& flags) {
+Result<JobSpec> ReadPattern(const JobFlags& given) {
+  const JobFlags flags = INTAGLIO_TRY(SortOut(given));
   if (flags.name) {
     return Fail(ErrorCode::kInvalidValue,
                 "--name would be the same for every piece: put a name with a column into "
@@ -333,8 +360,9 @@ Result<JobSpec> ReadPattern(const JobFlags& flags) {
   return ReadJob(flags, true);
 }
 
-Result<JobAndMachine> BuildJobOfPoints(const JobFlags& flags,
+Result<JobAndMachine> BuildJobOfPoints(const JobFlags& given,
                                        const PointList& points_mm) {
+  const JobFlags flags = INTAGLIO_TRY(SortOut(given));
   auto read = INTAGLIO_TRY(ReadJob(flags, false));
   return Build(flags, std::move(read), &points_mm);
 }

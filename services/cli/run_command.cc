@@ -364,7 +364,7 @@ void AddRunCommand(command_line::Command app) {
                      "make one job in the virtual engraver or scan head, with a separate "
                      "set of processes, and prove the result");
   run.SetFooter(
-      "Example: intaglio run --mesh bunny.obj --height 40 --lockstep --out DIR\n"
+      "Example: intaglio run bunny.obj --height 40 --lockstep --out DIR\n"
       "Example: intaglio run label.textproto --lockstep --out DIR\n"
       "Exit code: 0 good, 1 internal fault, 2 wrong input, 3 engraved but not good, "
       "4 machine fault, 5 cancelled.");
@@ -391,8 +391,7 @@ void AddRunCommand(command_line::Command app) {
                 "services that run elsewhere, e.g. discretizer");
   run.AddOption("--materials", options->materials_db,
                 "material base, default the user's");
-  AddBusFlags(run, options->bus);
-  run.OptionOf("--tag").Describe("DDS tag, default a private one");
+  AddPrivateBusFlags(run, options->bus);
   run.SetAction([options] { return RunJob(*options); });
 }
 

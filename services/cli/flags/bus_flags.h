@@ -5,7 +5,12 @@
 
 namespace intaglio::cli {
 
-/// --domain, --interface, --tag, --security: the shop to connect to, and the identity.
+/// --domain, --interface, --tag, --security: the shop to connect to, and the identity;
+/// without them, what INTAGLIO_DOMAIN, _INTERFACE, _TAG and _SECURITY have.
 void AddBusFlags(command_line::Command command, bus::BusOptions& options);
+
+/// The same of a session with services of its own, which has a private tag: a shop that
+/// the environment names is not joined.
+void AddPrivateBusFlags(command_line::Command command, bus::BusOptions& options);
 
 }  // namespace intaglio::cli

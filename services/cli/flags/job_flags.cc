@@ -37,6 +37,12 @@ std::vector<std::string> OrderNames() {
 
 }  // namespace
 
+void AddWhat(command_line::Command command, JobFlags& flags) {
+  command.AddOption("JOB|MODEL", flags.what,
+                    "job file (.textproto or .json), the name of a supplied job, or "
+                    "models: meshes, drawings, images, clouds of points");
+}
+
 void AddJobFile(command_line::Command command, JobFlags& flags) {
   command.AddOption("JOB", flags.job_file,
                     "job file (.textproto or .json), or the name of a supplied job");
@@ -164,7 +170,7 @@ void AddSetFlag(command_line::Command command, JobFlags& flags) {
 }
 
 void AddJobFlags(command_line::Command command, JobFlags& flags) {
-  AddJobFile(command, flags);
+  AddWhat(command, flags);
   AddJobOptions(command, flags);
 }
 

@@ -14,6 +14,8 @@
 namespace intaglio::cli {
 
 struct JobFlags {
+  /// What stands without an option: a job file, or models (SortOut of job_options.h).
+  std::vector<std::string> what;
   std::string job_file;
   std::vector<std::string> meshes;
   std::optional<double> height_mm, size_mm, unit_mm;
@@ -37,7 +39,9 @@ struct JobFlags {
   double size_limits = 1;  ///< factor (services/job/models/read_limits.h)
 };
 
-/// The positional JOB: the job file.
+/// The positional JOB|MODEL: what the job is made from.
+void AddWhat(command_line::Command command, JobFlags& flags);
+/// The positional JOB: the job file, where models are of no use.
 void AddJobFile(command_line::Command command, JobFlags& flags);
 /// --mesh, and how it comes into the block.
 void AddModelFlags(command_line::Command command, JobFlags& flags);
@@ -60,9 +64,9 @@ void AddLensFlags(command_line::Command command, JobFlags& flags);
 /// --set: any field of the job by its path.
 void AddSetFlag(command_line::Command command, JobFlags& flags);
 
-/// All but the positional JOB, --name and --size-limits.
+/// All but the positional JOB|MODEL, --name and --size-limits.
 void AddJobOptions(command_line::Command command, JobFlags& flags);
-/// JOB and all options: of a command that engraves.
+/// JOB|MODEL and all options: of a command that engraves.
 void AddJobFlags(command_line::Command command, JobFlags& flags);
 
 }  // namespace intaglio::cli

@@ -225,7 +225,7 @@ void AddOfflineCommands(command_line::Command app) {
       app.AddCommand("discretize", "make a cloud of points from models");
   // The points do not depend on the job's name: a {column} in it needs no value here.
   options->job.name = "cloud";
-  AddJobFile(discretize, options->job);
+  AddWhat(discretize, options->job);
   AddModelFlags(discretize, options->job);
   AddTextFlags(discretize, options->job.texts);
   AddBlockFlags(discretize, options->job);
@@ -242,7 +242,7 @@ void AddOfflineCommands(command_line::Command app) {
                        "material base, default the user's");
   discretize.AddFlag("--json", options->json, "the figures for programs");
   discretize.SetFooter(
-      "Example: intaglio discretize --mesh bunny.obj --height 40 --spacing 0.1 --out "
+      "Example: intaglio discretize bunny.obj --height 40 --spacing 0.1 --out "
       "cloud.ply");
   discretize.SetAction(with_options(DiscretizeOffline));
 

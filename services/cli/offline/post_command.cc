@@ -200,7 +200,7 @@ Status MakeCourseProgram(const PostOptions& options, const JobSpec& job) {
 }
 
 Status MakeProgram(const PostOptions& options) {
-  if (options.path.empty() && !options.job.job_file.empty()) {
+  if (options.path.empty()) {
     const auto job = INTAGLIO_TRY(FindCourseJob(options.job));
     if (job) return MakeCourseProgram(options, *job);
   }

@@ -43,7 +43,6 @@ constexpr auto kBarPeriod = std::chrono::milliseconds(100);
 
 struct PreviewCommandOptions {
   JobFlags job;
-  std::vector<std::string> what;  // a job file, the number of a job, or models
   std::string folder = "intaglio-shop", database, out, materials_db;
   bool json = false;
 };
@@ -74,12 +73,6 @@ class LateMeter {
   bool shown_ = false;
 };
 
-bool IsJobFile(const std::string& text) {
-  const fs::path extension = fs::path(text).extension();
-  return extension == ".textproto" || extension == ".txtpb" || extension == ".json" ||
-         extension.empty();  // a supplied one
-}
-
 /// A number as `list` shows it, or a uid, unless there is a file of that name.
 bool IsJobOfShop(const std::string& text) {
   return !text.empty() && std::isdigit(static_cast<unsigned char>(text.front())) != 0 &&
@@ -88,26 +81,13 @@ bool IsJobOfShop(const std::string& text) {
 
 /// The job that was named: a job file or models, each with the options, or a job of a
 /// shop.
-Result<JobAndMachine> FindJob(PreviewCommandOptions options) {
-  if (options.what.size() == 1 && IsJobOfShop(options.what.front())) {
-    auto job = INTAGLIO_TRY(history::ReadJob(
-        options.database.empty() ? options.folder + "/jobs.db" : options.database,
-        options.what.front()));
-    return CompleteJob(options.job, std::move(job));
-  }
-  if (options.what.size() == 1 && IsJobFile(options.what.front())) {
-    options.job.job_file = options.what.front();
-    return BuildJob(options.job);
-  }
-  for (const std::string& model : options.what) {
-    if (IsJobFile(model)) {
-      return Fail(ErrorCode::kInvalidValue,
-                  fmt::format("'{}': give one job file, or models, not both", model),
-                  model);
-    }
-    options.job.meshes.push_back(model);
-  }
-  return BuildJob(options.job);
+Result<JobAndMachine> FindJob(const PreviewCommandOptions& options) {
+  const auto& what = options.job.what;
+  if (what.size() != 1 || !IsJobOfShop(what.front())) return BuildJob(options.job);
+  auto job = INTAGLIO_TRY(history::ReadJob(
+      options.database.empty() ? options.folder + "/jobs.db" : options.database,
+      what.front()));
+  return CompleteJob(options.job, std::move(job));
 }
 
 /// The job with everything resolved, and what was chosen for the user.
@@ -190,7 +170,7 @@ void AddPreviewCommand(command_line::Command app) {
   auto options = std::make_shared<PreviewCommandOptions>();
   command_line::Command preview = app.AddCommand(
       "preview", "show what a job will look like and take, before anything is engraved");
-  preview.AddOption("JOB|MODEL", options->what,
+  preview.AddOption("JOB|MODEL", options->job.what,
                     "a job file, the number of a job in a shop, or models");
   AddJobOptions(preview, options->job);
   preview.AddOption("--out", options->out,

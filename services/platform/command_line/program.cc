@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <iostream>
 
+#include "services/platform/command_line/joined_values.h"
 #include "services/platform/command_line/shell_files.h"
 #include "services/platform/command_line/state.h"
 
@@ -56,6 +57,10 @@ Option Option::Need(Option other) const {
 
 Option Option::TakeValues(int count) const {
   option_->expected(count);
+  if (count > 1) {
+    for (const std::string& name : option_->get_lnames())
+      state_->of_several_values.insert("--" + name);
+  }
   return *this;
 }
 
@@ -198,7 +203,7 @@ std::optional<int> Program::Parse(int argc, char** argv) {
     return kExitMisunderstood;
   }
   try {
-    app_->parse(argc, argv);
+    ParseWords(std::vector<std::string>(argv + 1, argv + argc));
   } catch (const CLI::ParseError& error) {
     if (const std::string unknown = UnknownIn(error); !unknown.empty()) {
       std::cerr << unknown << "\n";
@@ -209,16 +214,21 @@ std::optional<int> Program::Parse(int argc, char** argv) {
   return std::nullopt;
 }
 
-Status Program::Parse(std::vector<std::string> words) {
+Status Program::Parse(const std::vector<std::string>& words) {
   state_->chosen = nullptr;
-  std::reverse(words.begin(), words.end());  // the library takes them from the end
   try {
-    app_->parse(std::move(words));
+    ParseWords(words);
   } catch (const CLI::ParseError& error) {
     const std::string unknown = UnknownIn(error);
     return Fail(ErrorCode::kInvalidValue, unknown.empty() ? error.what() : unknown);
   }
   return {};
+}
+
+void Program::ParseWords(const std::vector<std::string>& words) {
+  auto divided = DivideJoinedValues(words, state_->of_several_values);
+  std::reverse(divided.begin(), divided.end());  // the library takes them from the end
+  app_->parse(std::move(divided));
 }
 
 // A required option may be missing because it is mistyped: the mistyped one is reported.

@@ -48,7 +48,8 @@ class Option {
   Option Exclude(Option other) const;
   /// Not without the other.
   Option Need(Option other) const;
-  /// How many values are taken.
+  /// How many values are taken. Several may be one word, XxYxZ or X,Y,Z
+  /// (joined_values.h).
   Option TakeValues(int count) const;
   Option TakeValues(int smallest, int largest) const;
   /// Of a vector: one value after each of its names, which may be repeated; what follows
@@ -117,13 +118,14 @@ class Program {
   std::optional<int> Parse(int argc, char** argv);
   /// The same for arguments without the program's name; an error has the code
   /// kInvalidValue.
-  Status Parse(std::vector<std::string> words);
+  Status Parse(const std::vector<std::string>& words);
   /// The action of the command that was given; without one, shows the help.
   int Run() const;
 
   static constexpr int kExitMisunderstood = 2;
 
  private:
+  void ParseWords(const std::vector<std::string>& words);
   int ShowHelp() const;
   /// About what the parse did not know; "" when the error is another one.
   std::string UnknownIn(const CLI::Error& error) const;

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,8 @@ namespace intaglio::command_line {
 struct ProgramState {
   std::function<int()> chosen;  ///< action of the command that was given
   std::map<const CLI::Option*, std::vector<std::string>> choices;
-  std::vector<std::string> help_command;  ///< of the command `help`
+  std::set<std::string> of_several_values;  ///< options of a fixed number of values
+  std::vector<std::string> help_command;    ///< of the command `help`
 };
 
 /// Text after a command line that the tables do not have: what was typed, what was

@@ -51,6 +51,22 @@ std::string RefusalOf(const std::vector<std::string>& words) {
   return built ? "" : built.error().message;
 }
 
+// As `preview` takes them: what is named without an option is the job, or its models.
+TEST(JobFlags, AJobFileOrModelsNeedNoOption) {
+  EXPECT_EQ(Built({kModel, "--height", "22"})->job.SerializeAsString(),
+            JobOf({}).SerializeAsString());
+  EXPECT_EQ(Built({kModel, "--mesh", kModel, "--height", "9"})->job.models_size(), 2);
+  EXPECT_EQ(Built({kJob})->job.SerializeAsString(),
+            Built({"sample"})->job.SerializeAsString());
+  EXPECT_THAT(RefusalOf({kModel, kJob}), HasSubstr("one job file, or models, not both"));
+  EXPECT_THAT(RefusalOf({"nothing.obj"}), HasSubstr("nothing.obj"));
+}
+
+TEST(JobFlags, ASizeMayBeOneWord) {
+  EXPECT_EQ(JobOf({"--block", "60x55x50"}).SerializeAsString(),
+            JobOf({"--block", "60", "55", "50"}).SerializeAsString());
+}
+
 TEST(JobFlags, OfTheModelLandInItsPlacement) {
   const JobSpec job = JobOf({"--rotate", "90", "-45", "10", "--unit", "25.4"});
   ASSERT_EQ(job.models_size(), 1);
@@ -216,7 +232,7 @@ TEST(JobOfPoints, IsCheckedWithoutItsModels) {
 }
 
 TEST(JobFlags, WithoutAnythingToEngraveNameTheRemedy) {
-  EXPECT_THAT(RefusalOf({}), HasSubstr("--mesh"));
+  EXPECT_THAT(RefusalOf({}), HasSubstr("name a job file, a model"));
   EXPECT_THAT(RefusalOf({"nowhere.textproto"}), HasSubstr("nowhere.textproto"));
 }
 
