@@ -1,0 +1,74 @@
+// docs/architecture.md against the tree: the files and folders that it names exist, and
+// so do the functions and classes of its trunk.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+
+namespace intaglio::walls {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kRoot = INTAGLIO_SOURCE_DIR;
+
+std::string TextOfFile(const fs::path& file) {
+  std::ifstream in(file);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+/// What stands between ` and ` and matches the pattern as a whole.
+std::set<std::string> Quoted(const std::string& text, const std::regex& pattern) {
+  std::set<std::string> found;
+  const std::regex quoted("`([^`\n]+)`");
+  for (auto it = std::sregex_iterator(text.begin(), text.end(), quoted);
+       it != std::sregex_iterator(); ++it) {
+    if (std::regex_match((*it)[1].str(), pattern)) found.insert((*it)[1]);
+  }
+  return found;
+}
+
+bool IsInTree(const std::string& name) {
+  for (const char* extension : {"", ".h", ".cc", ".proto", ".idl", "_test.cc"}) {
+    if (fs::exists(kRoot / (name + extension))) return true;
+  }
+  return false;
+}
+
+TEST(Architecture, NamesFilesThatExist) {
+  const auto names = Quoted(
+      TextOfFile(kRoot / "docs/architecture.md"),
+      std::regex("(engrave|services|idl|proto|tests|deploy|materials_db)/[a-z0-9_/.]+"));
+  EXPECT_GT(names.size(), 100u);
+  for (const std::string& name : names) EXPECT_TRUE(IsInTree(name)) << name;
+}
+
+TEST(Architecture, NamesFunctionsOfTheTrunkThatExist) {
+  const std::string document = TextOfFile(kRoot / "docs/architecture.md");
+  const auto begin = document.find("## The trunk"), end = document.find("## Source tree");
+  ASSERT_LT(begin, end);
+  const auto names = Quoted(document.substr(begin, end - begin),
+                            std::regex("[A-Z][A-Za-z]+(::[A-Z][A-Za-z]+)?"));
+  EXPECT_GT(names.size(), 20u);
+  std::string headers;
+  for (const char* folder : {"services", "engrave", "proto"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(kRoot / folder)) {
+      const auto extension = entry.path().extension();
+      if (extension == ".h" || extension == ".proto") headers += TextOfFile(entry.path());
+    }
+  }
+  for (const std::string& name : names) {
+    const auto colons = name.find("::");
+    const std::string last = colons == std::string::npos ? name : name.substr(colons + 2);
+    EXPECT_NE(headers.find(last), std::string::npos) << name;
+  }
+}
+
+}  // namespace
+}  // namespace intaglio::walls
