@@ -1,10 +1,13 @@
 #include "services/cli/progress/progress_bar.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <ostream>
+#include <vector>
 
 #include "services/client/figure_text.h"
 
@@ -12,6 +15,60 @@ namespace intaglio::cli {
 namespace {
 constexpr int kBarWidth = 24;
 constexpr double kPaceIsKnown = 0.05;
+constexpr double kLongS = 60;
+constexpr const char* kBetween = "  ";
+constexpr int kKept = 10;  // the worth of what is cut rather than dropped
+
+/// A part of the line; what is dropped first has the smallest worth.
+struct Part {
+  std::string text;
+  int worth = 0;
+};
+
+/// Of UTF-8 text, a column a character.
+std::size_t WidthOf(const std::string& text) {
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+/// Its first columns, with "..." at the end when something is cut off.
+std::string CutTo(std::size_t columns, std::string text) {
+  if (WidthOf(text) <= columns) return text;
+  const std::string dots(std::min<std::size_t>(3, columns), '.');
+  while (!text.empty() && WidthOf(text) + dots.size() > columns) {
+    while (text.size() > 1 && (text.back() & 0xC0) == 0x80) text.pop_back();
+    text.pop_back();
+  }
+  return text + dots;
+}
+
+std::string Joined(const std::vector<Part>& parts) {
+  std::string line;
+  for (const Part& part : parts) {
+    if (part.text.empty()) continue;
+    line += (line.empty() ? "" : kBetween) + part.text;
+  }
+  return line;
+}
+
+/// "14:32", of this computer's time zone.
+std::string ClockTime(std::time_t time) {
+  std::tm local = {};
+  localtime_r(&time, &local);
+  return fmt::format("{:02}:{:02}", local.tm_hour, local.tm_min);
+}
+
+/// Without the parts of least worth, as far as they make it too wide.
+std::string Fit(std::vector<Part> parts, std::size_t columns) {
+  while (WidthOf(Joined(parts)) > columns) {
+    const auto least =
+        std::min_element(parts.begin(), parts.end(),
+                         [](const Part& a, const Part& b) { return a.worth < b.worth; });
+    if (least->worth >= kKept) break;
+    parts.erase(least);
+  }
+  return CutTo(columns, Joined(parts));
+}
 
 /// "the lamp warms up: 17 %" without its figures: a log should have each note once.
 std::string WithoutDigits(std::string text) {
@@ -20,8 +77,13 @@ std::string WithoutDigits(std::string text) {
 }
 }  // namespace
 
-ProgressBar::ProgressBar(std::ostream& out, bool interactive)
-    : out_(out), interactive_(interactive) {}
+int ColumnsOfTerminal() {
+  winsize size = {};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
+}
+
+ProgressBar::ProgressBar(std::ostream& out, bool interactive, ProgressSurroundings around)
+    : out_(out), interactive_(interactive), around_(std::move(around)) {}
 
 void ProgressBar::Show(const std::string& stage, std::uint64_t done, std::uint64_t total,
                        double elapsed_s, const std::string& note) {
@@ -49,10 +111,14 @@ void ProgressBar::Draw(const std::string& stage, std::uint64_t done, std::uint64
   elapsed_s_ = elapsed_s;
   note_ = note;
   if (interactive_) {
-    const std::string line = Line();
-    const std::size_t blank = drawn_width_ > line.size() ? drawn_width_ - line.size() : 0;
+    // The last column stays free: a character in it would wrap the line.
+    const int columns = around_.columns();
+    const std::string line =
+        Line(columns > 1 ? static_cast<std::size_t>(columns - 1) : 0);
+    const std::size_t width = WidthOf(line);
+    const std::size_t blank = drawn_width_ > width ? drawn_width_ - width : 0;
     out_ << '\r' << line << std::string(blank, ' ') << std::flush;
-    drawn_width_ = line.size();
+    drawn_width_ = width;
     return;
   }
   const int tenth = total == 0 ? 0 : static_cast<int>(10 * done / total);
@@ -60,7 +126,7 @@ void ProgressBar::Draw(const std::string& stage, std::uint64_t done, std::uint64
   if (tenth == shown_tenth_ && words == shown_note_) return;
   shown_tenth_ = tenth;
   shown_note_ = words;
-  out_ << Line() << '\n' << std::flush;
+  out_ << Line(0) << '\n' << std::flush;
 }
 
 double ProgressBar::SecondsLeft(double share) const {
@@ -68,27 +134,41 @@ double ProgressBar::SecondsLeft(double share) const {
   return share > 0 && elapsed_s_ > 0 ? elapsed_s_ * (1 - share) / share : -1;
 }
 
-std::string ProgressBar::Line() const {
+std::string ProgressBar::Line(std::size_t columns) const {
   const double share =
       total_ == 0
           ? 0
           : std::min(1.0, static_cast<double>(done_) / static_cast<double>(total_));
   const int full = static_cast<int>(share * kBarWidth);
-  std::string line = fmt::format("{:<11}[{:#<{}}{:-<{}}] {:3.0f} %", stage_, "", full, "",
-                                 kBarWidth - full, 100 * share);
+  const std::string percent = fmt::format("{:3.0f} %", 100 * share);
+  const std::string bar = fmt::format("{:<11}[{:#<{}}{:-<{}}] {}", stage_, "", full, "",
+                                      kBarWidth - full, percent);
+  const std::string head = fmt::format("{:<11}{}", stage_, percent);
+  std::string counts, rate;
   if (total_ > 0 && in_points_) {
-    line += fmt::format("  {} / {} {}", client::GroupedDigits(done_),
-                        client::GroupedDigits(total_), things_);
+    counts = fmt::format("{} / {} {}", client::GroupedDigits(done_),
+                         client::GroupedDigits(total_), things_);
   }
-  if (done_ > 0 && elapsed_s_ > 0) {
-    const double rate = static_cast<double>(done_) / elapsed_s_;
-    if (in_points_) line += fmt::format("  {}/s", client::ShortNumber(rate));
-    const double left_s = SecondsLeft(share);
-    if (total_ > done_ && left_s >= 0) {
-      line += fmt::format("  {} left", client::ShortDuration(left_s));
+  if (done_ > 0 && elapsed_s_ > 0 && in_points_) {
+    rate = client::ShortNumber(static_cast<double>(done_) / elapsed_s_) + "/s";
+  }
+  std::string left, ends;
+  const double left_s = SecondsLeft(share);
+  if (done_ > 0 && elapsed_s_ > 0 && total_ > done_ && left_s >= 0) {
+    left = client::ShortDuration(left_s) + " left";
+    if (left_s >= kLongS) {
+      ends = "ends " + ClockTime(around_.now() + static_cast<std::time_t>(left_s));
     }
   }
-  return note_.empty() ? line : line + "  " + note_;
+  const std::vector<Part> after = {
+      {counts, 2}, {rate, 1}, {left, kKept}, {ends, 3}, {note_, kKept}};
+  const auto with = [&after](const std::string& begin) {
+    std::vector<Part> parts = {{begin, kKept}};
+    parts.insert(parts.end(), after.begin(), after.end());
+    return parts;
+  };
+  const std::string whole = Joined(with(bar));
+  return columns == 0 || WidthOf(whole) <= columns ? whole : Fit(with(head), columns);
 }
 
 void ProgressBar::Finish() {

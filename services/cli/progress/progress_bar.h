@@ -1,22 +1,37 @@
 #pragma once
 
-// A line on the terminal that shows how far a stage is: share, points, rate, time left.
-//   order      [##########----------]  52 %   41 230 / 79 100 points   1.2 M/s   3 s left
-// On a terminal the line is drawn over; elsewhere (a log, a pipe) a line is printed at
-// the stage's begin, at each tenth, at its end, and when the note's text changes.
+// A line on the terminal that shows how far a stage is: share, points, rate, time left,
+// and for more than a minute also the clock time of the end.
+//   order      [##########----------]  52 %  41 230 / 79 100 points  1.2 M/s  3 s left
+//   engrave    [##########----------]  52 %  120 /s  7 min 02 s left  ends 14:32
+// On a terminal the line is drawn over and is no wider than the terminal: the bar goes
+// first, then the rate, the counts, the clock time, and a note that is too long ends in
+// "...". Elsewhere (a log, a pipe) a line is printed at the stage's begin, at each tenth,
+// at its end, and when the note's text changes.
 
 #include <chrono>
 #include <cstdint>
+#include <ctime>
+#include <functional>
 #include <iosfwd>
 #include <string>
 #include <utility>
 
 namespace intaglio::cli {
 
+/// The columns of the terminal of the standard error stream; 0: it is none, or unknown.
+int ColumnsOfTerminal();
+
+/// What a bar asks of the computer; tests give other answers.
+struct ProgressSurroundings {
+  std::function<int()> columns = ColumnsOfTerminal;  ///< 0: as wide as a line is
+  std::function<std::time_t()> now = [] { return std::time(nullptr); };
+};
+
 class ProgressBar {
  public:
   /// `interactive`: the stream is a terminal.
-  ProgressBar(std::ostream& out, bool interactive);
+  ProgressBar(std::ostream& out, bool interactive, ProgressSurroundings around = {});
 
   /// What is counted, in the plural; default points.
   void CountIn(std::string things) { things_ = std::move(things); }
@@ -35,11 +50,13 @@ class ProgressBar {
  private:
   void Draw(const std::string& stage, std::uint64_t done, std::uint64_t total,
             double elapsed_s, const std::string& note);
-  std::string Line() const;
+  /// No wider than this; 0: as wide as it is.
+  std::string Line(std::size_t columns) const;
   /// Below 0: not known.
   double SecondsLeft(double share) const;
   std::ostream& out_;
   bool interactive_;
+  ProgressSurroundings around_;
   std::string things_ = "points";
   std::string stage_, note_;
   std::uint64_t done_ = 0, total_ = 0;

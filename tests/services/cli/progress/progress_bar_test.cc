@@ -89,6 +89,40 @@ TEST(ProgressBar, OnATerminalDrawsOverItsLineAndLeavesNothingOfALongerOne) {
   EXPECT_EQ(out.str().back(), '\n');
 }
 
+/// 10:00 of a day in winter, where the tests run.
+std::time_t TenOClock() {
+  std::tm time = {};
+  time.tm_year = 126, time.tm_mon = 0, time.tm_mday = 5, time.tm_hour = 10;
+  return std::mktime(&time);
+}
+
+/// What a terminal of these columns shows at the end.
+std::string OnTerminal(int columns, const std::string& note) {
+  std::ostringstream out;
+  ProgressBar bar(out, true, {[columns] { return columns; }, TenOClock});
+  bar.Show("engrave", 41'230, 79'100, 600, note);
+  return out.str().substr(1);
+}
+
+TEST(ProgressBar, IsNoWiderThanTheTerminal) {
+  EXPECT_EQ(OnTerminal(0, "armed"),
+            "engrave    [############------------]  52 %  41 230 / 79 100 points  68.7 /s  "
+            "9 min 11 s left  ends 10:09  armed");
+  EXPECT_EQ(
+      OnTerminal(80, "armed"),
+      "engrave     52 %  41 230 / 79 100 points  9 min 11 s left  ends 10:09  armed");
+  EXPECT_EQ(OnTerminal(40, "armed"), "engrave     52 %  9 min 11 s left  a...");
+  const std::string note =
+      "pr\u00fcfe die T\u00fcr, \u7b49\u5f85\u95e8\u5173\u95ed, then arm "
+      "the job again at the machine";
+  for (int columns = 2; columns < 200; ++columns) {
+    const std::string line = OnTerminal(columns, note);
+    const auto width = std::count_if(line.begin(), line.end(),
+                                     [](char c) { return (c & 0xC0) != 0x80; });
+    EXPECT_LT(width, columns);
+  }
+}
+
 TEST(ProgressBar, WorkThatIsNotPointsHasNoCounts) {
   std::ostringstream out;
   ProgressBar bar(out, false);
