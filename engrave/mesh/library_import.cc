@@ -177,7 +177,7 @@ Status AddInstance(const ImportSource& source, const aiMesh& part,
   const bool mirrors = model_from_node.linear.determinant() < 0;
   for (unsigned f = 0; f < part.mNumFaces; ++f) {
     const aiFace& face = part.mFaces[f];
-    if (face.mNumIndices != 3) continue;
+    if (face.mNumIndices != 3) continue;  // AddFindings counts them
     Triangle corners;
     for (unsigned c = 0; c < 3; ++c) {
       const unsigned index = face.mIndices[c];
@@ -199,7 +199,34 @@ Status AddInstance(const ImportSource& source, const aiMesh& part,
   return {};
 }
 
-Result<TriangleMesh> MeshFromScene(const ImportSource& source,
+/// What an instance has and the mesh that is made of it has not.
+void AddFindings(const ImportSource& source, const aiMesh& part, FileFindings& findings) {
+  const auto add = [&](std::uint64_t count, const char* what, const char* remedy,
+                       Effect effect) {
+    if (count == 0) return;
+    const std::string name = part.mName.C_Str();
+    const std::string where = name.empty() ? "" : "mesh " + name;
+    findings.Add({.what = what,
+                  .where = where,
+                  .remedy = remedy,
+                  .count = count,
+                  .effect = effect});
+  };
+  const auto lines = std::count_if(
+      part.mFaces, part.mFaces + part.mNumFaces,
+      [](const aiFace& face) { return face.mNumIndices == 1 || face.mNumIndices == 2; });
+  add(static_cast<std::uint64_t>(lines), "point or line", "only faces are read",
+      Effect::kLost);
+  add(part.HasBones() ? 1 : 0, "skin",
+      "apply the armature, so that the mesh has its pose, and export it again",
+      Effect::kChanged);
+  // Those of glTF are found in its text, because the library leaves out those of nodes.
+  const bool is_gltf = source.extension == "gltf" || source.extension == "glb";
+  add(is_gltf ? 0 : part.mNumAnimMeshes, "morph target",
+      "apply the shape keys and export it again", Effect::kChanged);
+}
+
+Result<ImportedMesh> MeshFromScene(const ImportSource& source,
                                    Assimp::Importer& importer) {
   const aiScene* scene = importer.GetScene();
   if (scene == nullptr) {
@@ -215,10 +242,11 @@ Result<TriangleMesh> MeshFromScene(const ImportSource& source,
                     importer.GetErrorString()));
   }
   VertexWelder welder;
-  TriangleMesh mesh;
+  ImportedMesh mesh;
   INTAGLIO_TRY(ForEachInstance(
       *scene, source, ModelFromScene(source),
       [&](const aiMesh& part, const NodeTransform& model_from_node) {
+        AddFindings(source, part, mesh.findings);
         return AddInstance(source, part, model_from_node, welder, mesh.triangles);
       }));
   if (mesh.triangles.empty()) {
@@ -254,7 +282,7 @@ void KeepReadersOf(const ImportSource& source, Assimp::Importer& importer) {
 
 }  // namespace
 
-Result<TriangleMesh> ImportByLibrary(const ImportSource& source,
+Result<ImportedMesh> ImportByLibrary(const ImportSource& source,
                                      const std::function<void(Assimp::Importer&)>& read) {
   try {
     Assimp::Importer importer;

@@ -5,13 +5,13 @@
 
 #include "engrave/core/result.h"
 #include "engrave/mesh/import_source.h"
-#include "engrave/mesh/mesh.h"
+#include "engrave/mesh/imported_mesh.h"
 
 namespace intaglio::mesh {
 
 /// Runs `read`, which calls the library's importer, welds the resulting mesh, and turns
 /// every exception into an error. It holds the file's whole content twice.
-Result<TriangleMesh> ImportByLibrary(const ImportSource& source,
+Result<ImportedMesh> ImportByLibrary(const ImportSource& source,
                                      const std::function<void(Assimp::Importer&)>& read);
 
 }  // namespace intaglio::mesh

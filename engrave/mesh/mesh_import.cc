@@ -62,13 +62,13 @@ Status CheckCollada(const ImportSource& source, std::string_view text) {
 }
 
 /// The checks of a file's content before the library reads it.
-Status CheckContent(const ImportSource& source, std::string_view text,
-                    std::uint64_t byte_count) {
-  if (source.extension == "ply") return CheckPlyHeader(source, text, byte_count);
-  if (source.extension == "dae") return CheckCollada(source, text);
+Result<FileFindings> CheckContent(const ImportSource& source, std::string_view text,
+                                  std::uint64_t byte_count) {
+  if (source.extension == "ply") INTAGLIO_TRY(CheckPlyHeader(source, text, byte_count));
+  if (source.extension == "dae") INTAGLIO_TRY(CheckCollada(source, text));
   if (source.extension == "gltf" || source.extension == "glb")
     return CheckGltf(source, text);
-  return {};
+  return FileFindings();
 }
 
 /// mm: the library brings a DAE to metres by the unit that it declares.
@@ -82,7 +82,7 @@ double UnitOfScene(std::span<const std::byte> bytes, std::string_view extension)
 
 /// What `read` gives, or the error that there is not enough memory for it.
 template <typename Read>
-Result<TriangleMesh> WithinMemory(const ImportSource& source, Read read) {
+Result<ImportedMesh> WithinMemory(const ImportSource& source, Read read) {
   try {
     return read();
   } catch (const std::bad_alloc&) {
@@ -99,7 +99,7 @@ bool IsReadByLibrary(std::string_view extension) {
          std::find(kExtensions.begin(), kExtensions.end(), lower) != kExtensions.end();
 }
 
-Result<TriangleMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
+Result<ImportedMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
                                           std::string_view extension,
                                           const ImportOptions& options,
                                           std::string_view name) {
@@ -117,12 +117,16 @@ Result<TriangleMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
     return WithinMemory(source, [&] { return ReadObj(text, source); });
   if (source.extension == "3mf")
     return WithinMemory(source, [&] { return ReadThreeMf(text, source); });
-  INTAGLIO_TRY(CheckContent(source, text, text.size()));
+  auto findings = INTAGLIO_TRY(CheckContent(source, text, text.size()));
   if (source.extension == "ply")
     return WithinMemory(source, [&] { return ReadPly(text, source); });
-  return ImportByLibrary(source, [&](Assimp::Importer& importer) {
+  auto imported = ImportByLibrary(source, [&](Assimp::Importer& importer) {
     importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, source.extension.c_str());
   });
+  if (imported) {
+    for (const FileFinding& finding : findings) imported->findings.Add(finding);
+  }
+  return imported;
 }
 
 }  // namespace intaglio::mesh

@@ -8,8 +8,9 @@
 // What is done with it:
 // - node transforms are applied and all nodes are put into one mesh; a transform that
 //   mirrors also reverses the corners, so that faces still point outward;
-// - polygons become triangles; points and lines are left out, and a file of nothing
-//   else is an error; vertices that no triangle uses are left out;
+// - polygons become triangles; points, lines and vertices that no triangle uses are left
+//   out, which is a finding, and a file of nothing else is an error;
+// - skins and morph targets are a finding: the model is read as its vertices are written;
 // - vertices are welded by exact coordinates (weld_vertices.h), which also joins what
 //   the format splits by normal, texture or material. Disconnected parts are kept;
 // - coordinates are 32-bit floats, converted exactly: those of the file, or the nearest
@@ -36,7 +37,7 @@
 #include <vector>
 
 #include "engrave/core/result.h"
-#include "engrave/mesh/mesh.h"
+#include "engrave/mesh/imported_mesh.h"
 
 namespace intaglio::mesh {
 
@@ -64,14 +65,14 @@ struct ImportOptions {
 /// 3MF, a beam lattice, or a free form of OBJ, without which the shape would be wrong.
 /// `extension` is "stl", ".STL" or the like; `name` is what errors call the model. A
 /// .gltf whose buffers are other files is kUnreadable.
-Result<TriangleMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
+Result<ImportedMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
                                           std::string_view extension,
                                           const ImportOptions& options = {},
                                           std::string_view name = "model");
 
 /// The function that reads a file held in memory: ImportMeshFromMemory, or a version of
 /// it in a separate process.
-using MeshReader = std::function<Result<TriangleMesh>(
+using MeshReader = std::function<Result<ImportedMesh>(
     std::span<const std::byte> bytes, std::string_view extension,
     const ImportOptions& options, std::string_view name)>;
 

@@ -9,15 +9,32 @@
 namespace intaglio::mesh {
 namespace {
 
+/// What is between the brackets of the arrays behind the key, wherever it is, up to the
+/// first closing one.
+std::vector<std::string_view> ArraysOf(std::string_view json, std::string_view key) {
+  std::vector<std::string_view> arrays;
+  for (auto at = json.find(key); at != json.npos; at = json.find(key, at + 1)) {
+    const std::string_view rest = json.substr(at + key.size());
+    const auto open = rest.find_first_not_of(" \t\r\n:");
+    if (open == rest.npos || rest[open] != '[') continue;
+    arrays.push_back(rest.substr(open + 1, rest.find(']', open) - open - 1));
+  }
+  return arrays;
+}
+
+/// Whether a mesh or a node gives a weight that is not 0 to a target.
+bool HasWeights(std::string_view json) {
+  for (const std::string_view array : ArraysOf(json, "\"weights\"")) {
+    if (array.find_first_of("123456789") != array.npos) return true;
+  }
+  return false;
+}
+
 /// The strings of the array behind the key, wherever it is; without escapes, which names
 /// of extensions do not have.
 std::vector<std::string_view> StringsOf(std::string_view json, std::string_view key) {
   std::vector<std::string_view> strings;
-  for (auto at = json.find(key); at != json.npos; at = json.find(key, at + 1)) {
-    std::string_view rest = json.substr(at + key.size());
-    const auto open = rest.find_first_not_of(" \t\r\n:");
-    if (open == rest.npos || rest[open] != '[') continue;
-    rest = rest.substr(open + 1, rest.find(']', open) - open - 1);
+  for (std::string_view rest : ArraysOf(json, key)) {
     while (true) {
       const auto begin = rest.find('"');
       const auto end = begin == rest.npos ? rest.npos : rest.find('"', begin + 1);
@@ -59,7 +76,7 @@ std::string_view JsonOf(std::string_view file) {
 
 }  // namespace
 
-Status CheckGltf(const ImportSource& source, std::string_view file) {
+Result<FileFindings> CheckGltf(const ImportSource& source, std::string_view file) {
   const std::string_view json = JsonOf(file);
   auto changing = StringsOf(json, "\"extensionsRequired\"");
   std::erase_if(changing, IsOfAppearance);
@@ -74,7 +91,21 @@ Status CheckGltf(const ImportSource& source, std::string_view file) {
                     "export it without this extension, or as stl",
                     changing.front()));
   }
-  return {};
+  FileFindings findings;
+  if (HasWeights(json)) {
+    findings.Add({.what = "morph target with a weight",
+                  .where = "",
+                  .remedy = "apply the shape keys and export it again",
+                  .count = 1,
+                  .effect = Effect::kChanged});
+  } else if (!ArraysOf(json, "\"targets\"").empty()) {
+    findings.Add({.what = "morph target without a weight",
+                  .where = "",
+                  .remedy = "",
+                  .count = 1,
+                  .effect = Effect::kNothingSeen});
+  }
+  return findings;
 }
 
 }  // namespace intaglio::mesh

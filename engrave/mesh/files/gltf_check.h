@@ -2,6 +2,7 @@
 
 #include <string_view>
 
+#include "engrave/core/findings.h"
 #include "engrave/core/result.h"
 #include "engrave/mesh/import_source.h"
 
@@ -9,7 +10,7 @@ namespace intaglio::mesh {
 
 /// Refuses a glTF or GLB, by name, that cannot be read right by the import library:
 /// kUnsupported when it requires an extension that changes the shape (glTF 2.0, 3.12) or
-/// uses instancing, kUnreadable when its buffers or their like are other files.
-Status CheckGltf(const ImportSource& source, std::string_view file);
+/// uses instancing. The findings are its morph targets, which the library leaves out.
+Result<FileFindings> CheckGltf(const ImportSource& source, std::string_view file);
 
 }  // namespace intaglio::mesh

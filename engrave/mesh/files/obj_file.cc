@@ -6,7 +6,6 @@
 #include <array>
 #include <charconv>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,20 +13,20 @@
 #include "engrave/core/try.h"
 #include "engrave/io/number_text.h"
 #include "engrave/mesh/files/polygon.h"
+#include "engrave/mesh/files/unused_vertices.h"
 #include "engrave/mesh/weld_vertices.h"
 
 namespace intaglio::mesh {
 namespace {
 
-constexpr std::uint32_t kUnset = std::numeric_limits<std::uint32_t>::max();
-
 /// Statements without a face: nothing of a surface is lost with them.
-constexpr std::array<std::string_view, 30> kWithoutFaces = {
-    "vt",        "vn",     "vp",     "p",        "l",        "s",
-    "mg",        "mtllib", "usemtl", "maplib",   "usemap",   "shadow_obj",
-    "trace_obj", "bevel",  "lod",    "c_interp", "d_interp", "call",
-    "csh",       "ctech",  "stech",  "deg",      "bmat",     "step",
-    "cstype",    "parm",   "end",    "con",      "usemat",   "matlib"};
+constexpr std::array<std::string_view, 27> kWithoutFaces = {
+    "vt",       "vn",     "vp",    "s",     "mg",         "mtllib",    "usemtl",
+    "maplib",   "usemap", "bevel", "lod",   "shadow_obj", "trace_obj", "c_interp",
+    "d_interp", "csh",    "ctech", "stech", "deg",        "bmat",      "step",
+    "cstype",   "parm",   "end",   "con",   "usemat",     "matlib"};
+/// Statements of what is seen and has no face; call names a file with more of the model.
+constexpr std::array<std::string_view, 3> kLeftOut = {"p", "l", "call"};
 constexpr std::array<std::string_view, 7> kFreeForms = {"curv", "curv2", "surf", "trim",
                                                         "hole", "scrv",  "sp"};
 
@@ -42,7 +41,7 @@ class ObjReader {
  public:
   explicit ObjReader(const ImportSource& source) : source_(source) {}
 
-  Result<TriangleMesh> Read(std::string_view text) {
+  Result<ImportedMesh> Read(std::string_view text) {
     constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
     if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
     // Lines of old computers end with a carriage return alone.
@@ -88,6 +87,14 @@ class ObjReader {
                       line_number_, statement));
     }
     if (std::ranges::find(kWithoutFaces, statement) != kWithoutFaces.end()) return {};
+    if (std::ranges::find(kLeftOut, statement) != kLeftOut.end()) {
+      mesh_.findings.Add({.what = std::string(statement),
+                          .where = fmt::format("line {}", line_number_),
+                          .remedy = "only faces are read",
+                          .count = 1,
+                          .effect = Effect::kLost});
+      return {};
+    }
     return Refuse(fmt::format("is not a line of an OBJ: {:.60?}", line));
   }
 
@@ -164,13 +171,14 @@ class ObjReader {
     return {};
   }
 
-  Result<TriangleMesh> Take() {
+  Result<ImportedMesh> Take() {
     for (const std::string& asked : source_.options.objects) {
       if (std::ranges::find(names_, asked) == names_.end())
         return source_.RefuseObject(asked, names_);
     }
     if (mesh_.triangles.empty()) return source_.RefuseEmptyModel();
     mesh_.vertices = welder_.TakePoints();
+    if (source_.options.objects.empty()) AddUnusedVertices(welded_, mesh_.findings);
     return std::move(mesh_);
   }
 
@@ -184,12 +192,12 @@ class ObjReader {
   std::vector<std::size_t> corners_;  ///< of the face
   PointList places_;
   VertexWelder welder_;
-  TriangleMesh mesh_;
+  ImportedMesh mesh_;
 };
 
 }  // namespace
 
-Result<TriangleMesh> ReadObj(std::string_view text, const ImportSource& source) {
+Result<ImportedMesh> ReadObj(std::string_view text, const ImportSource& source) {
   return ObjReader(source).Read(text);
 }
 

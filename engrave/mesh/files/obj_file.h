@@ -11,11 +11,11 @@
 
 #include "engrave/core/result.h"
 #include "engrave/mesh/import_source.h"
-#include "engrave/mesh/mesh.h"
+#include "engrave/mesh/imported_mesh.h"
 
 namespace intaglio::mesh {
 
 /// Errors as ImportMeshFromMemory() has them; those of the text name the line.
-Result<TriangleMesh> ReadObj(std::string_view text, const ImportSource& source);
+Result<ImportedMesh> ReadObj(std::string_view text, const ImportSource& source);
 
 }  // namespace intaglio::mesh

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <vector>
 
@@ -14,13 +13,12 @@
 #include "engrave/io/ply_header.h"
 #include "engrave/io/ply_values.h"
 #include "engrave/mesh/files/polygon.h"
+#include "engrave/mesh/files/unused_vertices.h"
 #include "engrave/mesh/ply_check.h"
 #include "engrave/mesh/weld_vertices.h"
 
 namespace intaglio::mesh {
 namespace {
-
-constexpr std::uint32_t kUnset = std::numeric_limits<std::uint32_t>::max();
 
 /// A list of the indices of vertices: the one with their name, else the first of whole
 /// numbers. The size of the properties: there is none.
@@ -46,7 +44,7 @@ class PlyReader {
         header_(header),
         values_(io::PlyValuesOf(header.encoding, values)) {}
 
-  Result<TriangleMesh> Read() {
+  Result<ImportedMesh> Read() {
     for (const io::PlyElement& element : header_.elements) {
       for (std::uint64_t row = 0; row < element.count; ++row) {
         INTAGLIO_TRY(ReadRow(element, row));
@@ -54,6 +52,15 @@ class PlyReader {
     }
     if (mesh_.triangles.empty()) return source_.RefuseEmptyModel();
     mesh_.vertices = welder_.TakePoints();
+    AddUnusedVertices(welded_, mesh_.findings);
+    for (const io::PlyElement& element : header_.elements) {
+      if (element.name != "edge" || element.count == 0) continue;
+      mesh_.findings.Add({.what = "element edge",
+                          .where = "",
+                          .remedy = "only faces are read",
+                          .count = element.count,
+                          .effect = Effect::kLost});
+    }
     return std::move(mesh_);
   }
 
@@ -173,12 +180,12 @@ class PlyReader {
   std::vector<std::int64_t> corners_;  ///< of the row
   PointList places_;
   VertexWelder welder_;
-  TriangleMesh mesh_;
+  ImportedMesh mesh_;
 };
 
 }  // namespace
 
-Result<TriangleMesh> ReadPly(std::string_view file, const ImportSource& source) {
+Result<ImportedMesh> ReadPly(std::string_view file, const ImportSource& source) {
   const auto header = io::ParsePlyHeader(file.substr(0, kMaxPlyHeaderSize));
   if (!header) return source.Refuse(ErrorCode::kUnreadable, header.error().message);
   const bool has_vertices = std::ranges::any_of(

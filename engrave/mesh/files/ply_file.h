@@ -8,11 +8,11 @@
 
 #include "engrave/core/result.h"
 #include "engrave/mesh/import_source.h"
-#include "engrave/mesh/mesh.h"
+#include "engrave/mesh/imported_mesh.h"
 
 namespace intaglio::mesh {
 
 /// Errors as ImportMeshFromMemory() has them. The header must have passed CheckPlyHeader.
-Result<TriangleMesh> ReadPly(std::string_view file, const ImportSource& source);
+Result<ImportedMesh> ReadPly(std::string_view file, const ImportSource& source);
 
 }  // namespace intaglio::mesh

@@ -4,7 +4,6 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -15,13 +14,13 @@
 
 #include "engrave/core/try.h"
 #include "engrave/io/number_text.h"
+#include "engrave/mesh/files/unused_vertices.h"
 #include "engrave/mesh/files/zip_archive.h"
 #include "engrave/mesh/weld_vertices.h"
 
 namespace intaglio::mesh {
 namespace {
 
-constexpr std::uint32_t kUnset = std::numeric_limits<std::uint32_t>::max();
 constexpr int kMaxNesting = 64;
 constexpr std::uint64_t kMaxObjects = 1'000'000;  // after components are unfolded
 
@@ -87,7 +86,7 @@ class ThreeMfReader {
   ThreeMfReader(const ZipArchive& archive, const ImportSource& source)
       : archive_(archive), source_(source) {}
 
-  Result<TriangleMesh> Read() {
+  Result<ImportedMesh> Read() {
     root_path_ = INTAGLIO_TRY(RootPath());
     const Part* root = INTAGLIO_TRY(PartOf(root_path_));
     const auto unit = UnitMm(root->model.attribute("unit").value());
@@ -108,6 +107,7 @@ class ThreeMfReader {
     }
     if (mesh_.triangles.empty()) return source_.RefuseEmptyModel();
     mesh_.vertices = welder_.TakePoints();
+    mesh_.declared_unit_mm = *unit;
     for (Vec3& vertex : mesh_.vertices) {
       vertex *= *unit;
       if (!vertex.allFinite()) return Unreadable("a vertex is not finite in mm");
@@ -216,7 +216,15 @@ class ThreeMfReader {
   Status AddObject(const pugi::xml_node& object, const std::string& path,
                    const Place& place, bool wanted, int depth) {
     const std::string_view type = object.attribute("type").value();
-    if (type == "support" || type == "solidsupport") return {};
+    if (type == "support" || type == "solidsupport") {
+      mesh_.findings.Add(
+          {.what = "object of type support",
+           .where = "object " + std::string(object.attribute("id").value()),
+           .remedy = "",
+           .count = 1,
+           .effect = Effect::kNothingSeen});
+      return {};
+    }
     const std::string name = object.attribute("name").value();
     if (!name.empty() && std::ranges::find(names_, name) == names_.end())
       names_.push_back(name);
@@ -275,6 +283,7 @@ class ThreeMfReader {
       if (mesh_.triangles.size() > source_.options.max_triangles)
         return source_.RefuseTriangleCount();
     }
+    AddUnusedVertices(welded, mesh_.findings);
     return {};
   }
 
@@ -285,7 +294,7 @@ class ThreeMfReader {
   std::vector<std::string> names_;
   std::uint64_t object_count_ = 0;
   VertexWelder welder_;
-  TriangleMesh mesh_;
+  ImportedMesh mesh_;
 };
 
 Status CheckUnpackedSize(const ZipArchive& archive, std::uint64_t packed,
@@ -305,7 +314,7 @@ Status CheckUnpackedSize(const ZipArchive& archive, std::uint64_t packed,
 
 }  // namespace
 
-Result<TriangleMesh> ReadThreeMf(std::string_view archive, const ImportSource& source) {
+Result<ImportedMesh> ReadThreeMf(std::string_view archive, const ImportSource& source) {
   const auto opened = ZipArchive::Open(archive);
   if (!opened)
     return source.RefuseAsUnreadable("it is not a zip archive, or it is truncated");

@@ -12,11 +12,11 @@
 
 #include "engrave/core/result.h"
 #include "engrave/mesh/import_source.h"
-#include "engrave/mesh/mesh.h"
+#include "engrave/mesh/imported_mesh.h"
 
 namespace intaglio::mesh {
 
 /// Errors as ImportMeshFromMemory() has them.
-Result<TriangleMesh> ReadThreeMf(std::string_view archive, const ImportSource& source);
+Result<ImportedMesh> ReadThreeMf(std::string_view archive, const ImportSource& source);
 
 }  // namespace intaglio::mesh

@@ -25,6 +25,7 @@
 #include "services/job/models/read_limits.h"
 #include "services/job/options.h"
 #include "services/job/quality/quality_options.h"
+#include "services/job/verdict/warnings.h"
 #include "services/platform/host/threads/worker_threads.h"
 
 namespace intaglio::cli {
@@ -69,9 +70,11 @@ Result<mesh::TriangleMesh> WithCopies(const Model& model, const Block& block,
 }
 
 /// The surfaces of the job's models in the block; of those that are no meshes or not of
-/// the channel, without triangles. None when there is no mesh.
+/// the channel, without triangles. None when there is no mesh. What is not read of their
+/// files is added to `warnings`.
 Result<std::vector<mesh::TriangleMesh>> SurfacesOf(const MeasureOptions& options,
-                                                   const JobSpec& job) {
+                                                   const JobSpec& job,
+                                                   Warnings& warnings) {
   const ReadLimits limits = mesh_reader::LimitsOfProgram(options.job.size_limits);
   const std::vector<ChannelMask> masks = ChannelsOfModels(job);
   std::vector<mesh::TriangleMesh> surfaces(static_cast<std::size_t>(job.models_size()));
@@ -87,7 +90,7 @@ Result<std::vector<mesh::TriangleMesh>> SurfacesOf(const MeasureOptions& options
                                          MaskOfChannel(*options.channel))) {
       continue;
     }
-    auto placed = INTAGLIO_TRY(PlacedMeshOf(job, model, limits));
+    auto placed = INTAGLIO_TRY(PlacedMeshOf(job, model, limits, warnings));
     auto copied = INTAGLIO_TRY(WithCopies(model, job.block(), std::move(placed)));
     any = any || !copied.triangles.empty();
     surfaces[static_cast<std::size_t>(i)] = std::move(copied);
@@ -207,13 +210,15 @@ int Measure(const MeasureOptions& options) {
   if (!job) return Complain(job.error(), client::kExitWrongInput);
   auto cloud = InChannel(options, job->job, std::move(*all));
   if (!cloud) return Complain(cloud.error(), client::kExitWrongInput);
-  auto surfaces = SurfacesOf(options, job->job);
+  Warnings warnings;
+  auto surfaces = SurfacesOf(options, job->job, warnings);
   if (!surfaces) return Complain(surfaces.error(), client::kExitWrongInput);
   const proof::QualityOptions quality_options = OptionsOf(options, *job);
   const auto quality = proof::MeasureCloud(*cloud, *surfaces, quality_options);
   if (!quality) return Complain(quality.error(), client::kExitWrongInput);
   surfaces->clear();
-  const CloudQuality record = RecordOf(*quality, quality_options);
+  CloudQuality record = RecordOf(*quality, quality_options);
+  AddTo(*record.mutable_warnings(), warnings);
   if (!options.picture.empty()) {
     const auto drawn = DrawPicture(options, cloud->points_mm, *quality, record);
     if (!drawn) return Complain(drawn.error(), client::kExitWrongInput);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <string>
@@ -10,26 +11,72 @@
 namespace intaglio::mesh_reader {
 namespace {
 
-constexpr std::array<char, 8> kMagic = {'I', 'M', 'E', 'S', 'H', '1', '\0', '\0'};
+constexpr std::array<char, 8> kMagic = {'I', 'M', 'E', 'S', 'H', '2', '\0', '\0'};
 constexpr auto kLastCode = static_cast<std::uint64_t>(ErrorCode::kCancelled);
+constexpr auto kLastEffect = static_cast<std::uint64_t>(Effect::kMeaningLost);
 
 struct Header {
   std::array<char, 8> magic = kMagic;
-  std::uint64_t error = 0, first_size = 0, second_size = 0;
+  std::uint64_t error = 0, first_size = 0, second_size = 0, finding_bytes = 0;
+  double declared_unit_mm = 0;
 };
-static_assert(sizeof(Header) == 32 && sizeof(Vec3) == 24 && sizeof(mesh::Triangle) == 12);
+static_assert(sizeof(Header) == 48 && sizeof(Vec3) == 24 && sizeof(mesh::Triangle) == 12);
 
-/// The header and two arrays.
-std::vector<std::byte> Join(const Header& header, const void* first,
-                            std::size_t first_bytes, const void* second,
-                            std::size_t second_bytes) {
-  std::vector<std::byte> bytes(sizeof header + first_bytes + second_bytes);
-  std::memcpy(bytes.data(), &header, sizeof header);
-  if (first_bytes > 0) std::memcpy(bytes.data() + sizeof header, first, first_bytes);
-  if (second_bytes > 0) {
-    std::memcpy(bytes.data() + sizeof header + first_bytes, second, second_bytes);
+/// In front of the texts of a finding.
+struct FindingHeader {
+  std::uint64_t what_size = 0, where_size = 0, remedy_size = 0, count = 0, effect = 0;
+  double area_mm2 = 0;
+};
+static_assert(sizeof(FindingHeader) == 48);
+
+void Append(const void* from, std::size_t size, std::vector<std::byte>& bytes) {
+  const auto* begin = static_cast<const std::byte*>(from);
+  bytes.insert(bytes.end(), begin, begin + size);
+}
+
+std::vector<std::byte> EncodeFindings(const FileFindings& findings) {
+  std::vector<std::byte> bytes;
+  for (const FileFinding& finding : findings) {
+    const FindingHeader header{finding.what.size(),
+                               finding.where.size(),
+                               finding.remedy.size(),
+                               finding.count,
+                               static_cast<std::uint64_t>(finding.effect),
+                               finding.area_mm2};
+    Append(&header, sizeof header, bytes);
+    for (const std::string* text : {&finding.what, &finding.where, &finding.remedy})
+      Append(text->data(), text->size(), bytes);
   }
   return bytes;
+}
+
+std::optional<FileFindings> ParseFindings(std::span<const std::byte> bytes) {
+  FileFindings findings;
+  while (!bytes.empty()) {
+    FindingHeader header;
+    if (bytes.size() < sizeof header) return std::nullopt;
+    std::memcpy(&header, bytes.data(), sizeof header);
+    bytes = bytes.subspan(sizeof header);
+    if (header.effect > kLastEffect || !std::isfinite(header.area_mm2))
+      return std::nullopt;
+    FileFinding finding;
+    const auto take = [&](std::uint64_t size, std::string& text) {
+      if (size > bytes.size()) return false;
+      text.assign(reinterpret_cast<const char*>(bytes.data()), size);
+      bytes = bytes.subspan(size);
+      return true;
+    };
+    if (!take(header.what_size, finding.what) ||
+        !take(header.where_size, finding.where) ||
+        !take(header.remedy_size, finding.remedy)) {
+      return std::nullopt;
+    }
+    finding.count = header.count;
+    finding.effect = static_cast<Effect>(header.effect);
+    finding.area_mm2 = header.area_mm2;
+    findings.Add(std::move(finding));
+  }
+  return findings;
 }
 
 /// Two arrays of these sizes, which may be any, are all of `room` bytes.
@@ -39,12 +86,28 @@ bool Fill(std::uint64_t first_size, std::size_t first_item, std::uint64_t second
          first_size * first_item + second_size * second_item == room;
 }
 
+/// Every vertex is a place and every corner a vertex.
+bool IsWhole(const mesh::TriangleMesh& made) {
+  return std::ranges::all_of(made.vertices,
+                             [](const Vec3& vertex) { return vertex.allFinite(); }) &&
+         std::ranges::all_of(made.triangles, [&](const mesh::Triangle& triangle) {
+           return std::ranges::all_of(triangle, [&](std::uint32_t corner) {
+             return corner < made.vertices.size();
+           });
+         });
+}
+
 std::optional<Answer> MeshOf(const Header& header, std::span<const std::byte> inside) {
-  if (!Fill(header.first_size, sizeof(Vec3), header.second_size, sizeof(mesh::Triangle),
-            inside.size())) {
+  if (header.finding_bytes > inside.size() || !std::isfinite(header.declared_unit_mm))
+    return std::nullopt;
+  auto findings = ParseFindings(inside.last(header.finding_bytes));
+  inside = inside.first(inside.size() - header.finding_bytes);
+  if (!findings || !Fill(header.first_size, sizeof(Vec3), header.second_size,
+                         sizeof(mesh::Triangle), inside.size())) {
     return std::nullopt;
   }
-  mesh::TriangleMesh made;
+  mesh::ImportedMesh made({}, std::move(*findings));
+  made.declared_unit_mm = header.declared_unit_mm;
   made.vertices.resize(header.first_size);
   made.triangles.resize(header.second_size);
   const std::size_t vertex_bytes = header.first_size * sizeof(Vec3);
@@ -55,15 +118,7 @@ std::optional<Answer> MeshOf(const Header& header, std::span<const std::byte> in
     std::memcpy(made.triangles.data(), inside.data() + vertex_bytes,
                 inside.size() - vertex_bytes);
   }
-  const bool places = std::all_of(made.vertices.begin(), made.vertices.end(),
-                                  [](const Vec3& vertex) { return vertex.allFinite(); });
-  const bool corners = std::all_of(
-      made.triangles.begin(), made.triangles.end(), [&](const mesh::Triangle& triangle) {
-        return std::all_of(triangle.begin(), triangle.end(), [&](std::uint32_t corner) {
-          return corner < made.vertices.size();
-        });
-      });
-  if (!places || !corners) return std::nullopt;
+  if (!IsWhole(made)) return std::nullopt;
   return Answer(std::move(made));
 }
 
@@ -81,19 +136,30 @@ std::optional<Answer> ErrorOf(const Header& header, std::span<const std::byte> i
 
 std::vector<std::byte> EncodeAnswer(const Answer& answer) {
   Header header;
+  std::vector<std::byte> bytes;
   if (!answer) {
     const Error& error = answer.error();
     header.error = static_cast<std::uint64_t>(error.code) + 1;
     header.first_size = error.message.size();
     header.second_size = error.value.size();
-    return Join(header, error.message.data(), error.message.size(), error.value.data(),
-                error.value.size());
+    Append(&header, sizeof header, bytes);
+    Append(error.message.data(), error.message.size(), bytes);
+    Append(error.value.data(), error.value.size(), bytes);
+    return bytes;
   }
+  const std::vector<std::byte> findings = EncodeFindings(answer->findings);
+  const std::size_t vertex_bytes = answer->vertices.size() * sizeof(Vec3);
+  const std::size_t triangle_bytes = answer->triangles.size() * sizeof(mesh::Triangle);
   header.first_size = answer->vertices.size();
   header.second_size = answer->triangles.size();
-  return Join(header, answer->vertices.data(), answer->vertices.size() * sizeof(Vec3),
-              answer->triangles.data(),
-              answer->triangles.size() * sizeof(mesh::Triangle));
+  header.finding_bytes = findings.size();
+  header.declared_unit_mm = answer->declared_unit_mm;
+  bytes.reserve(sizeof header + vertex_bytes + triangle_bytes + findings.size());
+  Append(&header, sizeof header, bytes);
+  Append(answer->vertices.data(), vertex_bytes, bytes);
+  Append(answer->triangles.data(), triangle_bytes, bytes);
+  Append(findings.data(), findings.size(), bytes);
+  return bytes;
 }
 
 std::optional<Answer> ParseAnswer(std::span<const std::byte> bytes) {

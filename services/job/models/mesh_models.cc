@@ -1,6 +1,8 @@
 #include "services/job/models/mesh_models.h"
 
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <utility>
 #include <variant>
 
@@ -43,18 +45,21 @@ void Diagnose(const MethodInput& input, const FileBytes& bytes,
 }  // namespace
 
 Result<mesh::TriangleMesh> PlaceMesh(const MethodInput& input, const FileBytes& file,
-                                     const ReadLimits& limits) {
+                                     const ReadLimits& limits, Warnings& warnings) {
   const std::string& name = input.model.file();
   mesh::ImportOptions options = limits.meshes;
   options.objects.assign(input.model.objects().begin(), input.model.objects().end());
   const auto imported = INTAGLIO_TRY(limits.read_mesh(
       file, std::filesystem::path(name).extension().string(), options, name));
+  std::ranges::move(
+      WarningsOf(std::filesystem::path(name).filename().string(), imported.findings),
+      std::back_inserter(warnings));
   return mesh::PlaceInBlock(imported, input.placement, input.block_size_mm);
 }
 
 MadePoints MakeMesh(const Method& method, const MethodInput& input, const FileBytes& file,
                     const ReadLimits& limits, JobSources& made) {
-  auto placed = INTAGLIO_TRY(PlaceMesh(input, file, limits));
+  auto placed = INTAGLIO_TRY(PlaceMesh(input, file, limits, made.warnings));
   INTAGLIO_TRY(CheckSize(input, placed.Bounds().size_mm(), made.warnings));
   Diagnose(input, file, placed, made);
   return std::get<MeshMaker>(MakerOf(method).make)(input, std::move(placed));

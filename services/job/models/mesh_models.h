@@ -13,9 +13,10 @@
 
 namespace intaglio {
 
-/// The mesh in its block. Errors name the model's file.
+/// The mesh in its block. Errors name the model's file; what its reader met and did not
+/// obey is added to `warnings`.
 Result<mesh::TriangleMesh> PlaceMesh(const MethodInput& input, const FileBytes& file,
-                                     const ReadLimits& limits);
+                                     const ReadLimits& limits, Warnings& warnings);
 
 /// Its diagnosis and its warnings are added to `made`. A mesh whose bounding box cannot
 /// be engraved (plausible_size.h) is refused before anything is made of it.

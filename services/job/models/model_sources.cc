@@ -230,7 +230,7 @@ class Maker {
     }
     if (purpose_ == Purpose::kPoints)
       return MakeMesh(method, input, file, limits_, made_);
-    const auto placed = INTAGLIO_TRY(PlaceMesh(input, file, limits_));
+    const auto placed = INTAGLIO_TRY(PlaceMesh(input, file, limits_, made_.warnings));
     const Box3 box = placed.Bounds();
     discretize::SpacedCloud corners;
     corners.Add(box.min_mm, 0);
@@ -309,7 +309,7 @@ Result<std::vector<FileBytes>> ReadFilesOf(const JobSpec& job, const ReadLimits&
 }
 
 Result<mesh::TriangleMesh> PlacedMeshOf(const JobSpec& job, const Model& model,
-                                        const ReadLimits& limits) {
+                                        const ReadLimits& limits, Warnings& warnings) {
   const auto text = io::ReadWholeFile(model.file(), limits.max_file_bytes);
   if (!text) return tl::unexpected(WithRemedy(text.error(), limits));
   const auto bytes = std::as_bytes(std::span(*text));
@@ -321,7 +321,7 @@ Result<mesh::TriangleMesh> PlacedMeshOf(const JobSpec& job, const Model& model,
       PlacementOf(model.placement(), block, DeclaredUpOf(model, file)),
       Vec3Of(block.size_mm()),
       {}};
-  auto placed = PlaceMesh(input, file, limits);
+  auto placed = PlaceMesh(input, file, limits, warnings);
   if (!placed) return tl::unexpected(WithRemedy(placed.error(), limits));
   return placed;
 }

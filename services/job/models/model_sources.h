@@ -45,9 +45,10 @@ discretize::CloudOptions CloudOptionsOf(const JobSpec& job);
 Result<std::vector<FileBytes>> ReadFilesOf(const JobSpec& job, const ReadLimits& limits);
 
 /// The mesh of a model of that kind in its block, read from this machine's disks; errors
-/// with the way to raise the limits. `job` with its defaults filled in.
+/// with the way to raise the limits. What its reader met and did not obey is added to
+/// `warnings`. `job` with its defaults filled in.
 Result<mesh::TriangleMesh> PlacedMeshOf(const JobSpec& job, const Model& model,
-                                        const ReadLimits& limits);
+                                        const ReadLimits& limits, Warnings& warnings);
 
 /// The extents of the placed models with their copies, mm, one a model, read from this
 /// machine's disks; nothing is made of meshes. `job` with its defaults filled in, and a

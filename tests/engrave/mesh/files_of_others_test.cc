@@ -8,7 +8,9 @@
 #include <Eigen/Geometry>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
+#include <vector>
 
 #include "engrave/mesh/files/polygon.h"
 #include "tests/engrave/mesh/mesh_file.h"
@@ -17,7 +19,10 @@
 namespace intaglio::mesh {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 const std::string kFolder = INTAGLIO_SOURCE_DIR "/tests/data/kinds/";
 
@@ -64,6 +69,63 @@ TEST(MeshesOfOthers, WhatCannotBeReadRightIsRefusedByName) {
     EXPECT_THAT(mesh.error().message, HasSubstr(name));
     EXPECT_THAT(mesh.error().message, HasSubstr(file));
   }
+}
+
+std::vector<std::string> WarnedOf(const ImportedMesh& mesh) {
+  std::vector<std::string> texts;
+  for (const Warning& warning : WarningsOf("m", mesh.findings)) {
+    if (warning.weight == WarningWeight::kWarning) texts.push_back(warning.text);
+  }
+  return texts;
+}
+
+Result<ImportedMesh> Read(const std::string& text, std::string_view extension) {
+  return ImportMeshFromMemory(std::as_bytes(std::span(text)), extension);
+}
+
+TEST(MeshesOfOthers, APoseThatIsNotObeyedIsWarnedOf) {
+  const auto skin = ImportMesh(kFolder + "skin.glb");
+  const auto morph = ImportMesh(kFolder + "morph.glb");
+  ASSERT_TRUE(skin && morph);
+  EXPECT_THAT(WarnedOf(*skin),
+              ElementsAre(HasSubstr("1 x skin (mesh meshes[0]): not obeyed")));
+  EXPECT_THAT(WarnedOf(*morph), ElementsAre(HasSubstr("1 x morph target")));
+  // Without a weight a target changes nothing, and that is no warning.
+  std::ifstream file(kFolder + "morph.glb");
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  text.replace(text.find("\"weights\": [1]") + 12, 1, "0");
+  const auto unchanged = Read(text, "glb");
+  ASSERT_TRUE(unchanged) << unchanged.error().message;
+  EXPECT_THAT(WarnedOf(*unchanged), IsEmpty());
+  EXPECT_EQ(unchanged->findings.CountOf("morph target without a weight"), 1u);
+  // A node may have the weights in the place of its mesh; the text keeps its length.
+  const auto replace = [&text](std::string_view old, std::string_view by) {
+    text.replace(text.find(old), old.size(), by);
+  };
+  replace(", \"weights\": [0]", "");
+  replace("{\"mesh\": 0}", "{\"mesh\":0,\"weights\":[5]}   ");
+  const auto of_node = Read(text, "glb");
+  ASSERT_TRUE(of_node) << of_node.error().message;
+  EXPECT_THAT(WarnedOf(*of_node), ElementsAre(HasSubstr("1 x morph target")));
+}
+
+TEST(MeshesOfOthers, VerticesOfNoFaceAreWarnedOf) {
+  const std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nv 6 6 6\nf 1 2 3\n";
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+      "end_header\n0 0 0\n1 0 0\n0 1 0\n5 5 5\n6 6 6\n3 0 1 2\n";
+  for (const auto& mesh : {Read(obj, "obj"), Read(ply, "ply")}) {
+    ASSERT_TRUE(mesh) << mesh.error().message;
+    EXPECT_EQ(mesh->vertices.size(), 3u);
+    EXPECT_THAT(WarnedOf(*mesh),
+                ElementsAre(AllOf(HasSubstr("2 x vertex that belongs to no face"),
+                                  HasSubstr("vertex 4 of 5"))));
+  }
+  const auto line = Read("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nl 1 2\n", "obj");
+  ASSERT_TRUE(line);
+  EXPECT_THAT(WarnedOf(*line), ElementsAre(HasSubstr("1 x l (line 5): left out")));
+  EXPECT_THAT(WarnedOf(*ImportMesh(kFolder + "notch.obj")), IsEmpty());
 }
 
 // The other scene.bin of the working directory would make another model.

@@ -10,7 +10,7 @@
 
 namespace intaglio::mesh {
 
-inline Result<TriangleMesh> ImportMesh(const std::filesystem::path& file) {
+inline Result<ImportedMesh> ImportMesh(const std::filesystem::path& file) {
   const auto bytes = io::ReadWholeFile(file, ImportOptions().max_file_bytes);
   if (!bytes) return tl::unexpected(bytes.error());
   return ImportMeshFromMemory(std::as_bytes(std::span(*bytes)), file.extension().string(),

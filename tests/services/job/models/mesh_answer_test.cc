@@ -38,20 +38,47 @@ TEST(MeshAnswer, LiesAsItsHeaderStates) {
   mesh.vertices = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {10, 11, 12}};
   mesh.triangles = {{0, 1, 2}, {3, 2, 1}};
   const auto bytes = EncodeAnswer(mesh);
-  ASSERT_EQ(bytes.size(), 32u + 4 * 24 + 2 * 12);
-  EXPECT_EQ(std::memcmp(bytes.data(), "IMESH1\0\0", 8), 0);
+  ASSERT_EQ(bytes.size(), 48u + 4 * 24 + 2 * 12);
+  EXPECT_EQ(std::memcmp(bytes.data(), "IMESH2\0\0", 8), 0);
   EXPECT_EQ(At<std::uint64_t>(bytes, 8), 0u);
   EXPECT_EQ(At<std::uint64_t>(bytes, 16), 4u);
   EXPECT_EQ(At<std::uint64_t>(bytes, 24), 2u);
-  EXPECT_EQ(At<double>(bytes, 32 + 24 + 8), 5);
-  EXPECT_EQ(At<std::uint32_t>(bytes, 32 + 4 * 24 + 12), 3u);
+  EXPECT_EQ(At<double>(bytes, 48 + 24 + 8), 5);
+  EXPECT_EQ(At<std::uint32_t>(bytes, 48 + 4 * 24 + 12), 3u);
 
   const auto error = EncodeAnswer(Fail(ErrorCode::kTooLarge, "sentence", "12"));
-  ASSERT_EQ(error.size(), 32u + 8 + 2);
+  ASSERT_EQ(error.size(), 48u + 8 + 2);
   EXPECT_EQ(At<std::uint64_t>(error, 8), 7u);
   EXPECT_EQ(At<std::uint64_t>(error, 16), 8u);
   EXPECT_EQ(At<std::uint64_t>(error, 24), 2u);
-  EXPECT_EQ(std::memcmp(error.data() + 32, "sentence12", 10), 0);
+  EXPECT_EQ(std::memcmp(error.data() + 48, "sentence12", 10), 0);
+}
+
+/// With two findings and the unit of its file.
+mesh::ImportedMesh OfAFile() {
+  mesh::ImportedMesh mesh(mesh::BoxMesh(Vec3(1, 2, 3)));
+  mesh.declared_unit_mm = 25.4;
+  mesh.findings.Add({.what = "skin",
+                     .where = "mesh of \xC3\xA4",
+                     .remedy = "apply it",
+                     .count = 3,
+                     .area_mm2 = 0.1,
+                     .effect = Effect::kChanged});
+  mesh.findings.Add({.what = "support",
+                     .where = "",
+                     .remedy = "",
+                     .count = 1,
+                     .effect = Effect::kNothingSeen});
+  return mesh;
+}
+
+TEST(MeshAnswer, CarriesTheFindingsOfTheReader) {
+  const mesh::ImportedMesh mesh = OfAFile();
+  const auto answer = ParseAnswer(EncodeAnswer(mesh));
+  ASSERT_TRUE(answer && *answer);
+  EXPECT_EQ((*answer)->findings, mesh.findings);
+  EXPECT_EQ((*answer)->declared_unit_mm, 25.4);
+  EXPECT_EQ((*answer)->triangles, mesh.triangles);
 }
 
 TEST(MeshAnswer, CarriesEveryError) {
@@ -67,7 +94,7 @@ TEST(MeshAnswer, CarriesEveryError) {
 
 TEST(MeshAnswer, NoPartOfOneIsOne) {
   for (const Answer& answer :
-       {Answer(mesh::BoxMesh(Vec3(1, 2, 3))), Answer(Fail(ErrorCode::kIo, "no", "1"))}) {
+       {Answer(OfAFile()), Answer(Fail(ErrorCode::kIo, "no", "1"))}) {
     auto bytes = EncodeAnswer(answer);
     for (std::size_t size = 0; size < bytes.size(); ++size) {
       EXPECT_FALSE(ParseAnswer(std::span(bytes.data(), size))) << size;
@@ -79,7 +106,7 @@ TEST(MeshAnswer, NoPartOfOneIsOne) {
 
 TEST(MeshAnswer, IsNotBelievedWhenItContradictsItself) {
   const auto good = EncodeAnswer(mesh::BoxMesh(Vec3(1, 2, 3)));
-  const std::size_t corners = 32 + 8 * 24;
+  const std::size_t corners = 48 + 8 * 24;
   const auto with = [&good](auto value, std::size_t offset) {
     auto bytes = good;
     Put(value, offset, bytes);
@@ -87,9 +114,10 @@ TEST(MeshAnswer, IsNotBelievedWhenItContradictsItself) {
   };
   EXPECT_TRUE(with(std::uint32_t{7}, corners));
   EXPECT_FALSE(with(std::uint32_t{8}, corners)) << "a corner that is no vertex";
-  EXPECT_FALSE(with(std::numeric_limits<double>::quiet_NaN(), 32)) << "no place";
-  EXPECT_FALSE(with('2', 5)) << "another version";
+  EXPECT_FALSE(with(std::numeric_limits<double>::quiet_NaN(), 48)) << "no place";
+  EXPECT_FALSE(with('1', 5)) << "another version";
   EXPECT_FALSE(with(std::uint64_t{15}, 8)) << "an error that there is not";
+  EXPECT_FALSE(with(~std::uint64_t{0}, 32)) << "more findings than there are";
   EXPECT_FALSE(with(~std::uint64_t{0}, 16)) << "more than there is";
   // So many that their bytes come round to what is there.
   EXPECT_FALSE(with(std::uint64_t{8} + (std::uint64_t{1} << 61), 16));
