@@ -17,6 +17,11 @@ constexpr MarkDriverKind kMarkKinds[] = {
 
 }  // namespace
 
+Status MarkDriver::Hold() {
+  return Fail(ErrorCode::kUnsupported,
+              "this controller cannot rest within a mark: stop the run");
+}
+
 std::span<const MarkDriverKind> MarkDriverKinds() { return kMarkKinds; }
 
 Result<std::unique_ptr<MarkDriver>> MakeMarkDriver(const MachineSpec& machine) {

@@ -13,7 +13,8 @@
 //       it is done.
 //   K2  The beam is on, or the tool turns, only within marks of a run of this session,
 //       and only while it is permitted: Permit(true) is repeated by the host; without it
-//       for 250 ms the controller (not the host) ends the beam.
+//       for 250 ms the controller (not the host) ends the beam. A machine that can_hold
+//       rests then as K11 says, and ends tool and run after kMaxHold.
 //   K3  A mark that was appended once is made at most once, whatever is repeated on the
 //       line. kBegun comes before anything of it can be made, kDone after all of it was
 //       made, each once and in order. kBroken ends a mark that was begun and not ended.
@@ -36,8 +37,13 @@
 //       beam lights, and nothing moves or is unlocked, before Reset and a new run.
 //   K10 Where the controller may not know where its tool is, place_lost says so, and no
 //       run begins, until a person has homed it or has set its zero.
+//   K11 A machine that can_hold rests by Hold behind what it was sent, at most kHoldTime
+//       of motion: its tool goes on turning, and the mark in hand neither ends nor
+//       breaks. The next Permit(true) goes on with it, and all else of K2 to K10 holds
+//       meanwhile. Every other machine refuses Hold, and nothing of it is done.
 // Not thread-safe.
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -57,6 +63,10 @@
 namespace intaglio::drivers {
 
 inline constexpr std::size_t kRememberedMarks = 1024;
+/// Of motion that was sent when a machine is held.
+inline constexpr std::chrono::milliseconds kHoldTime{300};
+/// A tool that turns and rests in the work is ended behind this.
+inline constexpr std::chrono::milliseconds kMaxHold{2000};
 
 /// In the order in which a mark goes through them.
 enum class MarkFate : std::uint8_t {
@@ -90,6 +100,9 @@ struct MarkDeviceState {
   /// watch it before; never empty while the line is up.
   std::string power_up;
   bool remembers_marks = false;
+  /// It can rest within a mark without harm to the piece: a spindle, which goes on
+  /// turning, and a virtual machine in lockstep, whose time waits. A beam burns a hole.
+  bool can_hold = false;
 
   bool key_on = false, door_closed = false, stop_released = false;
   /// While it is permitted, also before a run. Of a mill: the spindle may turn.
@@ -133,6 +146,9 @@ class MarkDriver {
 
   /// Repeated by the host at least every 50 ms while it may mark; false ends the beam.
   virtual Status Permit(bool permitted) = 0;
+  /// The permission of the host itself is late: the run rests until it comes. Refused
+  /// without a run, and by a machine that cannot.
+  virtual Status Hold();
   /// A new run of the marks of these pens, `run` greater than all before. Refused while
   /// !settled, or with a fault.
   virtual Status Begin(std::uint32_t run, std::span<const mark::Pen> pens) = 0;

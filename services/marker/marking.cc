@@ -16,6 +16,9 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr auto kStopPeriod = 500ms;
+constexpr char kLate[] =
+    "the permission of the job service is late: this computer is too busy, or its job "
+    "service is gone; the job continues when it comes";
 
 double LongestMarkS(const mark::MarkSet& set) {
   double longest_s = 0;
@@ -141,6 +144,7 @@ std::string Marking::Question() const {
 void Marking::SendPermit(std::chrono::nanoseconds now) {
   const bool may =
       phase_ == Phase::kOpening || phase_ == Phase::kRunning || phase_ == Phase::kPausing;
+  if (held_) return;
   if (may == permitted_ && (!may || now < permit_at_)) return;
   if (!driver_.state().link_up || !driver_.Permit(may)) return;
   permitted_ = may;
@@ -262,13 +266,27 @@ void Marking::Open(const GrantInputs& inputs) {
   pause_sent_ = false;
 }
 
+bool Marking::HoldsForLatePermission(const GrantInputs& inputs) {
+  const bool held = std::exchange(held_, false);
+  if (inputs.permission_fresh || !driver_.state().can_hold) return false;
+  GrantInputs permitted = inputs;
+  permitted.permission_fresh = permitted.permission_granted = true;
+  if (WhatIsMissing(permitted, true) != Missing::kNothing) return false;
+  held_ = held || driver_.Hold().has_value();
+  if (held_) message_ = kLate;
+  return held_;
+}
+
 void Marking::Run(const GrantInputs& inputs) {
   if (stopping_) return Halt(Missing::kNothing, message_, false, inputs.now);
   if (driver_.state().session != run_.session()) {
     return Halt(Missing::kLaserLine, TextFor(Missing::kLaserLine), true, inputs.now);
   }
+  if (HoldsForLatePermission(inputs)) return;
   const bool withdrawn = inputs.permission_fresh && !inputs.permission_granted;
   const Missing missing = WhatIsMissing(inputs, !withdrawn);
+  if (missing == Missing::kPermission && !inputs.permission_fresh)
+    return Halt(missing, kLate, false, inputs.now);
   if (missing != Missing::kNothing) {
     return Halt(missing, TextFor(missing), missing != Missing::kPermission, inputs.now);
   }
@@ -297,9 +315,9 @@ void Marking::Pause(const GrantInputs& inputs) {
   if (driver_.state().session != run_.session()) {
     return Halt(Missing::kLaserLine, TextFor(Missing::kLaserLine), true, inputs.now);
   }
-  if (!inputs.permission_fresh) {
-    return Halt(Missing::kPermission, TextOf(Missing::kPermission), false, inputs.now);
-  }
+  if (HoldsForLatePermission(inputs)) return;
+  if (!inputs.permission_fresh)
+    return Halt(Missing::kPermission, kLate, false, inputs.now);
   const Missing missing = WhatIsMissing(inputs, false);
   if (missing != Missing::kNothing)
     return Halt(missing, TextFor(missing), true, inputs.now);
@@ -313,6 +331,7 @@ void Marking::Halt(Missing missing, const std::string& text, bool fault,
                    std::chrono::nanoseconds now) {
   (void)driver_.Stop();
   stop_again_at_ = now + kStopPeriod;
+  held_ = false;
   run_.End();
   Explain(text, cell::IsLostLine(missing, false), fault);
   phase_ = Phase::kHalting;

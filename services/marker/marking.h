@@ -12,6 +12,10 @@
 //                                                   hand is ended first
 //   kDone: nothing is open, or it was stopped
 //
+// A permission that is late, not withdrawn, lets a machine that can_hold rest within the
+// mark in hand, and the run goes on when it comes; any other machine halts, and that mark
+// is uncertain.
+//
 // Nothing is handed to the driver whose intent is not on disk, and none while a link of
 // the permission chain is missing. A mark that was begun and not ended is uncertain, as
 // is one of which neither event nor memory tells: neither is made again without a
@@ -89,6 +93,8 @@ class Marking final : public cell::WorkStates {
   void Open(const cell::GrantInputs& inputs);
   void Run(const cell::GrantInputs& inputs);
   void Pause(const cell::GrantInputs& inputs);
+  /// Whether the run rests, because nothing but a fresh permission is missing.
+  bool HoldsForLatePermission(const cell::GrantInputs& inputs);
   void Settle(const cell::GrantInputs& inputs);
 
   cell::Missing WhatIsMissing(const cell::GrantInputs& inputs,
@@ -108,6 +114,7 @@ class Marking final : public cell::WorkStates {
   Phase phase_ = Phase::kWaiting;
   bool permitted_ = false;
   bool pause_sent_ = false;
+  bool held_ = false;  ///< no permission is passed on
   std::chrono::nanoseconds permit_at_{0}, opening_since_{0}, stop_again_at_{0},
       stopping_since_{-1}, moved_at_{0};
 };

@@ -46,6 +46,7 @@ void GalvoDriver::Poll() {
   identified_now_ = false;
   if (!session_.up()) refusal_.clear();
   UpdateState();
+  if (permit_due_ && identified_ && session_.CanSend()) (void)Permit(true);
   if (active_ && state_.link_up) Pump();
 }
 
@@ -82,8 +83,10 @@ void GalvoDriver::BeginSession() {
   identified_ = identified_now_ = true;
   statuses_ = 0;
   drops_sent_ = 0;
+  permit_due_ = false;
   ++state_.session;
   state_.power_up = link::HeadPowerUpText(identity_.serial_number, identity_.power_up);
+  state_.can_hold = identity_.lockstep;
   state_.remembers_marks = identity_.remembered_marks >= kRememberedMarks;
   player_.SetRate(identity_.rate_hz);
   player_.tracker().Forget();
@@ -171,7 +174,7 @@ void GalvoDriver::EndRun(const std::string& fault) {
   open_.clear();
   waiting_.clear();
   announced_ = taken_ = 0;
-  active_ = finishing_ = finish_sent_ = ending_ = pausing_ = false;
+  active_ = finishing_ = finish_sent_ = ending_ = pausing_ = held_ = false;
   if (fault_.empty()) fault_ = fault;
 }
 
@@ -205,14 +208,26 @@ Status GalvoDriver::SendDrop(HeadFrame type, const link::Bytes& payload) {
 Status GalvoDriver::Permit(bool permitted) {
   const link::Bytes payload = Encode(link::HeadPermit{permitted});
   if (permitted) {
+    held_ = false;
     // The line is for blocks, however often the host repeats it.
     if (state_.shutter_open && clock_() - permitted_at_ < kPermitPeriod) return {};
+    // Blocks would take each place that becomes free before the next turn of the host.
+    permit_due_ = identified_ && !session_.CanSend();
+    if (permit_due_) return {};
     permitted_at_ = clock_();
     return SendFrame(HeadFrame::kHeadPermit, payload);
   }
   ending_ = active_;
+  permit_due_ = false;
   permitted_at_ = {};
   return SendDrop(HeadFrame::kHeadPermit, payload);
+}
+
+Status GalvoDriver::Hold() {
+  if (!identity_.lockstep) return MarkDriver::Hold();
+  if (!active_ || ending_) return Fail(ErrorCode::kRefused, "there is no run to hold");
+  held_ = true;
+  return {};
 }
 
 Status GalvoDriver::Begin(std::uint32_t run, std::span<const mark::Pen> pens) {
@@ -267,6 +282,7 @@ Status GalvoDriver::Pause() {
 
 Status GalvoDriver::Stop() {
   ending_ = active_;
+  permit_due_ = false;
   return SendDrop(HeadFrame::kHeadStop);
 }
 

@@ -8,6 +8,8 @@
 // end as kNotBegun: the controller dropped it before its beginning, and says so.
 // On a web a mark is made when its places are in the field; when it has left the field
 // before, the run stops with a fault that names the mark.
+//
+// K11: a controller in lockstep can_hold: no ticks are sent, so its time does not pass.
 
 #include <chrono>
 #include <deque>
@@ -42,6 +44,7 @@ class GalvoDriver final : public MarkDriver {
   const MarkDeviceState& state() const override { return state_; }
   std::vector<MarkEvent> TakeEvents() override;
   Status Permit(bool permitted) override;
+  Status Hold() override;
   Status Begin(std::uint32_t run, std::span<const mark::Pen> pens) override;
   std::size_t Room() const override;
   Status Append(const NumberedMark& mark) override;
@@ -85,6 +88,7 @@ class GalvoDriver final : public MarkDriver {
   link::HeadStatus status_;
   std::uint64_t statuses_ = 0;
   std::chrono::nanoseconds status_at_{0}, permitted_at_{0};
+  bool permit_due_ = false;  // the line was full of blocks
   std::uint32_t drops_sent_ = 0;
   std::uint32_t credit_ = 0;  // ticks, of the newest status
   std::vector<MarkEvent> events_;
@@ -93,6 +97,7 @@ class GalvoDriver final : public MarkDriver {
   bool finishing_ = false;  // Finish was called
   bool finish_sent_ = false;
   bool ending_ = false;   // Stop, or a fault of its own
+  bool held_ = false;     // no ticks are sent before the next permission
   bool pausing_ = false;  // the ticks of the mark in hand are still sent
   std::uint32_t run_ = 0;
   std::deque<NumberedMark> waiting_;  // the first announced_ of them with kBegun

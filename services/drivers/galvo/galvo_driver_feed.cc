@@ -44,6 +44,7 @@ std::uint64_t GalvoDriver::TickNow() const {
 }
 
 void GalvoDriver::Pump() {
+  if (held_) return;
   if (!ending_ && !pausing_) Announce();
   while (!ending_ && SendNext()) {
   }

@@ -90,14 +90,22 @@ std::vector<MarkEvent> GrblCourseDriver::TakeEvents() {
 Status GrblCourseDriver::Permit(bool permitted) {
   if (permitted) {
     permit_at_ = now();
+    held_ = false;
     return {};
   }
   permit_at_.reset();
   return run_ ? Stop() : Status();
 }
 
-bool GrblCourseDriver::permitted() const {
-  return permit_at_ && now() - *permit_at_ <= kPermission;
+bool GrblCourseDriver::is_permitted_for(std::chrono::milliseconds lease) const {
+  return permit_at_ && now() - *permit_at_ <= lease;
+}
+
+Status GrblCourseDriver::Hold() {
+  if (!spindle()) return MarkDriver::Hold();
+  if (!run_ || stopping_) return RefuseCourse("there is no run to hold");
+  held_ = true;
+  return {};
 }
 
 Status GrblCourseDriver::Begin(std::uint32_t run, std::span<const mark::Pen> pens) {
@@ -204,9 +212,10 @@ void GrblCourseDriver::Report() {
   }
   state_.place_lost = line_.place_is_lost() ? WhyPlaceIsLost() : "";
   state_.work_offset_mm = line_.work_offset_mm();
+  state_.can_hold = spindle();
   // There is no shutter: the permission is what lets beam and spindle on.
   state_.shutter_open =
-      state_.link_up && permitted() && !stopping_ && state_.fault.empty();
+      state_.link_up && may_be_on() && !stopping_ && state_.fault.empty();
   state_.at_rest = !run_ && in_flight_.empty() && grbl_.at_rest();
   const bool ready = line_.takes_lines() || !state_.fault.empty();
   state_.settled = state_.link_up && ready && !run_ && !stopping_ && !unsettled_;

@@ -21,7 +21,11 @@
 //    that is kAhead_s of motion at the speed that was asked for, and one line; a
 //    controller that reaches less takes as much longer. Then a laser is dark (M4 mode),
 //    and a spindle still turns (M3) until the line comes back: an external gate has to
-//    end it. A permission that is withdrawn or runs out while the host lives is a Stop.
+//    end it. A permission that is withdrawn while the host lives is a Stop, and so is
+//    one of a laser that runs out.
+//  - K11, of a spindle: no line is sent, so the tool rests behind kAhead_s and a piece. A
+//    feed hold ('!') would need '~' to go on, which would also undo the hold of a person
+//    at the controller.
 //  - K4, Stop: feed hold, and the reset (0x18, which ends beam and spindle) when it is at
 //    rest, or after kBraking. A reset in motion may lose the position (ALARM:3).
 //  - K6: it remembers no mark. What this object has seen is answered, else kUncertain:
@@ -69,6 +73,7 @@ class GrblCourseDriver final : public MarkDriver {
   HandMotion* hand() override { return &hand_motion_; }
   std::vector<MarkEvent> TakeEvents() override;
   Status Permit(bool permitted) override;
+  Status Hold() override;
   Status Begin(std::uint32_t run, std::span<const mark::Pen> pens) override;
   std::size_t Room() const override;
   Status Append(const NumberedMark& mark) override;
@@ -101,7 +106,11 @@ class GrblCourseDriver final : public MarkDriver {
   void Executed(int blocks);
 
   void CheckPermission();
-  bool permitted() const;
+  /// Whether the newest permission is not older than `lease`.
+  bool is_permitted_for(std::chrono::milliseconds lease) const;
+  bool may_feed() const { return !held_ && is_permitted_for(kPermission); }
+  /// Beam or spindle may be on.
+  bool may_be_on() const { return is_permitted_for(spindle() ? kMaxHold : kPermission); }
   void Feed();
   void FeedMark();
   bool Send(const CourseLine& line, InFlight kind);
@@ -150,6 +159,7 @@ class GrblCourseDriver final : public MarkDriver {
   bool unsettled_ = false;  ///< the line was lost: what the controller holds is made
 
   std::optional<std::chrono::nanoseconds> permit_at_;
+  bool held_ = false;  ///< nothing is sent before the next permission
   bool stopping_ = false, stop_reset_ = false, recovers_ = false;
   std::chrono::nanoseconds stop_at_{0}, status_at_{0};
 };

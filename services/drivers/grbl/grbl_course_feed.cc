@@ -135,12 +135,12 @@ void GrblCourseDriver::EndRun() {
   program_.Drop();
   in_flight_.clear();
   run_.reset();
-  turns_ = finishes_ = run_ends_ = false;
+  turns_ = finishes_ = run_ends_ = held_ = false;
 }
 
 void GrblCourseDriver::CheckPermission() {
   const bool sends = stage_ == Hand::kSending || stage_ == Hand::kEnding || turns_;
-  if (run_ && sends && !stopping_ && !permitted()) BeginStop();
+  if (run_ && sends && !stopping_ && !may_be_on()) BeginStop();
 }
 
 double GrblCourseDriver::AheadSeconds() const {
@@ -158,7 +158,7 @@ bool GrblCourseDriver::Send(const CourseLine& line, InFlight kind) {
 }
 
 void GrblCourseDriver::Feed() {
-  if (!run_ || !permitted() || !line_.takes_lines()) return;
+  if (!run_ || !may_feed() || !line_.takes_lines()) return;
   if (hand_) return FeedMark();
   if (!queue_.empty()) {
     hand_ = std::move(queue_.front());

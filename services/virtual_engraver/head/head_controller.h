@@ -44,7 +44,7 @@ class HeadController {
   void Pause();
   void Stop();
   void Reset();
-  /// Closes the shutter when the permission is too old.
+  /// Closes the shutter when the permission is too old; never in lockstep.
   void Watch(std::chrono::nanoseconds now);
 
   void SetKey(bool on) { Set(key_on_, on); }

@@ -1,7 +1,6 @@
 #include "tests/integration/course/course_shop.h"
 
 #include <gtest/gtest.h>
-#include <signal.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -135,11 +134,11 @@ std::size_t CourseShop::Lapses() const {
   return count;
 }
 
-int CourseShop::Kill(const std::string& service) const {
-  int killed = 0;
+int CourseShop::Signal(const std::string& service, int signal) const {
+  int sent = 0;
   for (const pid_t process : ProcessesWith({"/" + service, tag_}))
-    killed += kill(process, SIGKILL) == 0;
-  return killed;
+    sent += kill(process, signal) == 0;
+  return sent;
 }
 
 fs::path CourseShop::JobFolder() const {

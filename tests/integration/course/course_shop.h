@@ -3,6 +3,8 @@
 // A shop whose machine is a mill or a laser cutter on a virtual grbl, as processes. The
 // controller runs on beside the shop, as a machine does.
 
+#include <signal.h>
+
 #include <chrono>
 #include <filesystem>
 #include <memory>
@@ -52,8 +54,9 @@ class CourseShop {
   /// time the contour in hand was ended.
   std::size_t Lapses() const;
 
-  /// SIGKILL; how many there were.
-  int Kill(const std::string& service) const;
+  /// To its processes; how many there were.
+  int Signal(const std::string& service, int signal) const;
+  int Kill(const std::string& service) const { return Signal(service, SIGKILL); }
   /// A line at the controller's panel (virtual_grbl_main.cc).
   void AtPanel(const std::string& command) const;
 

@@ -35,8 +35,14 @@ class FakeHead final : public drivers::MarkDriver {
   Status Permit(bool permitted) override {
     if (!state_.link_up) return Down();
     permitted_ = permitted;
+    held_ = held_ && !permitted;
     state_.shutter_open = permitted && opens_shutter;
     if (!permitted) Break("");
+    return {};
+  }
+  Status Hold() override {
+    if (!state_.can_hold) return MarkDriver::Hold();
+    held_ = true;
     return {};
   }
   Status Begin(std::uint32_t run, std::span<const mark::Pen>) override {
@@ -94,7 +100,7 @@ class FakeHead final : public drivers::MarkDriver {
   /// The mark in hand ends, or the next one begins.
   void Step() {
     if (!state_.link_up && !runs_on_without_host) return;
-    if (!active_ || !permitted_) return;
+    if (!active_ || !permitted_ || held_) return;
     if (in_hand_) {
       made[*in_hand_]++;
       Note(*in_hand_, MarkFate::kDone);
@@ -109,6 +115,7 @@ class FakeHead final : public drivers::MarkDriver {
     Update();
   }
   bool at_work() const { return in_hand_.has_value(); }
+  bool held() const { return held_; }
   /// The beam ends by the controller's own means.
   void Break(const std::string& fault) {
     if (in_hand_) Note(*in_hand_, MarkFate::kBroken);
@@ -159,7 +166,7 @@ class FakeHead final : public drivers::MarkDriver {
   void EndRun() {
     for (const std::uint32_t mark : std::exchange(queue_, {}))
       Note(mark, MarkFate::kNotBegun);
-    active_ = finishing_ = pausing_ = false;
+    active_ = finishing_ = pausing_ = held_ = false;
   }
   void Update() { state_.at_rest = state_.settled = !active_; }
 
@@ -168,7 +175,8 @@ class FakeHead final : public drivers::MarkDriver {
   std::deque<std::uint32_t> queue_;
   std::optional<std::uint32_t> in_hand_;
   std::uint32_t run_ = 0;
-  bool active_ = false, finishing_ = false, pausing_ = false, permitted_ = false;
+  bool active_ = false, finishing_ = false, pausing_ = false, permitted_ = false,
+       held_ = false;
 };
 
 }  // namespace intaglio::marker

@@ -181,6 +181,54 @@ TEST_F(MarkingTest, EndsTheBeamAtOnceWhenThePermissionGrowsOld) {
   for (const auto& [mark, times] : head_.begun) EXPECT_EQ(times, 1) << mark;
 }
 
+TEST_F(MarkingTest, AMachineThatCanRestHoldsForALatePermissionAndBreaksNothing) {
+  head_.state_.can_hold = true;
+  for (const bool in_a_pause : {false, true}) {
+    ASSERT_TRUE(TillMade(head_.made.size() + 3));
+    const std::size_t made = head_.made.size();
+    if (in_a_pause) {
+      inputs_.permission_granted = false;
+      Turn();
+    }
+    inputs_.permission_fresh = false;
+    EXPECT_FALSE(TurnUntil([&] { return head_.made.size() > made; }, 300));
+    EXPECT_TRUE(head_.held());
+    EXPECT_TRUE(head_.at_work());
+    EXPECT_THAT(marking_->message(), HasSubstr("permission of the job service is late"));
+    inputs_.permission_fresh = inputs_.permission_granted = true;
+  }
+  ASSERT_TRUE(ToItsEnd()) << marking_->message();
+  ExpectEachMadeOnce();
+  EXPECT_EQ(head_.stops, 0);
+}
+
+TEST_F(MarkingTest, AHoldEndsByWhatElseIsMissing) {
+  head_.state_.can_hold = true;
+  ASSERT_TRUE(TillMade(3));
+  inputs_.permission_fresh = false;
+  Turn();
+  ASSERT_TRUE(head_.held());
+  // The spindle was ended behind its longest rest.
+  head_.state_.shutter_open = false;
+  Turn();
+  EXPECT_FALSE(head_.at_work());
+  inputs_.permission_fresh = true;
+  ASSERT_TRUE(TillMade(6));
+  inputs_.permission_fresh = false;
+  Turn();
+  ASSERT_TRUE(head_.held());
+  head_.state_.door_closed = false;
+  ++head_.state_.openings;
+  Turn();
+  EXPECT_FALSE(head_.at_work());
+  head_.state_.door_closed = inputs_.permission_fresh = true;
+  EXPECT_FALSE(TurnUntil([&] { return head_.made.size() > 6; }, 100));
+  inputs_.grant.number = 2;
+  ASSERT_TRUE(ToItsEnd()) << marking_->message();
+  EXPECT_EQ(marking_->ledger().count(PointState::kUncertain), 2u);
+  for (const auto& [mark, times] : head_.begun) EXPECT_EQ(times, 1) << mark;
+}
+
 struct Opening {
   const char* name;
   void (*open)(FakeHead& head, cell::GrantInputs& inputs);

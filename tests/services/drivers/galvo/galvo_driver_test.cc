@@ -272,5 +272,55 @@ TEST(ScanHeadProfile, WhatIsMissingIsNamed) {
   EXPECT_THAT(CheckScanHead(machine)[0].message, HasSubstr("scan_head: is missing"));
 }
 
+/// Circles of an eighth of a second each; the first is made.
+class GalvoInLockstep : public ::testing::Test {
+ protected:
+  static constexpr std::uint32_t kCircles = 200;
+
+  void SetUp() override {
+    ASSERT_TRUE(bench_.Connect());
+    mark::MarkSet set{{mark::Pen{"pen", 200, 0.5, 20000, 1, 0, 0}}, {}};
+    for (std::uint32_t i = 0; i < kCircles; ++i)
+      set.marks.push_back(CircleMark(Vec2(10.0 * (i % 4), 0.5 * (i / 4)), 8));
+    bench_.Run(1, set);
+    ASSERT_TRUE(bench_.Until([&] { return bench_.Has(0, MarkFate::kDone); }));
+    bench_.permits = false;
+  }
+  void ExpectAllDone() {
+    ASSERT_TRUE(bench_.Until([&] { return bench_.state().settled; }))
+        << bench_.state().fault;
+    EXPECT_EQ(bench_.state().fault, "");
+    for (std::uint32_t mark = 0; mark < kCircles; ++mark)
+      EXPECT_TRUE(bench_.Has(mark, MarkFate::kDone)) << mark;
+  }
+  static virtual_engraver::HeadOptions Options() {
+    virtual_engraver::HeadOptions options = HeadTruthOf(HeadProfile());
+    options.lockstep = true;
+    return options;
+  }
+
+  HeadBench bench_{HeadProfile(), Options()};
+};
+
+// Wall time says nothing of a machine whose time waits for its host.
+TEST_F(GalvoInLockstep, APermissionThatIsLateByTheClockBreaksNoMark) {
+  ASSERT_FALSE(bench_.Until([] { return false; }, 0.3));
+  ASSERT_FALSE(bench_.state().settled) << "the run is too short for this test";
+  ExpectAllDone();
+}
+
+TEST_F(GalvoInLockstep, AHoldStopsItsTimeUntilThePermissionComes) {
+  ASSERT_TRUE(bench_.state().can_hold);
+  ASSERT_TRUE(bench_.driver().Hold());
+  // What was sent, 0.2 s of its time at most.
+  ASSERT_FALSE(bench_.Until([] { return false; }, 0.1));
+  const std::uint64_t burnt = bench_.burnt_ticks();
+  ASSERT_FALSE(bench_.Until([] { return false; }, 2));
+  EXPECT_EQ(bench_.burnt_ticks(), burnt);
+  EXPECT_FALSE(bench_.state().settled);
+  bench_.permits = true;
+  ExpectAllDone();
+}
+
 }  // namespace
 }  // namespace intaglio::drivers

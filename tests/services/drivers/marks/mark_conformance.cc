@@ -61,11 +61,43 @@ void WithoutPermissionItEndsByItself(const MarkRigMaker& make) {
   bench.RunIntoTheSecond(1);
   bench.rig().permits = false;
   bench.StepFor(kLapse + bench.rig().stop_time() + kReportTime);
+  if (bench.state().can_hold) {
+    const std::uint64_t worked = bench.rig().work_count();
+    bench.StepFor(kMaxHold - kLapse);
+    Expect(bench.LastOf(1, 1) == MarkFate::kBroken, "K2: the run is not ended");
+    Expect(bench.rig().work_count() == worked, "K2: it works without a permission");
+  }
   bench.ExpectStill(500ms, "K2: without a permission");
   bench.rig().permits = true;
   bench.ExpectStill(500ms, "K2: with a permission, but without a run");
   Expect(bench.Until([&] { return bench.state().settled; }), "K4: it does not settle");
   Expect(bench.LastOf(1, 3) != MarkFate::kDone, "K2: a mark was made");
+}
+
+void AHoldRestsWithinTheMarkInHand(const MarkRigMaker& make) {
+  MarkBench bench(make);
+  bench.Connect();
+  Expect(!bench.driver().Hold(), "K11: a hold is taken without a run");
+  bench.RunIntoTheSecond(1);
+  if (!bench.state().can_hold) {
+    Expect(!bench.driver().Hold(), "K11: a hold is taken, but it cannot");
+  } else {
+    const bool turns = bench.rig().is_on();
+    bench.rig().permits = false;
+    Expect(bench.driver().Hold(), "K11: Hold");
+    bench.StepFor(kHoldTime);
+    const std::uint64_t worked = bench.rig().work_count();
+    for (int i = 0; i < 1000; ++i) {
+      bench.rig().Step();
+      Expect(bench.rig().work_count() == worked, "K11: it works in a hold");
+      Expect(bench.rig().is_on() == turns, "K11: the tool is ended in a hold");
+    }
+    bench.rig().permits = true;
+  }
+  Expect(bench.Until([&] { return bench.state().settled; }, 30s),
+         "K11: the run does not end: " + bench.state().fault);
+  for (const std::uint32_t mark : {0U, 1U, 2U, 3U})
+    Expect(bench.LastOf(1, mark) == MarkFate::kDone, "K11: a mark is not done");
 }
 
 void StopEndsTheRun(const MarkRigMaker& make) {
@@ -241,6 +273,7 @@ std::vector<MarkCheck> AllChecks() {
       {"K5_pause", &APauseEndsBehindTheMarkInHand},
       {"K6_past", &ThePastIsKnownOrUncertain},
       {"K7_door", &AnOpenDoorEndsItAndIsCounted},
+      {"K11_hold", &AHoldRestsWithinTheMarkInHand},
       {"K8_another_controller", &AnotherControllerIsRefused},
   };
   for (const ControllerFault fault : kControllerFaults) {

@@ -21,6 +21,7 @@ class MarkWrapper : public MarkDriver {
   const MarkDeviceState& state() const override { return state_; }
   std::vector<MarkEvent> TakeEvents() override { return inner_->TakeEvents(); }
   Status Permit(bool permitted) override { return inner_->Permit(permitted); }
+  Status Hold() override { return inner_->Hold(); }
   Status Begin(std::uint32_t run, std::span<const mark::Pen> pens) override {
     return inner_->Begin(run, pens);
   }
@@ -107,6 +108,14 @@ struct DoesNotPause final : MarkWrapper {
   using MarkWrapper::MarkWrapper;
   Status Pause() override { return {}; }
 };
+struct GoesOnInAHold final : MarkWrapper {
+  using MarkWrapper::MarkWrapper;
+  Status Hold() override { return {}; }
+};
+struct BreaksInAHold final : MarkWrapper {
+  using MarkWrapper::MarkWrapper;
+  Status Hold() override { return inner_->Stop(); }
+};
 struct KnowsNoPast final : MarkWrapper {
   using MarkWrapper::MarkWrapper;
   Status RequestPast(std::uint32_t, std::uint32_t, std::uint32_t) override { return {}; }
@@ -140,6 +149,8 @@ constexpr std::array kFaults = {
     MarkFault{"reports_twice", "K3_order", &Plant<ReportsTwice>},
     MarkFault{"does_not_stop", "K4_stop", &Plant<DoesNotStop>},
     MarkFault{"does_not_pause", "K5_pause", &Plant<DoesNotPause>},
+    MarkFault{"goes_on_in_a_hold", "K11_hold", &Plant<GoesOnInAHold>},
+    MarkFault{"breaks_in_a_hold", "K11_hold", &Plant<BreaksInAHold>},
     MarkFault{"knows_no_past", "K6_past", &Plant<KnowsNoPast>},
     MarkFault{"counts_no_door", "K7_door", &Plant<CountsNoDoor>},
     MarkFault{"takes_marks_always", "K1_refusals", &Plant<TakesMarksAlways>},
