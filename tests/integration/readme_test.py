@@ -7,6 +7,7 @@ with small files of the names that it uses. What it writes is looked for.
 
 import argparse
 import base64
+import contextlib
 import os
 import pathlib
 import shutil
@@ -95,26 +96,29 @@ def run(line, folder, environment):
     return ended.stdout
 
 
-def open_and_close(line, folder, environment):
-    """A shop that stays open: until its services have answered, then it is closed."""
-    environment = dict(environment, INTAGLIO_TAG=f"readme-{os.getpid()}")
-    with open(folder / "up.txt", "w") as output:
-        shop = subprocess.Popen(["bash", "-c", "exec " + line], cwd=folder, env=environment,
-                                stdout=output, stderr=subprocess.STDOUT)
-    try:
+class Shop:
+    """A shop that stays open, from its line on to the end of the test."""
+
+    def __init__(self, line, folder, environment):
+        self.line = line
+        self.log = folder / "up.txt"
+        with open(self.log, "w") as output:
+            self.process = subprocess.Popen(["bash", "-c", "exec " + line], cwd=folder,
+                                            env=environment, stdout=output,
+                                            stderr=subprocess.STDOUT)
         deadline = time.monotonic() + PATIENCE_S
         while subprocess.run(["intaglio", "list"], env=environment, cwd=folder,
                              capture_output=True, check=False).returncode != 0:
-            if shop.poll() is not None or time.monotonic() > deadline:
-                sys.exit(f"{line}\nanswers nothing:\n{(folder / 'up.txt').read_text()}")
+            if self.process.poll() is not None or time.monotonic() > deadline:
+                self.close()
+                sys.exit(f"{line}\nanswers nothing:\n{self.log.read_text()}")
             time.sleep(0.2)
-        shop.send_signal(signal.SIGINT)
-        if shop.wait(PATIENCE_S) != 0:
-            sys.exit(f"{line}\nended with {shop.returncode}:\n{(folder / 'up.txt').read_text()}")
-    finally:
-        if shop.poll() is None:
-            shop.kill()
-            shop.wait()
+
+    def close(self):
+        self.process.send_signal(signal.SIGINT)
+        if self.process.wait(PATIENCE_S) != 0:
+            sys.exit(f"{self.line}\nended with {self.process.returncode}:\n"
+                     f"{self.log.read_text()}")
 
 
 def word_after(line, option):
@@ -145,18 +149,20 @@ def main():
     environment = dict(os.environ)
     environment["PATH"] = f"{options.intaglio.resolve().parent}:{environment['PATH']}"
     environment["INTAGLIO_MATERIALS_DB"] = str(folder / "materials.db")
+    environment["INTAGLIO_TAG"] = f"readme-{os.getpid()}"
     count = 0
-    for line in commands():
-        if line.startswith("PATH="):
-            continue  # the test's own programs
-        count += 1
-        began = time.monotonic()
-        if line.startswith("intaglio up"):
-            open_and_close(line.split("#")[0].strip(), folder, environment)
-        else:
-            run(line, folder, environment)
-            check_files(line, folder)
-        print(f"{time.monotonic() - began:6.1f} s  {line}", flush=True)
+    with contextlib.ExitStack() as shops:
+        for line in commands():
+            if line.startswith("PATH="):
+                continue  # the test's own programs
+            count += 1
+            began = time.monotonic()
+            if line.startswith("intaglio up"):
+                shops.callback(Shop(line.split("#")[0].strip(), folder, environment).close)
+            else:
+                run(line, folder, environment)
+                check_files(line, folder)
+            print(f"{time.monotonic() - began:6.1f} s  {line}", flush=True)
     if count < 10:
         sys.exit(f"README.md has {count} command lines: is its section another one?")
 

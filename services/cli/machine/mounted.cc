@@ -13,7 +13,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kVirtualGlass = "N-BK7";
-const Vec3 kVirtualBlockMm = Vec3::Constant(100);
+// That of the supplied sample, so that it can be engraved in a new shop as it is.
+const Vec3 kVirtualBlockMm(50, 50, 30);
 
 /// kNotFound: there is no such lens.
 Status MountLens(const std::string& name, const MachineSpec& machine,
@@ -61,7 +62,7 @@ void AddFlagsWith(command_line::Command command, const char* glass_option,
                              "one{}",
                              *default_text == 0 ? ""
                                                 : "; default of a virtual machine "
-                                                  "100 100 100"))
+                                                  "50 50 30"))
       .TakeValues(3)
       .Positive();
   const auto glass = command.AddOption(

@@ -32,7 +32,7 @@ void AddNamedMountFlags(command_line::Command command, MountFlags& flags);
 Result<MountedParts> NamedParts(const MountFlags& flags, const MachineSpec& machine,
                                 const std::filesystem::path& materials_db);
 
-/// Of a virtual machine everything is known, by default 100 x 100 x 100 mm of N-BK7 and
+/// Of a virtual machine everything is known, by default 50 x 50 x 30 mm of N-BK7 and
 /// the profile's first lens; of a real one what was given, and the profile's
 /// mounted_lens. A machine that makes marks has a piece, in words. kNotFound: no such
 /// lens in the profile, or no such glass in the material base; the error of ComputeOptics
@@ -41,7 +41,7 @@ Result<MountedParts> MountedOf(const MountFlags& flags, bool is_virtual,
                                const MachineSpec& machine,
                                const std::filesystem::path& materials_db);
 
-/// For people, e.g. "block in the machine: 100 x 100 x 100 mm (--block), N-BK7 of index
+/// For people, e.g. "block in the machine: 50 x 50 x 30 mm (--block), N-BK7 of index
 /// 1.51947 (--block-glass); lens f43: f 43 mm, NA 0.2 (--lens)".
 std::string MountedText(const MountedParts& mounted);
 

@@ -20,11 +20,11 @@ Result<MountedParts> MountedIn(bool is_virtual, const MountFlags& flags) {
 TEST(Mounted, OfAVirtualMachineEverythingIsKnown) {
   const auto mounted = MountedIn(true, {});
   ASSERT_TRUE(mounted);
-  EXPECT_EQ(*mounted->block_mm, Vec3(100, 100, 100));
+  EXPECT_EQ(*mounted->block_mm, Vec3(50, 50, 30));
   EXPECT_NEAR(*mounted->refractive_index, 1.51947, 1e-5);
   EXPECT_EQ(mounted->lens->focal_length_mm, 43);
   EXPECT_THAT(MountedText(*mounted),
-              AllOf(HasSubstr("100 x 100 x 100 mm"), HasSubstr("N-BK7 of index 1.51947"),
+              AllOf(HasSubstr("50 x 50 x 30 mm"), HasSubstr("N-BK7 of index 1.51947"),
                     HasSubstr("lens f43: f 43 mm, NA 0.0581")));
 }
 
@@ -73,7 +73,7 @@ TEST(Mounted, WhatIsNotNamedStays) {
   const MountedParts block = MergedParts(known, {.block_mm = Vec3(60, 30, 20)});
   EXPECT_EQ(TextOf(block), "60 x 30 x 20 N-BK7, f43");
   const MountedParts glass = MergedParts(known, {.refractive_index = 1.7});
-  EXPECT_EQ(TextOf(glass), "100 x 100 x 100 glass of index 1.7, f43");
+  EXPECT_EQ(TextOf(glass), "50 x 50 x 30 glass of index 1.7, f43");
 }
 
 }  // namespace
