@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <string>
 
 #include "services/cell/permission_chain.h"
 
@@ -19,6 +20,8 @@ struct GrantInputs {
   std::uint32_t first_point = 0;      ///< open points before it are left out
   /// With the grant: a person's consent to make uncertain points again (consent.h).
   bool fire_uncertain = false;
+  /// Why the zero of the machine refuses every arm; empty: it does not.
+  std::string zero_refusal = {};
 };
 
 }  // namespace intaglio::cell

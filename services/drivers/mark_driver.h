@@ -116,6 +116,9 @@ struct MarkDeviceState {
   std::string place_lost = {};
   /// Zero of the piece in the axes of the controller, mm; none: it keeps none.
   std::optional<Vec3> work_offset_mm = {};
+  /// Grows when they may count from another place than before, so that a zero of before
+  /// cannot be compared: the place was lost, and no switches find it again.
+  std::uint32_t axes_number = 0;
 
   /// Greatest run that this power-up has begun, of any job and host; 0: none, or the
   /// controller keeps no runs.

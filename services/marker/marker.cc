@@ -47,6 +47,7 @@ void Marker::Turn(std::chrono::nanoseconds now) {
   if (!marking_) (void)driver_->TakeEvents();
   ReceiveMarks();
   AcceptPrepared();
+  CheckZero();
   TurnByHand();
   task_.Turn();
   PublishInterlock();
@@ -63,6 +64,7 @@ void Marker::TurnByHand() {
 
 Status Marker::Begin(FrozenJob& job, const intaglio_StageTask& task) {
   INTAGLIO_TRY(CheckMarkTask(job, machine_));
+  INTAGLIO_TRY(zero_.Begin(job, task.take_up));
   if (task.take_up) {
     Prepare(std::nullopt);
     return {};
@@ -100,6 +102,20 @@ void Marker::AcceptPrepared() {
   journal_ = std::move(prepared->journal);
   marking_ =
       std::make_unique<Marking>(std::move(job), *driver_, *journal_, task_.chain());
+}
+
+// No run begins in the turn in which its grant was received: what the zero says of it is
+// known before.
+void Marker::CheckZero() {
+  if (!marking_) return;
+  zero_.Turn(task_.job(), driver_->state(),
+             {.started = marking_->started(), .has_grant = task_.has_grant()});
+}
+
+void Marker::TurnWork(const cell::GrantInputs& inputs) {
+  cell::GrantInputs with_zero = inputs;
+  with_zero.zero_refusal = zero_.refusal();
+  marking_->Turn(with_zero);
 }
 
 void Marker::Drop() {

@@ -16,6 +16,7 @@
 #include "services/cell/cell_task.h"
 #include "services/cell/maker.h"
 #include "services/cell/manual/manual_desk.h"
+#include "services/marker/begun_zero.h"
 #include "services/marker/hand_teacher.h"
 #include "services/marker/marking.h"
 #include "services/marker/marking_preparation.h"
@@ -61,18 +62,20 @@ class Marker final : private cell::Maker {
   bool line_up() const override { return driver_->state().link_up; }
   std::string Refusal() const override { return driver_->state().refusal; }
   std::string WhyNoArmCounts() const override {
-    return marker::WhyNoArmCounts(driver_->state());
+    const std::string& why = marker::WhyNoArmCounts(driver_->state());
+    return why.empty() ? zero_.refusal() : why;
   }
   cell::ChainLinks Links(const cell::GrantInputs& inputs) const override {
     return LinksOf(driver_->state(), inputs);
   }
   Status Begin(FrozenJob& job, const intaglio_StageTask& task) override;
-  void TurnWork(const cell::GrantInputs& inputs) override { marking_->Turn(inputs); }
+  void TurnWork(const cell::GrantInputs& inputs) override;
   void Drop() override;
 
   void ReceiveMarks();
   void Prepare(std::optional<mark::MarkSet> marks);
   void AcceptPrepared();
+  void CheckZero();
   void TurnByHand();
   void PublishInterlock();
 
@@ -84,6 +87,7 @@ class Marker final : private cell::Maker {
   HandTeacher teacher_;
   std::optional<cell::ManualDesk> desk_;  ///< of a controller that a person can move
 
+  BegunZero zero_;
   std::unique_ptr<Preparation> preparation_;
   std::vector<std::unique_ptr<Preparation>> abandoned_;
   std::shared_ptr<cell::JournalWriter> journal_;

@@ -95,7 +95,8 @@ void Marking::Turn(const GrantInputs& inputs) {
   TakeEvents(inputs.now);
   const Missing unseen = TurnChain(LinksOf(driver_.state(), inputs), inputs.now);
   if (unseen != Missing::kNothing) Halt(unseen, TextFor(unseen), true, inputs.now);
-  RefuseArms(WhyNoArmCounts(driver_.state()));
+  const std::string& why = WhyNoArmCounts(driver_.state());
+  RefuseArms(why.empty() ? inputs.zero_refusal : why);
   ReceiveConsent(inputs);
   AskOverUncertain(inputs);
   switch (phase_) {

@@ -52,8 +52,6 @@ struct EngravingInputs : GrantInputs {
   MotionClock* motion_clock = nullptr;
   /// The stage is driven to where the job begins: no run begins meanwhile.
   bool stage_approaches = false;
-  /// Why the zero of the machine refuses every arm; empty: it does not.
-  std::string zero_refusal = {};
 };
 
 /// The links of the permission chain as the inputs and the laser controller have them.

@@ -210,7 +210,9 @@ void GrblCourseDriver::Report() {
     power_ups_ = line_.power_ups();
     state_.power_up = fmt::format("grbl-{:08x}", DrawPowerUp());
   }
-  state_.place_lost = line_.place_is_lost() ? WhyPlaceIsLost() : "";
+  const bool lost = line_.place_is_lost();
+  if (lost && state_.place_lost.empty() && !line_.traits().homing) ++state_.axes_number;
+  state_.place_lost = lost ? WhyPlaceIsLost() : "";
   state_.work_offset_mm = line_.work_offset_mm();
   state_.can_hold = spindle();
   // There is no shutter: the permission is what lets beam and spindle on.

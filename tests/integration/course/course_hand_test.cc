@@ -34,18 +34,8 @@ class MillByHand : public ::testing::Test {
     words.insert(words.begin(), "teach");
     return shop_.Type(words);
   }
-  /// On a computer that is too busy for 200 ms the machine lets go, or its line is lost;
-  /// the person then gives the command again.
   std::string Do(const std::vector<std::string>& words) const {
-    std::string answer;
-    for (int i = 0; i < 20; ++i) {
-      answer = Teach(words);
-      const bool again = answer.find("let go") != std::string::npos ||
-                         answer.find("not answer") != std::string::npos;
-      if (!again) break;
-      std::this_thread::sleep_for(500ms);
-    }
-    return answer;
+    return shop_.Teach(words);
   }
   std::filesystem::path Job(const std::string& more = "") const {
     return shop_.WriteJob(

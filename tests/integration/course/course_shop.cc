@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <thread>
 
 #include "engrave/mark/mark_file.h"
 #include "tests/test_folder.h"
@@ -46,7 +47,9 @@ CourseShop::CourseShop(Machine machine)
   EXPECT_TRUE(Eventually([&] { return fs::exists(line); }, 20s));
 }
 
-CourseShop::~CourseShop() {
+CourseShop::~CourseShop() { Close(); }
+
+void CourseShop::Close() {
   if (!IsOpen()) return;
   up_->Signal(SIGTERM);
   up_->WaitForEnd(20s);
@@ -86,6 +89,19 @@ std::vector<std::string> CourseShop::With(std::vector<std::string> words) const 
 std::string CourseShop::Type(std::vector<std::string> words) const {
   Running run(Program("intaglio"), With(std::move(words)), folder_ / "typed.txt");
   return run.WaitForEnd(60s).output;
+}
+
+std::string CourseShop::Teach(std::vector<std::string> words) const {
+  words.insert(words.begin(), "teach");
+  std::string answer;
+  for (int i = 0; i < 20; ++i) {
+    answer = Type(words);
+    const bool again = answer.find("let go") != std::string::npos ||
+                       answer.find("not answer") != std::string::npos;
+    if (!again) break;
+    std::this_thread::sleep_for(500ms);
+  }
+  return answer;
 }
 
 bool CourseShop::Submit(const fs::path& job) const {

@@ -36,8 +36,13 @@ class CourseShop {
 
   /// Whether it opens.
   bool Open();
+  /// In an orderly way.
+  void Close();
   bool IsOpen() { return up_ && up_->running(); }
   std::string Type(std::vector<std::string> words) const;
+  /// Motion by hand or a zero. On a computer that is too busy for 200 ms the machine lets
+  /// go, or its line is lost; the person then gives the command again.
+  std::string Teach(std::vector<std::string> words) const;
   /// The words of a command, with where it finds the shop.
   std::vector<std::string> With(std::vector<std::string> words) const;
   bool Submit(const std::filesystem::path& job) const;
