@@ -1,14 +1,18 @@
 #pragma once
 
 // For how long there was no job service: a small file beside the queue, written anew
-// every second. Measured by the time since the machine was switched on, which cannot be
-// set by hand and goes on while it sleeps; another boot is an absence of unknown length.
-// Not synced: what matters over a power failure is that the boot is another.
+// every second. Absences are added up over its lives, as host::AbsenceSum does it for
+// each part: two short ones with a moment between them are a long one. Measured by the
+// time since the machine was switched on, which cannot be set by hand and goes on while
+// it sleeps; another boot is an absence of unknown length. Not synced: what matters over
+// a power failure is that the boot is another.
 
 #include <chrono>
 #include <filesystem>
 #include <optional>
 #include <string>
+
+#include "services/platform/host/safety/absence_limit.h"
 
 namespace intaglio::job_service {
 
@@ -20,16 +24,20 @@ class LastSeen {
   LastSeen(const LastSeen&) = delete;
   LastSeen& operator=(const LastSeen&) = delete;
 
-  /// nullopt: never seen, or not since the machine was switched on.
+  /// All absences since there was one for host::kMaxAbsence without a gap, the one that
+  /// ended just now among them. nullopt: never seen, or not since the machine was
+  /// switched on.
   std::optional<std::chrono::nanoseconds> absence() const { return absence_; }
-  /// Cheap when nothing is due. A disk that refuses makes the next absence unknown.
+  /// Cheap when nothing is due. A longer time without a call is an absence, too. A disk
+  /// that refuses makes the next absence unknown.
   void Note();
 
  private:
   int file_;
   std::string boot_;
   std::optional<std::chrono::nanoseconds> absence_;
-  std::chrono::nanoseconds next_{0};
+  host::AbsenceSum sum_;
+  std::chrono::nanoseconds noted_at_{-1};  ///< -1: not yet
 };
 
 }  // namespace intaglio::job_service

@@ -5,6 +5,8 @@
 
 #include <fstream>
 
+#include "services/job_service/boot_clock.h"
+
 namespace intaglio::job_service {
 namespace {
 
@@ -46,6 +48,38 @@ TEST_F(LastSeenTest, AnotherBootOrNonsenseIsNotKnown) {
         {"", 5s}}) {
     Write(boot, at);
     EXPECT_FALSE(LastSeen(file_).absence().has_value()) << boot;
+  }
+}
+
+// 25 s away, a second there, 25 s away: a person may have changed the block.
+TEST_F(LastSeenTest, AbsencesAreAddedUpOverLives) {
+  const auto now = SinceBoot();
+  const auto write = [&](std::chrono::nanoseconds there_for) {
+    std::ofstream(file_) << Boot() << ' ' << (now - 25s).count() << ' '
+                         << (now - 25s - there_for).count() << ' '
+                         << std::chrono::nanoseconds(25s).count() << '\n';
+  };
+  write(1s);
+  for (int life = 0; life < 3; ++life) {
+    LastSeen seen(file_);
+    ASSERT_TRUE(seen.absence().has_value());
+    EXPECT_GE(*seen.absence(), 50s) << life;
+    EXPECT_LT(*seen.absence(), 55s) << life;
+    seen.Note();
+  }
+  write(30s);
+  EXPECT_LT(*LastSeen(file_).absence(), 30s) << "it was there for long enough";
+}
+
+TEST_F(LastSeenTest, ANonsensicalSumIsNotKnown) {
+  const auto at = SinceBoot() - 1s;
+  for (const auto& [since, sum] :
+       {std::pair<std::int64_t, std::int64_t>{at.count() + 1, 0},
+        {INT64_MIN, 0},
+        {0, -1},
+        {0, INT64_MAX}}) {
+    std::ofstream(file_) << Boot() << ' ' << at.count() << ' ' << since << ' ' << sum;
+    EXPECT_FALSE(LastSeen(file_).absence().has_value()) << since << ' ' << sum;
   }
 }
 

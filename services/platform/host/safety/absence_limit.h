@@ -24,6 +24,18 @@ inline constexpr std::chrono::seconds kMaxAbsence{30};
 class AbsenceSum {
  public:
   using Nanoseconds = std::chrono::nanoseconds;
+  /// What the next process needs to go on with the sum.
+  struct Kept {
+    Nanoseconds present_since{Nanoseconds::min() / 2};
+    Nanoseconds sum{0};
+  };
+
+  AbsenceSum() = default;
+  /// Present.
+  explicit AbsenceSum(const Kept& kept)
+      : present_since_(kept.present_since), sum_(kept.sum) {}
+  /// Of one that is present.
+  Kept ToKeep() const { return {present_since_, sum_}; }
 
   /// Absent since then, unless it is absent already.
   void Begin(Nanoseconds since) {
@@ -44,9 +56,13 @@ class AbsenceSum {
     if (absent_since_) absent_since_ = now;
   }
   bool absent() const { return absent_since_.has_value(); }
+  /// All its absences together, with the one that lasts.
+  Nanoseconds Total(Nanoseconds now) const {
+    return sum_ + (absent_since_ ? now - *absent_since_ : Nanoseconds(0));
+  }
   /// It is absent, and all its absences together exceed the limit.
   bool IsTooLong(Nanoseconds now) const {
-    return absent_since_ && sum_ + (now - *absent_since_) > kMaxAbsence;
+    return absent_since_ && Total(now) > kMaxAbsence;
   }
 
  private:
