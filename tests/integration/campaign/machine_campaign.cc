@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <iostream>
 #include <random>
 #include <thread>
@@ -38,15 +39,16 @@ struct Run {
 };
 
 /// Something happened in this time that nobody has permitted.
-void ExpectQuiet(const MachineUnderFire& fire, const std::string& before,
+void ExpectQuiet(const MachineUnderFire& fire, std::uintmax_t before,
                  std::chrono::milliseconds time, const char* without, Run& run) {
   const std::string pointed = fire.Mirrors();
   std::this_thread::sleep_for(time);
-  const std::string now = fire.Activity(), points = fire.Mirrors();
+  const std::uintmax_t now = fire.Activity();
+  const std::string points = fire.Mirrors();
   if (now == before && points == pointed) return;
   run.was_quiet = false;
-  run.trouble += fmt::format("acted without {}: {}{} -> {}{}; ", without, before, pointed,
-                             now, points);
+  run.trouble += fmt::format("acted without {}: record {} -> {} bytes {} {}; ", without,
+                             before, now, pointed, points);
 }
 
 /// The fault, and what a person does until the job is done.
@@ -55,11 +57,11 @@ void Strike(MachineUnderFire& fire, const MachineRow& machine, const FaultRow& f
   const bool restarts = fault.by == FaultRow::By::kKill;
   fire.Act(fault);
   std::this_thread::sleep_for(restarts ? kRestarts : kSettles);
-  const std::string settled = fire.Activity();
+  const std::uintmax_t settled = fire.Activity();
   fire.SetRight(fault);
   if (NeedsPerson(machine, fault)) ExpectQuiet(fire, settled, kQuiet, "a grant", run);
   if (LosesPlace(machine, fault)) {
-    const std::string before = fire.Activity();
+    const std::uintmax_t before = fire.Activity();
     fire.Type("resume 1");
     ExpectQuiet(fire, before, kQuiet, "a zero", run);
     if (const std::string refused = fire.SetZero(); !refused.empty())

@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -11,6 +12,7 @@
 #include <thread>
 
 #include "engrave/formats/journal_file.h"
+#include "engrave/formats/mark_record.h"
 #include "tests/integration/course/tool_way.h"
 
 namespace intaglio::campaign {
@@ -234,13 +236,16 @@ Records MachineUnderFire::records() const {
   return records;
 }
 
-std::string MachineUnderFire::Activity() const {
-  std::string activity;
+std::uintmax_t MachineUnderFire::Activity() const {
+  std::uintmax_t bytes = 0;
   for (const auto& entry : fs::directory_iterator(folder_ / "records")) {
-    activity += fmt::format("{} {} ", entry.path().filename().string(),
-                            fs::file_size(entry.path()));
+    // Each power-up of a scan head begins another file.
+    const std::uintmax_t size = fs::file_size(entry.path());
+    const bool has_header = entry.path().extension() == ".rec";
+    bytes += has_header ? size - std::min(size, std::uintmax_t{formats::kMarkHeaderSize})
+                        : size;
   }
-  return activity;
+  return bytes;
 }
 
 std::string MachineUnderFire::Mirrors() const {

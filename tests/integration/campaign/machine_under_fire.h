@@ -5,6 +5,7 @@
 // services, and its own record of true places is the judge.
 
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -48,8 +49,8 @@ class MachineUnderFire {
 
   /// All work so far.
   std::vector<WorkPiece> Work() const { return row_.work(records()); }
-  /// Every motion, every turn of a spindle, every light changes this.
-  std::string Activity() const;
+  /// Bytes of its record: every motion, every turn of a spindle, every light adds some.
+  std::uintmax_t Activity() const;
   /// Where the mirrors of a scan head point, which its record of what it burns lacks;
   /// empty: it has none.
   std::string Mirrors() const;
