@@ -82,7 +82,8 @@ void MachineUnderFire::StartMachine() {
   }
   words.insert(words.end(), row_.options.begin(), row_.options.end());
   machine_ = std::make_unique<Running>(program, words, folder_ / "machine.log");
-  if (!Eventually([&] { return fs::exists(line); }, 20s))
+  const auto is_there = [&] { return fs::exists(line) && fs::exists(folder_ / "panel"); };
+  if (!Eventually(is_there, 20s))
     throw std::runtime_error("the machine does not start: " + machine_->Output());
 }
 
@@ -179,7 +180,7 @@ void MachineUnderFire::SwitchPower(bool on) {
   } else {
     machine_->Signal(SIGKILL);
     machine_->WaitForEnd(5s);
-    fs::remove(folder_ / "line");
+    for (const char* name : {"line", "panel"}) fs::remove(folder_ / name);
   }
 }
 
