@@ -140,6 +140,9 @@ bool GrblShop::AwaitDone(std::chrono::seconds bound, bool resuming) {
         if (resuming && !IsOpen() && !Open()) return false;
         shown_ = Type({"show", "1"});
         if (resuming && shown_.find("state      paused") != std::string::npos) {
+          // A line that was lost with the stage at the zero of its axes, where a job
+          // begins, counts as a power-up; a person finds it there.
+          if (shown_.find("teach zero") != std::string::npos) Type({"teach", "zero"});
           Type({"resume", "1"});
         }
         return shown_.find("state      done") != std::string::npos;
