@@ -34,6 +34,10 @@ struct DriverState {
   double position_tolerance_um = 0;  ///< of its in-position output; 0: not known
   /// False: the controller does not know where its axes are; nothing but Home is right.
   bool homed = true;
+  /// Why the controller may not know where its axes are, and what a person does about it,
+  /// of one that has no switches: no run begins, and positions and limits mean little,
+  /// before SetZero. Empty: it knows, or `homed` says it.
+  std::string place_lost = {};
 };
 
 class HandMotion {

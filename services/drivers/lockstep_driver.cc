@@ -157,10 +157,14 @@ Status LockstepDriver::BeginRun(std::uint32_t run, std::uint64_t start_tick,
   if (!up()) return Down();
   if (state_.fault != intaglio_MOTION_OK)
     return Fail(ErrorCode::kRefused, "the fault lasts: " + state_.message);
-  if (!state_.homed) {
-    SetFault(intaglio_MOTION_SAFE_STATE,
-             "the controller has no reference: home it (intaglio teach home), then "
-             "resume");
+  const std::string unplaced =
+      !state_.homed ? "the controller has no reference: home it (intaglio teach home)"
+                    : state_.place_lost;
+  if (!unplaced.empty()) {
+    // With the number of this run: else it would be taken for a fault of before, which
+    // this run clears.
+    state_.run = run;
+    SetFault(intaglio_MOTION_SAFE_STATE, unplaced + ", then resume");
     return {};
   }
   const bool busy = run_ != Run::kNone || jog_ || IsBusy();
@@ -213,7 +217,9 @@ Status LockstepDriver::Jog(const Vec3& axes, double speed_mm_s) {
                                      : state_.message.empty() ? "the stage is not at rest"
                                                               : state_.message);
   }
-  if (auto good = pieces().Check(axes); !good) return good;
+  // What it counts is no place on the axes: a person watches how far it goes.
+  const bool is_known = state_.place_lost.empty();
+  if (auto good = pieces().Check(axes); is_known ? !good : !axes.allFinite()) return good;
   wanted_open_ = false;
   jog_ = JogWay{state_.position_mm, axes, std::max(0.01, speed_mm_s),
                 (axes - state_.position_mm).norm()};

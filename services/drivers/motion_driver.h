@@ -66,6 +66,9 @@ struct LatchedPositions {
 ///       hold, a limit, an alarm and an error each end the motion as a fault that lasts
 ///       until ClearFault, or, as a power cycle does, as another power-up of the
 ///       controller. Nothing moves by itself when its cause is gone.
+///   M18 Where the controller may not know where its axes are, place_lost or `homed` says
+///       so. Until a person has homed it or, by SetZero, has stated where they are, a run
+///       ends as MOTION_SAFE_STATE, with its number in state(), and nothing moves for it.
 /// And of one that can be moved by hand (Jog does not return kUnsupported):
 ///   M14 Jog and Home move from rest, without a fault, and without a run; else they are
 ///       refused and nothing moves. While they move, at_rest is false from the moment in

@@ -9,19 +9,12 @@
 #include <set>
 #include <sstream>
 
+#include "tests/walls/tree_files.h"
+
 namespace intaglio::walls {
 namespace {
 
 namespace fs = std::filesystem;
-
-const fs::path kRoot = INTAGLIO_SOURCE_DIR;
-
-std::string TextOfFile(const fs::path& file) {
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
 
 /// What stands between ` and ` and matches the pattern as a whole.
 std::set<std::string> Quoted(const std::string& text, const std::regex& pattern) {

@@ -11,19 +11,12 @@
 #include <sstream>
 #include <vector>
 
+#include "tests/walls/tree_files.h"
+
 namespace intaglio::walls {
 namespace {
 
 namespace fs = std::filesystem;
-
-const fs::path kRoot = INTAGLIO_SOURCE_DIR;
-
-std::string TextOfFile(const fs::path& file) {
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
 
 /// The cells of a row of a table; "\|" is a character.
 std::vector<std::string> CellsOf(const std::string& row) {

@@ -121,18 +121,26 @@ void ManualControl::Take(const ManualOrder& order, Nanoseconds now) {
   }
 }
 
+// Of axes whose place is lost a person may need the whole length, in either direction.
+Box3 ManualControl::LimitsNow() const {
+  if (driver_.state().place_lost.empty()) return limits_;
+  const Vec3 length = limits_.max_mm - limits_.min_mm;
+  return {limits_.min_mm - length, limits_.max_mm + length};
+}
+
 Result<Vec3> ManualControl::TargetOf(const ManualOrder& order) const {
   const Vec3 here = driver_.state().position_mm;
+  const Box3 limits = LimitsNow();
   if (!order.place.allFinite())
     return Fail(ErrorCode::kInvalidValue, "the place is no number");
   if (order.kind == intaglio_MANUAL_MOVE) {
     for (int i = 0; i < 3; ++i) {
-      if (order.place[i] >= limits_.min_mm[i] && order.place[i] <= limits_.max_mm[i])
+      if (order.place[i] >= limits.min_mm[i] && order.place[i] <= limits.max_mm[i])
         continue;
       return Fail(ErrorCode::kInvalidValue,
                   fmt::format("{} {:.6g} is outside the limits, {:g} to {:g}",
                               names_[static_cast<std::size_t>(i)], order.place[i],
-                              limits_.min_mm[i], limits_.max_mm[i]));
+                              limits.min_mm[i], limits.max_mm[i]));
     }
     return order.place;
   }
@@ -141,14 +149,14 @@ Result<Vec3> ManualControl::TargetOf(const ManualOrder& order) const {
   for (int i = 0; i < 3; ++i) {
     const double d = order.place[i];
     if (d == 0) continue;
-    const double end = d > 0 ? limits_.max_mm[i] : limits_.min_mm[i];
+    const double end = d > 0 ? limits.max_mm[i] : limits.min_mm[i];
     share = std::min(share, std::max(0.0, (end - here[i]) / d));
   }
   if (!std::isfinite(share))
     return Fail(ErrorCode::kInvalidValue, "a jog needs a direction");
   return (here + share * order.place)
-      .cwiseMax(limits_.min_mm.cwiseMin(here))
-      .cwiseMin(limits_.max_mm.cwiseMax(here));
+      .cwiseMax(limits.min_mm.cwiseMin(here))
+      .cwiseMin(limits.max_mm.cwiseMax(here));
 }
 
 Status ManualControl::Start(const ManualOrder& order) {
@@ -183,6 +191,8 @@ void ManualControl::Begin(const ManualOrder& order, const ManualConditions& cond
   if (!IsFresh(order.seen, now)) return Answer(order, intaglio_MANUAL_STOPPED, "let go");
   std::string why = WhyNoMotionByHand(conditions, driver_.state(), order, now);
   if (!why.empty()) return Answer(order, intaglio_MANUAL_REFUSED, std::move(why));
+  if (order.by_cell && !driver_.state().place_lost.empty())
+    return Answer(order, intaglio_MANUAL_REFUSED, driver_.state().place_lost);
   // No command brings air back.
   if (!IsLight(order.kind) && driver_.state().fault == intaglio_MOTION_NO_AIR)
     return Answer(order, intaglio_MANUAL_REFUSED, driver_.state().message);

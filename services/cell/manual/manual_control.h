@@ -143,6 +143,7 @@ class ManualControl {
   Status Start(const ManualOrder& order);
   /// Why the motion has to end; empty: it has not.
   std::string WhyEnded(const ManualConditions& conditions, Nanoseconds now) const;
+  Box3 LimitsNow() const;
   Result<Vec3> TargetOf(const ManualOrder& order) const;
   void Brake(std::string why);
   void TurnLight(std::string why, const ManualConditions& conditions, Nanoseconds now);

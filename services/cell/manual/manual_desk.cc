@@ -106,7 +106,10 @@ void ManualDesk::TakeCommands(bus::Reader<intaglio_ManualCommand>& reader, bool 
         IsTeaching(command.kind) || command.kind == intaglio_MANUAL_LAMP ||
         command.kind == intaglio_MANUAL_ZERO || command.kind == intaglio_MANUAL_SHUTTER;
     if (by_cell && of_person) return;
-    if (command.kind == intaglio_MANUAL_ZERO) return GoToZero(order, command, now);
+    if (command.kind == intaglio_MANUAL_ZERO) return TakeAtZero(order, command, now);
+    if (command.kind == intaglio_TEACH_ZERO && !teacher_.zero_is_in_controller() &&
+        !motion_.state().place_lost.empty())
+      return TakeAtZero(order, command, now);
     const bool executed =
         !IsTeaching(command.kind) ||
         (command.kind == intaglio_TEACH_ZERO && teacher_.zero_is_in_controller());
@@ -115,12 +118,13 @@ void ManualDesk::TakeCommands(bus::Reader<intaglio_ManualCommand>& reader, bool 
   });
 }
 
-// A motion to a place by hand as any other, with its limits.
-void ManualDesk::GoToZero(ManualOrder order, const intaglio_ManualCommand& command,
-                          std::chrono::nanoseconds now) {
+// The axes go to the zero, a motion by hand as any other, with its limits; or they are
+// stated to be there.
+void ManualDesk::TakeAtZero(ManualOrder order, const intaglio_ManualCommand& command,
+                            std::chrono::nanoseconds now) {
   const auto axes = teacher_.AxesAtZero(command, motion_.state().position_mm);
   if (axes) {
-    order.kind = intaglio_MANUAL_MOVE;
+    if (order.kind == intaglio_MANUAL_ZERO) order.kind = intaglio_MANUAL_MOVE;
     order.place = *axes;
     return control_.Take(order, now);
   }
@@ -139,6 +143,7 @@ std::string ManualDesk::WhyNoTeaching() const {
   if (!motion_.state().at_rest) return "the stage moves: wait until it is at rest";
   if (!motion_.state().homed)
     return "the controller does not know where its axes are: home it first";
+  if (!motion_.state().place_lost.empty()) return motion_.state().place_lost;
   return "";
 }
 

@@ -8,6 +8,10 @@
 // service answers that no job is armed: a job is engraved with the zero that it began
 // with. Saving writes to the disk, which may take longer than the motion line's patience;
 // at rest that ends nothing.
+//
+// Where a controller may have lost its place, a zero that is taught is not saved: the
+// controller counts the place of the zero that was taught before from then on, so all
+// that was taught, and a job that has begun, fit again.
 
 #include <chrono>
 #include <cstdint>
@@ -39,8 +43,8 @@ class ManualDesk {
                     std::chrono::nanoseconds now);
   void Teach(const ManualOrder& order, const intaglio_ManualCommand& command,
              std::chrono::nanoseconds now);
-  void GoToZero(ManualOrder order, const intaglio_ManualCommand& command,
-                std::chrono::nanoseconds now);
+  void TakeAtZero(ManualOrder order, const intaglio_ManualCommand& command,
+                  std::chrono::nanoseconds now);
   std::string WhyNoTeaching() const;
   void Publish(std::chrono::nanoseconds now);
 

@@ -240,10 +240,7 @@ std::string GrblCourseDriver::WhyPlaceIsLost() const {
           ? "home it (`intaglio teach home`)"
           : "drive the tool to the work zero and set it in x, y and z (`intaglio teach "
             "zero`)";
-  return fmt::format(
-      "the controller may not know where its tool is, because it was switched on, reset "
-      "or stopped by an alarm: {}",
-      remedy);
+  return WhyGrblPlaceIsLost(remedy);
 }
 
 std::unique_ptr<MarkDriver> MakeGrblCourseDriver(const MachineSpec& machine,

@@ -187,12 +187,7 @@ void GrblCourseHand::Feed() {
 
 void GrblCourseHand::FeedZero() {
   if (all_sent_) return;
-  std::string text = "G10L20P1";
-  for (int i = 0; i < 3; ++i) {
-    if (sets_[static_cast<std::size_t>(i)])
-      text += fmt::format("{}{:.4f}", "XYZ"[i], to_mm_[i]);
-  }
-  all_sent_ = line_.Send({text});
+  all_sent_ = line_.Send({ZeroLine(to_mm_, sets_)});
   if (all_sent_) Sends(0, 0);
 }
 

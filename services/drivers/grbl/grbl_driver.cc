@@ -172,6 +172,12 @@ void GrblDriver::CheckPlace() {
 
 void GrblDriver::Report() {
   LockstepDriver::Report();
+  state_.place_lost =
+      line_.place_is_lost() && !line_.traits().homing
+          ? WhyGrblPlaceIsLost(
+                "drive the focus to the block's corner and say so (`intaglio teach "
+                "zero`)")
+          : "";
   CheckPlace();
 }
 
@@ -203,6 +209,22 @@ Status GrblDriver::Home() {
   auto begun = LockstepDriver::Home();
   if (begun) is_dark_ = false;
   return begun;
+}
+
+Status GrblDriver::SetZero(const Vec3& here_mm, const std::array<bool, 3>& sets) {
+  if (!up()) return Down();
+  if (!here_mm.allFinite() || std::ranges::find(sets, true) == sets.end()) {
+    return Fail(ErrorCode::kInvalidValue,
+                "a zero needs numbers, and one of the axes x, y and z at least");
+  }
+  if (!state_.at_rest || state_.fault != intaglio_MOTION_OK || !line_.takes_lines()) {
+    return Fail(ErrorCode::kRefused,
+                state_.message.empty() ? "the stage is not at rest" : state_.message);
+  }
+  zero_ = {here_mm, sets};
+  wanted_open_ = is_dark_ = false;
+  state_.at_rest = false;
+  return {};
 }
 
 std::unique_ptr<MotionDriver> MakeGrblDriver(const MachineSpec& machine,

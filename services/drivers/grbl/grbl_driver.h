@@ -39,6 +39,7 @@
 // Nothing is sent after a door, a hold or an alarm before Reset or ClearFault, and '~'
 // never is.
 
+#include <array>
 #include <deque>
 #include <optional>
 #include <string>
@@ -63,10 +64,12 @@ class GrblDriver final : public LockstepDriver {
   Status Jog(const Vec3& axes, double speed_mm_s) override;
   /// M5 S0, then $H. kRefused of a controller whose $22 is 0.
   Status Home() override;
+  /// M5 S0, then G10L20P1: G54 is moved, and the controller's own count stays.
+  Status SetZero(const Vec3& here_mm, const std::array<bool, 3>& sets) override;
 
  private:
   struct InFlight {
-    enum class What { kMove, kBarrier, kEnable, kDisable } what = What::kMove;
+    enum class What { kMove, kBarrier, kEnable, kDisable, kZero } what = What::kMove;
     GrblMove move = {};
     bool acknowledged = false;
     std::uint64_t settles = 0;  ///< a barrier: the pulses up to this tick
@@ -76,7 +79,7 @@ class GrblDriver final : public LockstepDriver {
   PieceQueue& pieces() override { return program_.pieces(); }
   const PieceQueue& pieces() const override { return program_.pieces(); }
   bool IsIdentified() const override;
-  bool HasSent() const override { return !in_flight_.empty(); }
+  bool HasSent() const override { return !in_flight_.empty() || zero_; }
   bool IsQuiet() const override {
     return grbl_.at_rest() && status_at_ > quiet_at_ && IsSetUp();
   }
@@ -115,6 +118,7 @@ class GrblDriver final : public LockstepDriver {
   bool FeedProgram();
   void FeedJog();
   void FeedHome();
+  void FeedZero();
   bool SendDark();
   bool FeedAsides(std::uint64_t through);
   void FeedBarrier();
@@ -135,8 +139,13 @@ class GrblDriver final : public LockstepDriver {
   std::optional<GrblWrite> pending_;
   std::deque<std::uint64_t> unsettled_;  ///< ticks of pulses that were sent
   std::uint64_t barrier_tick_ = 0;       ///< the newest barrier settles up to here
-  bool is_dark_ = false;                 ///< M5 S0 was sent for the newest motion by hand
-  bool stopped_home_ = false;            ///< its alarm is no fault
+  struct Zero {
+    Vec3 here_mm = Vec3::Zero();
+    std::array<bool, 3> sets{};
+  };
+  std::optional<Zero> zero_;   ///< not sent, or not acknowledged yet
+  bool is_dark_ = false;       ///< M5 S0 was sent for the newest motion by hand
+  bool stopped_home_ = false;  ///< its alarm is no fault
   bool commanded_open_ = false, open_ = false;
   std::chrono::nanoseconds quiet_at_{0};
 };

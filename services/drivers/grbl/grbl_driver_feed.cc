@@ -38,6 +38,7 @@ void GrblDriver::Feed() {
   if (homing_) return FeedHome();
   if (!line_.takes_lines()) return;
   if (jog_) return FeedJog();
+  if (zero_) return FeedZero();
   FeedEnable();
   bool more = true;
   while (more) {
@@ -65,6 +66,12 @@ void GrblDriver::FeedHome() {
   if (home_sent_ || (!line_.locked() && !SendDark()) || !in_flight_.empty()) return;
   home_sent_ = line_.SendHome();
   if (home_sent_) state_.homed = false;
+}
+
+void GrblDriver::FeedZero() {
+  if (!SendDark() || !in_flight_.empty()) return;
+  if (line_.Send({ZeroLine(zero_->here_mm, zero_->sets)}))
+    in_flight_.push_back({InFlight::What::kZero});
 }
 
 void GrblDriver::FeedJog() {
@@ -194,6 +201,10 @@ void GrblDriver::ExecuteThrough(std::size_t index) {
   }
   if (last.what == InFlight::What::kEnable) open_ = true;
   if (last.what == InFlight::What::kDisable) open_ = false;
+  if (last.what == InFlight::What::kZero && zero_) {
+    line_.TakeZero(zero_->sets);
+    zero_.reset();
+  }
   while (!unsettled_.empty() && unsettled_.front() <= last.settles) {
     ticks_.Settle(unsettled_.front(), Outcome::kFiredUnseen);
     unsettled_.pop_front();
@@ -238,6 +249,7 @@ std::uint64_t GrblDriver::ForgetSent() {
   }
   unsettled_.clear();
   in_flight_.clear();
+  zero_.reset();
   program_.ForgetModes();
   commanded_open_ = open_ = false;
   return last;

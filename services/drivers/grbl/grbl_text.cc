@@ -201,4 +201,19 @@ void GrblAnswerReader::Feed(std::span<const std::byte> bytes,
   }
 }
 
+std::string ZeroLine(const Vec3& here_mm, const std::array<bool, 3>& sets) {
+  std::string text = "G10L20P1";
+  for (int i = 0; i < 3; ++i) {
+    if (sets[static_cast<std::size_t>(i)])
+      text += fmt::format("{}{:.4f}", "XYZ"[i], here_mm[i]);
+  }
+  return text;
+}
+
+std::string WhyGrblPlaceIsLost(const std::string& remedy) {
+  return "the controller may not know where its tool is, because it was switched on, "
+         "reset or stopped by an alarm: " +
+         remedy;
+}
+
 }  // namespace intaglio::drivers

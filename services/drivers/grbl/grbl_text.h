@@ -6,6 +6,7 @@
 //
 // Source: gnea/grbl wiki "Grbl v1.1 Interface"; grblHAL core report.c for the options.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -96,5 +97,11 @@ class GrblAnswerReader {
   std::string line_;
   bool overlong_ = false;
 };
+
+/// G10L20P1: the place of the tool has these coordinates in G54, in the axes of `sets`.
+std::string ZeroLine(const Vec3& here_mm, const std::array<bool, 3>& sets);
+
+/// A sentence about GrblLine::place_is_lost(), with what a person does about it.
+std::string WhyGrblPlaceIsLost(const std::string& remedy);
 
 }  // namespace intaglio::drivers

@@ -171,9 +171,10 @@ Status HeadMachine::Flush() {
 std::string HeadMachine::StatusLine() const {
   const link::HeadStatus s = controller_.Status();
   return fmt::format(R"({{"tick": {}, "interlocks": {}, "run": {}, "run_state": {}, )"
-                     R"("queued_ticks": {}, "burnt_ticks": {}, "openings": {}}})",
+                     R"("queued_ticks": {}, "burnt_ticks": {}, "openings": {}, )"
+                     R"("x": {}, "y": {}}})",
                      s.tick, s.interlocks, s.run, static_cast<int>(s.run_state),
-                     s.queued_ticks, burnt_ticks_, s.openings);
+                     s.queued_ticks, burnt_ticks_, s.openings, s.x, s.y);
 }
 
 }  // namespace intaglio::virtual_engraver

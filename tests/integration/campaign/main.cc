@@ -3,9 +3,13 @@
 //
 //   campaign FAULT [--runs N] [--seed S] [--speed N] [--keep]
 //   campaign soak [--hours H] [--seed S]
+//   campaign machine NAME [FAULT] [--runs N] [--seed S] [--keep]
 //
 // soak: job after job in one shop, with faults, over so many hours of engraving at 1 Hz;
 // memory, descriptors and threads of the services are not to grow.
+//
+// machine: grbl-points, grbl-laser, mill, scan-head; the record of their controllers'
+// true places is the judge (machine_campaign.h).
 //
 // Ends with 0 when no run doubled a point, lost one, or did not come to its end.
 
@@ -24,6 +28,7 @@
 #include <random>
 
 #include "tests/integration/campaign/cell_under_fire.h"
+#include "tests/integration/campaign/machine_campaign.h"
 #include "tests/integration/campaign/stop_button.h"
 #include "tests/test_folder.h"
 
@@ -455,7 +460,10 @@ int Usage() {
          "| fault | runs | completed | made | doubled | stray | unknown | uncertain "
          "| last crack after, ms (median / most) |\nFAULT:";
   for (const auto& [name, fault] : Faults()) std::cerr << ' ' << name;
-  std::cerr << '\n';
+  std::cerr << "\nor campaign machine NAME [FAULT] [--runs N] [--seed S] [--keep], a row "
+               "of\n| machine | runs | ended | without a grant | made | doubled | stray "
+               "| unknown | uncertain |\nNAME:"
+            << MachineNames() << '\n';
   return 2;
 }
 
@@ -463,6 +471,7 @@ int Usage() {
 
 int main(int argc, char** argv) {
   Options options;
+  std::vector<std::string> words;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     if (word == "--keep") {
@@ -474,9 +483,15 @@ int main(int argc, char** argv) {
       if (word == "--speed") options.speed = value;
       if (word == "--hours") options.hours = value;
     } else {
-      options.fault = word;
+      words.push_back(word);
     }
   }
+  if (words.size() >= 2 && words[0] == "machine") {
+    const int code = RunMachineCampaign({words[1], words.size() > 2 ? words[2] : "",
+                                         options.runs, options.seed, options.keep});
+    return code == 2 ? Usage() : code;
+  }
+  if (!words.empty()) options.fault = words.front();
   if (options.fault == "soak") return RunSoak(options);
   if (!Faults().contains(options.fault) || options.runs < 1) return Usage();
   return RunCampaign(options);

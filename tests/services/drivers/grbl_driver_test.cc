@@ -357,6 +357,7 @@ TEST(GrblDriver, WithoutAReferenceOnlyHomeMovesIt) {
   EXPECT_FALSE(cell.driver->Jog(Vec3(1, 0, 0), 5));
   ASSERT_TRUE(cell.driver->BeginRun(1, cell.driver->status().tick + 50, 0));
   EXPECT_EQ(cell.driver->state().fault, intaglio_MOTION_SAFE_STATE);
+  EXPECT_EQ(cell.driver->state().run, 1U) << "else it is a fault of before";
   EXPECT_NE(cell.driver->state().message.find("teach home"), std::string::npos);
   ASSERT_TRUE(cell.driver->ClearFault());
   ASSERT_TRUE(cell.Until([&] {
@@ -419,6 +420,53 @@ TEST(GrblDriver, TheDoorEndsHomingWithAFault) {
   }));
   ASSERT_TRUE(cell.driver->Home());
   ASSERT_TRUE(cell.Until([&] { return cell.driver->state().homed; }));
+}
+
+/// Until a controller that was switched on again, or reset, takes commands.
+void Recover(Cell& cell) {
+  ASSERT_TRUE(cell.Until([&] { return cell.driver->up(); })) << cell.driver->message();
+  ASSERT_TRUE(cell.Until([&] {
+    if (cell.driver->state().fault != intaglio_MOTION_OK) (void)cell.driver->ClearFault();
+    return cell.driver->state().fault == intaglio_MOTION_OK &&
+           cell.driver->state().at_rest;
+  })) << cell.driver->state().message;
+}
+
+TEST(GrblDriver, WithoutSwitchesALostPlaceRefusesRunsUntilTheZeroIsStated) {
+  Cell cell;
+  cell.Prepare();
+  EXPECT_EQ(cell.driver->state().place_lost, "");
+  ASSERT_TRUE(cell.driver->Jog(Vec3(5, 6, 7), 50));
+  ASSERT_TRUE(cell.Until([&] { return cell.driver->state().at_rest; }));
+  const grbl::Steps before = cell.machine.grbl.TrueSteps();
+  cell.machine.grbl.PowerCycle();
+  for (int i = 0; i < 500; ++i) cell.Step();
+  Recover(cell);
+  EXPECT_NE(cell.driver->state().place_lost.find("teach zero"), std::string::npos);
+  ASSERT_TRUE(cell.driver->BeginRun(1, cell.driver->status().tick + 50, 0));
+  EXPECT_EQ(cell.driver->state().fault, intaglio_MOTION_SAFE_STATE);
+  EXPECT_NE(cell.driver->state().message.find("teach zero"), std::string::npos);
+  for (int i = 0; i < 500; ++i) cell.Step();
+  EXPECT_EQ(cell.machine.grbl.TrueSteps(), before) << "nothing moves for a job";
+  Recover(cell);
+  // Beyond the travel as the controller counts it now, and not in truth.
+  ASSERT_TRUE(cell.driver->Jog(Vec3(-5, -6, -7), 50));
+  ASSERT_TRUE(cell.Until([&] { return cell.driver->state().at_rest; }));
+  EXPECT_EQ(cell.machine.grbl.TrueSteps(), grbl::Steps{});
+  EXPECT_FALSE(cell.driver->SetZero(Vec3(std::nan(""), 0, 0), {true, true, true}));
+  ASSERT_TRUE(cell.driver->SetZero(Vec3(1, 2, 3), {true, true, false}));
+  EXPECT_FALSE(cell.driver->state().at_rest);
+  ASSERT_TRUE(cell.Until([&] { return cell.driver->state().at_rest; }));
+  EXPECT_NE(cell.driver->state().place_lost, "") << "z is not stated yet";
+  ASSERT_TRUE(cell.driver->SetZero(Vec3(0, 0, 3), {false, false, true}));
+  ASSERT_TRUE(cell.Until([&] { return cell.driver->state().at_rest; }));
+  EXPECT_EQ(cell.driver->state().place_lost, "");
+  EXPECT_LT((cell.driver->state().position_mm - Vec3(1, 2, 3)).norm(), 1e-3);
+  cell.Prepare();
+  cell.run = 1;
+  cell.Begin(5, 0.3, false);
+  ASSERT_TRUE(cell.Until([&] { return cell.RunIsOver(); }));
+  ExpectFlashesAtPoints(cell, 250, {-250, -500, -750});
 }
 
 TEST(GrblDriver, WithoutSwitchesHomeIsRefusedByTheSetting) {

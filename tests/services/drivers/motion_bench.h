@@ -148,6 +148,19 @@ class MotionBench {
     Expect(state().fault == intaglio_MOTION_OK,
            "M6: ClearFault does not clear the fault");
   }
+  /// As a person does where the place of the axes may be lost; run `refused` is before.
+  void StatePlace(std::uint32_t refused) {
+    if (state().place_lost.empty()) return;
+    Begin(refused);
+    ExpectFault(intaglio_MOTION_SAFE_STATE, "M18: a run where the place may be lost");
+    Expect(state().run == refused, "M18: the fault of a run is without its number");
+    ExpectStill(milliseconds(500), "M18: a run begins where the place may be lost");
+    ClearFault();
+    Expect(driver().SetZero(rig_->actual_mm(), {true, true, true}), "SetZero");
+    Expect(!state().at_rest, "M18: at rest before the place is stated");
+    Expect(Until([&] { return state().at_rest; }), "M18: SetZero does not end");
+    Expect(state().place_lost.empty(), "M18: the place stays lost: " + Message());
+  }
   /// All of a course, as its oracle has it.
   void ExpectGoodRun(std::uint32_t run);
 

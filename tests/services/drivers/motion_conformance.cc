@@ -172,6 +172,7 @@ void APowerCycleEndsWhatWasBegun(const MotionRigMaker& make) {
   Expect(bench.state().run == 0, "M11: the run of before is reported");
   bench.ExpectStill(500ms, "M11: the run of before goes on");
   Expect(bench.positions.empty(), "M11: positions of the run of before");
+  bench.StatePlace(5);
   bench.ExpectGoodRun(6);
 }
 

@@ -72,6 +72,7 @@ void AFaultEndsTheMotion(const MotionRigMaker& make, ControllerFault fault,
          "M17: the fault stays: " + bench.Message());
   bench.ExpectStill(500ms, "M17: ClearFault moves the stage");
   bench.positions.clear();
+  bench.StatePlace(8);
   bench.ExpectGoodRun(9);
 }
 

@@ -29,6 +29,7 @@
 #include <string>
 #include <thread>
 
+#include "services/platform/link/real_time.h"
 #include "services/virtual_engraver/machine_line.h"
 #include "services/virtual_engraver/panel.h"
 #include "tests/services/drivers/virtual_grbl.h"
@@ -174,6 +175,8 @@ int main(int argc, char** argv) {
     }
     panel.emplace(std::move(*opened));
   }
+  // A machine of steel does not wait for a busy host.
+  (void)link::AskForRealTime();
   std::cout << "ready " << (*line)->device() << std::endl;
   Serve(**line, options, files, std::move(panel));
   return 0;

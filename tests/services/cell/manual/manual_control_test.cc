@@ -47,6 +47,28 @@ TEST_F(ManualControlTest, AZeroOfTheControllerIsSetAtRest) {
   EXPECT_THAT(control_.answer().message, HasSubstr("the work zero is set"));
 }
 
+// Coordinates and limits mean little then: a person sees how far it goes, a job does not.
+TEST_F(ManualControlTest, AxesWhosePlaceIsLostGoTheirWholeLengthForAPersonAlone) {
+  ManualOrder back = Jog(1);
+  back.kind = intaglio_MANUAL_MOVE;
+  back.place = Vec3(-90, 10, 10);
+  Give(back);
+  EXPECT_EQ(driver_.jogs, 0);
+  EXPECT_THAT(control_.answer().message, HasSubstr("outside the limits"));
+  driver_.now.place_lost = "nobody knows where the axes are";
+  back.number = 2;
+  Give(back);
+  ASSERT_EQ(driver_.jogs, 1);
+  EXPECT_EQ(driver_.target, Vec3(-90, 10, 10));
+  ComeToRest();
+  ManualOrder drive = Jog(3, "synchronizer");
+  drive.by_cell = true;
+  Give(drive);
+  EXPECT_EQ(driver_.jogs, 1);
+  EXPECT_EQ(control_.answer().code, intaglio_MANUAL_REFUSED);
+  EXPECT_EQ(control_.answer().message, driver_.now.place_lost);
+}
+
 TEST_F(ManualControlTest, WithoutChannelsThereIsNoLampAndNoShutter) {
   control_.SetChannels(0);
   ManualOrder lamp = Jog(1);

@@ -33,6 +33,9 @@ class MotionWrapper : public MotionDriver {
     return inner_->Jog(axes, speed_mm_s);
   }
   Status Home() override { return inner_->Home(); }
+  Status SetZero(const Vec3& here_mm, const std::array<bool, 3>& sets) override {
+    return inner_->SetZero(here_mm, sets);
+  }
   Status Hold() override { return inner_->Hold(); }
 
  protected:
