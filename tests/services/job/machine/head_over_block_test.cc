@@ -123,8 +123,8 @@ TEST(HeadOverBlock, WrongProfilesAreRefusedWithTheirField) {
   const Change changes[] = {
       {[](MachineSpec& m) { m.mutable_head_over_block()->clear_pupil_y_mm(); },
        "head_over_block.pupil_y_mm: is missing"},
-      {[](MachineSpec& m) { m.mutable_head_over_block()->set_pupil_x_mm(3); },
-       "head_over_block.pupil_x_mm: 3 is outside 10..100000"},
+      {[](MachineSpec& m) { m.mutable_head_over_block()->set_pupil_x_mm(-3); },
+       "head_over_block.pupil_x_mm: -3 is outside 10..100000"},
       {[](MachineSpec& m) { m.mutable_head_over_block()->set_crack_energy_mj(2); },
        "head_over_block.crack_energy_mj: 2 is above laser.pulse_energy_mj, 0.3"},
       {[](MachineSpec& m) {
@@ -137,6 +137,8 @@ TEST(HeadOverBlock, WrongProfilesAreRefusedWithTheirField) {
     change.make(machine);
     EXPECT_THAT(CheckMachine(machine),
                 Contains(Field(&Error::message, HasSubstr(change.message))));
+    // A job on it is refused, too, and nothing throws.
+    EXPECT_FALSE(CheckAll(CubeJob(60), machine, 0.658).empty());
   }
 }
 
