@@ -37,7 +37,9 @@ constexpr std::array kRows = {
     Row{WarningCode::kOrientation, "orientation", kNote},
     Row{WarningCode::kFallbackFont, "fallback_font", kNote},
     Row{WarningCode::kTextShrunk, "text_shrunk", kNote},
-    Row{WarningCode::kFocusSpread, "focus_spread", kNote}};
+    Row{WarningCode::kFocusSpread, "focus_spread", kNote},
+    Row{WarningCode::kObliqueBeam, "oblique_beam", kWarning},
+    Row{WarningCode::kTwoFoci, "two_foci", kWarning}};
 
 constexpr bool RowsAreInOrder() {
   for (std::size_t i = 0; i < kRows.size(); ++i) {

@@ -44,6 +44,8 @@ enum class WarningCode {
   kFallbackFont,       ///< characters in the letters of another font
   kTextShrunk,         ///< a text with smaller letters than the job asks for
   kFocusSpread,        ///< deep points whose focus is longer than a crack
+  kObliqueBeam,        ///< points to which the beam is too oblique to make a crack
+  kTwoFoci,            ///< points whose crack may begin at either of two depths
 };
 
 struct Warning {

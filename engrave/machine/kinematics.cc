@@ -4,6 +4,7 @@
 
 #include "engrave/machine/cartesian.h"
 #include "engrave/machine/polar.h"
+#include "engrave/machine/scan_head.h"
 
 namespace intaglio::machine {
 
@@ -12,8 +13,12 @@ std::array<KinematicsKind, std::variant_size_v<KinematicsOptions>> KinematicsKin
             [](const KinematicsOptions& options) {
               return MakeCartesian(std::get<CartesianOptions>(options));
             }},
-           {"polar", [](const KinematicsOptions& options) {
+           {"polar",
+            [](const KinematicsOptions& options) {
               return MakePolar(std::get<PolarOptions>(options));
+            }},
+           {"head_over_block", [](const KinematicsOptions& options) {
+              return MakeScanHead(std::get<ScanHeadOptions>(options));
             }}}};
 }
 

@@ -19,7 +19,8 @@
 //      point near the one before, coordinates are continuous. Linear ones ignore `near`.
 //   K3 Scale: ScaleAt is the derivative of ToPlace, is not singular where ToAxes
 //   succeeds,
-//      and stays within BoundsOver of a box that has the place.
+//      and stays within BoundsOver of a box that has the place. At the face of a block
+//      under a scan head it is that of the side of the place.
 //   K4 Reach: a place that is no number, out of reach or in a singular region is
 //      kOutsideBlock, with the place, why, and what to do. The limits of travel are not
 //      regarded: they are motion::Limits.
@@ -29,7 +30,7 @@
 // Trochimczuk 2008 ch. 7.1, fig. 45: a positioner is a pair (object, tool), each
 // Cartesian, polar or fixed, of which 8 pairs work. Here are four of them:
 // CartesianOptions has (fixed, Cartesian), (Cartesian, fixed) and (Cartesian, Cartesian),
-// PolarOptions has (polar, polar).
+// PolarOptions has (polar, polar). Mirrors are none of them: the beam tilts.
 
 #include <array>
 #include <memory>
@@ -38,6 +39,8 @@
 
 #include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
+#include "engrave/galvo/correction_table.h"
+#include "engrave/optics/oblique_focus.h"
 
 namespace intaglio::machine {
 
@@ -115,7 +118,21 @@ struct PolarOptions {
   double frame_turn_rad = 0;
 };
 
-using KinematicsOptions = std::variant<CartesianOptions, PolarOptions>;
+/// Two mirrors and a lens over a block, whose origin of the frame is on the axis of the
+/// lens, and a slow axis z (scan_head.h). Default: a telecentric lens over air.
+struct ScanHeadOptions {
+  optics::ScanLens lens = {};
+  LinearAxis z = {};
+  /// What the mirrors' commands need besides the place in the field: a table of
+  /// corrections (files of galvo/files, or galvo::CommandGrid). nullptr: the controller
+  /// of the mirrors corrects.
+  std::shared_ptr<const galvo::CorrectionTable> corrections = nullptr;
+  // Of the block. Above top_z_mm the beam is in air.
+  double refractive_index = 1;  ///< at the laser's wavelength, >= 1
+  double top_z_mm = 0;          ///< of its face, in the frame
+};
+
+using KinematicsOptions = std::variant<CartesianOptions, PolarOptions, ScanHeadOptions>;
 
 /// One row a kind, in the order of KinematicsOptions: its name is that of the member of
 /// MachineSpec.kinematics that chooses it.

@@ -30,6 +30,14 @@ double StagePerGlassRatio(double refractive_index, double numerical_aperture) {
   return std::sqrt((1 - na * na) / (n * n - na * na));
 }
 
+double RefractiveIndexOf(double stage_per_glass_ratio, double numerical_aperture) {
+  Require(stage_per_glass_ratio > 0 && stage_per_glass_ratio <= 1,
+          "stage_per_glass_ratio must be in 0..1, is {}", stage_per_glass_ratio);
+  const double na = numerical_aperture;
+  return std::sqrt(na * na +
+                   (1 - na * na) / (stage_per_glass_ratio * stage_per_glass_ratio));
+}
+
 // For the marginal rays to meet at d the stage moves s = d StagePerGlassRatio; paraxial
 // rays meet at n s then, which is less.
 double FocusSpreadMm(double refractive_index, double numerical_aperture,

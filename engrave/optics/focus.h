@@ -21,6 +21,9 @@ struct Lens {
 /// sqrt(1 - NA^2) / sqrt(n^2 - NA^2), in (0, 1].
 double StagePerGlassRatio(double refractive_index, double numerical_aperture);
 
+/// The index that a StagePerGlassRatio of this aperture belongs to.
+double RefractiveIndexOf(double stage_per_glass_ratio, double numerical_aperture);
+
 /// How far above the focus of the marginal rays those near the beam's axis meet, at a
 /// depth d >= 0 of the former: d (1 - n StagePerGlassRatio), mm. The flat top face
 /// spreads the focus in proportion to the depth; a beam that does not fill the lens has

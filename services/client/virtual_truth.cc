@@ -7,6 +7,7 @@
 #include "services/job/job_defaults.h"
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/head_clearance.h"
+#include "services/job/machine/head_over_block.h"
 #include "services/job/machine/laser_setting.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/machine/stations.h"
@@ -54,6 +55,17 @@ TruthPositioner PositionerOf(const MachineSpec& machine) {
     positioner.mutable_arm()->set_pivot_distance_mm(polar->axis_distance_mm);
     positioner.mutable_arm()->set_arm_length_mm(polar->arm_length_mm);
     *positioner.mutable_z() = GuideOf(polar->z);
+    return positioner;
+  }
+  if (const auto* head = std::get_if<machine::ScanHeadOptions>(&kinematics)) {
+    TruthMirrors& mirrors = *positioner.mutable_mirrors();
+    if (!head->lens.is_telecentric()) {
+      mirrors.set_pupil_x_mm(head->lens.pupil_mm.x());
+      mirrors.set_pupil_y_mm(head->lens.pupil_mm.y());
+    }
+    mirrors.set_wavelength_nm(machine.laser().wavelength_nm());
+    mirrors.set_crack_energy_mj(CrackEnergyMj(machine));
+    *positioner.mutable_z() = GuideOf(head->z);
     return positioner;
   }
   const auto& linear = std::get<machine::CartesianOptions>(kinematics);

@@ -10,6 +10,7 @@
 #include "services/job/field_ranges.h"
 #include "services/job/job_check.h"
 #include "services/job/machine/focus_offset.h"
+#include "services/job/machine/head_over_block.h"
 #include "services/job/machine/machine_drives.h"
 #include "services/job/machine/profile_errors.h"
 #include "services/job/machine/stations.h"
@@ -190,6 +191,10 @@ void AddKinematics(const MachineSpec& machine, std::vector<Error>& errors) {
   } else {
     CheckCartesian(machine, errors);
   }
+  if (machine.has_head_over_block()) {
+    CheckLinearAxis(machine.head_over_block().z(), "head_over_block.z", errors);
+    CheckHeadOverBlock(machine, errors);
+  }
   CheckAxis(machine.has_z(), machine.z(), "z", errors);
 }
 
@@ -230,6 +235,8 @@ std::vector<Error> CheckMarkingMachine(const MachineSpec& machine) {
 std::vector<Error> CheckKinematics(const MachineSpec& machine) {
   std::vector<Error> errors;
   if (machine.has_polar()) CheckRanges(machine.polar(), "polar", errors);
+  if (machine.has_head_over_block())
+    CheckRanges(machine.head_over_block(), "head_over_block", errors);
   AddKinematics(machine, errors);
   return errors;
 }

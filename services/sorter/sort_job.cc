@@ -15,6 +15,7 @@
 #include "services/job/plan/ordering.h"
 #include "services/job/quality/cloud_warnings.h"
 #include "services/job/quality/focus_spread.h"
+#include "services/job/quality/oblique_beams.h"
 #include "services/job/verdict/warnings.h"
 #include "services/platform/host/threads/worker_threads.h"
 
@@ -61,6 +62,10 @@ Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
   const CloudFindings found =
       FindInCloud(job.job(), job.machine(), result.cloud, masks, host::AllCores());
   AddTo(*outcome.mutable_warnings(), FocusSpreadOf(job, result.cloud.points_mm));
+  if (const auto oblique =
+          ObliqueFiguresOf(job, result.cloud.points_mm, result.cloud.source)) {
+    AddTo(*outcome.mutable_warnings(), ObliqueWarningsOf(job, *oblique));
+  }
   AddTo(*outcome.mutable_warnings(), found.warnings);
   return result;
 }

@@ -247,12 +247,16 @@ void Machine::Fire(std::uint8_t channels, const Vec3& place_mm) {
     }
     const auto [station, focus] = TraceFocus(
         FocusAt(options_.positioner, place_mm) + options_.channel_offset_mm[channel],
-        options_.block, options_.further_stations);
+        options_.block, options_.further_stations,
+        BeamSlopes(options_.positioner, place_mm));
+    const double peak_left =
+        PeakLeft(options_.block, focus.apart_mm, options_.wavelength_mm);
+    const bool cracks =
+        focus.in_glass && energy_mj * peak_left >= options_.crack_energy_mj;
     const double length_mm = CrackLengthMm(options_.crack_length_mm, energy_mj / full_mj);
-    glass_.Add({laser_.tick(), focus.position_mm, energy_mj, channel, focus.in_glass,
-                focus.in_glass ? length_mm : 0, station});
-    if (!focus.in_glass || !laser_.CountsFlashAt(focus.position_mm.z()))
-      missed |= 1u << channel;
+    glass_.Add({laser_.tick(), focus.position_mm, energy_mj, channel, cracks,
+                cracks ? length_mm : 0, station});
+    if (!cracks || !laser_.CountsFlashAt(focus.position_mm.z())) missed |= 1u << channel;
   }
   if (to_miss_ > 0) --to_miss_;
   laser_.Missed(static_cast<std::uint8_t>(missed));

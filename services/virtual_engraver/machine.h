@@ -41,6 +41,8 @@ struct MachineOptions {
   BodyOptions bodies;
   double crack_length_mm = 0.2;  ///< of the laser's largest pulse, along the beam
   double split_ratio = 1;        ///< of a pulse, in the beam of each channel
+  double wavelength_mm = 0.532e-3;
+  double crack_energy_mj = 0;  ///< the least that an upright beam cracks the glass with
   /// How far beside that of channel 1 the beam of each channel meets.
   std::array<Vec3, 4> channel_offset_mm = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(),
                                            Vec3::Zero()};

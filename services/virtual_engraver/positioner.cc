@@ -24,7 +24,18 @@ Motion Turn(double angle_rad, const Vec3& pivot_mm) {
          Eigen::Translation3d(-pivot_mm);
 }
 
+Vec2 OfField(const PositionerOptions& positioner, const Vec3& axes) {
+  const Vec2 commanded_mm = axes.head<2>();
+  const double share = 1e-4 * commanded_mm.squaredNorm();
+  return (1 + positioner.distortion_ratio * share) * commanded_mm;
+}
+
 }  // namespace
+
+Vec2 BeamSlopes(const PositionerOptions& positioner, const Vec3& axes) {
+  if (!positioner.has_mirrors) return Vec2::Zero();
+  return OfField(positioner, axes).cwiseQuotient(positioner.pupil_mm);
+}
 
 Vec3 FocusAt(const PositionerOptions& positioner, const Vec3& axes) {
   Vec3 focus_mm = Vec3::Zero();
@@ -43,6 +54,8 @@ Vec3 FocusAt(const PositionerOptions& positioner, const Vec3& axes) {
     const Vec3 at_zero_mm = pivot_mm - Vec3(0, positioner.arm_length_mm, 0);
     focus_mm = Turn(axes[0], pivot_mm) * at_zero_mm;
     of_block = Turn(axes[1], Vec3::Zero());
+  } else if (positioner.has_mirrors) {
+    focus_mm.head<2>() = OfField(positioner, axes);
   } else {
     guide(0);
     guide(1);

@@ -30,11 +30,21 @@ struct PositionerOptions {
   bool has_arm = false;
   double pivot_distance_mm = 0;  ///< > 0 with an arm
   double arm_length_mm = 0;      ///< from its pivot to the beam, > 0 with an arm
+  /// Two mirrors in the place of x and y: they tilt the beam, whose focus goes over the
+  /// field of a lens on the vertical through the origin. Axes 1, 2: mm of the field.
+  bool has_mirrors = false;
+  Vec2 pupil_mm = Vec2::Constant(1e6);  ///< of the lens, above its focal plane, > 0
+  /// The lens puts the beam farther out than commanded by this share at 100 mm, times the
+  /// square of the distance.
+  double distortion_ratio = 0;
 };
 
 /// Where the focus would be in air, in the frame that goes with the block, mm. `axes`:
 /// mm, or rad of arm and turntable.
 Vec3 FocusAt(const PositionerOptions& positioner, const Vec3& axes);
+
+/// How far the beam goes aside, in x and y, for 1 mm down.
+Vec2 BeamSlopes(const PositionerOptions& positioner, const Vec3& axes);
 
 /// How far the focus goes relative to the block when an axis moves by its unit, for the
 /// place of the block that is farthest, mm. `block_mm`: the block in the frame that goes

@@ -23,8 +23,9 @@ struct StationFocus {
 };
 
 /// In the block that the beam meets; beside all blocks, relative to the nearest one.
-/// `stage_mm` as of TraceFocus.
+/// `stage_mm` and `slopes` as of TraceFocus.
 StationFocus TraceFocus(const Vec3& stage_mm, const BlockInMachine& block,
-                        std::span<const StationInMachine> further);
+                        std::span<const StationInMachine> further,
+                        const Vec2& slopes = Vec2::Zero());
 
 }  // namespace intaglio::virtual_engraver

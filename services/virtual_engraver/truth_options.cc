@@ -103,6 +103,11 @@ PositionerOptions PositionerOf(const TruthPositioner& truth) {
   positioner.has_arm = truth.has_arm();
   positioner.pivot_distance_mm = truth.arm().pivot_distance_mm();
   positioner.arm_length_mm = truth.arm().arm_length_mm();
+  positioner.has_mirrors = truth.has_mirrors();
+  const TruthMirrors& mirrors = truth.mirrors();
+  if (mirrors.has_pupil_x_mm()) positioner.pupil_mm.x() = mirrors.pupil_x_mm();
+  if (mirrors.has_pupil_y_mm()) positioner.pupil_mm.y() = mirrors.pupil_y_mm();
+  positioner.distortion_ratio = mirrors.distortion_ratio();
   return positioner;
 }
 
@@ -179,6 +184,9 @@ MachineOptions OptionsOf(const MachineTruth& truth) {
   options.further_stations = StationsOf(truth.block());
   options.bodies = BodiesOf(truth);
   options.positioner = PositionerOf(truth.stage().positioner());
+  const TruthMirrors& mirrors = truth.stage().positioner().mirrors();
+  if (mirrors.has_wavelength_nm()) options.wavelength_mm = 1e-6 * mirrors.wavelength_nm();
+  options.crack_energy_mj = mirrors.crack_energy_mj();
   const BlockInMachine& block = options.block;
   options.stage.focus_per_axis_unit_mm = FocusPerAxisUnitMm(
       options.positioner, {block.origin_mm, block.origin_mm + block.size_mm});

@@ -34,7 +34,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"engrave/discretize/picture",
      {"engrave/core", "engrave/image", "engrave/mesh", "engrave/discretize/spacing"}},
     {"engrave/optics", {"engrave/core"}},
-    {"engrave/machine", {"engrave/core", "engrave/optics"}},
+    {"engrave/machine", {"engrave/core", "engrave/galvo", "engrave/optics"}},
     {"engrave/sort/beam", {"engrave/core"}},
     {"engrave/sort", {"engrave/core", "engrave/motion*", "engrave/sort/beam"}},
     {"engrave/motion/axis", {"engrave/core"}},

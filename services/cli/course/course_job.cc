@@ -141,6 +141,12 @@ Result<std::vector<course::Path>> ReadContours(const std::string& file, double f
 }
 
 Result<course::AxisPair> AxesOf(const MachineSpec& machine) {
+  if (machine.has_head_over_block()) {
+    return Fail(ErrorCode::kUnsupported,
+                machine.name() +
+                    ": kinematics: head_over_block: has mirrors; courses are planned for "
+                    "linear axes x and y");
+  }
   if (machine.has_polar()) {
     return Fail(ErrorCode::kUnsupported,
                 machine.name() +

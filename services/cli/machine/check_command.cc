@@ -5,6 +5,7 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engrave/core/try.h"
@@ -21,6 +22,7 @@
 #include "services/job/job_defaults.h"
 #include "services/job/job_file.h"
 #include "services/job/machine/head_warnings.h"
+#include "services/job/quality/oblique_beams.h"
 #include "services/platform/command_line/supplied_files.h"
 
 namespace intaglio::cli {
@@ -64,6 +66,8 @@ void FindAll(const MachineSpec& machine, MachineCheck& check) {
     *check.add_warnings() = FindingOf(error);
   for (const Error& error : LensWarningsOf(machine))
     *check.add_warnings() = FindingOf(error);
+  for (std::string& note : ObliqueNotesOf(WithMachineDefaults(machine)))
+    check.add_notes(std::move(note));
 }
 
 void CompareDevices(const MachineSpec& machine, MachineCheck& check) {
@@ -87,6 +91,7 @@ void PrintText(const MachineCheck& check) {
     std::cout << finding.message() << "\n";
   for (const ProfileFinding& warning : check.warnings())
     std::cout << "warning: " << warning.message() << "\n";
+  for (const std::string& note : check.notes()) std::cout << "note: " << note << "\n";
   for (const CheckedLine& line : check.lines()) {
     if (!line.not_compared().empty()) {
       std::cout << line.line()

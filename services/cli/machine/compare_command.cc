@@ -97,9 +97,10 @@ std::optional<Vec2> StiffnessOf(const MachineSpec& machine) {
 
 void NamePositioner(const MachineSpec& machine, ComparedMachine& of) {
   of.set_machine(machine.name());
-  of.set_positioner(machine.has_polar() ? "arm and table"
-                    : IsPlanar(machine) ? "planar drive"
-                                        : "screw table");
+  of.set_positioner(machine.has_polar()             ? "arm and table"
+                    : machine.has_head_over_block() ? "mirrors and lens"
+                    : IsPlanar(machine)             ? "planar drive"
+                                                    : "screw table");
   of.set_rule(machine.has_polar() ? "(138)" : IsPlanar(machine) ? "(137)" : "(136)");
   of.set_repeatability_um(machine.repeatability_um());
 }

@@ -25,8 +25,7 @@ Result<std::vector<calibrate::PassedMark>> PlannedMarksOf(const Evidence& eviden
       INTAGLIO_TRY(machine::AxesAlong(AxesFromGlassOf(evidence.job), evidence.plan_mm,
                                       AxisLimitsOf(evidence.job.machine()).travel_mm));
   const auto approaches = calibrate::ApproachesOf(MotionOptionsOf(evidence.job), axes);
-  const Mat3 focus_per_axis =
-      KinematicsOf(evidence.job.machine(), evidence.job.job())->ScaleAt(axes[0]);
+  const Mat3 focus_per_axis = AxesFromGlassOf(evidence.job).kinematics().ScaleAt(axes[0]);
   std::vector<calibrate::PassedMark> marks(axes.size());
   for (std::size_t i = 0; i < marks.size(); ++i) {
     marks[i].place_mm = evidence.plan_mm[i].head<2>();
@@ -107,6 +106,14 @@ Result<Measurement> MeasureMachine(const std::filesystem::path& folder,
                                    const MarksFile& asked) {
   const Evidence evidence = INTAGLIO_TRY(ReadEvidence(folder));
   const MachineSpec& machine = evidence.job.machine();
+  if (machine.has_head_over_block()) {
+    return Fail(
+        ErrorCode::kUnsupported,
+        machine.name() +
+            ": its mirrors tilt the beam, and only three linear axes are measured "
+            "by the pattern; calibrate the field with intaglio galvo "
+            "(docs/machines/scan_head_glass.md)");
+  }
   if (machine.has_polar()) {
     return Fail(ErrorCode::kUnsupported,
                 machine.name() +

@@ -60,6 +60,12 @@ JobSpec JobOf(const PatternJob& asked, const calibrate::TestPatternOptions& opti
 
 Result<fs::path> WritePatternJob(const PatternJob& asked, const fs::path& folder) {
   const MachineSpec machine = INTAGLIO_TRY(ReadMachineFile(asked.machine_file));
+  if (machine.has_head_over_block()) {
+    return Fail(ErrorCode::kUnsupported,
+                machine.name() +
+                    ": its mirrors tilt the beam, and the test pattern is for three "
+                    "linear axes");
+  }
   if (machine.has_polar()) {
     return Fail(ErrorCode::kUnsupported,
                 machine.name() +

@@ -26,6 +26,7 @@
 #include "services/job/models/job_cloud.h"
 #include "services/job/quality/cloud_warnings.h"
 #include "services/job/quality/focus_spread.h"
+#include "services/job/quality/oblique_beams.h"
 #include "services/job/verdict/warnings.h"
 
 namespace intaglio::client {
@@ -122,6 +123,22 @@ const char* VerdictOf(const Warnings& warnings) {
   return kReady;
 }
 
+void AddOblique(const ObliqueFigures& found, JobPreview& figures) {
+  ObliquePreview& oblique = *figures.mutable_oblique();
+  for (const UsableRadii& at : found.radii) {
+    UsableRadius& radius = *oblique.add_radii();
+    radius.set_depth_mm(at.depth_mm);
+    radius.set_radius_mm(at.radius_mm);
+    radius.set_max_radius_mm(at.max_radius_mm);
+    radius.set_double_radius_mm(at.double_radius_mm);
+  }
+  oblique.set_weak_count(found.weak_count);
+  oblique.set_double_count(found.double_count);
+  oblique.set_weakest_ratio(found.weakest_ratio);
+  oblique.set_max_apart_mm(found.max_apart_mm);
+  oblique.set_needed_energy_mj(found.needed_energy_mj);
+}
+
 JobPreview FiguresOf(const FrozenJob& job, const MadeCloud& made,
                      const CloudFindings& found, const PreviewOptions& options) {
   JobPreview figures;
@@ -132,6 +149,12 @@ JobPreview FiguresOf(const FrozenJob& job, const MadeCloud& made,
   Warnings warnings = made.warnings;
   const Warnings spread = FocusSpreadOf(job, made.cloud.points_mm);
   warnings.insert(warnings.end(), spread.begin(), spread.end());
+  if (const auto oblique =
+          ObliqueFiguresOf(job, made.cloud.points_mm, made.cloud.source)) {
+    AddOblique(*oblique, figures);
+    const Warnings beams = ObliqueWarningsOf(job, *oblique);
+    warnings.insert(warnings.end(), beams.begin(), beams.end());
+  }
   warnings.insert(warnings.end(), found.warnings.begin(), found.warnings.end());
   figures.set_verdict(VerdictOf(warnings));
   *figures.mutable_warnings() = RecordsOf(AtLeast(WarningWeight::kNote, warnings));

@@ -25,6 +25,7 @@ std::string TimeText(const JobPreview& figures) {
     text +=
         fmt::format("; from a sample of {} points", GroupedDigits(time.planned_count()));
   }
+  text += fmt::format("; {:.3f} points a tick", time.utilisation());
   return text;
 }
 
@@ -43,6 +44,23 @@ std::string BreakageText(const BreakagePreview& breakage) {
   if (breakage.risky_count() == 0) return share;
   return fmt::format("may break: {}; more at {} points", share,
                      GroupedDigits(breakage.risky_count()));
+}
+
+/// By depth, how far from the axis of the lens there are cracks.
+std::string ObliqueText(const ObliquePreview& oblique) {
+  std::string text = "cracks";
+  const char* before = " ";
+  for (const UsableRadius& at : oblique.radii()) {
+    text += fmt::format("{}up to {:.1f} mm from the axis at {:.0f} mm depth", before,
+                        at.radius_mm(), at.depth_mm());
+    before = ", ";
+  }
+  text +=
+      fmt::format("; the weakest point has {:.2f} of the intensity and needs {:.3g} mJ",
+                  oblique.weakest_ratio(), oblique.needed_energy_mj());
+  if (oblique.weak_count() > 0)
+    text += fmt::format("; {} points get none", GroupedDigits(oblique.weak_count()));
+  return text;
 }
 
 std::string GlassText(const JobPreview& figures) {
@@ -86,6 +104,10 @@ std::vector<PreviewLine> LinesOf(const JobPreview& figures) {
       {"time", TimeText(figures)},
       {"glass", GlassText(figures)},
       {"machine", figures.machine()}};
+  if (figures.has_oblique()) {
+    lines.push_back(
+        {"beam", ObliqueText(figures.oblique()), figures.oblique().weak_count() > 0});
+  }
   if (figures.has_breakage()) {
     lines.push_back({"breakage", BreakageText(figures.breakage()),
                      figures.breakage().risky_count() > 0});

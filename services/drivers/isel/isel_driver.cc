@@ -19,6 +19,10 @@ std::string RefusalOf(const MachineSpec& machine) {
     return "motion_line.serial_number: controllers of this family report none, so it "
            "cannot be compared: remove it";
   }
+  if (machine.has_head_over_block()) {
+    return "head_over_block: this family is driven with three linear axes alone: remove "
+           "it";
+  }
   if (machine.has_polar()) {
     return "polar: this family is driven with three linear axes alone: remove it";
   }

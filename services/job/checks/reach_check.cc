@@ -22,6 +22,14 @@ void CheckAxisTravel(const machine::Axis& axis, int i, const JobSpec& job,
   if (from >= travel.min_mm[i] && to <= travel.max_mm[i]) return;
   const Vec3 size_mm = BlockSizeOf(job);
   if (axis.unit == machine::AxisUnit::kMm) {
+    if (machine.has_head_over_block() && i < 2) {
+      return findings.Wrong(
+          fmt::format("block.size_mm.{}", axis.name), size_mm[i],
+          "does not fit in the field of {}: the mirrors would have to move the beam from "
+          "{:.6g} to {:.6g} mm, the field is {} to {}; take a smaller block, a greater "
+          "block.margin_mm, or correct block_origin_mm",
+          machine.name(), from, to, travel.min_mm[i], travel.max_mm[i]);
+    }
     return findings.Wrong(fmt::format("block.size_mm.{}", axis.name), size_mm[i],
                           "does not fit in the travel of {}: the stage would have to "
                           "move from {:.6g} to {:.6g} mm, its travel is {} to {}",
@@ -38,9 +46,9 @@ void CheckReachFrom(const Vec3& origin_mm, const JobSpec& job, const MachineSpec
                     std::optional<double> stage_per_glass_ratio, Findings& findings) {
   const Vec3 size_mm = BlockSizeOf(job);
   const Vec3 margin_mm = Vec3::Constant(job.block().margin_mm());
-  const machine::AxesFromGlass axes_from_glass(
-      {origin_mm, size_mm, stage_per_glass_ratio.value_or(1)},
-      KinematicsOf(machine, job));
+  const optics::MachineFromGlass frame{origin_mm, size_mm,
+                                       stage_per_glass_ratio.value_or(1)};
+  const machine::AxesFromGlass axes_from_glass(frame, KinematicsOf(machine, job, frame));
   Box3 permitted_mm{margin_mm, size_mm - margin_mm};
   if (!stage_per_glass_ratio) permitted_mm.min_mm.z() = permitted_mm.max_mm.z();
   const auto needed =
@@ -61,7 +69,10 @@ void CheckReachFrom(const Vec3& origin_mm, const JobSpec& job, const MachineSpec
 
 void CheckReach(const JobSpec& job, const MachineSpec& machine,
                 std::optional<double> stage_per_glass_ratio, Findings& findings) {
-  if (machine.has_polar() && !CheckKinematics(machine).empty()) return;
+  if (!OutOfRange(machine.head_over_block(), "").empty()) return;
+  if ((machine.has_polar() || machine.has_head_over_block()) &&
+      !CheckKinematics(machine).empty())
+    return;
   if (!OutOfRange(machine.cartesian(), "").empty()) return;
   Findings found;
   for (const Vec3& origin_mm : BlockOriginsOf(machine, job)) {

@@ -4,16 +4,23 @@
 #include <cmath>
 
 #include "engrave/core/check.h"
+#include "engrave/optics/focus.h"
 #include "services/job/channels.h"
+#include "services/job/field_ranges.h"
 #include "services/job/machine/block_origin.h"
+#include "services/job/machine/head_over_block.h"
 #include "services/job/machine/stations.h"
 #include "services/job/options.h"
 
 namespace intaglio {
 namespace {
 
-// What MotionOptions.max_speed_mm_s and max_acceleration_mm_s2 may be.
-constexpr double kMaxJobSpeedMmS = 5000, kMaxJobAccelerationMmS2 = 100000;
+/// What MotionOptions.max_speed_mm_s and max_acceleration_mm_s2 may be.
+double MaxOfJob(const char* field) {
+  const FieldRange* range = FindRange("MotionOptions", field);
+  Require(range != nullptr, "no range of MotionOptions.{}", field);
+  return range->max;
+}
 
 machine::LinearAxis LinearAxisOf(const LinearAxis& axis) {
   return {axis.moves() == AXIS_MOVES_TABLE, axis.reversed(),
@@ -61,6 +68,11 @@ void NarrowTravel(motion::Limits& limits, const MachineSpec& machine) {
 
 machine::KinematicsOptions KinematicsOptionsOf(const MachineSpec& machine) {
   if (machine.has_polar()) return PolarOptionsOf(machine.polar());
+  if (machine.has_head_over_block()) {
+    machine::ScanHeadOptions head = HeadOptionsOf(machine.head_over_block());
+    head.z = LinearAxisOf(machine.head_over_block().z());
+    return head;
+  }
   const CartesianKinematics& cartesian = machine.cartesian();
   return machine::CartesianOptions{
       LinearAxisOf(cartesian.x()), LinearAxisOf(cartesian.y()),
@@ -71,11 +83,17 @@ std::shared_ptr<const machine::Kinematics> KinematicsOf(const MachineSpec& machi
   return machine::MakeKinematics(KinematicsOptionsOf(machine));
 }
 
-std::shared_ptr<const machine::Kinematics> KinematicsOf(const MachineSpec& machine,
-                                                        const JobSpec& job) {
+std::shared_ptr<const machine::Kinematics> KinematicsOf(
+    const MachineSpec& machine, const JobSpec& job,
+    const optics::MachineFromGlass& frame) {
   machine::KinematicsOptions options = KinematicsOptionsOf(machine);
   if (auto* polar = std::get_if<machine::PolarOptions>(&options))
     polar->frame_turn_rad = StationPlaceOf(machine, job).turn_rad;
+  if (auto* head = std::get_if<machine::ScanHeadOptions>(&options)) {
+    head->top_z_mm = frame.top_z_mm();
+    head->refractive_index = optics::RefractiveIndexOf(frame.stage_per_glass_ratio,
+                                                       job.lens().numerical_aperture());
+  }
   return machine::MakeKinematics(options);
 }
 
@@ -114,34 +132,39 @@ FocusLimits FocusLimitsOf(const MachineSpec& machine) {
   if (machine.has_polar()) {
     const double arm_mm = machine.polar().arm_length_mm();
     scale_mm = Vec3(arm_mm, machine.polar().axis_distance_mm() + arm_mm, 1);
+  } else if (machine.has_head_over_block()) {
+    // Of a profile that is not checked yet, whose correction may have no inverse.
+    scale_mm = Vec3(1, 1, LinearAxisOf(machine.head_over_block().z()).scale_ratio);
   } else {
     scale_mm = KinematicsOf(machine)->BoundsOver({Vec3::Zero(), Vec3::Zero()}).axis_mm;
   }
-  return {
-      std::min(kMaxJobSpeedMmS, limits.max_speed_mm_s.cwiseProduct(scale_mm).maxCoeff()),
-      std::min(kMaxJobAccelerationMmS2,
-               limits.max_acceleration_mm_s2.cwiseProduct(scale_mm).maxCoeff())};
+  return {std::min(MaxOfJob("max_speed_mm_s"),
+                   limits.max_speed_mm_s.cwiseProduct(scale_mm).maxCoeff()),
+          std::min(MaxOfJob("max_acceleration_mm_s2"),
+                   limits.max_acceleration_mm_s2.cwiseProduct(scale_mm).maxCoeff())};
 }
 
 machine::AxesFromGlass AxesFromGlassOf(const FrozenJob& job) {
-  return {MachineFromGlassOf(job), KinematicsOf(job.machine(), job.job())};
+  const optics::MachineFromGlass frame = MachineFromGlassOf(job);
+  return {frame, KinematicsOf(job.machine(), job.job(), frame)};
 }
 
 std::vector<machine::AxesFromGlass> AxesFromGlassOfModels(const FrozenJob& job) {
-  const auto kinematics = KinematicsOf(job.machine(), job.job());
   std::vector<machine::AxesFromGlass> all;
   for (const ChannelMask mask : ChannelsOfModels(job.job())) {
     optics::MachineFromGlass frame = MachineFromGlassOf(job);
     frame.block_origin_mm = BlockOriginOf(job.machine(), job.job(), FirstChannel(mask));
-    all.emplace_back(frame, kinematics);
+    all.emplace_back(frame, KinematicsOf(job.machine(), job.job(), frame));
   }
   return all;
 }
 
 machine::ScaleBounds ScaleBoundsOf(const FrozenJob& job) {
-  const Vec3 origin_mm = BlockOriginOf(job.machine(), job.job());
-  return KinematicsOf(job.machine())
-      ->BoundsOver({origin_mm, origin_mm + BlockSizeOf(job.job())});
+  const optics::MachineFromGlass frame = MachineFromGlassOf(job);
+  Box3 places_mm;
+  places_mm.Extend(frame.ToMachine(Vec3::Zero()));
+  places_mm.Extend(frame.ToMachine(BlockSizeOf(job.job())));
+  return KinematicsOf(job.machine(), job.job(), frame)->BoundsOver(places_mm);
 }
 
 motion::Limits CappedAxisLimitsOf(const FrozenJob& job) {

@@ -15,14 +15,17 @@
 
 namespace intaglio {
 
-/// What MachineSpec.kinematics chooses; absent: three linear axes that move the head.
+/// What MachineSpec.kinematics chooses; absent: three linear axes that move the head. Of
+/// a scan head without a block.
 machine::KinematicsOptions KinematicsOptionsOf(const MachineSpec& machine);
 /// Of the block at the first station.
 std::shared_ptr<const machine::Kinematics> KinematicsOf(const MachineSpec& machine);
 /// Of the block at the job's station, in whose frame the places are: that of the machine,
-/// turned with the block.
-std::shared_ptr<const machine::Kinematics> KinematicsOf(const MachineSpec& machine,
-                                                        const JobSpec& job);
+/// turned with the block. `frame`: of the block that the places are in; a scan head's
+/// beams bend at its top face.
+std::shared_ptr<const machine::Kinematics> KinematicsOf(
+    const MachineSpec& machine, const JobSpec& job,
+    const optics::MachineFromGlass& frame);
 
 /// Whether the axes are the focus' own coordinates: linear, the head moves, all count up,
 /// no corrections.

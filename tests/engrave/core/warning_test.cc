@@ -12,7 +12,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::Field;
 
-constexpr auto kLast = WarningCode::kFocusSpread;
+constexpr auto kLast = WarningCode::kTwoFoci;
 
 TEST(Warning, EveryCodeAndWeightHasAnOwnNameThatIsReadBack) {
   std::set<std::string> names;

@@ -27,6 +27,40 @@ struct Sample {
   const char* remedy = "place";  // part of the sentence for those
 };
 
+/// A spline of what makes the head's slopes grow to the corners still more.
+std::shared_ptr<const galvo::CorrectionTable> AgainstPincushion() {
+  galvo::FieldGrid grid = galvo::CentredGrid(120, 41);
+  for (int j = 0; j < grid.nodes; ++j) {
+    for (int i = 0; i < grid.nodes; ++i) {
+      const Vec2 at_mm = grid.PlaceOf(i, j);
+      grid.values_mm[grid.IndexOf(i, j)] = -4e-6 * at_mm.squaredNorm() * at_mm;
+    }
+  }
+  return std::make_shared<galvo::CorrectionTable>(
+      galvo::CorrectionTable::Make(std::move(grid), galvo::Interpolation::kSpline)
+          .value());
+}
+
+std::vector<Sample> HeadSamples() {
+  const Box3 field{Vec3(-30, -28, -40), Vec3(29, 30, -1)};
+  const PointList beyond = {Vec3(170, 0, -20), Vec3(0, -150, 3)};
+  ScanHeadOptions head;
+  std::vector<Sample> samples = {
+      {"head_straight", head, field, {Vec3(std::nan(""), 0, 0)}, "place"}};
+  head.lens.pupil_mm = {150, 128};
+  head.refractive_index = 1.519473;
+  samples.push_back({"head_over_glass", head, field, beyond, "block_origin_mm"});
+  samples.push_back({"head_in_air",
+                     head,
+                     {Vec3(-30, -28, 1), Vec3(29, 30, 20)},
+                     beyond,
+                     "block_origin_mm"});
+  head.z = {true, false, 0.98};
+  head.corrections = AgainstPincushion();
+  samples.push_back({"head_corrected", head, field, beyond, "block_origin_mm"});
+  return samples;
+}
+
 std::vector<Sample> Samples() {
   const PointList no_numbers = {Vec3(std::nan(""), 0, 0),
                                 Vec3(0, std::numeric_limits<double>::infinity(), 0)};
@@ -52,6 +86,7 @@ std::vector<Sample> Samples() {
   samples.push_back({"polar_station", polar, piece, around, "block_origin_mm"});
   polar.arm_length_mm = 230;
   samples.push_back({"long_arm", polar, piece, {Vec3(1, 20, 0)}, "block_origin_mm"});
+  for (Sample& sample : HeadSamples()) samples.push_back(std::move(sample));
   return samples;
 }
 

@@ -81,10 +81,10 @@ TEST(Stations, OfARoundTableDifferByTheTurnOfTheTable) {
   JobSpec job = GoodJob();
   const Vec3 place_mm(-10, 110, 5);
   const Vec3 near(5, 0, 0);
-  const Vec3 first = KinematicsOf(machine, job)->ToAxes(place_mm, near).value();
+  const Vec3 first = KinematicsOf(machine, job, {})->ToAxes(place_mm, near).value();
   for (std::uint32_t station = 2; station <= 4; ++station) {
     job.set_station(station);
-    const Vec3 axes = KinematicsOf(machine, job)->ToAxes(place_mm, near).value();
+    const Vec3 axes = KinematicsOf(machine, job, {})->ToAxes(place_mm, near).value();
     EXPECT_NEAR(axes.x(), first.x(), 1e-12);
     EXPECT_NEAR(axes.z(), first.z(), 1e-12);
     const double turned =

@@ -45,7 +45,7 @@ TEST(WarningMessages, TheOptionThatAcceptsOneNamesItsCode) {
 TEST(WarningMessages, DocsListEveryCode) {
   std::ifstream file(INTAGLIO_SOURCE_DIR "/docs/jobs.md");
   const std::string docs((std::istreambuf_iterator<char>(file)), {});
-  for (int i = 0; i <= static_cast<int>(WarningCode::kFocusSpread); ++i) {
+  for (int i = 0; i <= static_cast<int>(WarningCode::kTwoFoci); ++i) {
     const Warning warning = MakeWarning(static_cast<WarningCode>(i), "");
     EXPECT_THAT(docs, HasSubstr(std::string("| `") + WarningCodeName(warning.code) +
                                 "` | " + WarningWeightName(warning.weight) + " |"));

@@ -1,0 +1,152 @@
+#include "engrave/machine/scan_head.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/SVD>
+#include <cmath>
+
+#include "engrave/core/check.h"
+#include "engrave/machine/unreachable.h"
+
+// A place has the z that the focus of an upright beam would have in air
+// (optics/machine_frame.h). Its marginal rays meet at the depth of the point, those near
+// its axis at n (top - z), which is less by the spherical aberration; the oblique pencil
+// is the thin one with this depth, so that upright beams move as under a stage. Above the
+// face the beam is in air, and nothing bends it.
+//   axes = (field + correction(field), (top - h) / m),  m: move for a unit of z
+// A correction is added to a place, so its inverse is CommandFor of correction_table.h.
+
+namespace intaglio::machine {
+namespace {
+
+class ScanHead final : public Kinematics {
+ public:
+  explicit ScanHead(const ScanHeadOptions& options)
+      : lens_(options.lens),
+        corrections_(options.corrections),
+        z_mm_(options.z.per_unit_mm()),
+        n_(options.refractive_index),
+        top_mm_(options.top_z_mm) {
+    Require((lens_.pupil_mm.array() > 0).all(), "pupil_mm must be positive, is {} and {}",
+            lens_.pupil_mm.x(), lens_.pupil_mm.y());
+    Require(n_ >= 1, "refractive_index must be 1 or more, is {}", n_);
+  }
+
+  std::array<Axis, 3> axes() const override { return {{{"x"}, {"y"}, {"z"}}}; }
+
+  Result<Vec3> ToAxes(const Vec3& place_mm, const Vec3& /*near*/) const override {
+    if (!place_mm.allFinite()) return NoNumber(place_mm);
+    const Vec2 across_mm = place_mm.head<2>();
+    if (!(lens_.TangentAt(across_mm) <= 1)) return TooSteep(place_mm);
+    const double below_mm = top_mm_ - place_mm.z();
+    if (below_mm <= 0) return AxesOf(across_mm, place_mm.z());
+    const auto solved =
+        optics::PositionFor({across_mm.x(), across_mm.y(), n_ * below_mm}, lens_, n_);
+    if (!solved) return TooSteep(place_mm);
+    return AxesOf(solved->head.field_mm, top_mm_ - solved->head.below_face_mm);
+  }
+
+  Vec3 ToPlace(const Vec3& axes) const override {
+    const optics::HeadPosition head = HeadAt(axes);
+    if (head.below_face_mm <= 0) {
+      return {head.field_mm.x(), head.field_mm.y(), top_mm_ - head.below_face_mm};
+    }
+    const Vec3 focus_mm = optics::MiddleFocusOf(head, lens_, n_);
+    return {focus_mm.x(), focus_mm.y(), top_mm_ - focus_mm.z() / n_};
+  }
+
+  Mat3 ScaleAt(const Vec3& axes) const override {
+    const optics::HeadPosition head = HeadAt(axes);
+    Mat3 scale = Mat3::Identity();
+    if (head.below_face_mm > 0) {
+      // From (u, v, height) to (x, y, z): both count upward.
+      scale = optics::MiddleFocusSlopes(head, lens_, n_);
+      scale.topRightCorner<2, 1>() *= -1;
+      scale.row(2) /= n_;
+      scale.bottomLeftCorner<1, 2>() *= -1;
+    }
+    scale.leftCols<2>() = scale.leftCols<2>() * FieldPerCommand(head.field_mm);
+    scale.col(2) *= z_mm_;
+    return scale;
+  }
+
+  // The slopes of the optics grow with field and depth, so a corner of the box has the
+  // largest; those of corrections may be greatest inside.
+  ScaleBounds BoundsOver(const Box3& places_mm) const override {
+    Require(!places_mm.empty(), "scale bounds of an empty box");
+    const int steps = corrections_ ? 16 : 1;
+    ScaleBounds bounds{Vec3::Zero(), 0};
+    for (int i = 0; i <= steps; ++i) {
+      for (int j = 0; j <= steps; ++j) {
+        for (int k = 0; k <= 1; ++k) {
+          const Vec3 share(static_cast<double>(i) / steps, static_cast<double>(j) / steps,
+                           k);
+          const Vec3 place_mm =
+              places_mm.min_mm + share.cwiseProduct(places_mm.size_mm());
+          const auto axes = ToAxes(place_mm, Vec3::Zero());
+          if (axes) Extend(bounds, ScaleAt(*axes));
+        }
+      }
+    }
+    // Nothing of the box is reached.
+    if (bounds.any_mm == 0) Extend(bounds, Vec3(1, 1, z_mm_).asDiagonal());
+    return bounds;
+  }
+
+ private:
+  static void Extend(ScaleBounds& bounds, const Mat3& scale) {
+    bounds.axis_mm = bounds.axis_mm.cwiseMax(scale.colwise().norm().transpose());
+    bounds.any_mm =
+        std::max(bounds.any_mm, scale.jacobiSvd().singularValues().maxCoeff());
+  }
+
+  Result<Vec3> AxesOf(const Vec2& field_mm, double height_mm) const {
+    const Vec2 command_mm =
+        corrections_ ? Vec2(field_mm + corrections_->At(field_mm)) : field_mm;
+    return Vec3(command_mm.x(), command_mm.y(), height_mm / z_mm_);
+  }
+
+  optics::HeadPosition HeadAt(const Vec3& axes) const {
+    const Vec2 command_mm = axes.head<2>();
+    const double below_mm = top_mm_ - z_mm_ * axes.z();
+    if (!corrections_) return {command_mm, below_mm};
+    // A table whose corrections change as fast as the place has no inverse; profiles
+    // cannot give one.
+    return {galvo::CommandFor(command_mm, *corrections_).value_or(command_mm), below_mm};
+  }
+
+  /// Inverse of the derivative of field + correction(field), by differences.
+  Eigen::Matrix2d FieldPerCommand(const Vec2& field_mm) const {
+    Eigen::Matrix2d command = Eigen::Matrix2d::Identity();
+    if (!corrections_) return command;
+    constexpr double kStepMm = 1e-3;
+    for (int axis = 0; axis < 2; ++axis) {
+      const Vec2 step_mm = kStepMm * Vec2::Unit(axis);
+      command.col(axis) +=
+          (corrections_->At(field_mm + step_mm) - corrections_->At(field_mm - step_mm)) /
+          (2 * kStepMm);
+    }
+    return command.inverse();
+  }
+
+  tl::unexpected<Error> TooSteep(const Vec3& place_mm) const {
+    return Unreachable(
+        place_mm,
+        fmt::format("needs a beam steeper than 45 degrees: it is {:.6g} mm from the axis "
+                    "of the lens, whose pupil is {:.6g} mm away; move the block under "
+                    "the lens and correct block_origin_mm",
+                    place_mm.head<2>().norm(), lens_.pupil_mm.minCoeff()));
+  }
+
+  optics::ScanLens lens_;
+  std::shared_ptr<const galvo::CorrectionTable> corrections_;
+  double z_mm_, n_, top_mm_;
+};
+
+}  // namespace
+
+std::shared_ptr<const Kinematics> MakeScanHead(const ScanHeadOptions& options) {
+  return std::make_shared<ScanHead>(options);
+}
+
+}  // namespace intaglio::machine

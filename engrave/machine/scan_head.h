@@ -1,0 +1,16 @@
+#pragma once
+
+// A scan head over a block: two mirrors move the focus across the field of their lens, a
+// slow axis moves it in z. Axes: x, y (mm of the field, commands of the mirrors), z (mm).
+// In the glass every ray is refracted (optics/oblique_focus.h), so the commands of a
+// place depend on its depth, and z on its place in the field.
+
+#include <memory>
+
+#include "engrave/machine/kinematics.h"
+
+namespace intaglio::machine {
+
+std::shared_ptr<const Kinematics> MakeScanHead(const ScanHeadOptions& options);
+
+}  // namespace intaglio::machine

@@ -1,0 +1,60 @@
+#pragma once
+
+// What the oblique beams of a scan head cost a job: how far from the axis of the lens
+// they still make cracks, by depth, and which points lie beyond it
+// (engrave/optics/oblique_intensity.h).
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+#include "engrave/core/warning.h"
+#include "engrave/optics/oblique_intensity.h"
+#include "proto/machine.pb.h"
+#include "proto/task.pb.h"
+
+namespace intaglio {
+
+/// At one depth, mm from the axis of the lens, within the field.
+struct UsableRadii {
+  double depth_mm = 0;
+  double radius_mm = 0;         ///< with the energy asked for
+  double max_radius_mm = 0;     ///< with the largest of the laser
+  double double_radius_mm = 0;  ///< beyond it a crack may begin at either of two depths
+};
+
+struct ObliqueFigures {
+  std::vector<UsableRadii> radii;  ///< rising depths
+  double field_mm = 0;             ///< from its middle to its corner
+  std::size_t weak_count = 0;      ///< points that get no crack
+  Vec3 first_weak_mm = Vec3::Zero();
+  std::size_t double_count = 0;  ///< points with two strong foci
+  double weakest_ratio = 1;      ///< peak intensity, of that of an upright beam
+  double max_apart_mm = 0;       ///< of both line foci
+  double needed_energy_mj = 0;   ///< with which every point cracks
+};
+
+/// Of a machine with a scan head over the block, with `beam`: down to `depth_mm`, > 0,
+/// with the energy `energy_mj`. The smaller of both pupil distances counts.
+std::vector<UsableRadii> UsableRadiiOf(const MachineSpec& machine,
+                                       const optics::FocusedBeam& beam, double depth_mm,
+                                       double energy_mj);
+
+/// nullopt: the machine has no scan head over the block. Points in the glass frame, mm,
+/// each with the number of its model.
+std::optional<ObliqueFigures> ObliqueFiguresOf(const FrozenJob& job,
+                                               const PointList& points_mm,
+                                               std::span<const std::uint32_t> source);
+
+/// Points that get no crack, and points at which it may begin at either of two depths.
+Warnings ObliqueWarningsOf(const FrozenJob& job, const ObliqueFigures& figures);
+
+/// How far each lens of the profile makes cracks in glass of the index 1.52 (N-BK7), with
+/// the laser's largest energy: a sentence each. Empty: no scan head over the block. Of a
+/// profile that CheckMachine passes, with its defaults.
+std::vector<std::string> ObliqueNotesOf(const MachineSpec& machine);
+
+}  // namespace intaglio

@@ -1,0 +1,146 @@
+#include "services/job/machine/head_over_block.h"
+
+#include <gmock/gmock.h>
+
+#include <functional>
+
+#include "engrave/galvo/head_model.h"
+#include "services/job/job_check.h"
+#include "services/job/job_defaults.h"
+#include "services/job/job_file.h"
+#include "services/job/machine/machine_axes.h"
+#include "services/job/options.h"
+#include "tests/services/job/finding_matcher.h"
+#include "tests/services/job/test_job.h"
+
+namespace intaglio {
+namespace {
+
+using testing::Contains;
+using testing::Field;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+MachineSpec Profile() {
+  return ReadMachineFile(INTAGLIO_SOURCE_DIR "/deploy/machines/galvo-glass.textproto")
+      .value();
+}
+
+JobSpec CubeJob(double side_mm) {
+  JobSpec job = GoodJob();
+  job.clear_lens();
+  job.clear_laser();
+  job.clear_motion();
+  job.mutable_discretization()->clear_min_spacing_mm();
+  for (int axis = 0; axis < 3; ++axis) {
+    Vector3& size_mm = *job.mutable_block()->mutable_size_mm();
+    (axis == 0   ? size_mm.set_x(side_mm)
+     : axis == 1 ? size_mm.set_y(side_mm)
+                 : size_mm.set_z(side_mm));
+  }
+  return job;
+}
+
+FrozenJob Frozen(double side_mm) {
+  FrozenJob frozen;
+  *frozen.mutable_machine() = WithMachineDefaults(Profile());
+  *frozen.mutable_job() = WithDefaults(CubeJob(side_mm), frozen.machine());
+  frozen.mutable_optics()->set_stage_per_glass_ratio(
+      optics::StagePerGlassRatio(1.519473, 0.03));
+  return frozen;
+}
+
+TEST(HeadOverBlock, TheSuppliedProfileIsGoodAndTakesACube) {
+  EXPECT_THAT(CheckMachine(Profile()), IsEmpty());
+  EXPECT_THAT(CheckJobOnMachine(CubeJob(60), WithMachineDefaults(Profile()), 0.658),
+              IsEmpty());
+}
+
+// The index comes back from the ratio and the aperture, the face from block and origin.
+TEST(HeadOverBlock, AxesKnowTheGlassOfTheJob) {
+  const FrozenJob job = Frozen(60);
+  const auto axes = AxesFromGlassOf(job).ToAxes(Vec3(55, 55, 5), Vec3::Zero());
+  ASSERT_TRUE(axes);
+  machine::ScanHeadOptions head;
+  head.lens.pupil_mm = {140, 135};
+  head.refractive_index = 1.519473;
+  head.top_z_mm = 60;
+  const machine::AxesFromGlass expected(MachineFromGlassOf(job),
+                                        machine::MakeKinematics(head));
+  EXPECT_LT((*axes - *expected.ToAxes(Vec3(55, 55, 5), {})).norm(), 1e-9);
+  EXPECT_NEAR(axes->x(), 24.885, 0.01);
+}
+
+// Mirrors are 160 times as fast as z, and the job is not held to the limits of stages.
+TEST(HeadOverBlock, MirrorsAreFastAxes) {
+  const FrozenJob job = Frozen(60);
+  const motion::Limits limits = CappedAxisLimitsOf(job);
+  EXPECT_NEAR(limits.max_speed_mm_s.x(), 8000, 200);
+  EXPECT_NEAR(limits.max_acceleration_mm_s2.y(), 2.5e7, 1e6);
+  EXPECT_NEAR(limits.max_speed_mm_s.z(), 50, 1e-9);
+  const motion::Limits in_glass = GlassLimitsOf(job);
+  EXPECT_GT(in_glass.max_speed_mm_s.x(), 7000);
+  EXPECT_NEAR(in_glass.max_speed_mm_s.z(), 50 * 1.52, 1);
+}
+
+TEST(HeadOverBlock, ABlockBeyondTheFieldIsRefused) {
+  const auto findings =
+      CheckJobOnMachine(CubeJob(90), WithMachineDefaults(Profile()), 0.658);
+  EXPECT_THAT(findings,
+              Contains(Field(&Finding::message, HasSubstr("does not fit in the field"))));
+}
+
+// The spline through the table follows the numbers; 0.1 um is far below the mirrors.
+TEST(HeadOverBlock, CorrectionMakesUpForTheHead) {
+  HeadOverBlockKinematics head;
+  HeadNumbers& numbers = *head.mutable_correction();
+  numbers.set_focal_mm(100);
+  numbers.set_rotation_rad(0.01);
+  numbers.set_zero_x_rad(0.002);
+  numbers.set_lens_1_ratio(1.01);
+  numbers.set_lens_3_ratio(0.04);
+  numbers.set_offset_y_mm(0.3);
+  numbers.set_shear_ratio(-0.004);
+  const galvo::HeadModel model =
+      galvo::HeadModel::FromNumbers(100, {0.01, 0.002, 0, 1.01, 0.04, 0, 0, 0.3, -0.004});
+  const auto corrections = HeadOptionsOf(head).corrections;
+  ASSERT_TRUE(corrections);
+  for (double x_mm = -35; x_mm <= 35; x_mm += 3.5) {
+    for (double y_mm = -35; y_mm <= 35; y_mm += 3.5) {
+      const Vec2 place_mm(x_mm, y_mm);
+      EXPECT_LT((model.Arrive(place_mm + corrections->At(place_mm)) - place_mm).norm(),
+                1e-4)
+          << place_mm.transpose();
+    }
+  }
+}
+
+TEST(HeadOverBlock, WrongProfilesAreRefusedWithTheirField) {
+  struct Change {
+    std::function<void(MachineSpec&)> make;
+    const char* message;
+  };
+  const Change changes[] = {
+      {[](MachineSpec& m) { m.mutable_head_over_block()->clear_pupil_y_mm(); },
+       "head_over_block.pupil_y_mm: is missing"},
+      {[](MachineSpec& m) { m.mutable_head_over_block()->set_pupil_x_mm(-3); },
+       "head_over_block.pupil_x_mm: -3 is outside 10..100000"},
+      {[](MachineSpec& m) { m.mutable_head_over_block()->set_crack_energy_mj(2); },
+       "head_over_block.crack_energy_mj: 2 is above laser.pulse_energy_mj, 0.3"},
+      {[](MachineSpec& m) {
+         m.mutable_head_over_block()->mutable_correction()->set_shear_ratio(0.1);
+       },
+       "head_over_block.correction.focal_mm: 0 is outside 1..10000"},
+      {[](MachineSpec& m) { m.clear_x(); }, "x: is missing"}};
+  for (const Change& change : changes) {
+    MachineSpec machine = Profile();
+    change.make(machine);
+    EXPECT_THAT(CheckMachine(machine),
+                Contains(Field(&Error::message, HasSubstr(change.message))));
+    // A job on it is refused, too, and nothing throws.
+    EXPECT_FALSE(CheckAll(CubeJob(60), machine, 0.658).empty());
+  }
+}
+
+}  // namespace
+}  // namespace intaglio
