@@ -1,5 +1,6 @@
 #include "services/cli/intaglio_program.h"
 
+#include "services/cli/backup/backup_command.h"
 #include "services/cli/batch/batch_command.h"
 #include "services/cli/contour/contour_command.h"
 #include "services/cli/course/course_command.h"
@@ -59,6 +60,7 @@ std::unique_ptr<command_line::Program> IntaglioProgram() {
   AddStatusCommand(root);
   AddTeachCommand(root);
   AddHistoryCommand(root);
+  AddBackupCommands(root);
   AddProofsCommand(root);
   AddPreviewCommand(root);
   AddOfflineCommands(root);

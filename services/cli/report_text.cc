@@ -80,9 +80,9 @@ std::string GlassLines(const JobReport& report) {
   text += PointsText(report);
   text += fmt::format(
       "order       {} points fired through an earlier crack\n"
-      "spacing     {:.4f} mm minimum, {:.4f} mm required\n"
+      "spacing     minimum {}, {:.4f} mm required\n"
       "time        {} at {:g} Hz, {} ticks, {:.4f} points a tick\n",
-      report.shadow_violations(), report.measured_spacing_mm(), report.min_spacing_mm(),
+      report.shadow_violations(), client::SpacingText(report), report.min_spacing_mm(),
       client::ShortDuration(report.machining_time_s()), report.job().laser().rate_hz(),
       GroupedDigits(report.ticks()), report.utilisation());
   text += PulsesText(report);

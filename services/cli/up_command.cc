@@ -120,11 +120,12 @@ Result<fs::path> NewRecording(const fs::path& folder) {
 /// The shop's folder is of this process alone, and its queue is one of ours.
 Status LockFolder(const client::ServiceSetOptions& set,
                   std::optional<client::FolderLock>& lock) {
-  if (!set.without.contains("job-service"))
-    INTAGLIO_TRY(history::CheckJobDatabase(set.folder / "jobs.db"));
+  const bool has_queue = !set.without.contains("job-service");
+  if (has_queue) INTAGLIO_TRY(history::CheckJobDatabase(set.folder / "jobs.db"));
   auto taken = INTAGLIO_TRY(client::FolderLock::Take(set.folder));
   lock.emplace(std::move(taken));
-  return {};
+  // Now nobody writes it.
+  return has_queue ? history::CheckQueue(set.folder / "jobs.db") : Status();
 }
 
 /// What the shop was opened with, to the job service. Of a real machine nothing is

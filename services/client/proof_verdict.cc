@@ -69,6 +69,12 @@ bool KeepsSpacing(const JobReport& report) {
          report.measured_spacing_mm() >= report.min_spacing_mm();
 }
 
+std::string SpacingText(const JobReport& report) {
+  return report.points().planned() == 1
+             ? "none: one point"
+             : fmt::format("{:.4f} mm", report.measured_spacing_mm());
+}
+
 double ToleranceUm(const PositionErrors& errors) {
   return errors.tolerance_um() + errors.allowed_move_um();
 }

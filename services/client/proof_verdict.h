@@ -17,6 +17,8 @@ double ToleranceUm(const PositionErrors& errors);
 
 /// No two planned points are nearer than the job allows; one point alone has no spacing.
 bool KeepsSpacing(const JobReport& report);
+/// The measured one, "0.1000 mm"; of one point alone "none: one point".
+std::string SpacingText(const JobReport& report);
 
 /// Fills the verdict in: not_good with what is wrong; good_with_warnings with the
 /// warnings that say that the piece may look wrong, or that the glass may break; good.

@@ -47,6 +47,8 @@ void Take(const intaglio_ManualState& sample, MachineView& view) {
   view.limit_min = VectorOf(sample.limit_min);
   view.limit_max = VectorOf(sample.limit_max);
   view.taught_number = sample.taught_number;
+  view.lamp_by_hand = sample.lamp_by_hand;
+  view.shutters_by_hand = sample.shutters_by_hand;
   view.answered_sender = View(sample.answered_sender);
   view.answered_number = sample.answered_number;
   view.answer = sample.answer;

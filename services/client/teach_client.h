@@ -36,6 +36,8 @@ struct MachineView {
   bool interlocks_known = false;
   bool key_on = false, door_closed = false, door_locked = false, stop_released = false,
        lamp_on = false, lamp_warm = false;
+  bool lamp_by_hand = false;          ///< held by a person
+  std::uint8_t shutters_by_hand = 0;  ///< mask, likewise
   std::uint8_t shutters_open = 0;
 };
 

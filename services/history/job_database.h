@@ -4,6 +4,7 @@
 // anything beside it: before a program opens a file for writing, and before it believes
 // what it reads.
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -22,19 +23,35 @@ enum class JobDatabaseKind {
   kOurs,     ///< of this version or an older one
   kNewer,    ///< of a newer program
   kForeign,  ///< no database, or that of another program
+  kDamaged,  ///< ours, and what was stored in it would be missing
 };
 
 struct JobDatabase {
   JobDatabaseKind kind = JobDatabaseKind::kNone;
   int version = 0;
-  std::string contents;  ///< of a foreign one, for people
+  std::string contents;  ///< of a foreign or damaged one, for people
 };
 
 /// kIo: the file cannot be read.
 Result<JobDatabase> InspectJobDatabase(const std::filesystem::path& file);
 
-/// Nothing when a job service may open the file. kUnsupported: of a newer program;
-/// kUnreadable: foreign; both name the file and what to do. kIo as above.
+/// Nothing when a program may read the file. kUnsupported: of a newer program;
+/// kUnreadable: foreign or damaged; all name the file and what to do. kIo as above.
 Status CheckJobDatabase(const std::filesystem::path& file);
+
+/// The same for a job service, which writes: also kUnreadable when its log is damaged
+/// (write_ahead_log.h) or, of a queue of at most kMaxCheckedBytes, when any page or index
+/// of it is: a damaged index hides jobs without an error. No other program may have it
+/// open.
+Status CheckQueue(const std::filesystem::path& file);
+
+/// Reading all of it takes half a second; a larger one is found damaged where it is read.
+inline constexpr std::uint64_t kMaxCheckedBytes = 64u << 20;
+
+/// kUnreadable, with the remedy. `where`: of the damage, for people.
+Error DamagedQueue(const std::filesystem::path& file, const std::string& where);
+
+/// Whether an error code of SQLite means that the content of the file is damaged.
+bool IsDamage(int sqlite_error_code);
 
 }  // namespace intaglio::history

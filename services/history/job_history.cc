@@ -14,6 +14,7 @@
 #include "proto/task.pb.h"
 #include "services/history/job_database.h"
 #include "services/history/job_names.h"
+#include "services/history/write_ahead_log.h"
 #include "services/platform/host/times/utc_time.h"
 
 namespace intaglio::history {
@@ -249,7 +250,7 @@ namespace {
 template <typename T, typename Read>
 Result<T> Opened(const fs::path& path, const Read& read) {
   std::error_code ignored;
-  if (!fs::exists(path, ignored)) {
+  if (!fs::exists(path, ignored) && !fs::exists(path.string() + "-wal", ignored)) {
     return Fail(ErrorCode::kNotFound,
                 fmt::format("{}: the file does not exist: give the folder of the shop "
                             "with --folder, or the job service's --database",
@@ -257,6 +258,7 @@ Result<T> Opened(const fs::path& path, const Read& read) {
                 path.string());
   }
   INTAGLIO_TRY(CheckJobDatabase(path));
+  INTAGLIO_TRY(CheckLogInUse(path));
   try {
     SQLite::Database database(path.string(), SQLite::OPEN_READONLY, 2000);
     const int version = database.execAndGet("PRAGMA user_version").getInt();
@@ -269,6 +271,8 @@ Result<T> Opened(const fs::path& path, const Read& read) {
     }
     return read(database);
   } catch (const SQLite::Exception& error) {
+    if (IsDamage(error.getErrorCode()))
+      return tl::unexpected(DamagedQueue(path, error.what()));
     return Fail(ErrorCode::kIo,
                 fmt::format("{}: {}: check that it is the database of a job service, and "
                             "that you may read it and write to its folder",

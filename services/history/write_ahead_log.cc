@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <cstdint>
 #include <span>
 #include <string>
+#include <thread>
 
 #include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
@@ -49,7 +51,8 @@ Status Damaged(const std::string& file, const std::string& where) {
       ErrorCode::kUnreadable,
       fmt::format("the write-ahead log {} is damaged ({}): jobs that were stored "
                   "would be missing; put an intact copy of it and of the database "
-                  "there, or move the log away to go on without what it had",
+                  "there, or the newest backup (intaglio restore BACKUP --replace), or "
+                  "move the log away to go on without what it had",
                   file, where),
       file);
 }
@@ -93,6 +96,18 @@ Status CheckWriteAheadLog(const std::filesystem::path& database) {
   if (error || size < kHeaderBytes) return {};
   const auto log = INTAGLIO_TRY(io::ReadWholeFile(file, kMaxLogBytes));
   return CheckLog({reinterpret_cast<const unsigned char*>(log.data()), log.size()}, file);
+}
+
+Status CheckLogInUse(const std::filesystem::path& database) {
+  constexpr int kReadings = 4;
+  // A job service writes in shorter times than this.
+  constexpr std::chrono::milliseconds kBetween{30};
+  Status intact = CheckWriteAheadLog(database);
+  for (int i = 1; i < kReadings && !intact; ++i) {
+    std::this_thread::sleep_for(kBetween);
+    intact = CheckWriteAheadLog(database);
+  }
+  return intact;
 }
 
 }  // namespace intaglio::history

@@ -17,4 +17,8 @@ namespace intaglio::history {
 /// intact.
 Status CheckWriteAheadLog(const std::filesystem::path& database);
 
+/// The same while a job service may write it: what it writes meanwhile looks like damage
+/// once, damage is there again.
+Status CheckLogInUse(const std::filesystem::path& database);
+
 }  // namespace intaglio::history

@@ -9,7 +9,6 @@
 
 #include "services/history/job_database.h"
 #include "services/history/job_history.h"
-#include "services/history/write_ahead_log.h"
 #include "services/job/verdict/warnings.h"
 #include "services/job_service/job_migrations.h"
 #include "services/job_service/store_guard.h"
@@ -24,10 +23,7 @@ constexpr std::uint64_t kRevisionLeap = 1u << 25;
 static_assert(kMigrations.size() == history::kJobDatabaseVersion);
 
 std::unique_ptr<SQLite::Database> Open(const std::filesystem::path& path) {
-  if (const auto ours = history::CheckJobDatabase(path); !ours) {
-    throw StoreError(ours.error().message, ours.error().code == ErrorCode::kIo);
-  }
-  if (const auto intact = history::CheckWriteAheadLog(path); !intact) {
+  if (const auto intact = history::CheckQueue(path); !intact) {
     throw StoreError(intact.error().message, intact.error().code == ErrorCode::kIo);
   }
   std::error_code ignored;

@@ -8,6 +8,7 @@
 
 #include <string>
 
+#include "services/history/job_database.h"
 #include "services/job_service/job_store.h"
 
 namespace intaglio::job_service {
@@ -23,6 +24,8 @@ inline std::int64_t Signed(std::uint64_t value) {
 
 /// What SQLite reports of the file, with the remedy.
 inline StoreError ErrorOf(const std::string& file, const SQLite::Exception& error) {
+  if (history::IsDamage(error.getErrorCode()))
+    return {history::DamagedQueue(file, error.what()).message, false};
   constexpr int kPrimary = 0xff;  // an extended code has it in its lowest byte
   switch (error.getErrorCode() & kPrimary) {
     case SQLITE_FULL:

@@ -19,10 +19,6 @@ Status NameCause(ReplayComparison& result,
                                  option.now().empty() ? "not there" : option.now()));
     return {};
   }
-  if (!result.input().empty()) {
-    report("input", result.input(0));
-    return {};
-  }
   const auto chance = INTAGLIO_TRY(differs_again());
   if (chance) {
     report("chance", "the same task, done twice now, gives two results");

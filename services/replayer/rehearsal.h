@@ -9,7 +9,7 @@
 // difference has one of these causes, checked in this order:
 //
 //   option   an option of the frozen job is another one
-//   input    the recording lacks something that the service was sent
+//   input    nothing differs, and the recording lacks what a task was sent
 //   chance   the same done twice now differs, too (an order that anneals for a time)
 //   version  the software's version is another one
 //   code     none of these

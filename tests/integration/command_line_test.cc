@@ -36,11 +36,11 @@ Ended Type(const std::vector<std::string>& words) {
 }
 
 const std::vector<std::string> kCommands = {
-    "run",      "up",     "submit", "list",       "show",    "watch", "arm",
-    "pause",    "resume", "cancel", "discretize", "sort",    "plan",  "post",
-    "measure",  "verify", "render", "materials",  "history", "batch", "again",
-    "security", "stop",   "record", "recording",  "replay",  "help",  "preview",
-    "fonts",    "status", "course", "mount"};
+    "run",      "up",     "submit", "list",       "show",    "watch",  "arm",
+    "pause",    "resume", "cancel", "discretize", "sort",    "plan",   "post",
+    "measure",  "verify", "render", "materials",  "history", "batch",  "again",
+    "security", "stop",   "record", "recording",  "replay",  "help",   "preview",
+    "fonts",    "status", "course", "mount",      "backup",  "restore"};
 
 std::set<std::string> FlagsIn(const std::string& text) {
   std::set<std::string> flags;

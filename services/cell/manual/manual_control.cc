@@ -46,8 +46,7 @@ std::string WhyNoMotionByHand(const ManualConditions& conditions,
     return "no job service answers for this machine: motion by hand needs its consent; "
            "start it";
   }
-  if (!by_cell && conditions.job_armed)
-    return "a job is armed on this machine: pause or cancel it first";
+  if (!by_cell && conditions.job_armed) return kJobIsArmed;
   if (conditions.stop_pressed)
     return "the emergency stop is pressed: release it with `intaglio stop --reset`";
   if (!AreKnown(conditions, order.kind == intaglio_MANUAL_HOME, now) ||

@@ -80,6 +80,11 @@ struct ManualConditions {
 /// counts.
 inline constexpr std::chrono::milliseconds kInterlockTime{150};
 
+/// A pause takes the permission back, and the job goes on after it.
+inline constexpr const char* kJobIsArmed =
+    "a job is armed on this machine: pause it first (intaglio pause JOB), and resume it "
+    "afterwards";
+
 /// Why this order may not be executed at `now`, and what to do; empty: it may be.
 std::string WhyNoMotionByHand(const ManualConditions& conditions,
                               const drivers::DriverState& state, const ManualOrder& order,

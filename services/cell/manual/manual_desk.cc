@@ -136,8 +136,7 @@ std::string ManualDesk::WhyNoTeaching() const {
   if (conditions_.run_active) return "a job moves the stage: pause it first";
   if (!conditions_.permission_fresh)
     return "no job service answers for this machine: teaching needs its consent";
-  if (conditions_.job_armed)
-    return "a job is armed on this machine: pause or cancel it first";
+  if (conditions_.job_armed) return kJobIsArmed;
   if (!motion_.state().link_up)
     return "the stage does not answer: " + motion_.state().message;
   if (!motion_.state().at_rest) return "the stage moves: wait until it is at rest";

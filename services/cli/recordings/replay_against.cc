@@ -110,7 +110,11 @@ void Print(const ReplayComparison& result) {
     fmt::print("verdict     IDENTICAL\n");
     return;
   }
-  if (result.has_first()) PrintFirst(result);
+  if (!result.has_first()) {
+    fmt::print("verdict     NOT COMPARABLE: {}\n", result.explanation());
+    return;
+  }
+  PrintFirst(result);
   fmt::print("cause       {}: {}\n", result.cause(), result.explanation());
   std::uint64_t different = 0;
   for (const TaskComparison& task : result.tasks())

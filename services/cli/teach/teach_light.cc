@@ -31,17 +31,22 @@ int Hold(TeachClient& client, const TeachOrder& order, const LightOptions& optio
       order.kind == intaglio_MANUAL_LAMP
           ? "the lamp is on"
           : fmt::format("the shutter of channel {} is open", order.channel);
+  const unsigned mask =
+      order.kind == intaglio_MANUAL_LAMP ? 0 : 1U << (order.channel - 1);
   const auto is_on = [&] {
-    return order.kind == intaglio_MANUAL_LAMP
-               ? client.view().lamp_on
-               : (client.view().shutters_open >> (order.channel - 1) & 1) != 0;
+    return mask == 0 ? client.view().lamp_on : (client.view().shutters_open & mask) != 0;
+  };
+  // A lamp may be on for a job: then it is not this command that holds it.
+  const auto is_held = [&] {
+    return mask == 0 ? client.view().lamp_by_hand
+                     : (client.view().shutters_by_hand & mask) != 0;
   };
   const std::uint64_t number = client.Hold(order);
   const auto time = std::chrono::duration<double>(options.time_s);
   std::optional<Clock::time_point> on_since;
   while (!client.IsAnswered(number) && Interrupts() == 0) {
     client.Poll();
-    if (!on_since && is_on()) {
+    if (!on_since && is_held() && is_on()) {
       on_since = Clock::now();
       std::cout << name << "; Ctrl-C ends it\n" << std::flush;
     }

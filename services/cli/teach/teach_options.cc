@@ -9,6 +9,7 @@
 #include "services/cli/flags/bus_flags.h"
 #include "services/cli/interrupt.h"
 #include "services/client/exit_codes.h"
+#include "services/client/role_text.h"
 
 namespace intaglio::cli {
 
@@ -30,7 +31,11 @@ int WithMachine(const TeachOptions& options,
       return Complain(connected.error(), client::kExitWrongInput);
     return action(client);
   } catch (const bus::NotAllowedError& error) {
-    return Complain({ErrorCode::kRefused, error.what(), ""}, client::kExitWrongInput);
+    return Complain({ErrorCode::kRefused,
+                     client::RoleRefusal(bus.role(), "move or light a machine",
+                                         "operator", error.what()),
+                     ""},
+                    client::kExitWrongInput);
   }
 }
 

@@ -66,9 +66,8 @@ std::vector<Figure> FiguresIn(const JobReport& report) {
     figures.push_back(none("uncertain", points.unaccounted()));
   }
   figures.push_back(none("shadowed", report.shadow_violations()));
-  figures.push_back({"minimum spacing",
-                     fmt::format("{:.4f} mm", report.measured_spacing_mm()),
-                     GoodIf(KeepsSpacing(report))});
+  figures.push_back(
+      {"minimum spacing", SpacingText(report), GoodIf(KeepsSpacing(report))});
   if (measured) {
     figures.push_back({"error, rms", fmt::format("{:.2f} µm", errors.rms_um())});
     figures.push_back({"error, max", fmt::format("{:.2f} µm", errors.max_um()),

@@ -10,6 +10,7 @@
 #include <iostream>
 
 #include "services/platform/command_line/joined_values.h"
+#include "services/platform/command_line/open_files.h"
 #include "services/platform/command_line/shell_files.h"
 #include "services/platform/command_line/state.h"
 
@@ -210,6 +211,10 @@ std::optional<int> Program::Parse(int argc, char** argv) {
       return kExitMisunderstood;
     }
     return app_->exit(error) == 0 ? 0 : kExitMisunderstood;
+  }
+  if (const Status enough = CheckOpenFiles(); !enough) {
+    std::cerr << app_->get_name() << ": " << enough.error().message << "\n";
+    return kExitMisunderstood;
   }
   return std::nullopt;
 }

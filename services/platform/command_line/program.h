@@ -114,7 +114,7 @@ class Program {
 
   /// None when the arguments are understood and the program goes on; else the exit code
   /// to end with: 0 after --help and --version, kExitMisunderstood after the error was
-  /// printed.
+  /// printed, which may be a limit of the system (open_files.h).
   std::optional<int> Parse(int argc, char** argv);
   /// The same for arguments without the program's name; an error has the code
   /// kInvalidValue.

@@ -78,6 +78,7 @@ std::optional<PulseMessages> ReadPulses(const recording::Value& value) {
   PulseMessages messages;
   Members members(value);
   members.Get("job_uid", messages.job_uid);
+  members.Get("sequence_number", messages.number);
   members.Get("tick", messages.tick);
   members.Get("point", messages.point);
   members.Get("outcome", messages.outcome);
@@ -129,6 +130,7 @@ SegmentMessages MessageOf(const intaglio_MotionSegmentBatch& sample) {
 PulseMessages MessageOf(const intaglio_PulseEventBatch& sample) {
   PulseMessages messages;
   messages.job_uid = bus::View(sample.job_uid);
+  messages.number = sample.sequence_number;
   Copy(sample.tick, messages.tick);
   Copy(sample.point, messages.point);
   Copy(sample.outcome, messages.outcome);
@@ -182,12 +184,17 @@ bool CellListener::Take(const SegmentMessages& messages, std::uint64_t at_ns) {
   }
   const bool begins = runs.empty() || messages.run > runs.back().number;
   if (begins) {
+    // The end of the run before it: a batch with its last segment, or an abort.
+    if (!runs.empty() && !runs.back().whole && !runs.back().aborted)
+      NoteGap(runs.back().number);
     runs.emplace_back();
     runs.back().number = messages.run;
     runs.back().start_tick = messages.start_tick;
     runs.back().begun_ns = at_ns;
   }
   CellRun& run = runs.back();
+  if (messages.number > run.next_number) NoteGap(run.number);
+  run.next_number = messages.number + 1;
   for (int i = 0; i < 6; ++i) Append(messages.columns[i], run.columns[i]);
   Append(messages.duration_subticks, run.duration_subticks);
   Append(messages.pulse, run.pulse);
@@ -195,8 +202,25 @@ bool CellListener::Take(const SegmentMessages& messages, std::uint64_t at_ns) {
   return begins;
 }
 
+void CellListener::NoteGap(std::uint32_t run) {
+  std::uint32_t& first = messages_.incomplete_run;
+  first = first == 0 ? run : std::min(first, run);
+}
+
+/// The newest run that had begun, else the first one.
+std::uint32_t CellListener::RunAt(std::uint64_t at_ns) const {
+  const auto& runs = messages_.runs;
+  const auto run = std::find_if(runs.rbegin(), runs.rend(), [&](const CellRun& one) {
+    return one.begun_ns <= at_ns;
+  });
+  if (run != runs.rend()) return run->number;
+  return runs.empty() ? 1 : runs.front().number;
+}
+
 void CellListener::Take(const PulseMessages& messages, std::uint64_t at_ns) {
   if (messages.job_uid != job_uid_) return;
+  if (messages.number > next_pulses_) NoteGap(RunAt(at_ns));
+  next_pulses_ = messages.number + 1;
   for (std::size_t i = 0; i < messages.tick.size(); ++i) {
     const RunPulse pulse{messages.tick[i], messages.point[i], messages.outcome[i],
                          messages.reason[i]};

@@ -34,6 +34,7 @@ struct SegmentMessages {
 /// A PulseEventBatch.
 struct PulseMessages {
   std::string job_uid;
+  std::uint64_t number = 0;
   std::vector<std::uint64_t> tick;
   std::vector<std::uint32_t> point;
   std::vector<std::uint8_t> outcome, reason;  ///< intaglio_PulseOutcome, _SkipReason
@@ -70,6 +71,7 @@ struct CellRun {
   std::uint64_t start_tick = 0;
   std::uint64_t begun_ns = 0, ended_ns = 0;  ///< first batch; abort or last batch
   bool aborted = false, whole = false;
+  std::uint64_t next_number = 0;  ///< of the batches of its segments
   bool respeeded = false;  ///< of a recording: the speed override changed meanwhile
   std::array<std::vector<double>, 6> columns;
   std::vector<std::uint32_t> duration_subticks;
@@ -89,6 +91,8 @@ struct CellMessages {
   std::optional<StatusMessage> end;
   std::size_t given_up_count = 0;   ///< runs of which nothing had fired
   std::uint32_t uncertain_run = 0;  ///< first run with a pulse of unknown result; 0: none
+  /// First run of which batches are missing, by their numbers; 0: none.
+  std::uint32_t incomplete_run = 0;
   bool disturbed() const;
   std::size_t broken_count() const;  ///< runs that were broken off
 };
@@ -116,10 +120,13 @@ class CellListener {
     std::uint64_t at_ns = 0;
   };
   bool MayBeOf(const CellRun& run, const ReportedPulse& sent) const;
+  void NoteGap(std::uint32_t run);
+  std::uint32_t RunAt(std::uint64_t at_ns) const;
 
   std::string job_uid_;
   CellMessages messages_;
   std::vector<ReportedPulse> pulses_;
+  std::uint64_t next_pulses_ = 0;  // number of the next batch
   std::size_t fired_count_ = 0;
   std::string message_;
 };

@@ -18,6 +18,28 @@ namespace {
 // On a busy host a line may fall silent, or a permission come too late, now as then.
 constexpr int kTries = 3;
 
+/// The first field in which two profiles differ: "machine.origin_x_mm: 1 and 2"; empty:
+/// none.
+std::string OtherProfile(const MachineSpec& first, const MachineSpec& second) {
+  FrozenJob a, b;
+  *a.mutable_machine() = first;
+  *b.mutable_machine() = second;
+  const auto differences = OptionDifferences(a, b);
+  if (differences.empty()) return "";
+  const OptionDifference& one = differences.front();
+  return fmt::format("{} is {} and {}", one.field(),
+                     one.then().empty() ? "not there" : one.then(),
+                     one.now().empty() ? "not there" : one.now());
+}
+
+/// The synchronizer gave the task back without a motion: by what its machine was or had
+/// then, which is not in the recording.
+bool WasRefused(const CellSession& session) {
+  const CellMessages& then = session.messages;
+  return then.end && then.end->state == "TASK_FAILED" && then.runs.empty() &&
+         then.given_up_count == 0;
+}
+
 class CellRehearsal {
  public:
   CellRehearsal(bus::Bus& bus, const recording::McapReader& reader,
@@ -34,6 +56,7 @@ class CellRehearsal {
   };
   Status ReadRecording();
   bool HasInput(const CellSession& session);
+  void ReportIncomparable(const CellSession& session, const std::string& why);
   Result<FrozenJob> FreezeAgain(const CellSession& session);
   Result<CellBench::Performed> Perform(const CellSession& session, FrozenJob job);
   Result<std::optional<SampleDifference>> Compare(CellSession& session,
@@ -46,6 +69,7 @@ class CellRehearsal {
   const recording::McapReader& reader_;
   const CellRehearsalOptions& options_;
   const KeepOn& keep_on_;
+  MachineSpec machine_;  // with which the synchronizer was started
   std::string cell_;
   std::vector<CellSession> sessions_;
   std::map<StreamId, StreamExtent> paths_;
@@ -58,26 +82,45 @@ class CellRehearsal {
 };
 
 Status CellRehearsal::ReadRecording() {
-  const auto machine = INTAGLIO_TRY(MachineOf(reader_));
-  cell_ = machine.name();
+  auto machine = INTAGLIO_TRY(MachineOf(reader_));
+  machine_ = std::move(machine);
+  cell_ = machine_.name();
   auto sessions = INTAGLIO_TRY(ReadCellSessions(reader_));
   sessions_ = std::move(sessions);
   auto paths = INTAGLIO_TRY(ExtentsOf(reader_, bus::kPathBatch.name));
   paths_ = std::move(paths);
-  auto laser = INTAGLIO_TRY(SimulatedLaser::Make(options_.laser_line, machine));
+  auto laser = INTAGLIO_TRY(SimulatedLaser::Make(options_.laser_line, machine_));
   laser_ = std::move(laser);
   return {};
+}
+
+void CellRehearsal::ReportIncomparable(const CellSession& session,
+                                       const std::string& why) {
+  all_performed_ = false;
+  result_.add_input(fmt::format("job {}: {}", session.task.id.job_uid, why));
 }
 
 bool CellRehearsal::HasInput(const CellSession& session) {
   const StreamId& id = session.task.id;
   const auto lacks = [&](const std::string& what) {
-    result_.add_input(fmt::format("job {}: {}", id.job_uid, what));
+    ReportIncomparable(session, what);
     return false;
   };
   if (session.job.machine().name() != cell_)
     return lacks(fmt::format("it was engraved by {}, this is {}",
                              session.job.machine().name(), cell_));
+  if (const auto other = OtherProfile(machine_, session.job.machine()); !other.empty())
+    return lacks(
+        fmt::format("not comparable: it was engraved with another profile than the job "
+                    "that is compared first: {}",
+                    other));
+  const std::uint32_t frozen = session.job.machine().taught().number();
+  if (session.taught_number && *session.taught_number != frozen)
+    return lacks(
+        fmt::format("not comparable: its machine had version {} of what was taught, the "
+                    "job has version {}: the zeros and limits that it was made with are "
+                    "not in the recording",
+                    *session.taught_number, frozen));
   if (session.task.take_up)
     return lacks(
         "it was resumed in the middle; the contents of its folder are not recorded");
@@ -133,9 +176,13 @@ Result<std::optional<SampleDifference>> CellRehearsal::Compare(CellSession& sess
   }
   auto found = CompareCells(session.messages, now, counts);
   if (counts.recorded_in_part() && counts.run_count() == 0) {
-    all_performed_ = false;
-    result_.add_input(
-        fmt::format("job {}: {}", session.task.id.job_uid, counts.part_reason()));
+    ReportIncomparable(session, counts.part_reason());
+  }
+  if (found && WasRefused(session)) {
+    ReportIncomparable(session, "not comparable: it was refused before anything moved (" +
+                                    session.messages.end->message +
+                                    "); what it was compared with is not recorded");
+    return std::optional<SampleDifference>();
   }
   if (found && found->now() == "none" && !stillness.why.empty())
     found->set_now("none: " + stillness.why);
@@ -148,10 +195,7 @@ Result<std::optional<SampleDifference>> CellRehearsal::Compare(CellSession& sess
 
 Status CellRehearsal::CompareAll() {
   for (CellSession& session : sessions_) {
-    if (!HasInput(session)) {
-      all_performed_ = false;
-      continue;
-    }
+    if (!HasInput(session)) continue;
     auto job = INTAGLIO_TRY(FreezeAgain(session));
     CellMessages now;
     auto found = INTAGLIO_TRY(Compare(session, job, now));
@@ -190,14 +234,13 @@ Result<ReplayComparison> CellRehearsal::Run() {
 }  // namespace
 
 Result<MachineSpec> MachineOf(const recording::McapReader& reader) {
-  RecordedValues values(reader, bus::kEngraveTask.name);
-  for (;;) {
-    const auto value = INTAGLIO_TRY(values.Next());
-    if (!value) break;
-    const auto task = ReadTask(*value);
-    FrozenJob job;
-    if (task && job.ParseFromString(task->frozen_job)) return job.machine();
-  }
+  const auto sessions = INTAGLIO_TRY(ReadCellSessions(reader));
+  // The profile of a job that was refused may be another than the machine had.
+  const auto moved = std::find_if(
+      sessions.begin(), sessions.end(),
+      [](const CellSession& session) { return !session.messages.runs.empty(); });
+  if (moved != sessions.end()) return moved->job.machine();
+  if (!sessions.empty()) return sessions.front().job.machine();
   return Fail(
       ErrorCode::kMissing,
       fmt::format("the recording has no {} whose job is known: nothing to compare",

@@ -11,8 +11,8 @@
 
 namespace intaglio::replayer {
 
-/// The machine whose sessions are rehearsed: that of the first engraving task. kMissing:
-/// nothing was engraved in the recording.
+/// The machine whose sessions are rehearsed, with the profile of the first engraving task
+/// that moved it. kMissing: nothing was engraved in the recording.
 Result<MachineSpec> MachineOf(const recording::McapReader& reader);
 
 struct CellRehearsalOptions {

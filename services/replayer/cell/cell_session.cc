@@ -52,8 +52,10 @@ class SessionReader {
   Status ReadInterlocks();
   Status ReadMotion();
   Status ReadTicks();
+  Status ReadTaught();
   void Place();
-  void EndBeforeTheUncertain();
+  void EndBefore(std::uint32_t run, const std::string& why);
+  void EndBeforeTheUnknown();
   template <typename Message>
   void Add(std::uint64_t at_ns, Message message) {
     session_.events.push_back({at_ns, 0, 0, std::move(message)});
@@ -195,6 +197,20 @@ Status SessionReader::ReadMotion() {
   return read;
 }
 
+/// Recordings from before machines were moved by hand have none.
+Status SessionReader::ReadTaught() {
+  const auto& runs = session_.messages.runs;
+  const std::uint64_t until_ns = runs.empty() ? to_ns_ : runs.front().begun_ns;
+  return ForEach(
+      reader_, bus::kManualState.name, [&](const Value& value, std::uint64_t at_ns) {
+        const Value* number = value.Find("taught_number");
+        const auto* taught = number == nullptr ? nullptr : number->As<std::uint64_t>();
+        if (taught != nullptr && at_ns < until_ns && Ours(value) == true)
+          session_.taught_number = static_cast<std::uint32_t>(*taught);
+        return true;
+      });
+}
+
 /// Which run and tick each event belongs to.
 Status SessionReader::ReadTicks() {
   auto event = session_.events.begin();
@@ -232,21 +248,29 @@ void SessionReader::Place() {
   }
 }
 
-/// A pulse of unknown result comes of another power-up of the laser.
-void SessionReader::EndBeforeTheUncertain() {
-  const std::uint32_t lost = session_.messages.uncertain_run;
-  if (lost == 0) return;
-  session_.ends_early =
-      fmt::format("in run {} the outcome of some pulses was unknown", lost);
+void SessionReader::EndBefore(std::uint32_t run, const std::string& why) {
+  if (run == 0) return;
+  session_.ends_early = why;
   std::erase_if(session_.messages.runs,
-                [lost](const CellRun& run) { return run.number >= lost; });
+                [run](const CellRun& one) { return one.number >= run; });
   session_.messages.end.reset();
+}
+
+/// A pulse of unknown result comes of another power-up of the laser.
+void SessionReader::EndBeforeTheUnknown() {
+  const std::uint32_t lost = session_.messages.uncertain_run;
+  const std::uint32_t incomplete = session_.messages.incomplete_run;
+  EndBefore(lost, fmt::format("in run {} the outcome of some pulses was unknown", lost));
+  if (lost == 0 || incomplete < lost)
+    EndBefore(incomplete,
+              fmt::format("messages of run {} are missing in the recording", incomplete));
 }
 
 Status SessionReader::Read() {
   INTAGLIO_TRY(ReadMessages());
   INTAGLIO_TRY(ReadInterlocks());
-  EndBeforeTheUncertain();
+  INTAGLIO_TRY(ReadTaught());
+  EndBeforeTheUnknown();
   INTAGLIO_TRY(ReadPermission());
   INTAGLIO_TRY(ReadMotion());
   std::stable_sort(

@@ -61,6 +61,9 @@ struct CellSession {
   CellMessages messages;          ///< what it made of it
   std::vector<Vec3> starts_mm;    ///< the stage's position at rest, of each run
   std::vector<CellEvent> events;  ///< by time
+  /// Version of the taught positions that the machine had when its first run began, or at
+  /// the end without one; nothing: not recorded.
+  std::optional<std::uint32_t> taught_number;
   /// Something happened that cannot be made to happen again: a sentence. The reports end
   /// before it.
   std::string ends_early;

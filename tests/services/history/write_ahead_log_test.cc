@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "services/history/job_history.h"
 #include "services/job_service/job_store.h"
 #include "tests/test_folder.h"
 
@@ -62,6 +63,19 @@ TEST_F(WriteAheadLog, DamageInItIsReportedAndNoEmptyQueue) {
   EXPECT_THAT(refusal, HasSubstr(log_.string() + " is damaged"));
   EXPECT_THAT(refusal, HasSubstr("put an intact copy"));
   EXPECT_TRUE(fs::exists(log_)) << "nothing is changed";
+}
+
+// Of a shop that is closed: as if the jobs had never been.
+TEST_F(WriteAheadLog, ItIsReportedToWhoReadsAsWell) {
+  EXPECT_TRUE(ReadHistory(file_, {}).has_value());
+  Damage(fs::file_size(log_) / 3);
+  const auto jobs = ReadHistory(file_, {});
+  ASSERT_FALSE(jobs.has_value());
+  EXPECT_THAT(jobs.error().message, HasSubstr("is damaged"));
+  const auto job = ReadJob(file_, "1");
+  ASSERT_FALSE(job.has_value());
+  EXPECT_THAT(job.error().message, HasSubstr("is damaged")) << "and not: no job '1'";
+  EXPECT_TRUE(fs::exists(log_));
 }
 
 TEST_F(WriteAheadLog, ADamagedHeaderIsReported) {

@@ -48,5 +48,60 @@ TEST(CellMessages, AnErrorCodeOfTheBusIsAsInARecording) {
             ReadStatus(Status("outside_block"))->error_code);
 }
 
+SegmentMessages Segments(std::uint32_t run, std::uint64_t number, bool last = false) {
+  SegmentMessages messages;
+  messages.job_uid = "7-abc";
+  messages.run = run;
+  messages.number = number;
+  messages.last = last;
+  return messages;
+}
+
+PulseMessages Pulses(std::uint64_t number) {
+  PulseMessages messages;
+  messages.job_uid = "7-abc";
+  messages.number = number;
+  return messages;
+}
+
+TEST(CellListener, HasNoGapWhereTheNumbersFollowEachOther) {
+  CellListener listener("7-abc");
+  listener.Take(Segments(1, 0), 10);
+  listener.Take(Segments(1, 1, true), 20);
+  listener.Take(Segments(2, 0, true), 30);
+  listener.Take(Pulses(0), 25);
+  listener.Take(Pulses(1), 35);
+  EXPECT_EQ(listener.Messages().incomplete_run, 0u);
+}
+
+TEST(CellListener, FindsTheRunOfWhichMotionIsMissing) {
+  CellListener begin("7-abc"), middle("7-abc"), end("7-abc");
+  begin.Take(Segments(3, 2), 10);  // a recording that was cut in it
+  EXPECT_EQ(begin.Messages().incomplete_run, 3u);
+  middle.Take(Segments(1, 0, true), 10);
+  middle.Take(Segments(2, 0), 20);
+  middle.Take(Segments(2, 2, true), 30);
+  EXPECT_EQ(middle.Messages().incomplete_run, 2u);
+  end.Take(Segments(1, 0), 10);  // neither its last segment nor an abort
+  end.Take(Segments(2, 0, true), 20);
+  EXPECT_EQ(end.Messages().incomplete_run, 1u);
+}
+
+TEST(CellListener, FindsTheRunOfWhichPulsesAreMissing) {
+  CellListener listener("7-abc");
+  listener.Take(Segments(1, 0, true), 10);
+  listener.Take(Segments(2, 0, true), 30);
+  listener.Take(Pulses(0), 15);
+  listener.Take(Pulses(2), 40);
+  EXPECT_EQ(listener.Messages().incomplete_run, 2u);
+}
+
+// A run that has not ended yet is no gap: the recording ends in it.
+TEST(CellListener, ARecordingMayEndInARun) {
+  CellListener listener("7-abc");
+  listener.Take(Segments(1, 0), 10);
+  EXPECT_EQ(listener.Messages().incomplete_run, 0u);
+}
+
 }  // namespace
 }  // namespace intaglio::replayer
