@@ -76,6 +76,9 @@ using MeshReader = std::function<Result<ImportedMesh>(
     std::span<const std::byte> bytes, std::string_view extension,
     const ImportOptions& options, std::string_view name)>;
 
+/// Whether files of this extension may declare the unit of their coordinates.
+bool MayDeclareUnit(std::string_view extension);
+
 /// Whether files of this extension are read by a separate process: all but STL.
 bool IsReadByLibrary(std::string_view extension);
 

@@ -1,5 +1,7 @@
 #include "services/job/models/mesh_models.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
@@ -42,9 +44,32 @@ void Diagnose(const MethodInput& input, const FileBytes& bytes,
   AddOrientationOfMesh(input, DeclaredUpOf(input.model, bytes), placed, made.warnings);
 }
 
+/// Gives `input` the unit of the file, unless the job has one. The reader has multiplied
+/// the vertices by it.
+mesh::Placement PlacementOfVertices(const mesh::ImportedMesh& imported,
+                                    MethodInput& input, Warnings& warnings) {
+  const double declared_mm = imported.declared_unit_mm;
+  mesh::Placement of_vertices = input.placement;
+  if (declared_mm <= 0) return of_vertices;
+  if (!input.model.placement().has_unit_mm()) {
+    input.placement.unit_mm = declared_mm;
+    return of_vertices;
+  }
+  of_vertices.unit_mm /= declared_mm;
+  if (input.placement.unit_mm != declared_mm) {
+    warnings.push_back(MakeWarning(
+        WarningCode::kChosen,
+        fmt::format("{}: its unit is taken as {:g} mm, as the job asks, instead of the "
+                    "{:g} mm that the file declares",
+                    std::filesystem::path(input.model.file()).filename().string(),
+                    input.placement.unit_mm, declared_mm)));
+  }
+  return of_vertices;
+}
+
 }  // namespace
 
-Result<mesh::TriangleMesh> PlaceMesh(const MethodInput& input, const FileBytes& file,
+Result<mesh::TriangleMesh> PlaceMesh(MethodInput& input, const FileBytes& file,
                                      const ReadLimits& limits, Warnings& warnings) {
   const std::string& name = input.model.file();
   mesh::ImportOptions options = limits.meshes;
@@ -54,10 +79,11 @@ Result<mesh::TriangleMesh> PlaceMesh(const MethodInput& input, const FileBytes& 
   std::ranges::move(
       WarningsOf(std::filesystem::path(name).filename().string(), imported.findings),
       std::back_inserter(warnings));
-  return mesh::PlaceInBlock(imported, input.placement, input.block_size_mm);
+  return mesh::PlaceInBlock(imported, PlacementOfVertices(imported, input, warnings),
+                            input.block_size_mm);
 }
 
-MadePoints MakeMesh(const Method& method, const MethodInput& input, const FileBytes& file,
+MadePoints MakeMesh(const Method& method, MethodInput& input, const FileBytes& file,
                     const ReadLimits& limits, JobSources& made) {
   auto placed = INTAGLIO_TRY(PlaceMesh(input, file, limits, made.warnings));
   INTAGLIO_TRY(CheckSize(input, placed.Bounds().size_mm(), made.warnings));

@@ -14,13 +14,14 @@
 namespace intaglio {
 
 /// The mesh in its block. Errors name the model's file; what its reader met and did not
-/// obey is added to `warnings`.
-Result<mesh::TriangleMesh> PlaceMesh(const MethodInput& input, const FileBytes& file,
+/// obey is added to `warnings`. The unit that the file declares becomes that of
+/// `input.placement`; a unit of the job replaces it, with a note.
+Result<mesh::TriangleMesh> PlaceMesh(MethodInput& input, const FileBytes& file,
                                      const ReadLimits& limits, Warnings& warnings);
 
 /// Its diagnosis and its warnings are added to `made`. A mesh whose bounding box cannot
 /// be engraved (plausible_size.h) is refused before anything is made of it.
-MadePoints MakeMesh(const Method& method, const MethodInput& input, const FileBytes& file,
+MadePoints MakeMesh(const Method& method, MethodInput& input, const FileBytes& file,
                     const ReadLimits& limits, JobSources& made);
 
 }  // namespace intaglio

@@ -150,9 +150,16 @@ class Maker {
     if (method != nullptr) {
       INTAGLIO_TRY(ReadImages(*method, input));
     }
+    auto source = INTAGLIO_TRY(MakeOfKind(kind, method, input, file, font));
+    made_.units_mm.push_back(input.placement.unit_mm);
+    return source;
+  }
+
+  Result<Source> MakeOfKind(ModelKind kind, const Method* method, MethodInput& input,
+                            const FileBytes& file, const FileBytes& font) {
     switch (kind) {
       case ModelKind::kMesh:
-        return INTAGLIO_TRY(HoldsPointsOnly(model, file, made_.warnings))
+        return INTAGLIO_TRY(HoldsPointsOnly(input.model, file, made_.warnings))
                    ? OfCloud(input, file)
                    : OfMesh(*method, input, file);
       case ModelKind::kCloud:
@@ -220,8 +227,7 @@ class Maker {
     return discretize::MakeSeveral(std::move(pieces));
   }
 
-  Result<Source> OfMesh(const Method& method, const MethodInput& input,
-                        const FileBytes& file) {
+  Result<Source> OfMesh(const Method& method, MethodInput& input, const FileBytes& file) {
     if (input.model.has_min_spacing_mm()) {
       return Fail(
           ErrorCode::kInvalidValue,
@@ -315,24 +321,24 @@ Result<mesh::TriangleMesh> PlacedMeshOf(const JobSpec& job, const Model& model,
   const auto bytes = std::as_bytes(std::span(*text));
   const FileBytes file(bytes.begin(), bytes.end());
   const Block block = BlockOf(job, model);
-  const MethodInput input{
-      job,
-      model,
-      PlacementOf(model.placement(), block, DeclaredUpOf(model, file)),
-      Vec3Of(block.size_mm()),
-      {}};
+  MethodInput input{job,
+                    model,
+                    PlacementOf(model.placement(), block, DeclaredUpOf(model, file)),
+                    Vec3Of(block.size_mm()),
+                    {}};
   auto placed = PlaceMesh(input, file, limits, warnings);
   if (!placed) return tl::unexpected(WithRemedy(placed.error(), limits));
   return placed;
 }
 
-Result<std::vector<Vec3>> SizesOf(const JobSpec& job, const ReadLimits& limits) {
+Result<std::vector<ModelSize>> SizesOf(const JobSpec& job, const ReadLimits& limits) {
   auto files = INTAGLIO_TRY(ReadFilesOf(job, limits));
   const auto made =
       INTAGLIO_TRY(MakeFor(Purpose::kExtent, job, std::move(files), limits, {}));
-  std::vector<Vec3> sizes_mm;
-  for (const auto& source : made.sources) sizes_mm.push_back(source->Bounds().size_mm());
-  return sizes_mm;
+  std::vector<ModelSize> sizes;
+  for (std::size_t i = 0; i < made.sources.size(); ++i)
+    sizes.push_back({made.sources[i]->Bounds().size_mm(), made.units_mm.at(i)});
+  return sizes;
 }
 
 std::optional<mesh::UpAxis> DeclaredUpOf(const Model& model, const FileBytes& file) {

@@ -36,5 +36,41 @@ TEST(MeshModels, WhatTheReaderDidNotObeyIsAWarningOfTheJob) {
                              Field(&Warning::text, HasSubstr("skin.glb: 1 x skin")))));
 }
 
+struct DeclaredUnit {
+  const char* file;
+  Vec3 size_mm;  ///< by the unit that it declares, the inch
+};
+
+class UnitsOfMeshes : public ::testing::TestWithParam<DeclaredUnit> {};
+
+TEST_P(UnitsOfMeshes, AreThoseOfTheFileUnlessTheJobHasOne) {
+  OneModel one;
+  one.model.set_file(kKinds + GetParam().file);
+  const auto size = [&] {
+    const auto sizes = SizesOf(WithDefaults(one.job, GoodMachine()), {});
+    EXPECT_TRUE(sizes) << sizes.error().message;
+    return sizes ? sizes->front() : ModelSize();
+  };
+  // The numbers of the files have six digits.
+  EXPECT_TRUE(size().size_mm.isApprox(GetParam().size_mm, 1e-5)) << size().size_mm;
+  EXPECT_DOUBLE_EQ(size().unit_mm, 25.4);
+  one.model.mutable_placement()->set_unit_mm(5);
+  EXPECT_TRUE(size().size_mm.isApprox(GetParam().size_mm * (5 / 25.4), 1e-5))
+      << size().size_mm;
+  EXPECT_DOUBLE_EQ(size().unit_mm, 5);
+  EXPECT_THAT(WarningsOfMaking(one.job),
+              Contains(AllOf(
+                  Field(&Warning::weight, WarningWeight::kNote),
+                  Field(&Warning::text, HasSubstr("5 mm, as the job asks, instead of the "
+                                                  "25.4 mm that the file declares")))));
+  // The same as the file's is no news.
+  one.model.mutable_placement()->set_unit_mm(25.4);
+  EXPECT_TRUE(size().size_mm.isApprox(GetParam().size_mm, 1e-5)) << size().size_mm;
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, UnitsOfMeshes,
+                         ::testing::Values(DeclaredUnit{"unit.3mf", {20, 30, 40}},
+                                           DeclaredUnit{"unit.dae", {25.4, 50.8, 76.2}}));
+
 }  // namespace
 }  // namespace intaglio
