@@ -19,7 +19,6 @@
 #include "engrave/discretize/spacing/fixed_points.h"
 #include "engrave/formats/point_file_kinds.h"
 #include "engrave/io/ply_header.h"
-#include "engrave/io/whole_file.h"
 #include "engrave/mesh/placement.h"
 #include "services/job/channels.h"
 #include "services/job/methods/method_table.h"
@@ -28,6 +27,7 @@
 #include "services/job/models/flat_models.h"
 #include "services/job/models/mesh_models.h"
 #include "services/job/models/model_checks.h"
+#include "services/job/models/model_file.h"
 #include "services/job/models/text_model.h"
 #include "services/job/options.h"
 
@@ -306,7 +306,7 @@ Result<JobSources> MakeSources(const JobSpec& job, std::vector<FileBytes> files,
 Result<std::vector<FileBytes>> ReadFilesOf(const JobSpec& job, const ReadLimits& limits) {
   std::vector<FileBytes> files;
   for (const std::string& path : FilesOf(job)) {
-    const auto text = io::ReadWholeFile(path, limits.max_file_bytes);
+    const auto text = ReadModelFile(path, limits.max_file_bytes);
     if (!text) return tl::unexpected(WithRemedy(text.error(), limits));
     const auto bytes = std::as_bytes(std::span(*text));
     files.emplace_back(bytes.begin(), bytes.end());
@@ -316,7 +316,7 @@ Result<std::vector<FileBytes>> ReadFilesOf(const JobSpec& job, const ReadLimits&
 
 Result<mesh::TriangleMesh> PlacedMeshOf(const JobSpec& job, const Model& model,
                                         const ReadLimits& limits, Warnings& warnings) {
-  const auto text = io::ReadWholeFile(model.file(), limits.max_file_bytes);
+  const auto text = ReadModelFile(model.file(), limits.max_file_bytes);
   if (!text) return tl::unexpected(WithRemedy(text.error(), limits));
   const auto bytes = std::as_bytes(std::span(*text));
   const FileBytes file(bytes.begin(), bytes.end());

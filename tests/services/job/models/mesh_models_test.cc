@@ -3,10 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <string>
 
-#include "engrave/io/whole_file.h"
+#include "services/job/models/model_file.h"
 #include "tests/services/job/models/one_model.h"
+#include "tests/test_folder.h"
 
 namespace intaglio {
 namespace {
@@ -34,6 +37,39 @@ TEST(MeshModels, WhatTheReaderDidNotObeyIsAWarningOfTheJob) {
               Contains(AllOf(Field(&Warning::code, WarningCode::kLeftOut),
                              Field(&Warning::weight, WarningWeight::kWarning),
                              Field(&Warning::text, HasSubstr("skin.glb: 1 x skin")))));
+}
+
+// Another model's buffer of the same name is in the working directory.
+TEST(MeshModels, AGltfIsReadWithTheBuffersOfItsFolder) {
+  const auto before = std::filesystem::current_path();
+  const auto folder = test::FreshFolder();
+  std::ofstream(folder / "scene.bin") << std::string(1000, '\0');
+  std::filesystem::current_path(folder);
+  OneModel one;
+  one.model.set_file(kKinds + "two_files/scene.gltf");
+  const auto sizes = SizesOf(WithDefaults(one.job, GoodMachine()), {});
+  std::filesystem::current_path(before);
+  ASSERT_TRUE(sizes) << sizes.error().message;
+  // It has y up.
+  EXPECT_EQ(sizes->front().size_mm, Vec3(10, 30, 20));
+}
+
+TEST(MeshModels, ABufferThatIsNotInTheFolderIsRefusedByName) {
+  const auto folder = test::FreshFolder();
+  const auto refused = [&](const std::string& uri) {
+    std::ofstream(folder / "scene.gltf")
+        << "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":168,\"uri\":\""
+        << uri << "\"}]}";
+    const auto whole = ReadModelFile(folder / "scene.gltf", 1000);
+    EXPECT_FALSE(whole) << uri;
+    return whole ? "" : whole.error().message;
+  };
+  EXPECT_THAT(refused("scene.bin"), HasSubstr("scene.bin: the file does not exist"));
+  EXPECT_THAT(refused(kKinds + "two_files/scene.bin"),
+              HasSubstr("scene.gltf: its buffer"));
+  EXPECT_THAT(refused("../scene.bin"), HasSubstr("../scene.bin"));
+  std::ofstream(folder / "scene.bin") << std::string(900, '\0');
+  EXPECT_THAT(refused("scene.bin"), HasSubstr("more than the 1000 bytes allowed"));
 }
 
 struct DeclaredUnit {
