@@ -237,10 +237,9 @@ class Maker {
     if (purpose_ == Purpose::kPoints)
       return MakeMesh(method, input, file, limits_, made_);
     const auto placed = INTAGLIO_TRY(PlaceMesh(input, file, limits_, made_.warnings));
-    const Box3 box = placed.Bounds();
     discretize::SpacedCloud corners;
-    corners.Add(box.min_mm, 0);
-    corners.Add(box.max_mm, 0);
+    corners.Add(placed.file_mm.min_mm, 0);
+    corners.Add(placed.file_mm.max_mm, 0);
     return discretize::MakeFixedPoints(std::move(corners));
   }
 
@@ -328,7 +327,7 @@ Result<mesh::TriangleMesh> PlacedMeshOf(const JobSpec& job, const Model& model,
                     {}};
   auto placed = PlaceMesh(input, file, limits, warnings);
   if (!placed) return tl::unexpected(WithRemedy(placed.error(), limits));
-  return placed;
+  return std::move(placed->mesh);
 }
 
 Result<std::vector<ModelSize>> SizesOf(const JobSpec& job, const ReadLimits& limits) {
