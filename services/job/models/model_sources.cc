@@ -172,7 +172,9 @@ class Maker {
             made_.warnings);
       case ModelKind::kImage:
         AddOrientationOfSheet(input, made_.warnings);
-        return MakePicture(*method, input, TextOf(file), limits_);
+        return purpose_ == Purpose::kPoints
+                   ? MakePicture(*method, input, TextOf(file), limits_, made_.warnings)
+                   : ExtentOfPicture(*method, input, TextOf(file), limits_);
       case ModelKind::kText:
         AddOrientationOfSheet(input, made_.warnings);
         return OfText(*method, input, file);
