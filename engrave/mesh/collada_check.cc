@@ -9,6 +9,8 @@
 #include <optional>
 #include <utility>
 
+#include "engrave/io/number_text.h"
+
 namespace intaglio::mesh {
 namespace {
 
@@ -134,13 +136,16 @@ UpAxis UpAxisInCollada(std::string_view text) {
   return value.starts_with("X_UP") ? UpAxis::kX : UpAxis::kY;
 }
 
-bool DeclaresUnitInCollada(std::string_view text) {
-  bool declared = false;
+std::optional<double> UnitInCollada_mm(std::string_view text) {
+  constexpr double kMetre_mm = 1000;
+  std::optional<double> unit_mm;
   ForEachTag(text, "unit", [&](std::string_view tag, std::size_t) {
-    declared = Attribute(tag, "meter").has_value();
+    const auto metres = Attribute(tag, "meter");
+    const auto number = metres ? io::ParseFinite(*metres) : std::nullopt;
+    if (number && *number > 0) unit_mm = *number * kMetre_mm;
     return false;
   });
-  return declared;
+  return unit_mm;
 }
 
 }  // namespace intaglio::mesh

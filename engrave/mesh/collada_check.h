@@ -3,6 +3,7 @@
 // What is read of a Collada file (.dae) beside the import library: index lists that the
 // library would read for ever, accessors that reach behind their arrays, and the up axis.
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -19,7 +20,8 @@ std::string WrongInCollada(std::string_view text);
 /// has another value than X_UP, Y_UP and Z_UP.
 UpAxis UpAxisInCollada(std::string_view text);
 
-/// Whether the file declares its unit of length (COLLADA 1.4.1, "unit").
-bool DeclaresUnitInCollada(std::string_view text);
+/// mm that the file's unit of length is long (COLLADA 1.4.1, "unit"); nothing when it
+/// declares none, or none that is positive.
+std::optional<double> UnitInCollada_mm(std::string_view text);
 
 }  // namespace intaglio::mesh

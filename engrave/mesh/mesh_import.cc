@@ -71,15 +71,6 @@ Result<FileFindings> CheckContent(const ImportSource& source, std::string_view t
   return FileFindings();
 }
 
-/// mm: the library brings a DAE to metres by the unit that it declares.
-double UnitOfScene(std::span<const std::byte> bytes, std::string_view extension) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  constexpr double kMetre_mm = 1000;
-  return io::LowerCaseExtension(extension) == "dae" && DeclaresUnitInCollada(text)
-             ? kMetre_mm
-             : 1;
-}
-
 /// What `read` gives, or the error that there is not enough memory for it.
 template <typename Read>
 Result<ImportedMesh> WithinMemory(const ImportSource& source, Read read) {
@@ -99,12 +90,16 @@ bool IsReadByLibrary(std::string_view extension) {
          std::find(kExtensions.begin(), kExtensions.end(), lower) != kExtensions.end();
 }
 
+bool MayDeclareUnit(std::string_view extension) {
+  const std::string lower = io::LowerCaseExtension(extension);
+  return lower == "dae" || lower == "3mf";
+}
+
 Result<ImportedMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
                                           std::string_view extension,
                                           const ImportOptions& options,
                                           std::string_view name) {
-  const ImportSource source{std::string(name), io::LowerCaseExtension(extension), options,
-                            UnitOfScene(bytes, extension)};
+  ImportSource source{std::string(name), io::LowerCaseExtension(extension), options};
   INTAGLIO_TRY(CheckExtension(source));
   INTAGLIO_TRY(CheckSize(source, bytes.size()));
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -120,11 +115,16 @@ Result<ImportedMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
   auto findings = INTAGLIO_TRY(CheckContent(source, text, text.size()));
   if (source.extension == "ply")
     return WithinMemory(source, [&] { return ReadPly(text, source); });
+  constexpr double kMetre_mm = 1000;
+  const auto unit_mm = source.extension == "dae" ? UnitInCollada_mm(text) : std::nullopt;
+  // The library brings a DAE to metres by the unit that it declares.
+  if (unit_mm) source.unit_mm = kMetre_mm;
   auto imported = ImportByLibrary(source, [&](Assimp::Importer& importer) {
     importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, source.extension.c_str());
   });
   if (imported) {
     for (const FileFinding& finding : findings) imported->findings.Add(finding);
+    imported->declared_unit_mm = unit_mm.value_or(0);
   }
   return imported;
 }

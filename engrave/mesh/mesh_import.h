@@ -64,7 +64,8 @@ struct ImportOptions {
 /// import library throws becomes kUnreadable. kUnsupported also: an extension of glTF or
 /// 3MF, a beam lattice, or a free form of OBJ, without which the shape would be wrong.
 /// `extension` is "stl", ".STL" or the like; `name` is what errors call the model. A
-/// .gltf whose buffers are other files is kUnreadable.
+/// .gltf with buffers in other files is kUnreadable: services/job/models/model_file.h
+/// writes them into it before.
 Result<ImportedMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
                                           std::string_view extension,
                                           const ImportOptions& options = {},
@@ -75,6 +76,9 @@ Result<ImportedMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
 using MeshReader = std::function<Result<ImportedMesh>(
     std::span<const std::byte> bytes, std::string_view extension,
     const ImportOptions& options, std::string_view name)>;
+
+/// Whether files of this extension may declare the unit of their coordinates.
+bool MayDeclareUnit(std::string_view extension);
 
 /// Whether files of this extension are read by a separate process: all but STL.
 bool IsReadByLibrary(std::string_view extension);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "engrave/io/lower_case.h"
+#include "engrave/mesh/mesh_import.h"
 #include "engrave/optics/pulse_focus.h"
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/machine_axes.h"
@@ -71,8 +72,15 @@ UpAxis UpOf(const Model& model) {
   return extension == "dae" ? UP_AXIS_DECLARED : UP_AXIS_Z;
 }
 
-void FillPlacement(Placement& placement) {
-  if (!placement.has_unit_mm()) placement.set_unit_mm(1);
+/// A unit that is given replaces the one of the file, which is read with its model.
+bool MayDeclareUnit(const Model& model) {
+  const auto kind = KindOf(model);
+  return kind && *kind == ModelKind::kMesh &&
+         mesh::MayDeclareUnit(std::filesystem::path(model.file()).extension().string());
+}
+
+void FillPlacement(const Model& model, Placement& placement) {
+  if (!placement.has_unit_mm() && !MayDeclareUnit(model)) placement.set_unit_mm(1);
   if (!placement.has_scale_ratio())
     *placement.mutable_scale_ratio() = MakeVector(1, 1, 1);
   if (!placement.has_rotate_deg()) *placement.mutable_rotate_deg() = MakeVector(0, 0, 0);
@@ -113,7 +121,7 @@ void FillModel(Model& model, const Discretization& discretization) {
   if (model.placement().up() == UP_AXIS_DEFAULT) {
     model.mutable_placement()->set_up(UpOf(model));
   }
-  FillPlacement(*model.mutable_placement());
+  FillPlacement(model, *model.mutable_placement());
   if (IsText(model)) {
     Text& text = *model.mutable_text();
     if (!text.has_height_mm()) text.set_height_mm(kDefaultTextMm);

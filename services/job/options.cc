@@ -84,10 +84,10 @@ Box3 PermittedBoxOf(const Block& block) {
 
 mesh::Placement PlacementOf(const Placement& placement, const Block& block,
                             std::optional<mesh::UpAxis> declared) {
-  Require(placement.has_unit_mm() && placement.has_scale_ratio() && block.has_margin_mm(),
+  Require(placement.has_scale_ratio() && block.has_margin_mm(),
           "the job's defaults are not filled in");
   mesh::Placement result;
-  result.unit_mm = placement.unit_mm();
+  if (placement.has_unit_mm()) result.unit_mm = placement.unit_mm();
   result.up = UpOf(placement.up(), declared);
   result.mirror_x = placement.mirror_x();
   result.mirror_y = placement.mirror_y();

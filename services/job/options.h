@@ -30,7 +30,8 @@ Vec3 BlockSizeOf(const JobSpec& job);
 Box3 PermittedBoxOf(const Block& block);
 
 /// The way of a model into the job's block. `declared`: the up axis that its file
-/// declares (mesh::UpAxisOfFile), for UP_AXIS_DECLARED.
+/// declares (mesh::UpAxisOfFile), for UP_AXIS_DECLARED. A placement without a unit has
+/// that of its file, which is not known here: unit_mm is then 1.
 mesh::Placement PlacementOf(const Placement& placement, const Block& block,
                             std::optional<mesh::UpAxis> declared = {});
 

@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <utility>
 
+#include "services/job/models/model_file.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/bus/samples.h"
 
@@ -15,6 +19,10 @@ using bus::Borrow;
 
 // How often it is checked whether a discretizer that gave credit is matched by now.
 constexpr auto kWatchPeriod = 50ms;
+
+// Of a file that is joined from several, in memory; discretizers have bounds of their
+// own.
+constexpr std::uint64_t kMaxJoinedBytes = std::uint64_t{1} << 30;
 
 Error CannotRead(const std::string& file, const std::string& why) {
   return {ErrorCode::kIo, fmt::format("model {}: {}", file, why), file};
@@ -103,22 +111,29 @@ Status ModelFeed::OpenNext(Stream& stream) {
     return tl::unexpected(
         CannotRead(path, "is no longer a file; check whether it was moved"));
   }
-  stream.file_size = std::filesystem::file_size(path, error);
-  stream.file = std::ifstream(path, std::ios::binary);
   stream.offset = 0;
-  if (!error && stream.file) return {};
+  if (HasOtherFiles(path)) {
+    auto whole = ReadModelFile(path, kMaxJoinedBytes);
+    if (!whole) return tl::unexpected(CannotRead(path, whole.error().message));
+    stream.file_size = whole->size();
+    stream.file = std::make_unique<std::istringstream>(*std::move(whole));
+    return {};
+  }
+  stream.file_size = std::filesystem::file_size(path, error);
+  stream.file = std::make_unique<std::ifstream>(path, std::ios::binary);
+  if (!error && *stream.file) return {};
   return tl::unexpected(CannotRead(path, "cannot be opened; check whether it was moved"));
 }
 
 Result<bool> ModelFeed::SendChunk(Stream& stream) {
-  if (!stream.file.is_open()) {
+  if (stream.file == nullptr) {
     if (auto opened = OpenNext(stream); !opened) return tl::unexpected(opened.error());
   }
   chunk_.resize(std::min<std::uint64_t>(kChunkBytes, stream.file_size - stream.offset));
-  stream.file.seekg(static_cast<std::streamoff>(stream.offset));
-  stream.file.read(reinterpret_cast<char*>(chunk_.data()),
-                   static_cast<std::streamsize>(chunk_.size()));
-  if (!stream.file) {
+  stream.file->seekg(static_cast<std::streamoff>(stream.offset));
+  stream.file->read(reinterpret_cast<char*>(chunk_.data()),
+                    static_cast<std::streamsize>(chunk_.size()));
+  if (!*stream.file) {
     return tl::unexpected(
         CannotRead(stream.files[stream.model],
                    "cannot be read to its end; check whether it was changed"));
@@ -139,7 +154,7 @@ Result<bool> ModelFeed::SendChunk(Stream& stream) {
   ++stream.sequence_number;
   stream.offset += chunk_.size();
   if (ends_file) {
-    stream.file.close();
+    stream.file.reset();
     ++stream.model;
     stream.done = stream.model == stream.files.size();
   }

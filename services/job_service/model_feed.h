@@ -2,13 +2,15 @@
 
 // Sends the model files of jobs to their discretizers, in chunks, under credit, from a
 // thread of its own: a bulk write may block for a second, and permissions may not wait.
+// A file that consists of several (services/job/models/model_file.h) goes out as one.
 // Every task of a discretizer may ask for them, by its credit; one that has them from the
 // task before does not.
 
 #include <chrono>
 #include <cstdint>
-#include <fstream>
+#include <istream>
 #include <list>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -51,7 +53,7 @@ class ModelFeed {
     std::uint32_t model = 0;
     std::uint64_t offset = 0;
     std::uint64_t file_size = 0;
-    std::ifstream file;
+    std::unique_ptr<std::istream> file;
     bool stopped = false;
     bool done = false;
   };

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "engrave/mesh/files/gltf_buffers.h"
+
 namespace intaglio::mesh {
 namespace {
 
@@ -90,6 +92,15 @@ Result<FileFindings> CheckGltf(const ImportSource& source, std::string_view file
         fmt::format("it needs the extension {:.80} of glTF, which is not supported; "
                     "export it without this extension, or as stl",
                     changing.front()));
+  }
+  const auto files = BufferFilesOf(json);
+  if (!files) return source.Refuse(files.error().code, files.error().message);
+  if (!files->empty()) {
+    return source.Refuse(
+        ErrorCode::kUnreadable,
+        fmt::format("its buffer {:.80?} is a file of its own, which does not come along "
+                    "with it; export it as GLB",
+                    files->front().path));
   }
   FileFindings findings;
   if (HasWeights(json)) {

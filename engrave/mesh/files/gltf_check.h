@@ -10,7 +10,8 @@ namespace intaglio::mesh {
 
 /// Refuses a glTF or GLB, by name, that cannot be read right by the import library:
 /// kUnsupported when it requires an extension that changes the shape (glTF 2.0, 3.12) or
-/// uses instancing. The findings are its morph targets, which the library leaves out.
+/// uses instancing, kUnreadable when a buffer is a file of its own. The findings are its
+/// morph targets, which the library leaves out.
 Result<FileFindings> CheckGltf(const ImportSource& source, std::string_view file);
 
 }  // namespace intaglio::mesh

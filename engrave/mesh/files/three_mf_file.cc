@@ -107,7 +107,7 @@ class ThreeMfReader {
     }
     if (mesh_.triangles.empty()) return source_.RefuseEmptyModel();
     mesh_.vertices = welder_.TakePoints();
-    mesh_.declared_unit_mm = *unit;
+    if (root->model.attribute("unit")) mesh_.declared_unit_mm = *unit;
     for (Vec3& vertex : mesh_.vertices) {
       vertex *= *unit;
       if (!vertex.allFinite()) return Unreadable("a vertex is not finite in mm");

@@ -1,10 +1,12 @@
 #include "services/client/preview/preview_page.h"
 
 #include <fmt/format.h>
-#include <openssl/evp.h>
+
+#include <span>
 
 #include "services/client/figure_text.h"
 #include "services/client/preview/preview_text.h"
+#include "services/platform/text_format/base64.h"
 
 namespace intaglio::client {
 namespace {
@@ -31,14 +33,6 @@ constexpr std::string_view kStyle = R"(
   footer { opacity: .7; font-size: .85rem; }
 )";
 
-std::string Base64Of(const std::vector<std::uint8_t>& bytes) {
-  std::string text(4 * ((bytes.size() + 2) / 3), '\0');
-  // It adds a null character behind the text, where the string has its own.
-  EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), bytes.data(),
-                  static_cast<int>(bytes.size()));
-  return text;
-}
-
 std::string ClassOf(const JobPreview& figures) {
   if (figures.verdict() == kReady) return "";
   return figures.verdict() == kReadyWithWarnings ? " warning" : " consent";
@@ -46,7 +40,8 @@ std::string ClassOf(const JobPreview& figures) {
 
 std::string PictureOf(const PreviewPicture& picture, const std::string& description) {
   return fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">\n",
-                     HtmlOf(description), Base64Of(picture.png));
+                     HtmlOf(description),
+                     Base64Of(std::as_bytes(std::span(picture.png))));
 }
 
 std::string FigureTable(const JobPreview& figures) {

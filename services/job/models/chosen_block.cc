@@ -52,16 +52,16 @@ Vec3 LargestBlockOf(const MachineSpec& machine) {
 /// Of meshes and drawings, whose files have a unit that may be forgotten: an error, or
 /// notes for the user.
 Status CheckSizes(const JobSpec& job, const MachineSpec& machine,
-                  const std::vector<Vec3>& sizes_mm, std::vector<std::string>& notes) {
+                  const std::vector<ModelSize>& sizes, std::vector<std::string>& notes) {
   const std::string room = "the largest block of " + machine.name();
   for (int i = 0; i < job.models_size(); ++i) {
     const Model& model = job.models(i);
     const auto kind = KindOf(model);
     if (kind != ModelKind::kMesh && kind != ModelKind::kDrawing) continue;
     mesh::SizeInBlock sized;
-    sized.size_mm = sizes_mm.at(static_cast<std::size_t>(i));
+    sized.size_mm = sizes.at(static_cast<std::size_t>(i)).size_mm;
     sized.block_size_mm = LargestBlockOf(machine);
-    sized.unit_mm = model.placement().unit_mm();
+    sized.unit_mm = sizes.at(static_cast<std::size_t>(i)).unit_mm;
     sized.fitted = model.placement().fit_case() != Placement::FIT_NOT_SET;
     sized.clip = job.block().clip();
     sized.min_spacing_mm = job.discretization().min_spacing_mm();
@@ -87,10 +87,10 @@ Status ChooseBlock(JobSpec& job, const MachineSpec& machine, const ReadLimits& l
         ErrorCode::kMissing,
         model.file() + " has to fill the block: give the size of the block with --block");
   }
-  const auto sizes_mm = INTAGLIO_TRY(SizesOf(complete, limits));
-  INTAGLIO_TRY(CheckSizes(complete, machine, sizes_mm, notes));
+  const auto sizes = INTAGLIO_TRY(SizesOf(complete, limits));
+  INTAGLIO_TRY(CheckSizes(complete, machine, sizes, notes));
   Vec3 size = Vec3::Zero();
-  for (const Vec3& one : sizes_mm) size = size.cwiseMax(one);
+  for (const ModelSize& one : sizes) size = size.cwiseMax(one.size_mm);
   const Vector3 block = BlockFor(size);
   *job.mutable_block()->mutable_size_mm() = block;
   notes.push_back(fmt::format(

@@ -7,13 +7,17 @@
 #include <cctype>
 #include <filesystem>
 #include <set>
+#include <utility>
 #include <variant>
 
 #include "engrave/core/try.h"
+#include "engrave/discretize/picture/halftone_panel.h"
+#include "engrave/discretize/spacing/fixed_points.h"
 #include "engrave/drawing/dxf/dxf_read.h"
 #include "engrave/drawing/hpgl_read.h"
 #include "engrave/drawing/svg/svg_read.h"
 #include "engrave/image/image_file.h"
+#include "engrave/mesh/placement.h"
 #include "services/job/models/model_checks.h"
 
 namespace intaglio {
@@ -69,6 +73,14 @@ Status KeepLayers(const Model& model, const std::vector<std::string>& names,
   return {};
 }
 
+Result<image::GreyImage> ReadPicture(const Method& method, std::string_view file,
+                                     const ReadLimits& limits) {
+  image::ImageOptions reading;
+  reading.limits = limits.images;
+  reading.samples = std::get<PictureMaker>(MakerOf(method).make).samples;
+  return image::ParseImage(file, reading);
+}
+
 }  // namespace
 
 Result<drawing::Drawing> ReadDrawing(
@@ -109,13 +121,40 @@ MadePoints MakeLetters(const Method& method, const MethodInput& input,
 }
 
 MadePoints MakePicture(const Method& method, const MethodInput& input,
-                       std::string_view file, const ReadLimits& limits) {
-  const auto& maker = std::get<PictureMaker>(MakerOf(method).make);
-  image::ImageOptions reading;
-  reading.limits = limits.images;
-  reading.samples = maker.samples;
-  const auto picture = INTAGLIO_TRY(image::ParseImage(file, reading));
-  return maker.make(input, picture);
+                       std::string_view file, const ReadLimits& limits,
+                       Warnings& warnings) {
+  const auto picture = INTAGLIO_TRY(ReadPicture(method, file, limits));
+  const auto [least, greatest] = std::ranges::minmax_element(picture.samples);
+  if (*least == *greatest) {
+    Warning even = MakeWarning(
+        WarningCode::kLeftOut,
+        fmt::format("{}: all its pixels have the same grey, with white behind those that "
+                    "are transparent, so nothing of a picture is seen in the piece; put "
+                    "another ground behind it in a program for images",
+                    std::filesystem::path(input.model.file()).filename().string()));
+    even.weight = WarningWeight::kWarning;
+    warnings.push_back(std::move(even));
+  }
+  return std::get<PictureMaker>(MakerOf(method).make).make(input, picture);
+}
+
+MadePoints ExtentOfPicture(const Method& method, const MethodInput& input,
+                           std::string_view file, const ReadLimits& limits) {
+  const auto picture = INTAGLIO_TRY(ReadPicture(method, file, limits));
+  auto made =
+      INTAGLIO_TRY(std::get<PictureMaker>(MakerOf(method).make).make(input, picture));
+  if (input.model.placement().fit_case() == Placement::FIT_NOT_SET) return made;
+  Box3 box = made->Bounds();
+  // Its pixels are square; the fit gives them their size.
+  const PointList corners =
+      discretize::PanelCorners(Vec2(picture.width, picture.height), 0);
+  const auto glass_from_picture =
+      INTAGLIO_TRY(mesh::GlassFromModelOf(corners, input.placement, input.block_size_mm));
+  for (const Vec3& corner : corners) box.Extend(glass_from_picture.Apply(corner));
+  discretize::SpacedCloud ends;
+  ends.Add(box.min_mm, 0);
+  ends.Add(box.max_mm, 0);
+  return discretize::MakeFixedPoints(std::move(ends));
 }
 
 }  // namespace intaglio

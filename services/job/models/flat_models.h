@@ -38,7 +38,15 @@ MadePoints MakeDrawing(const Method& method, const MethodInput& input,
 MadePoints MakeLetters(const Method& method, const MethodInput& input,
                        const drawing::Drawing& outline);
 
+/// A picture of one even grey, such as a white logo on transparent ground, is added to
+/// `warnings`.
 MadePoints MakePicture(const Method& method, const MethodInput& input,
-                       std::string_view file, const ReadLimits& limits);
+                       std::string_view file, const ReadLimits& limits,
+                       Warnings& warnings);
+
+/// The corners of a box around the picture's points and, where it is fitted, its frame:
+/// dark borders have no points and count in the size that it is fitted to.
+MadePoints ExtentOfPicture(const Method& method, const MethodInput& input,
+                           std::string_view file, const ReadLimits& limits);
 
 }  // namespace intaglio

@@ -1,5 +1,7 @@
 #include "services/job/models/mesh_models.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
@@ -42,27 +44,62 @@ void Diagnose(const MethodInput& input, const FileBytes& bytes,
   AddOrientationOfMesh(input, DeclaredUpOf(input.model, bytes), placed, made.warnings);
 }
 
+/// Gives `input` the unit of the file, unless the job has one. The reader has multiplied
+/// the vertices by it.
+mesh::Placement PlacementOfVertices(const mesh::ImportedMesh& imported,
+                                    MethodInput& input, Warnings& warnings) {
+  const double declared_mm = imported.declared_unit_mm;
+  mesh::Placement of_vertices = input.placement;
+  if (declared_mm <= 0) return of_vertices;
+  if (!input.model.placement().has_unit_mm()) {
+    input.placement.unit_mm = declared_mm;
+    return of_vertices;
+  }
+  of_vertices.unit_mm /= declared_mm;
+  if (input.placement.unit_mm != declared_mm) {
+    warnings.push_back(MakeWarning(
+        WarningCode::kChosen,
+        fmt::format("{}: its unit is taken as {:g} mm, as the job asks, instead of the "
+                    "{:g} mm that the file declares",
+                    std::filesystem::path(input.model.file()).filename().string(),
+                    input.placement.unit_mm, declared_mm)));
+  }
+  return of_vertices;
+}
+
 }  // namespace
 
-Result<mesh::TriangleMesh> PlaceMesh(const MethodInput& input, const FileBytes& file,
-                                     const ReadLimits& limits, Warnings& warnings) {
+Result<PlacedMesh> PlaceMesh(MethodInput& input, const FileBytes& file,
+                             const ReadLimits& limits, Warnings& warnings) {
   const std::string& name = input.model.file();
+  const std::string extension = std::filesystem::path(name).extension().string();
   mesh::ImportOptions options = limits.meshes;
   options.objects.assign(input.model.objects().begin(), input.model.objects().end());
-  const auto imported = INTAGLIO_TRY(limits.read_mesh(
-      file, std::filesystem::path(name).extension().string(), options, name));
+  auto imported = INTAGLIO_TRY(limits.read_mesh(file, extension, options, name));
   std::ranges::move(
       WarningsOf(std::filesystem::path(name).filename().string(), imported.findings),
       std::back_inserter(warnings));
-  return mesh::PlaceInBlock(imported, input.placement, input.block_size_mm);
+  // Vertices of the whole file behind those of its objects decide size and place.
+  const std::size_t vertex_count = imported.vertices.size();
+  if (!std::exchange(options.objects, {}).empty()) {
+    const auto whole = INTAGLIO_TRY(limits.read_mesh(file, extension, options, name));
+    imported.vertices.insert(imported.vertices.end(), whole.vertices.begin(),
+                             whole.vertices.end());
+  }
+  PlacedMesh placed;
+  placed.mesh = INTAGLIO_TRY(mesh::PlaceInBlock(
+      imported, PlacementOfVertices(imported, input, warnings), input.block_size_mm));
+  placed.file_mm = placed.mesh.Bounds();
+  placed.mesh.vertices.resize(vertex_count);
+  return placed;
 }
 
-MadePoints MakeMesh(const Method& method, const MethodInput& input, const FileBytes& file,
+MadePoints MakeMesh(const Method& method, MethodInput& input, const FileBytes& file,
                     const ReadLimits& limits, JobSources& made) {
   auto placed = INTAGLIO_TRY(PlaceMesh(input, file, limits, made.warnings));
-  INTAGLIO_TRY(CheckSize(input, placed.Bounds().size_mm(), made.warnings));
-  Diagnose(input, file, placed, made);
-  return std::get<MeshMaker>(MakerOf(method).make)(input, std::move(placed));
+  INTAGLIO_TRY(CheckSize(input, placed.file_mm.size_mm(), made.warnings));
+  Diagnose(input, file, placed.mesh, made);
+  return std::get<MeshMaker>(MakerOf(method).make)(input, std::move(placed.mesh));
 }
 
 }  // namespace intaglio

@@ -19,7 +19,6 @@
 #include "engrave/discretize/spacing/fixed_points.h"
 #include "engrave/formats/point_file_kinds.h"
 #include "engrave/io/ply_header.h"
-#include "engrave/io/whole_file.h"
 #include "engrave/mesh/placement.h"
 #include "services/job/channels.h"
 #include "services/job/methods/method_table.h"
@@ -28,6 +27,7 @@
 #include "services/job/models/flat_models.h"
 #include "services/job/models/mesh_models.h"
 #include "services/job/models/model_checks.h"
+#include "services/job/models/model_file.h"
 #include "services/job/models/text_model.h"
 #include "services/job/options.h"
 
@@ -150,9 +150,16 @@ class Maker {
     if (method != nullptr) {
       INTAGLIO_TRY(ReadImages(*method, input));
     }
+    auto source = INTAGLIO_TRY(MakeOfKind(kind, method, input, file, font));
+    made_.units_mm.push_back(input.placement.unit_mm);
+    return source;
+  }
+
+  Result<Source> MakeOfKind(ModelKind kind, const Method* method, MethodInput& input,
+                            const FileBytes& file, const FileBytes& font) {
     switch (kind) {
       case ModelKind::kMesh:
-        return INTAGLIO_TRY(HoldsPointsOnly(model, file, made_.warnings))
+        return INTAGLIO_TRY(HoldsPointsOnly(input.model, file, made_.warnings))
                    ? OfCloud(input, file)
                    : OfMesh(*method, input, file);
       case ModelKind::kCloud:
@@ -165,7 +172,9 @@ class Maker {
             made_.warnings);
       case ModelKind::kImage:
         AddOrientationOfSheet(input, made_.warnings);
-        return MakePicture(*method, input, TextOf(file), limits_);
+        return purpose_ == Purpose::kPoints
+                   ? MakePicture(*method, input, TextOf(file), limits_, made_.warnings)
+                   : ExtentOfPicture(*method, input, TextOf(file), limits_);
       case ModelKind::kText:
         AddOrientationOfSheet(input, made_.warnings);
         return OfText(*method, input, file);
@@ -220,8 +229,7 @@ class Maker {
     return discretize::MakeSeveral(std::move(pieces));
   }
 
-  Result<Source> OfMesh(const Method& method, const MethodInput& input,
-                        const FileBytes& file) {
+  Result<Source> OfMesh(const Method& method, MethodInput& input, const FileBytes& file) {
     if (input.model.has_min_spacing_mm()) {
       return Fail(
           ErrorCode::kInvalidValue,
@@ -231,10 +239,9 @@ class Maker {
     if (purpose_ == Purpose::kPoints)
       return MakeMesh(method, input, file, limits_, made_);
     const auto placed = INTAGLIO_TRY(PlaceMesh(input, file, limits_, made_.warnings));
-    const Box3 box = placed.Bounds();
     discretize::SpacedCloud corners;
-    corners.Add(box.min_mm, 0);
-    corners.Add(box.max_mm, 0);
+    corners.Add(placed.file_mm.min_mm, 0);
+    corners.Add(placed.file_mm.max_mm, 0);
     return discretize::MakeFixedPoints(std::move(corners));
   }
 
@@ -300,7 +307,7 @@ Result<JobSources> MakeSources(const JobSpec& job, std::vector<FileBytes> files,
 Result<std::vector<FileBytes>> ReadFilesOf(const JobSpec& job, const ReadLimits& limits) {
   std::vector<FileBytes> files;
   for (const std::string& path : FilesOf(job)) {
-    const auto text = io::ReadWholeFile(path, limits.max_file_bytes);
+    const auto text = ReadModelFile(path, limits.max_file_bytes);
     if (!text) return tl::unexpected(WithRemedy(text.error(), limits));
     const auto bytes = std::as_bytes(std::span(*text));
     files.emplace_back(bytes.begin(), bytes.end());
@@ -310,29 +317,29 @@ Result<std::vector<FileBytes>> ReadFilesOf(const JobSpec& job, const ReadLimits&
 
 Result<mesh::TriangleMesh> PlacedMeshOf(const JobSpec& job, const Model& model,
                                         const ReadLimits& limits, Warnings& warnings) {
-  const auto text = io::ReadWholeFile(model.file(), limits.max_file_bytes);
+  const auto text = ReadModelFile(model.file(), limits.max_file_bytes);
   if (!text) return tl::unexpected(WithRemedy(text.error(), limits));
   const auto bytes = std::as_bytes(std::span(*text));
   const FileBytes file(bytes.begin(), bytes.end());
   const Block block = BlockOf(job, model);
-  const MethodInput input{
-      job,
-      model,
-      PlacementOf(model.placement(), block, DeclaredUpOf(model, file)),
-      Vec3Of(block.size_mm()),
-      {}};
+  MethodInput input{job,
+                    model,
+                    PlacementOf(model.placement(), block, DeclaredUpOf(model, file)),
+                    Vec3Of(block.size_mm()),
+                    {}};
   auto placed = PlaceMesh(input, file, limits, warnings);
   if (!placed) return tl::unexpected(WithRemedy(placed.error(), limits));
-  return placed;
+  return std::move(placed->mesh);
 }
 
-Result<std::vector<Vec3>> SizesOf(const JobSpec& job, const ReadLimits& limits) {
+Result<std::vector<ModelSize>> SizesOf(const JobSpec& job, const ReadLimits& limits) {
   auto files = INTAGLIO_TRY(ReadFilesOf(job, limits));
   const auto made =
       INTAGLIO_TRY(MakeFor(Purpose::kExtent, job, std::move(files), limits, {}));
-  std::vector<Vec3> sizes_mm;
-  for (const auto& source : made.sources) sizes_mm.push_back(source->Bounds().size_mm());
-  return sizes_mm;
+  std::vector<ModelSize> sizes;
+  for (std::size_t i = 0; i < made.sources.size(); ++i)
+    sizes.push_back({made.sources[i]->Bounds().size_mm(), made.units_mm.at(i)});
+  return sizes;
 }
 
 std::optional<mesh::UpAxis> DeclaredUpOf(const Model& model, const FileBytes& file) {

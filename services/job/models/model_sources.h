@@ -25,6 +25,7 @@ using FileBytes = std::vector<std::byte>;
 struct JobSources {
   discretize::Sources sources;              ///< one a model
   std::vector<MeshDiagnosisRecord> meshes;  ///< of the models that are meshes
+  std::vector<double> units_mm;  ///< that a unit of its file is long, one a model
   Warnings warnings;
 };
 
@@ -50,10 +51,14 @@ Result<std::vector<FileBytes>> ReadFilesOf(const JobSpec& job, const ReadLimits&
 Result<mesh::TriangleMesh> PlacedMeshOf(const JobSpec& job, const Model& model,
                                         const ReadLimits& limits, Warnings& warnings);
 
-/// The extents of the placed models with their copies, mm, one a model, read from this
-/// machine's disks; nothing is made of meshes. `job` with its defaults filled in, and a
-/// block of any size.
-Result<std::vector<Vec3>> SizesOf(const JobSpec& job, const ReadLimits& limits);
+struct ModelSize {
+  Vec3 size_mm = Vec3::Zero();  ///< of the placed model with its copies
+  double unit_mm = 1;           ///< that a unit of its file is long
+};
+
+/// One a model, read from this machine's disks; nothing is made of meshes. `job` with its
+/// defaults filled in, and a block of any size.
+Result<std::vector<ModelSize>> SizesOf(const JobSpec& job, const ReadLimits& limits);
 
 /// The up axis that the model's file declares, or its format.
 std::optional<mesh::UpAxis> DeclaredUpOf(const Model& model, const FileBytes& file);

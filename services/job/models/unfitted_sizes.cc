@@ -35,13 +35,14 @@ Status CheckUnfittedSizes(const JobSpec& job, const ReadLimits& limits) {
     unfitted.mutable_models()->rbegin()->clear_copies();
   }
   if (unfitted.models().empty()) return {};
-  const auto sizes_mm = INTAGLIO_TRY(SizesOf(unfitted, limits));
+  const auto sizes = INTAGLIO_TRY(SizesOf(unfitted, limits));
   for (int i = 0; i < unfitted.models_size(); ++i) {
     const Model& model = unfitted.models(i);
+    const ModelSize& size = sizes.at(static_cast<std::size_t>(i));
     const auto fault =
-        mesh::FindSizeFault({.size_mm = sizes_mm.at(static_cast<std::size_t>(i)),
+        mesh::FindSizeFault({.size_mm = size.size_mm,
                              .block_size_mm = Vec3Of(BlockOf(job, model).size_mm()),
-                             .unit_mm = model.placement().unit_mm(),
+                             .unit_mm = size.unit_mm,
                              .clip = job.block().clip(),
                              .min_spacing_mm = job.discretization().min_spacing_mm()},
                             model.file());

@@ -62,7 +62,7 @@ TEST(MeshesOfOthers, WhatCannotBeReadRightIsRefusedByName) {
   const std::pair<const char*, const char*> refused[] = {
       {"instances.glb", "EXT_mesh_gpu_instancing"},
       {"quantized.glb", "KHR_mesh_quantization"},
-      {"scene.gltf", "scene.bin"}};
+      {"two_files/scene.gltf", "scene.bin"}};
   for (const auto& [file, name] : refused) {
     const auto mesh = ImportMesh(kFolder + file);
     ASSERT_FALSE(mesh) << file;
@@ -134,7 +134,7 @@ TEST(MeshesOfOthers, NoFileOfTheWorkingDirectoryIsTaken) {
   const std::filesystem::path folder = test::FreshFolder();
   std::ofstream(folder / "scene.bin") << std::string(1000, '\0');
   std::filesystem::current_path(folder);
-  const auto mesh = ImportMesh(kFolder + "scene.gltf");
+  const auto mesh = ImportMesh(kFolder + "two_files/scene.gltf");
   std::filesystem::current_path(before);
   EXPECT_FALSE(mesh);
 }

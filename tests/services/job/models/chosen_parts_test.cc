@@ -42,6 +42,36 @@ TEST(ModelSources, AnObjectOfAFileLiesInItsPlaceOfTheWholeFile) {
                         "\"right\""));
 }
 
+// Centred and fitted, as by default: they would lie over each other, each as large as
+// the whole.
+TEST(ModelSources, ObjectsOfAFileKeepTheirPlacesAmongEachOther) {
+  constexpr std::string_view kTwo =
+      "o left\nv 0 0 0\nv 4 0 0\nv 0 4 0\nf 1 2 3\n"
+      "o right\nv 10 0 2\nv 14 0 2\nv 10 4 2\nf 4 5 6\n";
+  OneModel one;
+  one.model.set_file("two.obj");
+  one.model.mutable_placement()->set_fit_size_mm(28);  // twice as large
+  one.model.mutable_placement()->mutable_rotate_deg()->set_z(90);
+  one.model.mutable_fill()->set_vertex_distance_mm(0.5);
+  const auto box_of = [&](const char* object) {
+    one.model.clear_objects();
+    if (object != nullptr) one.model.add_objects(object);
+    const auto made = one.Make({kTwo});
+    EXPECT_TRUE(made.has_value()) << made.error().message;
+    Box3 box;
+    if (made) {
+      for (const Vec3& p : made->cloud.points_mm) box.Extend(p);
+    }
+    return box;
+  };
+  const Box3 whole = box_of(nullptr), left = box_of("left"), right = box_of("right");
+  EXPECT_TRUE(whole.size_mm().isApprox(Vec3(8, 28, 4), 0.02));
+  EXPECT_TRUE((right.min_mm - left.min_mm).isApprox(Vec3(0, 20, 4), 0.02))
+      << right.min_mm.transpose();
+  EXPECT_TRUE(left.min_mm.isApprox(whole.min_mm, 0.02));
+  EXPECT_TRUE(right.max_mm.isApprox(whole.max_mm, 0.02));
+}
+
 TEST(ModelSources, ACloudIsThinnedToItsOwnSpacing) {
   std::string row;
   for (int i = 0; i < 21; ++i) row += std::to_string(i) + " 0 0\n";

@@ -3,10 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <string>
 
-#include "engrave/io/whole_file.h"
+#include "services/job/models/model_file.h"
 #include "tests/services/job/models/one_model.h"
+#include "tests/test_folder.h"
 
 namespace intaglio {
 namespace {
@@ -35,6 +38,75 @@ TEST(MeshModels, WhatTheReaderDidNotObeyIsAWarningOfTheJob) {
                              Field(&Warning::weight, WarningWeight::kWarning),
                              Field(&Warning::text, HasSubstr("skin.glb: 1 x skin")))));
 }
+
+// Another model's buffer of the same name is in the working directory.
+TEST(MeshModels, AGltfIsReadWithTheBuffersOfItsFolder) {
+  const auto before = std::filesystem::current_path();
+  const auto folder = test::FreshFolder();
+  std::ofstream(folder / "scene.bin") << std::string(1000, '\0');
+  std::filesystem::current_path(folder);
+  OneModel one;
+  one.model.set_file(kKinds + "two_files/scene.gltf");
+  const auto sizes = SizesOf(WithDefaults(one.job, GoodMachine()), {});
+  std::filesystem::current_path(before);
+  ASSERT_TRUE(sizes) << sizes.error().message;
+  // It has y up.
+  EXPECT_EQ(sizes->front().size_mm, Vec3(10, 30, 20));
+}
+
+TEST(MeshModels, ABufferThatIsNotInTheFolderIsRefusedByName) {
+  const auto folder = test::FreshFolder();
+  const auto refused = [&](const std::string& uri) {
+    std::ofstream(folder / "scene.gltf")
+        << "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":168,\"uri\":\""
+        << uri << "\"}]}";
+    const auto whole = ReadModelFile(folder / "scene.gltf", 1000);
+    EXPECT_FALSE(whole) << uri;
+    return whole ? "" : whole.error().message;
+  };
+  EXPECT_THAT(refused("scene.bin"), HasSubstr("scene.bin: the file does not exist"));
+  EXPECT_THAT(refused(kKinds + "two_files/scene.bin"),
+              HasSubstr("scene.gltf: its buffer"));
+  EXPECT_THAT(refused("../scene.bin"), HasSubstr("../scene.bin"));
+  std::ofstream(folder / "scene.bin") << std::string(900, '\0');
+  EXPECT_THAT(refused("scene.bin"), HasSubstr("more than the 1000 bytes allowed"));
+}
+
+struct DeclaredUnit {
+  const char* file;
+  Vec3 size_mm;  ///< by the unit that it declares, the inch
+};
+
+class UnitsOfMeshes : public ::testing::TestWithParam<DeclaredUnit> {};
+
+TEST_P(UnitsOfMeshes, AreThoseOfTheFileUnlessTheJobHasOne) {
+  OneModel one;
+  one.model.set_file(kKinds + GetParam().file);
+  const auto size = [&] {
+    const auto sizes = SizesOf(WithDefaults(one.job, GoodMachine()), {});
+    EXPECT_TRUE(sizes) << sizes.error().message;
+    return sizes ? sizes->front() : ModelSize();
+  };
+  // The numbers of the files have six digits.
+  EXPECT_TRUE(size().size_mm.isApprox(GetParam().size_mm, 1e-5)) << size().size_mm;
+  EXPECT_DOUBLE_EQ(size().unit_mm, 25.4);
+  one.model.mutable_placement()->set_unit_mm(5);
+  EXPECT_TRUE(size().size_mm.isApprox(GetParam().size_mm * (5 / 25.4), 1e-5))
+      << size().size_mm;
+  EXPECT_DOUBLE_EQ(size().unit_mm, 5);
+  EXPECT_THAT(WarningsOfMaking(one.job),
+              Contains(AllOf(
+                  Field(&Warning::weight, WarningWeight::kNote),
+                  Field(&Warning::text, HasSubstr("5 mm, as the job asks, instead of the "
+                                                  "25.4 mm that the file declares")))));
+  // The same as the file's is no news.
+  one.model.mutable_placement()->set_unit_mm(25.4);
+  EXPECT_TRUE(size().size_mm.isApprox(GetParam().size_mm, 1e-5)) << size().size_mm;
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, UnitsOfMeshes,
+                         ::testing::Values(DeclaredUnit{"unit.3mf", {20, 30, 40}},
+                                           DeclaredUnit{"unit.dae", {25.4, 50.8, 76.2}}));
 
 }  // namespace
 }  // namespace intaglio

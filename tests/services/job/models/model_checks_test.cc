@@ -247,10 +247,10 @@ TEST(ModelChecks, SizesAreCheckedBeforeTheJobIsSubmitted) {
 
 TEST(ModelChecks, SizesAreThoseOfTheFilesWithoutMakingPoints) {
   JobSpec job = GoodJob();  // a knot, fitted to a height of 22 mm
-  const auto sizes_mm = SizesOf(WithDefaults(job, GoodMachine()), {});
-  ASSERT_TRUE(sizes_mm) << sizes_mm.error().message;
-  ASSERT_EQ(sizes_mm->size(), 1u);
-  EXPECT_NEAR(sizes_mm->front().z(), 22, 1e-9);
+  const auto sizes = SizesOf(WithDefaults(job, GoodMachine()), {});
+  ASSERT_TRUE(sizes) << sizes.error().message;
+  ASSERT_EQ(sizes->size(), 1u);
+  EXPECT_NEAR(sizes->front().size_mm.z(), 22, 1e-9);
 }
 
 }  // namespace
