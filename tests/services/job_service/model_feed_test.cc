@@ -7,6 +7,7 @@
 
 #include "engrave/mesh/mesh_import.h"
 #include "services/discretizer/model_intake.h"
+#include "services/platform/bus/role_names.h"
 #include "tests/services/platform/bus/private_bus.h"
 #include "tests/test_folder.h"
 
@@ -33,7 +34,7 @@ class ModelFeedTest : public testing::Test {
     return taken && *taken ? intake.TakeFiles() : std::vector<FileBytes>();
   }
 
-  bus::Bus bus{test::PrivateBusOptions()};
+  bus::Bus bus{test::PrivateBusOptions("", bus::kStageWorkerRole)};
   ModelFeed feed{bus};
   discretizer::ModelIntake intake{bus, "discretizer", {}};
   std::vector<ModelFeed::Failure> failures;

@@ -18,7 +18,7 @@ using ::testing::Contains;
 using ::testing::Field;
 using ::testing::HasSubstr;
 
-const std::string kKinds = INTAGLIO_SOURCE_DIR "/tests/data/kinds/";
+const std::string kMeshFiles = INTAGLIO_SOURCE_DIR "/tests/data/kinds/";
 
 Warnings WarningsOfMaking(const JobSpec& job) {
   const JobSpec whole = WithDefaults(job, GoodMachine());
@@ -31,7 +31,7 @@ Warnings WarningsOfMaking(const JobSpec& job) {
 
 TEST(MeshModels, WhatTheReaderDidNotObeyIsAWarningOfTheJob) {
   OneModel one;
-  one.model.set_file(kKinds + "skin.glb");
+  one.model.set_file(kMeshFiles + "skin.glb");
   const Warnings warnings = WarningsOfMaking(one.job);
   EXPECT_THAT(warnings,
               Contains(AllOf(Field(&Warning::code, WarningCode::kLeftOut),
@@ -46,7 +46,7 @@ TEST(MeshModels, AGltfIsReadWithTheBuffersOfItsFolder) {
   std::ofstream(folder / "scene.bin") << std::string(1000, '\0');
   std::filesystem::current_path(folder);
   OneModel one;
-  one.model.set_file(kKinds + "two_files/scene.gltf");
+  one.model.set_file(kMeshFiles + "two_files/scene.gltf");
   const auto sizes = SizesOf(WithDefaults(one.job, GoodMachine()), {});
   std::filesystem::current_path(before);
   ASSERT_TRUE(sizes) << sizes.error().message;
@@ -65,7 +65,7 @@ TEST(MeshModels, ABufferThatIsNotInTheFolderIsRefusedByName) {
     return whole ? "" : whole.error().message;
   };
   EXPECT_THAT(refused("scene.bin"), HasSubstr("scene.bin: the file does not exist"));
-  EXPECT_THAT(refused(kKinds + "two_files/scene.bin"),
+  EXPECT_THAT(refused(kMeshFiles + "two_files/scene.bin"),
               HasSubstr("scene.gltf: its buffer"));
   EXPECT_THAT(refused("../scene.bin"), HasSubstr("../scene.bin"));
   std::ofstream(folder / "scene.bin") << std::string(900, '\0');
@@ -81,7 +81,7 @@ class UnitsOfMeshes : public ::testing::TestWithParam<DeclaredUnit> {};
 
 TEST_P(UnitsOfMeshes, AreThoseOfTheFileUnlessTheJobHasOne) {
   OneModel one;
-  one.model.set_file(kKinds + GetParam().file);
+  one.model.set_file(kMeshFiles + GetParam().file);
   const auto size = [&] {
     const auto sizes = SizesOf(WithDefaults(one.job, GoodMachine()), {});
     EXPECT_TRUE(sizes) << sizes.error().message;

@@ -15,19 +15,21 @@ using ::testing::Field;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const std::string kKinds = INTAGLIO_SOURCE_DIR "/tests/data/kinds/";
+const std::string kPictureFiles = INTAGLIO_SOURCE_DIR "/tests/data/kinds/";
 
 // A block that is chosen from the bright points alone is smaller than the size that was
 // asked for, and the job is refused.
 TEST(PictureModels, TheSizeOfAFittedOneIsThatOfItsFrame) {
   OneModel one;
-  one.model.set_file(kKinds + "dark_border.png");  // a bright disc of 80 of 200 pixels
+  one.job.mutable_block()->mutable_size_mm()->set_z(50);
+  one.model.set_file(kPictureFiles +
+                     "dark_border.png");  // a bright disc of 80 of 200 pixels
   one.model.mutable_placement()->set_fit_size_mm(40);
   const auto disc = SizesOf(WithDefaults(one.job, GoodMachine()), {});
   ASSERT_TRUE(disc) << disc.error().message;
   EXPECT_NEAR(disc->front().size_mm.x(), 40, 1e-9);
   EXPECT_NEAR(disc->front().size_mm.z(), 40, 1e-9);
-  one.model.set_file(kKinds + "turned.png");  // 30 x 60 after its EXIF orientation
+  one.model.set_file(kPictureFiles + "turned.png");  // 30 x 60 after its EXIF orientation
   const auto turned = SizesOf(WithDefaults(one.job, GoodMachine()), {});
   ASSERT_TRUE(turned) << turned.error().message;
   EXPECT_NEAR(turned->front().size_mm.x(), 20, 1e-9);
@@ -37,7 +39,7 @@ TEST(PictureModels, TheSizeOfAFittedOneIsThatOfItsFrame) {
 TEST(PictureModels, OneEvenGreyIsWarnedOf) {
   OneModel one;
   const auto warnings_of = [&](const std::string& file) {
-    one.model.set_file(kKinds + file);
+    one.model.set_file(kPictureFiles + file);
     one.model.mutable_placement()->set_fit_size_mm(20);
     const JobSpec whole = WithDefaults(one.job, GoodMachine());
     const auto files = ReadFilesOf(whole, {});
