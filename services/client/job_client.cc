@@ -7,12 +7,12 @@
 
 #include "engrave/core/try.h"
 #include "services/client/patience.h"
-#include "services/client/role_text.h"
 #include "services/job/models/discretize_outcome.h"
 #include "services/job/mounted/mounted_sample.h"
 #include "services/job/verdict/warnings.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/peers/identity_role.h"
+#include "services/platform/host/peers/role_refusal.h"
 
 namespace intaglio::client {
 namespace {
@@ -49,14 +49,14 @@ JobClient::JobClient(bus::Bus& bus, std::function<Clock::time_point()> now)
     submissions_ =
         std::make_unique<bus::Writer<intaglio_JobSubmission>>(bus, bus::kJobSubmission);
   } catch (const bus::NotAllowedError& error) {
-    no_submissions_ =
-        RoleRefusal(bus.role(), "submit jobs", "operator or a submitter", error.what());
+    no_submissions_ = host::RoleRefusal(bus.role(), "submit jobs",
+                                        "operator or a submitter", error.what());
   }
   try {
     commands_ = std::make_unique<Commands>(bus);
   } catch (const bus::NotAllowedError& error) {
-    no_commands_ =
-        RoleRefusal(bus.role(), "command jobs and machines", "operator", error.what());
+    no_commands_ = host::RoleRefusal(bus.role(), "command jobs and machines", "operator",
+                                     error.what());
   }
   if (commands_) wait_.Attach(commands_->answers);
   wait_.Attach(statuses_);

@@ -9,7 +9,7 @@
 #include "services/cli/flags/bus_flags.h"
 #include "services/cli/interrupt.h"
 #include "services/client/exit_codes.h"
-#include "services/client/role_text.h"
+#include "services/platform/host/peers/role_refusal.h"
 
 namespace intaglio::cli {
 
@@ -32,8 +32,8 @@ int WithMachine(const TeachOptions& options,
     return action(client);
   } catch (const bus::NotAllowedError& error) {
     return Complain({ErrorCode::kRefused,
-                     client::RoleRefusal(bus.role(), "move or light a machine",
-                                         "operator", error.what()),
+                     host::RoleRefusal(bus.role(), "move or light a machine", "operator",
+                                       error.what()),
                      ""},
                     client::kExitWrongInput);
   }

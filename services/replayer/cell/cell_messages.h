@@ -34,10 +34,10 @@ struct SegmentMessages {
 /// A PulseEventBatch.
 struct PulseMessages {
   std::string job_uid;
-  std::uint64_t number = 0;
   std::vector<std::uint64_t> tick;
   std::vector<std::uint32_t> point;
   std::vector<std::uint8_t> outcome, reason;  ///< intaglio_PulseOutcome, _SkipReason
+  std::uint64_t number = 0;                   ///< from 0 in each job, without gaps
 };
 /// A TaskStatus of the engraving stage.
 struct StatusMessage {

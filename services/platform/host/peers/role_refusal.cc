@@ -1,8 +1,8 @@
-#include "services/client/role_text.h"
+#include "services/platform/host/peers/role_refusal.h"
 
 #include <fmt/format.h>
 
-namespace intaglio::client {
+namespace intaglio::host {
 
 std::string RoleRefusal(const std::string& role, const std::string& act,
                         const std::string& who, const std::string& reason) {
@@ -11,4 +11,4 @@ std::string RoleRefusal(const std::string& role, const std::string& act,
                      reason);
 }
 
-}  // namespace intaglio::client
+}  // namespace intaglio::host

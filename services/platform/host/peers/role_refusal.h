@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace intaglio::client {
+namespace intaglio::host {
 
 /// What a person reads whom the access control refuses: "the role observer may not submit
 /// jobs: use the identity of an operator or submitter (REASON)". `act`: "submit jobs";
@@ -10,4 +10,4 @@ namespace intaglio::client {
 std::string RoleRefusal(const std::string& role, const std::string& act,
                         const std::string& who, const std::string& reason);
 
-}  // namespace intaglio::client
+}  // namespace intaglio::host

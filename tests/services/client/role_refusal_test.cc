@@ -1,8 +1,8 @@
-#include "services/client/role_text.h"
+#include "services/platform/host/peers/role_refusal.h"
 
 #include <gtest/gtest.h>
 
-namespace intaglio::client {
+namespace intaglio::host {
 namespace {
 
 TEST(RoleRefusal, NamesTheRoleWhatItMayNotDoAndWhoMay) {
@@ -15,4 +15,4 @@ TEST(RoleRefusal, NamesTheRoleWhatItMayNotDoAndWhoMay) {
 }
 
 }  // namespace
-}  // namespace intaglio::client
+}  // namespace intaglio::host
