@@ -53,7 +53,7 @@ TEST(CellGrid, FindsEveryPointOfABoxOnce) {
   }
 }
 
-TEST(CellGrid, EndsWhenToldTo) {
+TEST(CellGrid, EndsWhenThePointIsNotTaken) {
   const std::vector<Scaled> points = Floats(Row(9, {1, 0, 0}));
   const CellGrid grid(points, 1);
   int seen = 0;
