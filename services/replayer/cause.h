@@ -10,9 +10,9 @@
 namespace intaglio::replayer {
 
 /// Fills in `cause` and `explanation` of a comparison whose options and versions are
-/// there; the causes in the order of rehearsal.h. What differs had all its input: what the
-/// recording lacks is of tasks that were not compared. `differs_again`: the same input
-/// gives a third result when repeated.
+/// there; the causes in the order of rehearsal.h. What differs had all its input: what
+/// the recording lacks is of tasks that were not compared. `differs_again`: the same
+/// input gives a third result when repeated.
 Status NameCause(ReplayComparison& result,
                  const std::function<Result<bool>()>& differs_again);
 

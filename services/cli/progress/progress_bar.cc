@@ -58,14 +58,14 @@ std::string ClockTime(std::time_t time) {
   return fmt::format("{:02}:{:02}", local.tm_hour, local.tm_min);
 }
 
-/// Without the parts of least worth, as far as they make it too wide.
+/// Without the parts of cheapest worth, as far as they make it too wide.
 std::string Fit(std::vector<Part> parts, std::size_t columns) {
   while (WidthOf(Joined(parts)) > columns) {
-    const auto least =
+    const auto cheapest =
         std::min_element(parts.begin(), parts.end(),
                          [](const Part& a, const Part& b) { return a.worth < b.worth; });
-    if (least->worth >= kKept) break;
-    parts.erase(least);
+    if (cheapest->worth >= kKept) break;
+    parts.erase(cheapest);
   }
   return CutTo(columns, Joined(parts));
 }

@@ -204,7 +204,7 @@ std::optional<int> Program::Parse(int argc, char** argv) {
     return kExitMisunderstood;
   }
   try {
-    ParseWords(std::vector<std::string>(argv + 1, argv + argc));
+    ParseDivided(std::vector<std::string>(argv + 1, argv + argc));
   } catch (const CLI::ParseError& error) {
     if (const std::string unknown = UnknownIn(error); !unknown.empty()) {
       std::cerr << unknown << "\n";
@@ -222,7 +222,7 @@ std::optional<int> Program::Parse(int argc, char** argv) {
 Status Program::Parse(const std::vector<std::string>& words) {
   state_->chosen = nullptr;
   try {
-    ParseWords(words);
+    ParseDivided(words);
   } catch (const CLI::ParseError& error) {
     const std::string unknown = UnknownIn(error);
     return Fail(ErrorCode::kInvalidValue, unknown.empty() ? error.what() : unknown);
@@ -230,7 +230,7 @@ Status Program::Parse(const std::vector<std::string>& words) {
   return {};
 }
 
-void Program::ParseWords(const std::vector<std::string>& words) {
+void Program::ParseDivided(const std::vector<std::string>& words) {
   auto divided = DivideJoinedValues(words, state_->of_several_values);
   std::reverse(divided.begin(), divided.end());  // the library takes them from the end
   app_->parse(std::move(divided));

@@ -125,7 +125,7 @@ class Program {
   static constexpr int kExitMisunderstood = 2;
 
  private:
-  void ParseWords(const std::vector<std::string>& words);
+  void ParseDivided(const std::vector<std::string>& words);
   int ShowHelp() const;
   /// About what the parse did not know; "" when the error is another one.
   std::string UnknownIn(const CLI::Error& error) const;

@@ -26,12 +26,12 @@ struct DocumentedCommand {
 std::vector<std::vector<std::string>> CommandsIn(const std::string& line) {
   std::vector<std::vector<std::string>> commands(1);
   std::string word;
-  bool in_word = false;
+  bool in_argument = false;
   char quote = 0;
-  const auto end_word = [&] {
-    if (in_word) commands.back().push_back(word);
+  const auto end_argument = [&] {
+    if (in_argument) commands.back().push_back(word);
     word.clear();
-    in_word = false;
+    in_argument = false;
   };
   for (std::size_t i = 0; i < line.size(); ++i) {
     const char c = line[i];
@@ -43,26 +43,26 @@ std::vector<std::vector<std::string>> CommandsIn(const std::string& line) {
       }
     } else if (c == '\'' || c == '"') {
       quote = c;
-      in_word = true;
-    } else if (c == '#' && !in_word) {
+      in_argument = true;
+    } else if (c == '#' && !in_argument) {
       break;
     } else if (c == ' ') {
-      end_word();
+      end_argument();
     } else if (c == ';' || c == '|' || c == '&') {
-      end_word();
+      end_argument();
       commands.emplace_back();
     } else if (c == '>' || c == '<') {
-      end_word();
+      end_argument();
       commands.emplace_back();  // the file, which is no command of ours
     } else if (c == '\\' && i + 1 < line.size()) {
       word += line[++i];
-      in_word = true;
+      in_argument = true;
     } else {
       word += c;
-      in_word = true;
+      in_argument = true;
     }
   }
-  end_word();
+  end_argument();
   return commands;
 }
 

@@ -62,7 +62,7 @@ TEST(JobFlags, AJobFileOrModelsNeedNoOption) {
   EXPECT_THAT(RefusalOf({"nothing.obj"}), HasSubstr("nothing.obj"));
 }
 
-TEST(JobFlags, ASizeMayBeOneWord) {
+TEST(JobFlags, ASizeMayBeOneArgument) {
   EXPECT_EQ(JobOf({"--block", "60x55x50"}).SerializeAsString(),
             JobOf({"--block", "60", "55", "50"}).SerializeAsString());
 }

@@ -105,9 +105,10 @@ std::string OnTerminal(int columns, const std::string& note) {
 }
 
 TEST(ProgressBar, IsNoWiderThanTheTerminal) {
-  EXPECT_EQ(OnTerminal(0, "armed"),
-            "engrave    [############------------]  52 %  41 230 / 79 100 points  68.7 /s  "
-            "9 min 11 s left  ends 10:09  armed");
+  EXPECT_EQ(
+      OnTerminal(0, "armed"),
+      "engrave    [############------------]  52 %  41 230 / 79 100 points  68.7 /s  "
+      "9 min 11 s left  ends 10:09  armed");
   EXPECT_EQ(
       OnTerminal(80, "armed"),
       "engrave     52 %  41 230 / 79 100 points  9 min 11 s left  ends 10:09  armed");
