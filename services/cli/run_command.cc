@@ -14,6 +14,7 @@
 #include "services/cli/flags/accept_flag.h"
 #include "services/cli/flags/bulk_flag.h"
 #include "services/cli/flags/bus_flags.h"
+#include "services/cli/flags/console_flag.h"
 #include "services/cli/flags/customer_picture_flags.h"
 #include "services/cli/flags/event_flag.h"
 #include "services/cli/flags/size_limits_flag.h"
@@ -64,6 +65,7 @@ struct RunOptions {
   bool record = true;
   CustomerPictureFlags picture;
   std::string bulk;
+  int console_port = -1;
   bus::BusOptions bus;
 };
 
@@ -158,6 +160,7 @@ Result<client::ServiceSet> RunSession::StartServices(
   set.without = {options_.without.begin(), options_.without.end()};
   if (options_.record) set.recording = out_ / "session.mcap";
   set.recording_bulk = options_.bulk;
+  set.console_port = options_.console_port;
   HandOnSizeLimits(options_.job.size_limits);
   return client::ServiceSet::Start(set, &machine);
 }
@@ -193,6 +196,11 @@ int RunSession::Engrave(client::ServiceSet& services) {
   if (!reported) return Complain(reported.error(), client::kExitInternal);
   std::cerr << fmt::format("processes   {}, logs in {}\n",
                            fmt::join(services.Processes(), ", "), session_.string());
+  if (options_.console_port >= 0) {
+    const auto address = services.AwaitConsole();
+    if (!address) return Complain(address.error(), client::kExitWrongInput);
+    std::cerr << "web console " << *address << "\n";
+  }
   JobSpec job = job_.job;
   job.set_machine_file(services.machine_file().string());
   auto submitted = client.Submit(job, 20s);
@@ -391,6 +399,7 @@ void AddRunCommand(command_line::Command app) {
                 "services that run elsewhere, e.g. discretizer");
   run.AddOption("--materials", options->materials_db,
                 "material base, default the user's");
+  AddConsoleFlag(run, options->console_port);
   AddPrivateBusFlags(run, options->bus);
   run.SetAction([options] { return RunJob(*options); });
 }

@@ -65,6 +65,10 @@ void ShopWatcher::TakeCells() {
     cell.has_motion = true;
     cell.motion_fault = sample.fault;
     cell.motion_message = View(sample.message);
+    cell.x_mm = sample.x_mm;
+    cell.y_mm = sample.y_mm;
+    cell.z_mm = sample.z_mm;
+    cell.at_rest = sample.at_rest;
   });
 }
 

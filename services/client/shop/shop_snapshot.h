@@ -25,6 +25,8 @@ struct CellSnapshot {
   bool has_motion = false;
   intaglio_MotionFault motion_fault = intaglio_MOTION_OK;
   std::string motion_message;
+  double x_mm = 0, y_mm = 0, z_mm = 0;
+  bool at_rest = false;
 };
 
 struct ShopSnapshot {
@@ -46,6 +48,8 @@ class ShopWatcher {
   /// motion.
   bool IsComplete() const;
   ShopSnapshot Take() const;
+  /// For commands.
+  JobClient& client() { return client_; }
 
  private:
   void TakeCells();
