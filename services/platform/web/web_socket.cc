@@ -33,7 +33,7 @@ class SocketSession : public Peer, public std::enable_shared_from_this<SocketSes
   }
 
   void Send(std::shared_ptr<const std::string> text) override {
-    if (closed_) return;
+    if (closed_ || text->empty()) return;
     const bool idle = queue_.empty();
     if (!queue_.Push(std::move(text))) return Close();
     if (idle) Write();
