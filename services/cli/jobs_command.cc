@@ -11,7 +11,6 @@
 #include "services/cli/complain.h"
 #include "services/cli/flags/event_flag.h"
 #include "services/cli/flags/same_block_flag.h"
-#include "services/cli/json/job_record.h"
 #include "services/cli/json/print_json.h"
 #include "services/cli/machine/mount_command.h"
 #include "services/cli/status/command_effect.h"
@@ -20,6 +19,7 @@
 #include "services/client/exit_codes.h"
 #include "services/client/job_client.h"
 #include "services/client/known_jobs.h"
+#include "services/client/shop/job_record.h"
 #include "services/client/warning_text.h"
 
 namespace intaglio::cli {
@@ -59,7 +59,7 @@ int ExitWithFault(const client::JobClient& client) {
 
 int PrintJobs(const client::JobClient& client, bool json) {
   if (json) {
-    if (const int printed = PrintJson(JobListOf(client.jobs())); printed != 0)
+    if (const int printed = PrintJson(client::JobListOf(client.jobs())); printed != 0)
       return printed;
   } else {
     std::vector<client::JobView> jobs;
@@ -129,7 +129,7 @@ Result<std::uint32_t> PercentOf(const std::string& text) {
 int ShowJob(const client::JobClient& client, const client::JobView& job, bool json) {
   if (!json) {
     std::cout << ShowText(job);
-  } else if (const int printed = PrintJson(JobRecordOf(job)); printed != 0) {
+  } else if (const int printed = PrintJson(client::JobRecordOf(job)); printed != 0) {
     return printed;
   }
   return ExitWithFault(client);

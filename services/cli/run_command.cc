@@ -11,13 +11,8 @@
 #include "engrave/core/try.h"
 #include "materials_db/material_store.h"
 #include "services/cli/complain.h"
-#include "services/cli/flags/accept_flag.h"
-#include "services/cli/flags/bulk_flag.h"
-#include "services/cli/flags/bus_flags.h"
-#include "services/cli/flags/customer_picture_flags.h"
-#include "services/cli/flags/event_flag.h"
+#include "services/cli/flags/run_flags.h"
 #include "services/cli/flags/size_limits_flag.h"
-#include "services/cli/flags/truth_flags.h"
 #include "services/cli/interrupt.h"
 #include "services/cli/job_glass.h"
 #include "services/cli/job_options.h"
@@ -49,23 +44,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr auto kPatience = 10s;  // with a loss
 constexpr auto kCancelTimeout = 10s;
-
-struct RunOptions {
-  JobFlags job;
-  std::string out;
-  std::string materials_db;
-  bool lockstep = false;
-  bool events = false;
-  AcceptFlag accept;
-  double speed = 1;
-  TruthFlags truth;
-  std::vector<std::string> faults;
-  std::vector<std::string> without;
-  bool record = true;
-  CustomerPictureFlags picture;
-  std::string bulk;
-  bus::BusOptions bus;
-};
 
 /// One `intaglio run`, from the checked job to the verdict.
 class RunSession {
@@ -158,6 +136,7 @@ Result<client::ServiceSet> RunSession::StartServices(
   set.without = {options_.without.begin(), options_.without.end()};
   if (options_.record) set.recording = out_ / "session.mcap";
   set.recording_bulk = options_.bulk;
+  set.console_port = options_.console_port;
   HandOnSizeLimits(options_.job.size_limits);
   return client::ServiceSet::Start(set, &machine);
 }
@@ -193,6 +172,11 @@ int RunSession::Engrave(client::ServiceSet& services) {
   if (!reported) return Complain(reported.error(), client::kExitInternal);
   std::cerr << fmt::format("processes   {}, logs in {}\n",
                            fmt::join(services.Processes(), ", "), session_.string());
+  if (options_.console_port >= 0) {
+    const auto address = services.AwaitConsole();
+    if (!address) return Complain(address.error(), client::kExitWrongInput);
+    std::cerr << "web console " << *address << "\n";
+  }
   JobSpec job = job_.job;
   job.set_machine_file(services.machine_file().string());
   auto submitted = client.Submit(job, 20s);
@@ -368,30 +352,7 @@ void AddRunCommand(command_line::Command app) {
       "Example: intaglio run label.textproto --lockstep --out DIR\n"
       "Exit code: 0 good, 1 internal fault, 2 wrong input, 3 engraved but not good, "
       "4 machine fault, 5 cancelled.");
-  AddJobFlags(run, options->job);
-  AddEventsFlag(run, options->events);
-  AddAcceptFlag(run, options->accept);
-  run.AddOption("--out", options->out,
-                "folder of the proof, default intaglio-out/NAME-TIME");
-  const auto lockstep = run.AddFlag("--lockstep", options->lockstep,
-                                    "the machine runs as fast as the points arrive");
-  run.AddOption("--speed", options->speed,
-                "speed of the machine as a multiple of real time")
-      .Within(0.01, 1000.0)
-      .Exclude(lockstep);
-  AddCustomerPictureFlags(run, options->picture);
-  AddTruthFlags(run, options->truth);
-  run.AddOption(
-      "--fault", options->faults,
-      "inject a fault into the machine: \"AT_TICK COMMAND\" (docs/protocols.md)");
-  run.AddFlag("--record,!--no-record", options->record,
-              "record the messages in session.mcap; on by default");
-  AddBulkFlag(run, options->bulk);
-  run.AddOption("--without", options->without,
-                "services that run elsewhere, e.g. discretizer");
-  run.AddOption("--materials", options->materials_db,
-                "material base, default the user's");
-  AddPrivateBusFlags(run, options->bus);
+  AddRunFlags(run, *options);
   run.SetAction([options] { return RunJob(*options); });
 }
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -14,145 +13,34 @@
 #include <thread>
 #include <vector>
 
-#include "engrave/core/try.h"
 #include "services/cli/complain.h"
 #include "services/cli/flags/bus_flags.h"
 #include "services/client/exit_codes.h"
-#include "services/client/job_client.h"
-#include "services/platform/bus/samples.h"
+#include "services/client/shop/shop_stops.h"
 
 namespace intaglio::cli {
 namespace {
 
-using bus::Borrow;
-using bus::View;
+using client::HeldPress;
+using client::HeldPresses;
+using client::kEveryMachine;
+using client::MachineReports;
+using client::MachineStops;
+using client::Names;
+using client::StopSource;
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 // A machine answers within a turn of its loop; discovery comes before that.
 constexpr auto kAnswerTime = 5s;
 constexpr auto kPollPeriod = 2ms;
-constexpr char kEveryMachine[] = "*";
+constexpr char kProgram[] = "intaglio-stop";  // the beginning of its name as a source
 
 struct StopOptions {
   bus::BusOptions bus;
   std::string cell;
   std::string reason = "pressed on the command line";
   bool reset = false;
-};
-
-struct HeldPress {
-  std::string source;
-  std::uint64_t number = 0;
-};
-using HeldPresses = std::vector<HeldPress>;
-
-bool Names(const HeldPresses& presses, const std::string& source, std::uint64_t number) {
-  return std::any_of(presses.begin(), presses.end(), [&](const HeldPress& press) {
-    return press.source == source && press.number >= number;
-  });
-}
-
-/// Not the source of any other process, on any host, at any time.
-std::string SourceName() {
-  char host[256] = "localhost";
-  gethostname(host, sizeof host - 1);
-  return fmt::format("intaglio-stop-{}-{}-{:x}", host, getpid(),
-                     std::chrono::system_clock::now().time_since_epoch().count());
-}
-
-/// This process as a source of EmergencyStop. What it sent last reaches every machine
-/// that starts while it lives. Its end releases nothing.
-class StopSource {
- public:
-  /// `cell`: a machine, or kEveryMachine, whose partition every machine's readers match.
-  StopSource(bus::Bus& bus, std::string cell)
-      : cell_(std::move(cell)), writer_(bus, bus::kEmergencyStop, cell_) {}
-
-  const std::string& name() const { return name_; }
-  /// The number of the press.
-  Result<std::uint64_t> Press(const std::string& reason) {
-    return Send(true, reason, {});
-  }
-  Result<std::uint64_t> Release(const HeldPresses& presses) {
-    return Send(false, "reset on the command line", presses);
-  }
-
- private:
-  Result<std::uint64_t> Send(bool pressed, const std::string& reason,
-                             const HeldPresses& presses) {
-    std::vector<intaglio_StopPress> released;
-    for (const HeldPress& press : presses)
-      released.push_back({Borrow(press.source), press.number});
-    intaglio_EmergencyStop sample{};
-    sample.cell = Borrow(cell_);
-    sample.source = Borrow(name_);
-    sample.number = ++number_;
-    sample.pressed = pressed;
-    sample.operator_name = Borrow(operator_name_);
-    sample.reason = Borrow(reason);
-    Borrow(sample.released, released);
-    INTAGLIO_TRY(writer_.Write(sample));
-    return number_;
-  }
-
-  const std::string name_ = SourceName(), operator_name_ = client::OperatorName();
-  const std::string cell_;
-  bus::Writer<intaglio_EmergencyStop> writer_;
-  std::uint64_t number_ = 0;
-};
-
-/// A machine's emergency stops, as its synchronizer reports them.
-struct MachineStops {
-  bool reported = false;
-  bool pressed = false;
-  HeldPresses held;
-  bool laser_line_up = false;  // the next three are known only if it is
-  bool key_on = false, door_closed = false, own_stop_released = false;
-};
-
-/// Collects what one machine, or every machine of the shop, reports.
-class MachineReports {
- public:
-  /// `cell` empty: every machine.
-  MachineReports(bus::Bus& bus, const std::string& cell)
-      : interlocks_(bus, bus::kInterlock, cell) {
-    if (cell.empty()) {
-      health_ =
-          std::make_unique<bus::Reader<intaglio_ServiceHealth>>(bus, bus::kServiceHealth);
-    } else {
-      machines_[cell];
-    }
-  }
-
-  const std::map<std::string, MachineStops>& Poll() {
-    if (health_) health_->Take([this](const intaglio_ServiceHealth& s) { Add(s); });
-    interlocks_.Take([this](const intaglio_Interlock& sample) {
-      MachineStops& machine = machines_[std::string(View(sample.cell))];
-      machine = {true,
-                 sample.bus_stop_pressed,
-                 {},
-                 sample.laser_link_up,
-                 sample.key_on,
-                 sample.door_closed,
-                 sample.emergency_stop_released};
-      for (const intaglio_StopPress& press : View(sample.bus_stops))
-        machine.held.push_back({std::string(View(press.source)), press.number});
-    });
-    return machines_;
-  }
-  const MachineStops& Of(const std::string& cell) { return Poll().at(cell); }
-
- private:
-  void Add(const intaglio_ServiceHealth& sample) {
-    const bool serves = sample.role == intaglio_ROLE_SYNCHRONIZER ||
-                        sample.role == intaglio_ROLE_MOTION_BRIDGE;
-    if (serves && !View(sample.cell).empty()) machines_[std::string(View(sample.cell))];
-  }
-
-  bus::Reader<intaglio_Interlock> interlocks_;
-  std::unique_ptr<bus::Reader<intaglio_ServiceHealth>> health_;
-  std::map<std::string, MachineStops> machines_;
 };
 
 template <typename Condition>
@@ -192,7 +80,7 @@ std::vector<std::string> Unconfirmed(const std::map<std::string, MachineStops>& 
 int Press(const StopOptions& options) {
   bus::Bus bus(options.bus);
   const bool every = options.cell.empty();
-  StopSource source(bus, every ? kEveryMachine : options.cell);
+  StopSource source(bus, kProgram, every ? kEveryMachine : options.cell);
   const auto number = source.Press(options.reason);
   if (!number) return Complain(number.error(), client::kExitMachine);
   MachineReports reports(bus, options.cell);
@@ -296,7 +184,7 @@ int Reset(const StopOptions& options) {
         client::kExitMachine);
   }
   const HeldPresses named = reports.Of(*cell).held;
-  StopSource source(bus, *cell);
+  StopSource source(bus, kProgram, *cell);
   if (auto sent = source.Release(named); !sent)
     return Complain(sent.error(), client::kExitMachine);
   const auto released = [&] {

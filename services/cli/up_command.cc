@@ -14,6 +14,7 @@
 #include "services/cli/complain.h"
 #include "services/cli/flags/bulk_flag.h"
 #include "services/cli/flags/bus_flags.h"
+#include "services/cli/flags/console_flag.h"
 #include "services/cli/flags/customer_picture_flags.h"
 #include "services/cli/flags/truth_flags.h"
 #include "services/cli/interrupt.h"
@@ -53,6 +54,7 @@ struct UpOptions {
   bool lockstep = false;
   bool record = false;
   std::string bulk;
+  int console_port = -1;
   double speed = 1;
   TruthFlags truth;
   MountFlags mount;
@@ -195,6 +197,7 @@ int Up(const UpOptions& options) {
   set.bus = options.bus;
   set.bus.cell = machine->name();
   set.without = {options.without.begin(), options.without.end()};
+  set.console_port = options.console_port;
   // What a refused shop has made goes again, while the folder is still locked.
   std::optional<client::FolderLock> lock;
   client::FreshPaths fresh(
@@ -239,6 +242,14 @@ int Up(const UpOptions& options) {
     services->Stop();
     return Complain(reported.error(), client::kExitMachine);
   }
+  if (set.console_port >= 0) {
+    const auto address = services->AwaitConsole();
+    if (!address) {
+      services->Stop();
+      return Complain(address.error(), client::kExitWrongInput);
+    }
+    std::cout << "web console: " << *address << "\n";
+  }
   Welcome(*services, *mounted, set);
   client::ShopProofs proofs = ProofsOf(set.folder, set.bus.cell, options.picture);
   return KeepOpen(*services, client, has_machine ? &proofs : nullptr);
@@ -259,6 +270,7 @@ void AddUpCommand(command_line::Command app) {
   const auto record = up.AddFlag("--record", options->record,
                                  "record all messages in the folder's recordings");
   AddBulkFlag(up, options->bulk).Need(record);
+  AddConsoleFlag(up, options->console_port);
   up.AddFlag("--real-machine", options->real_machine,
              "no virtual engraver: the profile's serial devices are used");
   const auto lockstep =

@@ -68,6 +68,8 @@ class JobClient {
   Result<std::uint64_t> Send(const JobView& job, const JobOrder& order);
   /// Once Poll has received it.
   std::optional<CommandReply> AnswerTo(std::uint64_t number) const;
+  /// The job service forgets a command that was sent, unless it was taken.
+  void Withdraw(std::uint64_t number);
 
   /// By uid; of the last revision seen. An ended job that the job service has forgotten
   /// leaves a minute later: by then every client that follows it has read its end.
@@ -114,9 +116,6 @@ class JobClient {
   /// The answer to a command about `what`, for people.
   Status AwaitCommand(std::uint64_t number, const std::string& what,
                       std::chrono::milliseconds timeout);
-  /// The job service forgets it, unless it was taken.
-  void Withdraw(std::uint64_t number);
-
   struct Commands {
     explicit Commands(bus::Bus& bus);
     bus::Writer<intaglio_JobCommand> commands;

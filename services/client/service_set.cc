@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <thread>
 
+#include "engrave/core/check.h"
 #include "engrave/core/try.h"
+#include "engrave/io/whole_file.h"
+#include "services/client/patience.h"
 #include "services/client/proof/glass_search.h"
 #include "services/client/proof/marks/mark_search.h"
 #include "services/job/job_check.h"
@@ -22,6 +25,8 @@ namespace fs = std::filesystem;
 constexpr char kMachineFile[] = "machine.textproto";
 
 constexpr auto kReadyTimeout = 30s;
+constexpr auto kConsoleTime = 20s;
+constexpr std::uint64_t kMaxAddressBytes = 4096;
 constexpr auto kLinesTimeout = 10s;
 // The job service tries its disk again every second.
 constexpr auto kFaultTime = 2500ms;
@@ -43,6 +48,13 @@ constexpr Expected kExpected[] = {{intaglio_ROLE_JOB_SERVICE, "job-service"},
                                   {intaglio_ROLE_SYNCHRONIZER, "synchronizer"},
                                   {intaglio_ROLE_MOTION_BRIDGE, "motion-bridge"},
                                   {intaglio_ROLE_RECORDER, "recorder"}};
+
+/// Changes when the file is written; empty: there is none.
+std::string ConsoleStamp(const fs::path& file) {
+  std::error_code error;
+  const auto written = fs::last_write_time(file, error);
+  return error ? "" : std::to_string(written.time_since_epoch().count());
+}
 
 }  // namespace
 
@@ -111,6 +123,7 @@ Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
     if (options.without.contains(name) || (name == "recorder" && !set.records_)) continue;
     INTAGLIO_TRY(set.StartService(options, name, arguments));
   }
+  if (options.console_port >= 0) INTAGLIO_TRY(set.StartConsole(options));
   return set;
 }
 
@@ -188,23 +201,50 @@ Status ServiceSet::AwaitLines() {
 
 Status ServiceSet::StartService(const ServiceSetOptions& options, const std::string& name,
                                 const std::vector<std::string>& arguments) {
-  ChildProcess::Command command{name,
-                                command_line::ProgramFolder() / ("intaglio-" + name),
-                                arguments, options.folder / (name + ".log")};
+  std::vector<std::string> all = arguments;
+  all.insert(all.end(), {"--cell", machine_.name()});
+  return Keep(options, name, std::move(all));
+}
+
+Status ServiceSet::Keep(const ServiceSetOptions& options, const std::string& name,
+                        std::vector<std::string> arguments) {
   const bus::BusOptions& bus = options.bus;
-  const std::vector<std::string> common = {
-      "--domain",    std::to_string(bus.control_domain),
-      "--interface", bus.interface,
-      "--cell",      machine_.name()};
-  command.arguments.insert(command.arguments.end(), common.begin(), common.end());
-  if (!bus.tag.empty())
-    command.arguments.insert(command.arguments.end(), {"--tag", bus.tag});
+  arguments.insert(arguments.end(), {"--domain", std::to_string(bus.control_domain),
+                                     "--interface", bus.interface});
+  if (!bus.tag.empty()) arguments.insert(arguments.end(), {"--tag", bus.tag});
   if (!bus.security.empty())
-    command.arguments.insert(command.arguments.end(), {"--security", bus.security});
-  if (options.die_with_parent) command.arguments.push_back(DieWithUs());
-  auto started = INTAGLIO_TRY(KeptProcess::Start(command));
+    arguments.insert(arguments.end(), {"--security", bus.security});
+  if (options.die_with_parent) arguments.push_back(DieWithUs());
+  auto started = INTAGLIO_TRY(
+      KeptProcess::Start({name, command_line::ProgramFolder() / ("intaglio-" + name),
+                          std::move(arguments), options.folder / (name + ".log")}));
   services_.push_back(std::make_unique<KeptProcess>(std::move(started)));
   return {};
+}
+
+Status ServiceSet::StartConsole(const ServiceSetOptions& options) {
+  console_address_ = options.folder / "console.address";
+  console_address_before_ = ConsoleStamp(console_address_);
+  return Keep(options, "console",
+              {"--port", std::to_string(options.console_port), "--address-file",
+               console_address_.string()});
+}
+
+Result<std::string> ServiceSet::AwaitConsole() {
+  const auto console = std::find_if(
+      services_.begin(), services_.end(),
+      [](const auto& service) { return service->process().name() == "console"; });
+  Require(console != services_.end(), "no console was started");
+  for (Patience patience(kConsoleTime);
+       ConsoleStamp(console_address_) == console_address_before_;) {
+    if (!(*console)->process().running())
+      return tl::unexpected(EndOf((*console)->process()));
+    if (patience.IsUp())
+      return Fail(ErrorCode::kTimedOut, "the console does not open: see console.log");
+    std::this_thread::sleep_for(10ms);
+  }
+  const auto text = INTAGLIO_TRY(io::ReadWholeFile(console_address_, kMaxAddressBytes));
+  return text.substr(0, text.find('\n'));
 }
 
 Result<std::vector<std::string>> ServiceSet::Revive() {
@@ -214,8 +254,9 @@ Result<std::vector<std::string>> ServiceSet::Revive() {
   std::vector<std::string> revived;
   for (const auto& service : services_) {
     const auto output = service->Revive(std::chrono::steady_clock::now());
-    // No job is given up for its recording.
-    if (!output && service->process().name() == "recorder") continue;
+    // No job is given up for its recording or its page.
+    const std::string& name = service->process().name();
+    if (!output && (name == "recorder" || name == "console")) continue;
     if (!output) return tl::unexpected(output.error());
     if (*output) revived.push_back(**output);
   }

@@ -36,6 +36,7 @@ struct ServiceSetOptions {
   std::filesystem::path recording;  ///< file of a recorder; empty: none
   std::string recording_bulk;       ///< all (""), thin or none, as its --bulk
   bool die_with_parent = true;
+  int console_port = -1;  ///< of a web console; 0: a free one; -1: no console
 };
 
 /// `machine` with what was taught when the shop in `folder` was open before, unless its
@@ -58,6 +59,9 @@ class ServiceSet {
   /// with the names of those that have not; kFault with the last output of one that has
   /// died.
   Status AwaitReady(JobClient& client);
+  /// The address of the web console, once pages can be opened. kFault with its last
+  /// output when it has ended, kTimedOut.
+  Result<std::string> AwaitConsole();
   /// Starts the services again that have ended by themselves, and reports which. kFault
   /// with its last output when it was the machine, or a service that does so again and
   /// again.
@@ -71,12 +75,17 @@ class ServiceSet {
   Status StartEngraver(const ServiceSetOptions& options, const VirtualMachine& machine);
   Status StartService(const ServiceSetOptions& options, const std::string& name,
                       const std::vector<std::string>& arguments);
+  Status StartConsole(const ServiceSetOptions& options);
+  Status Keep(const ServiceSetOptions& options, const std::string& name,
+              std::vector<std::string> arguments);
   Status AwaitLines();
 
   MachineSpec machine_;
   std::filesystem::path machine_file_, glass_record_, panel_;
   std::set<std::string> without_;
   bool records_ = false;
+  std::filesystem::path console_address_;
+  std::string console_address_before_;  ///< what the file had before it was started
   std::vector<std::unique_ptr<ChildProcess>> engraver_;  // none or one
   std::vector<std::unique_ptr<KeptProcess>> services_;
 };

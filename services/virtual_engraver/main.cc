@@ -1,6 +1,5 @@
 #include <poll.h>
 #include <signal.h>
-#include <sys/prctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -8,6 +7,7 @@
 #include <random>
 
 #include "engrave/core/try.h"
+#include "services/platform/command_line/parent_death.h"
 #include "services/platform/command_line/program.h"
 #include "services/platform/link/line_session.h"
 #include "services/platform/link/real_time.h"
@@ -31,7 +31,7 @@ struct Options {
   MachineOptions machine;
   std::string speed = "1";
   std::vector<std::string> faults;
-  pid_t die_with_parent = 0;  // its process id; -1: the parent at the start
+  int die_with_parent = 0;
 };
 
 void AddOptions(command_line::Command app, Options& o) {
@@ -49,9 +49,7 @@ void AddOptions(command_line::Command app, Options& o) {
                 "in place of the three: a scan head behind this line, as --laser-line");
   app.AddOption("--mark-record", o.mark_record, "file that records what it burns");
   app.AddOption("--panel", o.panel, "Unix socket for buttons and injected faults");
-  app.AddFlag("--die-with-parent{-1}", o.die_with_parent,
-              "power off when the process that started this one ends; =PID names that "
-              "process, which may have ended already");
+  command_line::AddParentFlag(app, o.die_with_parent);
   app.AddOption("--speed", o.speed, "1, N times real time, or lockstep").ShowDefault();
   app.AddOption("--fault", o.faults, "\"AT_TICK COMMAND\": inject a fault at a tick");
 }
@@ -178,11 +176,8 @@ int main(int argc, char** argv) {
   Options options;
   AddOptions(program.root(), options);
   if (const auto exit_code = program.Parse(argc, argv)) return *exit_code;
-  if (options.die_with_parent != 0) {
-    prctl(PR_SET_PDEATHSIG, SIGTERM);
-    const pid_t starter = options.die_with_parent > 0 ? options.die_with_parent : parent;
-    if (getppid() != starter) return 1;  // it was quicker
-  }
+  if (!command_line::EndWithParent(options.die_with_parent, parent))
+    return 1;  // it was quicker
   if (const auto finished = Finish(options); !finished) {
     std::cerr << "virtual-engraver: " << finished.error().message << "\n";
     return 2;

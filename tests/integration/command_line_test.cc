@@ -81,7 +81,7 @@ TEST(CommandLine, TheServicesTooAreDocumentedAsTheyAre) {
   for (const char* program :
        {"intaglio-job-service", "intaglio-discretizer", "intaglio-sorter",
         "intaglio-synchronizer", "intaglio-motion-bridge", "intaglio-marker",
-        "intaglio-recorder", "virtual-engraver"}) {
+        "intaglio-recorder", "intaglio-console", "virtual-engraver"}) {
     Running run(Program(program), {"--help"},
                 test::FreshFolder("command_line_services") / "output.txt");
     const Ended ended = run.WaitForEnd(30s);

@@ -89,11 +89,17 @@ class Installation : public ::testing::Test {
 };
 
 TEST_F(Installation, HasAllThatBelongsToIt) {
-  const std::set<std::string> programs = {
-      "intaglio",          "intaglio-discretizer", "intaglio-job-service",
-      "intaglio-marker",   "intaglio-mesh-reader", "intaglio-motion-bridge",
-      "intaglio-recorder", "intaglio-sorter",      "intaglio-synchronizer",
-      "virtual-engraver"};
+  const std::set<std::string> programs = {"intaglio",
+                                          "intaglio-console",
+                                          "intaglio-discretizer",
+                                          "intaglio-job-service",
+                                          "intaglio-marker",
+                                          "intaglio-mesh-reader",
+                                          "intaglio-motion-bridge",
+                                          "intaglio-recorder",
+                                          "intaglio-sorter",
+                                          "intaglio-synchronizer",
+                                          "virtual-engraver"};
   EXPECT_EQ(NamesIn(moved_ / "bin"), programs);
   for (const char* kind : {"machines", "jobs", "truth"}) {
     EXPECT_EQ(NamesIn(moved_ / "share/intaglio" / kind),

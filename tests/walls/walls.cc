@@ -65,6 +65,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"services/platform/recording", {"engrave/core", "engrave/io"}},
     {"services/platform/command_line", {"engrave/core", "engrave/io"}},
     {"services/platform/text_format", {"engrave/core", "engrave/io"}},
+    {"services/platform/web", {"engrave/core"}},
     {"services/platform/security", {"engrave/core", "services/platform/bus", "idl"}},
     {"services/platform/host/threads", {"engrave/core"}},
     {"services/platform/host/times", {}},
@@ -104,6 +105,9 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
       "services/job/marks", "services/job/models", "services/job/mounted",
       "services/job/verdict", "services/platform/*", "services/history",
       "services/virtual_engraver/truth"}},
+    {"services/console",
+     {"engrave/*", "proto", "idl", "services/client", "services/job",
+      "services/platform/*"}},
     {"services/client/preview",
      {"engrave/*", "proto", "services/client", "services/job", "services/job/methods",
       "services/job/models", "services/job/verdict", "services/platform/text_format"}},
@@ -168,6 +172,7 @@ struct Kept {
 };
 const std::vector<Kept> kKept = {
     {"CLI/", false, {"services/platform/command_line"}},
+    {"boost/", false, {"services/platform/web"}},
     {"hb", false, {"engrave/drawing"}},
     {"lcms2", false, {"engrave/image"}},
     {"dds/", false, {"services/platform/bus"}},

@@ -9,10 +9,11 @@
 #include "services/cli/complain.h"
 #include "services/cli/flags/bus_flags.h"
 #include "services/cli/interrupt.h"
-#include "services/cli/status/shop_snapshot.h"
-#include "services/cli/status/shop_status.h"
+#include "services/cli/status/status_text.h"
 #include "services/client/exit_codes.h"
 #include "services/client/patience.h"
+#include "services/client/shop/shop_snapshot.h"
+#include "services/client/shop/shop_status.h"
 #include "services/job/json_text.h"
 
 namespace intaglio::cli {
@@ -51,7 +52,7 @@ int Print(const ShopStatus& status, const StatusOptions& options) {
 int ShowStatus(const StatusOptions& options) {
   CatchInterrupts();
   bus::Bus bus(options.bus);
-  ShopWatcher shop(bus);
+  client::ShopWatcher shop(bus);
   const auto poll_until = [&](Clock::time_point end, const auto& condition) {
     while (Interrupts() == 0 && Clock::now() < end && !condition())
       shop.Poll(kStatusPollPeriod);
@@ -70,7 +71,7 @@ int ShowStatus(const StatusOptions& options) {
   }
   for (;;) {
     const auto now = std::chrono::system_clock::now();
-    const int exit_code = Print(StatusOf(shop.Take(), now), options);
+    const int exit_code = Print(client::StatusOf(shop.Take(), now), options);
     if (!options.watch || Interrupts() > 0 || !std::cout) return exit_code;
     poll_until(Clock::now() + kRefreshPeriod, [] { return false; });
     if (Interrupts() > 0) return exit_code;

@@ -1,9 +1,10 @@
+#include "services/cli/status/status_text.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <vector>
 
-#include "services/cli/status/shop_status.h"
 #include "services/client/figure_text.h"
 
 namespace intaglio::cli {

@@ -1,7 +1,6 @@
 #include "services/platform/host/process/service_host.h"
 
 #include <signal.h>
-#include <sys/prctl.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -9,6 +8,7 @@
 #include <iostream>
 
 #include "services/platform/bus/samples.h"
+#include "services/platform/command_line/parent_death.h"
 #include "services/platform/host/peers/identity_role.h"
 #include "services/platform/host/peers/presence.h"
 #include "services/platform/host/process/init_system.h"
@@ -46,7 +46,7 @@ struct CommonOptions {
   bus::BusOptions bus;
   std::string log_file;
   std::string log_level = "info";
-  pid_t die_with_parent = 0;  // its process id; -1: the parent at the start
+  int die_with_parent = 0;
   bool real_time = false;
   bool allow_root = false;
 };
@@ -71,9 +71,7 @@ void AddCommonOptions(command_line::Command app, CommonOptions& options) {
   app.AddOption("--log-level", options.log_level, "trace, debug, info, warning or error")
       .OneOf({"trace", "debug", "info", "warning", "error"})
       .ShowDefault();
-  app.AddFlag("--die-with-parent{-1}", options.die_with_parent,
-              "end when the process that started this one ends; =PID names that process, "
-              "which may have ended already");
+  command_line::AddParentFlag(app, options.die_with_parent);
   app.AddFlag("--real-time", options.real_time,
               "request real-time scheduling and locked memory from the system");
 }
@@ -239,11 +237,8 @@ int RunService(const ServiceDescription& description, int argc, char** argv,
   if (description.add_options) description.add_options(root);
   if (const auto exit_code = program.Parse(argc, argv)) return *exit_code;
   CatchSignals();
-  if (options.die_with_parent != 0) {
-    prctl(PR_SET_PDEATHSIG, SIGTERM);
-    const pid_t starter = options.die_with_parent > 0 ? options.die_with_parent : parent;
-    if (getppid() != starter) return 1;  // it was quicker
-  }
+  if (!command_line::EndWithParent(options.die_with_parent, parent))
+    return 1;  // it was quicker
   try {
     OpenLog(description.name, options.log_level, options.log_file);
     if (options.real_time) {

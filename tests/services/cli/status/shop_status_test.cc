@@ -1,13 +1,17 @@
-#include "services/cli/status/shop_status.h"
+#include "services/client/shop/shop_status.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "services/cli/status/status_text.h"
 #include "tests/services/cli/status/shown_job.h"
 
 namespace intaglio::cli {
 namespace {
 
+using client::CellSnapshot;
+using client::ShopSnapshot;
+using client::StatusOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// A shop as it is on the bus at one moment, for `intaglio status`.
+// A shop as it is on the bus at one moment.
 
 #include <map>
 #include <string>
@@ -9,7 +9,7 @@
 #include "services/client/job_client.h"
 #include "services/platform/bus/bus.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 
 /// Interlock, LampSync and MotionState of one machine, copied.
 struct CellSnapshot {
@@ -25,14 +25,16 @@ struct CellSnapshot {
   bool has_motion = false;
   intaglio_MotionFault motion_fault = intaglio_MOTION_OK;
   std::string motion_message;
+  double x_mm = 0, y_mm = 0, z_mm = 0;
+  bool at_rest = false;
 };
 
 struct ShopSnapshot {
-  std::vector<client::ServiceView> services;
-  std::vector<client::JobView> jobs;
-  std::vector<client::DiskView> disks;
-  std::map<std::string, CellSnapshot> cells;        ///< by name
-  std::map<std::string, client::MountView> mounts;  ///< by machine
+  std::vector<ServiceView> services;
+  std::vector<JobView> jobs;
+  std::vector<DiskView> disks;
+  std::map<std::string, CellSnapshot> cells;  ///< by name
+  std::map<std::string, MountView> mounts;    ///< by machine
 };
 
 /// Follows a shop. Used from one thread.
@@ -46,15 +48,17 @@ class ShopWatcher {
   /// motion.
   bool IsComplete() const;
   ShopSnapshot Take() const;
+  /// For commands.
+  JobClient& client() { return client_; }
 
  private:
   void TakeCells();
 
-  client::JobClient client_;
+  JobClient client_;
   bus::Reader<intaglio_Interlock> interlocks_;
   bus::Reader<intaglio_LampSync> lamps_;
   bus::Reader<intaglio_MotionState> motion_;
   std::map<std::string, CellSnapshot> cells_;
 };
 
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

@@ -1,4 +1,4 @@
-#include "services/cli/status/shop_status.h"
+#include "services/client/shop/shop_status.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,7 +11,7 @@
 #include "services/history/job_names.h"
 #include "services/platform/host/times/utc_time.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 namespace {
 
 const char* RoleName(intaglio_ServiceRole role) {
@@ -65,7 +65,7 @@ class Builder {
 
   void AddServices() {
     std::set<intaglio_ServiceRole> roles;
-    for (const client::ServiceView& service : shop_.services) {
+    for (const ServiceView& service : shop_.services) {
       roles.insert(service.role);
       if (service.role == intaglio_ROLE_SYNCHRONIZER) synchronizers_.insert(service.cell);
       if (service.role == intaglio_ROLE_MOTION_BRIDGE) bridges_.insert(service.cell);
@@ -94,20 +94,20 @@ class Builder {
   }
 
   void AddJobs() {
-    for (const client::JobView& job : shop_.jobs) {
+    for (const JobView& job : shop_.jobs) {
       if (job.ended()) {
         status_.set_ended_jobs(status_.ended_jobs() + 1);
         continue;
       }
       if (job.state != intaglio_JOB_QUEUED) job_of_[job.cell] = job.number;
       AddJob(job);
-      if (const std::string need = client::NeedOf(job); !need.empty()) Need(need);
+      if (const std::string need = NeedOf(job); !need.empty()) Need(need);
       if (!job.alarm.empty())
         Alarm(fmt::format("job {}", job.number), job.number, job.alarm);
     }
   }
 
-  void AddJob(const client::JobView& job) {
+  void AddJob(const JobView& job) {
     OpenJob& line = *status_.add_jobs();
     line.set_job(job.number);
     line.set_uid(job.uid);
@@ -116,9 +116,9 @@ class Builder {
     line.set_state(history::StateName(job.state));
     line.set_pause_reason(history::PauseReasonName(job.pause_reason));
     line.set_armed(job.armed);
-    const client::JobView::Progress* stage = client::StageAtWork(job);
+    const JobView::Progress* stage = StageAtWork(job);
     if (stage != nullptr && job.state != intaglio_JOB_QUEUED) {
-      line.set_stage(client::NameOf(stage->stage));
+      line.set_stage(NameOf(stage->stage));
       line.set_done(Small(stage->done_count));
       line.set_total(Small(stage->total_count));
     }
@@ -193,7 +193,7 @@ class Builder {
   }
 
   void AddDisks() {
-    for (const client::DiskView& disk : shop_.disks) {
+    for (const DiskView& disk : shop_.disks) {
       DiskStatus& line = *status_.add_disks();
       line.set_folder(disk.folder);
       line.set_free_bytes(static_cast<double>(disk.free_bytes));
@@ -218,4 +218,4 @@ ShopStatus StatusOf(const ShopSnapshot& shop, std::chrono::system_clock::time_po
   return Builder(shop).Build(now);
 }
 
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

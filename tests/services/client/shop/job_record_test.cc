@@ -1,12 +1,12 @@
-#include "services/cli/json/job_record.h"
+#include "services/client/shop/job_record.h"
 
 #include <gtest/gtest.h>
 
-namespace intaglio::cli {
+namespace intaglio::client {
 namespace {
 
-client::JobView Engraving() {
-  client::JobView job;
+JobView Engraving() {
+  JobView job;
   job.uid = "7-abc";
   job.number = 7;
   job.name = "cup";
@@ -50,7 +50,7 @@ TEST(JobRecord, HasWhatTheShopReportsOfAJob) {
 }
 
 TEST(JobRecord, OfAJobThatHasNotBegunHasNoStages) {
-  client::JobView job;
+  JobView job;
   job.progress = {{intaglio_STAGE_DISCRETIZE, 0, 0, 0}};
   const JobRecord record = JobRecordOf(job);
   EXPECT_EQ(record.stages_size(), 0);
@@ -58,7 +58,7 @@ TEST(JobRecord, OfAJobThatHasNotBegunHasNoStages) {
 }
 
 TEST(JobRecord, JobsAreListedByNumber) {
-  client::JobView early = Engraving(), late = Engraving();
+  JobView early = Engraving(), late = Engraving();
   early.number = 9;
   late.number = 10;
   const JobList list = JobListOf({{"10-a", late}, {"9-b", early}});
@@ -67,4 +67,4 @@ TEST(JobRecord, JobsAreListedByNumber) {
 }
 
 }  // namespace
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

@@ -1,4 +1,4 @@
-#include "services/cli/status/shop_snapshot.h"
+#include "services/client/shop/shop_snapshot.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 
 #include "services/platform/bus/samples.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 namespace {
 
 using bus::View;
@@ -65,13 +65,17 @@ void ShopWatcher::TakeCells() {
     cell.has_motion = true;
     cell.motion_fault = sample.fault;
     cell.motion_message = View(sample.message);
+    cell.x_mm = sample.x_mm;
+    cell.y_mm = sample.y_mm;
+    cell.z_mm = sample.z_mm;
+    cell.at_rest = sample.at_rest;
   });
 }
 
 bool ShopWatcher::IsComplete() const {
   const auto services = client_.services();
   bool served = false;
-  for (const client::ServiceView& service : services) {
+  for (const ServiceView& service : services) {
     const auto cell = cells_.find(service.cell);
     const bool known = cell != cells_.end();
     if (service.role == intaglio_ROLE_JOB_SERVICE) served = true;
@@ -96,13 +100,11 @@ ShopSnapshot ShopWatcher::Take() const {
   shop.services = client_.services();
   for (const auto& [uid, job] : client_.jobs()) shop.jobs.push_back(job);
   std::sort(shop.jobs.begin(), shop.jobs.end(),
-            [](const client::JobView& a, const client::JobView& b) {
-              return a.number < b.number;
-            });
+            [](const JobView& a, const JobView& b) { return a.number < b.number; });
   shop.disks = client_.disks();
   shop.cells = cells_;
   shop.mounts = client_.mounts();
   return shop;
 }
 
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

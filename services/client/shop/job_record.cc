@@ -1,4 +1,4 @@
-#include "services/cli/json/job_record.h"
+#include "services/client/shop/job_record.h"
 
 #include <algorithm>
 #include <limits>
@@ -7,7 +7,7 @@
 #include "services/history/job_names.h"
 #include "services/job/verdict/warnings.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 namespace {
 
 std::uint32_t PointCount(std::uint64_t count) {
@@ -15,11 +15,11 @@ std::uint32_t PointCount(std::uint64_t count) {
       std::min<std::uint64_t>(count, std::numeric_limits<std::uint32_t>::max()));
 }
 
-void AddStages(const client::JobView& job, JobRecord& record) {
-  for (const client::JobView::Progress& progress : job.progress) {
+void AddStages(const JobView& job, JobRecord& record) {
+  for (const JobView::Progress& progress : job.progress) {
     if (progress.total_count == 0) continue;
     StageRecord& stage = *record.add_stages();
-    stage.set_stage(client::NameOf(progress.stage));
+    stage.set_stage(NameOf(progress.stage));
     stage.set_done(PointCount(progress.done_count));
     stage.set_total(PointCount(progress.total_count));
     stage.set_elapsed_s(progress.elapsed_s);
@@ -31,7 +31,7 @@ void AddStages(const client::JobView& job, JobRecord& record) {
 
 }  // namespace
 
-JobRecord JobRecordOf(const client::JobView& job) {
+JobRecord JobRecordOf(const JobView& job) {
   JobRecord record;
   record.set_job(job.number);
   record.set_uid(job.uid);
@@ -65,7 +65,7 @@ JobRecord JobRecordOf(const client::JobView& job) {
   return record;
 }
 
-JobList JobListOf(const std::map<std::string, client::JobView>& jobs) {
+JobList JobListOf(const std::map<std::string, JobView>& jobs) {
   JobList list;
   for (const auto& [uid, job] : jobs) *list.add_jobs() = JobRecordOf(job);
   std::sort(list.mutable_jobs()->begin(), list.mutable_jobs()->end(),
@@ -73,4 +73,4 @@ JobList JobListOf(const std::map<std::string, client::JobView>& jobs) {
   return list;
 }
 
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

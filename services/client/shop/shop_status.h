@@ -1,14 +1,13 @@
 #pragma once
 
-// What a snapshot of a shop says: pure, from the samples to the message and its text.
+// What a snapshot of a shop says: pure, from the samples to the message.
 
 #include <chrono>
-#include <string>
 
 #include "proto/shop.pb.h"
-#include "services/cli/status/shop_snapshot.h"
+#include "services/client/shop/shop_snapshot.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 
 /// A job needs some MB for its plan, journal and report; below this a person makes room.
 inline constexpr double kLowDiskBytes = 100e6;
@@ -18,7 +17,4 @@ inline constexpr double kLowDiskBytes = 100e6;
 /// waits for its arm, an alarm is raised, or a disk is nearly full.
 ShopStatus StatusOf(const ShopSnapshot& shop, std::chrono::system_clock::time_point now);
 
-/// One screen for people.
-std::string TextOf(const ShopStatus& status);
-
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

@@ -1,0 +1,162 @@
+#include "services/console/api.h"
+
+#include <fmt/format.h>
+#include <google/protobuf/util/json_util.h>
+
+#include <charconv>
+#include <optional>
+
+#include "services/client/shop/job_record.h"
+#include "services/job/json_text.h"
+
+namespace intaglio::console {
+namespace {
+
+constexpr std::string_view kApi = "/api/v1/";
+constexpr std::string_view kJobs = "jobs/";
+
+web::Response JsonResponse(int status, const google::protobuf::Message& message) {
+  auto json = JsonTextOf(message);
+  if (json) return web::TextResponse(status, "application/json", std::move(*json));
+  return web::TextResponse(500, "text/plain; charset=utf-8", json.error().message + "\n");
+}
+
+web::Response ErrorResponse(int status, std::string message) {
+  ConsoleError error;
+  error.set_message(std::move(message));
+  return JsonResponse(status, error);
+}
+
+web::Response Unknown() {
+  return ErrorResponse(404, "there is nothing at this path: docs/console.md has all");
+}
+
+web::Response CloudResponse(const Result<CloudReader::Bytes>& bytes) {
+  if (bytes) return {200, "application/octet-stream", *bytes};
+  return ErrorResponse(bytes.error().code == ErrorCode::kNotFound ? 404 : 500,
+                       bytes.error().message);
+}
+
+std::optional<std::uint32_t> NumberIn(const web::Request& request, const char* name) {
+  const auto found = request.target.query.find(name);
+  if (found == request.target.query.end()) return 0;
+  std::uint32_t number = 0;
+  const char* end = found->second.data() + found->second.size();
+  const auto [read, error] = std::from_chars(found->second.data(), end, number);
+  return error == std::errc() && read == end ? std::optional(number) : std::nullopt;
+}
+
+std::optional<intaglio_JobCommandKind> CommandNamed(std::string_view name) {
+  if (name == "pause") return intaglio_COMMAND_PAUSE;
+  if (name == "resume") return intaglio_COMMAND_RESUME;
+  if (name == "cancel") return intaglio_COMMAND_CANCEL;
+  return std::nullopt;
+}
+
+/// A body that is no StopRequest prevents no stop.
+std::string ReasonIn(const std::string& body) {
+  StopRequest request;
+  const bool read = google::protobuf::util::JsonStringToMessage(body, &request).ok();
+  return read ? request.reason() : std::string();
+}
+
+/// "7" and "plan" of "7/plan".
+std::pair<std::string, std::string> SplitJob(std::string_view path) {
+  const auto slash = path.find('/');
+  return {std::string(path.substr(0, slash)),
+          slash == std::string_view::npos ? "" : std::string(path.substr(slash + 1))};
+}
+
+}  // namespace
+
+Result<ConsoleRequest> ParseConsoleRequest(const std::string& text) {
+  ConsoleRequest request;
+  const auto parsed = google::protobuf::util::JsonStringToMessage(text, &request);
+  if (parsed.ok()) return request;
+  return Fail(ErrorCode::kInvalidValue,
+              fmt::format("no ConsoleRequest: {}", parsed.ToString()));
+}
+
+std::string Api::AnswerMessage(const std::string& text) {
+  const auto request = ParseConsoleRequest(text);
+  ConsoleState state;
+  ConsoleError error;
+  if (!request) {
+    error.set_message(request.error().message);
+  } else if (!request->has_stop()) {
+    error.set_message("a request has a stop");
+  } else {
+    *state.mutable_stop() = desk_.Press(request->stop().reason());
+  }
+  auto json = JsonTextOf(error, JsonLayout::kOneLine);
+  if (state.has_stop()) json = JsonTextOf(state.stop(), JsonLayout::kOneLine);
+  return json ? *json : std::string("{}");
+}
+
+void Api::Answer(const web::Request& request, web::Reply reply) {
+  const std::string& path = request.target.path;
+  if (!path.starts_with(kApi)) return reply(Unknown());
+  const std::string rest = path.substr(kApi.size());
+  if (request.method == "GET") return AnswerGet(rest, request, std::move(reply));
+  AnswerPost(rest, request, std::move(reply));
+}
+
+void Api::AnswerGet(const std::string& path, const web::Request& request,
+                    web::Reply reply) {
+  if (path == "status") {
+    return desk_.Order(
+        [reply](ShopDesk& desk) { reply(JsonResponse(200, desk.Status())); });
+  }
+  if (path == "jobs") {
+    return desk_.Order([reply](ShopDesk& desk) {
+      reply(JsonResponse(200, client::JobListOf(desk.client().jobs())));
+    });
+  }
+  const auto from = NumberIn(request, "from");
+  if (!from) return reply(ErrorResponse(400, "from: give a whole number"));
+  if (!path.starts_with(kJobs)) return reply(Unknown());
+  const auto [job, part] = SplitJob(std::string_view(path).substr(kJobs.size()));
+  AnswerJob(job, part, *from, std::move(reply));
+}
+
+void Api::AnswerJob(const std::string& job, const std::string& part, std::uint32_t from,
+                    web::Reply reply) {
+  if (!part.empty() && part != "plan" && part != "made") return reply(Unknown());
+  desk_.Order([this, job, part, from, reply](ShopDesk& desk) {
+    const auto found = desk.client().Find(job);
+    if (!found) return reply(ErrorResponse(404, found.error().message));
+    if (part.empty()) return reply(JsonResponse(200, client::JobRecordOf(*found)));
+    const auto answer = [reply](const Result<CloudReader::Bytes>& bytes) {
+      reply(CloudResponse(bytes));
+    };
+    const bool taken = part == "plan"
+                           ? clouds_.AskForPlan(found->result_directory, answer)
+                           : clouds_.AskForMade(found->result_directory, from, answer);
+    if (!taken) reply(ErrorResponse(503, "too many clouds are being read: try again"));
+  });
+}
+
+void Api::AnswerPost(const std::string& path, const web::Request& request,
+                     web::Reply reply) {
+  if (path == "stop") {
+    // Before anything else, and not by way of the desk's thread.
+    const StopAnswer sent = desk_.Press(ReasonIn(request.body));
+    if (!sent.sent()) return reply(JsonResponse(500, sent));
+    return desk_.Order([number = sent.number(), reply](ShopDesk& desk) {
+      desk.AwaitConfirmation(number, [reply](const StopAnswer& answer) {
+        reply(JsonResponse(200, answer));
+      });
+    });
+  }
+  if (!path.starts_with(kJobs)) return reply(Unknown());
+  const auto [job, name] = SplitJob(std::string_view(path).substr(kJobs.size()));
+  const auto kind = CommandNamed(name);
+  if (!kind) return reply(Unknown());
+  desk_.Order([job, kind = *kind, reply](ShopDesk& desk) {
+    desk.Command(job, kind, [reply](int status, const CommandAnswer& answer) {
+      reply(JsonResponse(status, answer));
+    });
+  });
+}
+
+}  // namespace intaglio::console

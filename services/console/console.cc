@@ -1,0 +1,114 @@
+#include "services/console/console.h"
+
+#include <chrono>
+#include <memory>
+#include <thread>
+
+#include "engrave/core/try.h"
+#include "services/console/api.h"
+#include "services/console/console_address.h"
+#include "services/console/page_files.h"
+#include "services/job/json_text.h"
+#include "services/platform/web/server.h"
+
+namespace intaglio::console {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kStatePeriod = 100ms;
+
+/// Ends the server's thread before anything that it uses goes.
+class RunningServer {
+ public:
+  explicit RunningServer(web::Server& server)
+      : server_(server), thread_([this] { server_.Run(); }) {}
+  RunningServer(const RunningServer&) = delete;
+  RunningServer& operator=(const RunningServer&) = delete;
+  ~RunningServer() {
+    server_.Stop();
+    thread_.join();
+  }
+
+ private:
+  web::Server& server_;
+  std::thread thread_;
+};
+
+/// The one of the file where there is one, so that an open page finds a console that was
+/// started again.
+ConsoleAddress AddressBefore(const ConsoleOptions& options) {
+  ConsoleAddress address{static_cast<std::uint16_t>(options.port), NewKey()};
+  if (options.address_file.empty()) return address;
+  const auto before = ReadAddressFile(options.address_file);
+  if (!before) return address;
+  address.key = before->key;
+  if (options.port == 0) address.port = before->port;
+  return address;
+}
+
+web::ServerOptions ServerOptionsOf(const ConsoleOptions& options,
+                                   const ConsoleAddress& address) {
+  web::ServerOptions server;
+  server.address = options.address;
+  server.port = address.port;
+  server.key = address.key;
+  server.pages = PageFiles();
+  server.event_paths = {kEventsPath};
+  server.socket_paths = {kControlPath};
+  return server;
+}
+
+/// One line of JSON, "" when a text of the shop is not UTF-8.
+std::string LineOf(const google::protobuf::Message& message) {
+  auto json = JsonTextOf(message, JsonLayout::kOneLine);
+  return json ? std::move(*json) : std::string();
+}
+
+void Turn(ShopDesk& desk, web::Server& server, Clock::time_point& next_state) {
+  desk.Turn();
+  for (std::string& line : desk.TakeEvents())
+    server.Publish(kEventsPath, std::move(line));
+  if (Clock::now() < next_state) return;
+  next_state = Clock::now() + kStatePeriod;
+  if (std::string state = LineOf(desk.State()); !state.empty())
+    server.Publish(kControlPath, std::move(state));
+}
+
+}  // namespace
+
+Status Serve(const ConsoleOptions& options, const std::function<bool()>& stopping,
+             const std::function<void(const std::string& address)>& opened) {
+  bus::Bus bus(options.bus);
+  ShopDesk desk(bus);
+  std::unique_ptr<web::Server> server;
+  CloudReader clouds;  // its answers go to the server, which lives longer
+  Api api(desk, clouds);
+  web::Handlers handlers;
+  handlers.request = [&](const web::Request& request, web::Reply reply) {
+    api.Answer(request, std::move(reply));
+  };
+  handlers.greeting = [](const std::string&) { return std::string(); };
+  handlers.message = [&](web::PeerId peer, const std::string& text) {
+    server->Send(peer, api.AnswerMessage(text));
+  };
+  ConsoleAddress address = AddressBefore(options);
+  auto made = web::Server::Open(ServerOptionsOf(options, address), handlers);
+  if (!made && options.port == 0 && address.port != 0) {
+    address.port = 0;  // that of the file is another program's by now
+    made = web::Server::Open(ServerOptionsOf(options, address), handlers);
+  }
+  if (!made) return tl::unexpected(made.error());
+  server = std::move(*made);
+  address.port = server->port();
+  const RunningServer running(*server);
+  if (!options.address_file.empty())
+    INTAGLIO_TRY(WriteAddressFile(options.address_file, address));
+  opened(TextOf(address));
+  auto next_state = Clock::now();
+  while (!stopping()) Turn(desk, *server, next_state);
+  return {};
+}
+
+}  // namespace intaglio::console

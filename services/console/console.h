@@ -1,0 +1,25 @@
+#pragma once
+
+// The web console as a whole: a web server in one thread, the shop in another.
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "services/platform/bus/bus.h"
+
+namespace intaglio::console {
+
+struct ConsoleOptions {
+  bus::BusOptions bus;
+  std::string address = "127.0.0.1";
+  int port = 0;                        ///< 0: that of the address file, or a free one
+  std::filesystem::path address_file;  ///< empty: none
+};
+
+/// Serves until `stopping`; `opened` gets the address once pages can be opened. kIo,
+/// kInvalidValue: it cannot serve there.
+Status Serve(const ConsoleOptions& options, const std::function<bool()>& stopping,
+             const std::function<void(const std::string& address)>& opened);
+
+}  // namespace intaglio::console

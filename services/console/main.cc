@@ -1,0 +1,76 @@
+#include <signal.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <iostream>
+
+#include "services/client/exit_codes.h"
+#include "services/client/shop/shop_flags.h"
+#include "services/console/console.h"
+#include "services/platform/command_line/parent_death.h"
+#include "services/platform/command_line/program.h"
+#include "services/platform/host/process/service_host.h"
+
+namespace {
+
+using namespace intaglio;
+
+volatile std::sig_atomic_t g_stopping = 0;
+
+void CatchSignals() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { g_stopping = 1; };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  signal(SIGPIPE, SIG_IGN);
+}
+
+int Run(const console::ConsoleOptions& options) {
+  CatchSignals();
+  try {
+    const Status served = console::Serve(
+        options, [] { return g_stopping != 0; },
+        [](const std::string& address) {
+          std::cout << "the console is open: " << address << std::endl;
+        });
+    if (served) return client::kExitGood;
+    std::cerr << "intaglio-console: " << served.error().message << "\n";
+    return client::kExitWrongInput;
+  } catch (const std::exception& error) {
+    std::cerr << "intaglio-console: " << error.what() << "\n";
+    return client::kExitInternal;
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const pid_t parent = getppid();
+  command_line::Program program("intaglio-console",
+                                "shows a shop in a browser, with a button that stops it");
+  program.SetVersion(host::SoftwareVersion());
+  command_line::Command root = program.root();
+  console::ConsoleOptions options;
+  int starter = 0;
+  client::AddShopFlags(root, options.bus,
+                       "folder of the operator's identity, or of all roles; needed "
+                       "beyond lo");
+  options.bus.roles = {"operator"};
+  root.AddOption("--port", options.port,
+                 "TCP port; 0: that of --address-file, or a free one")
+      .Within(0, 65535)
+      .ShowDefault();
+  root.AddOption("--address", options.address,
+                 "address to serve; only one of this computer is served")
+      .ShowDefault();
+  root.AddOption("--address-file", options.address_file,
+                 "file for the printed address; a console that is started again keeps "
+                 "its port and key");
+  command_line::AddParentFlag(root, starter);
+  root.SetFooter(
+      "Usually started by `intaglio up --console`; see docs/console.md.\n"
+      "It is not the emergency stop of the machine: at a machine, use its button.");
+  if (const auto exit_code = program.Parse(argc, argv)) return *exit_code;
+  if (!command_line::EndWithParent(starter, parent)) return 1;  // it was quicker
+  return Run(options);
+}

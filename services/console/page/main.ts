@@ -1,0 +1,350 @@
+// The page: custom elements that show the console's state. What comes from the shop is text,
+// never markup. A reload or a new connection sends nothing.
+import { text } from './text';
+
+type Dict = Record<string, any>;
+
+/** An element with a text; the text is never read as markup. */
+function make(tag: string, content = '', className = ''): HTMLElement {
+  const element = document.createElement(tag);
+  element.textContent = content;
+  if (className) element.className = className;
+  return element;
+}
+
+/** The connection /control: the state, ten times a second, and Stop. */
+class Control {
+  private socket?: WebSocket;
+  private lastMessage = 0;
+  connected = false;
+  onState: (state: Dict) => void = () => {};
+  onStop: (answer: Dict) => void = () => {};
+  onConnection: (connected: boolean) => void = () => {};
+
+  constructor() {
+    this.open();
+    setInterval(() => this.watch(), 250);
+  }
+
+  private open() {
+    const socket = new WebSocket(`ws://${location.host}/control`);
+    this.socket = socket;
+    this.lastMessage = performance.now();
+    socket.onmessage = (event) => {
+      if (socket !== this.socket) return;
+      this.lastMessage = performance.now();
+      const message = JSON.parse(event.data);
+      if ('sent' in message) this.onStop(message);
+      else if ('shop' in message) this.onState(message);
+      this.set(true);
+    };
+    socket.onclose = () => {
+      if (socket === this.socket) this.set(false);
+    };
+  }
+
+  /** A silent connection is a lost one. */
+  private watch() {
+    if (performance.now() - this.lastMessage < 2000) return;
+    this.set(false);
+    const old = this.socket;
+    this.socket = undefined;
+    old?.close();
+    this.open();
+  }
+
+  private set(connected: boolean) {
+    if (connected === this.connected) return;
+    this.connected = connected;
+    this.onConnection(connected);
+  }
+
+  /** Both ways at once: a connection may be lost before that is known, and a second press
+   * changes nothing. */
+  stop() {
+    const request = { stop: { reason: 'pressed in the console' } };
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(request));
+    post('stop', request.stop).then((answer) => answer && this.onStop(answer));
+  }
+}
+
+async function post(path: string, body: Dict): Promise<Dict | undefined> {
+  try {
+    const response = await fetch(`/api/v1/${path}`, {
+      method: 'POST',
+      headers: { 'Content-Type': 'application/json' },
+      body: JSON.stringify(body),
+    });
+    return await response.json();
+  } catch {
+    return undefined;
+  }
+}
+
+class StopButton extends HTMLElement {
+  private line = make('span');
+  private lost = false;
+  private pressedAt = -Infinity;
+  control?: Control;
+
+  connectedCallback() {
+    const button = make('button', text.stop);
+    button.id = 'stop';
+    button.title = text.stopHint;
+    button.addEventListener('pointerdown', () => this.press());
+    button.addEventListener('keydown', (event) => {
+      if (event.key === 'Enter' || event.key === ' ') this.press();
+    });
+    document.addEventListener('keydown', (event) => {
+      if (event.key === 'Escape' && !event.repeat) this.press();
+    });
+    this.line.setAttribute('role', 'status');
+    this.append(this.line, button);
+    this.connection(false);
+  }
+
+  press() {
+    this.pressedAt = performance.now();
+    this.show(text.stopping);
+    this.control?.stop();
+  }
+
+  private show(line: string) {
+    this.line.textContent = this.lost ? text.lost : line;
+    this.line.className = this.lost ? 'lost' : '';
+  }
+
+  connection(connected: boolean) {
+    this.lost = !connected;
+    this.show('');
+  }
+
+  /** `held`: a machine is stopped. What confirmed the last press stays as long. */
+  follow(stop: Dict | undefined, held: boolean) {
+    if (held || performance.now() - this.pressedAt < 5000) this.answer(stop);
+    else this.show('');
+  }
+
+  answer(stop?: Dict) {
+    if (!stop?.sent) return this.show(stop?.message ?? '');
+    const machines = (stop.machines ?? []).map((machine: Dict) => {
+      if (!machine.confirmed) return `${machine.cell}: ${text.notConfirmed}`;
+      const laser = machine.shutters_closed ? `, ${text.shuttersClosed}` : '';
+      const stage = machine.at_rest ? text.atRest : text.moving;
+      return `${machine.cell}: ${text.confirmed}${laser}, ${stage}`;
+    });
+    this.show([text.stopping, ...machines, stop.message].filter(Boolean).join('; '));
+  }
+}
+
+class NeedsList extends HTMLElement {
+  update(needs: string[]) {
+    const lines = needs.map((need) => make('li', need, 'need'));
+    const list = make('ul');
+    list.append(...(lines.length ? lines : [make('li', text.nothing, 'quiet')]));
+    this.replaceChildren(list);
+  }
+}
+
+class MachineList extends HTMLElement {
+  update(machines: Dict[], stages: Dict[]) {
+    const list = make('ul');
+    for (const machine of machines) {
+      const stage = stages.find((candidate) => candidate.cell === machine.cell);
+      const place = stage
+        ? [stage.x_mm, stage.y_mm, stage.z_mm].map((mm: number) => mm.toFixed(2)).join(' ')
+        : '-';
+      const door = machine.door_closed ? 'door closed' : 'DOOR OPEN';
+      const key = machine.key_on ? 'key on' : 'key off';
+      const held = machine.stops_held?.length ? 'STOP PRESSED' : 'stop released';
+      const item = make('li', machine.cell);
+      item.append(make('div', `lamp ${machine.lamp}, ${key}, ${door}, ${held}`));
+      item.append(make('div', `stage ${place} mm, ${machine.mounted || '-'}`, 'quiet'));
+      list.append(item);
+    }
+    if (!machines.length) list.append(make('li', text.noMachines, 'quiet'));
+    this.replaceChildren(list);
+  }
+}
+
+function duration(seconds: number): string {
+  const whole = Math.max(0, Math.round(seconds));
+  const minutes = Math.floor(whole / 60);
+  return minutes ? `${minutes} min ${whole % 60} s` : `${whole} s`;
+}
+
+const endStates = ['done', 'failed', 'cancelled'];
+
+/** A line of the list; it stays the same element while its job is there. */
+class JobLine {
+  readonly element = make('li');
+  private title = make('div');
+  private bar = document.createElement('progress');
+  private figures = make('div', '', 'quiet');
+  private answer = make('div', '', 'need');
+  private buttons = make('div');
+
+  constructor(private job: number, onShow: () => void) {
+    const show = make('button', text.watch);
+    show.addEventListener('click', onShow);
+    this.buttons.append(show);
+    this.command('pause', text.pause);
+    this.command('resume', text.resume);
+    this.command('cancel', text.cancel, text.cancelSure);
+    this.element.append(this.title, this.bar, this.figures, this.buttons, this.answer);
+  }
+
+  private command(name: string, label: string, question = '') {
+    const button = make('button', label);
+    button.dataset.command = name;
+    let asked = question === '';
+    button.addEventListener('click', async () => {
+      if (!asked) {  // no dialog: it would take the page away from Stop
+        asked = true;
+        button.textContent = question;
+        setTimeout(() => {
+          asked = false;
+          button.textContent = label;
+        }, 4000);
+        return;
+      }
+      const answer = await post(`jobs/${this.job}/${name}`, {});
+      this.answer.textContent = answer?.taken ? '' : answer?.message ?? text.lost;
+    });
+    this.buttons.append(button);
+  }
+
+  update(job: Dict) {
+    this.title.textContent = `${job.job} ${job.name}: ${job.state}`;
+    const stages: Dict[] = job.stages ?? [];
+    const stage = stages.find((one) => one.done < one.total) ?? stages[stages.length - 1];
+    this.bar.max = stage?.total || 1;
+    this.bar.value = stage?.done ?? 0;
+    const rate = stage?.rate ?? 0;
+    const remaining = stage ? stage.total - stage.done : 0;
+    const parts = stage ? [`${stage.stage} ${stage.done} of ${stage.total} ${job.makes}`] : [];
+    if (rate > 0) parts.push(`${rate.toFixed(0)}/s`);
+    if (rate > 0 && remaining > 0) parts.push(`${duration(remaining / rate)} ${text.left}`);
+    this.figures.textContent = [...parts, job.message, job.alarm].filter(Boolean).join(', ');
+    const ended = endStates.includes(job.state);
+    for (const button of this.buttons.querySelectorAll<HTMLElement>('[data-command]'))
+      button.hidden = ended || (button.dataset.command === 'resume') !== (job.state === 'paused')
+        && button.dataset.command !== 'cancel';
+  }
+}
+
+class JobList extends HTMLElement {
+  private lines = new Map<number, JobLine>();
+  private list = make('ul');
+  private empty = make('li', text.noJobs, 'quiet');
+  onShow: (job: number) => void = () => {};
+
+  connectedCallback() {
+    this.append(this.list);
+  }
+
+  update(jobs: Dict[]) {
+    const there = new Set<number>(jobs.map((job) => job.job));
+    for (const [number, line] of this.lines) {
+      if (there.has(number)) continue;
+      line.element.remove();
+      this.lines.delete(number);
+    }
+    for (const job of jobs) {
+      let line = this.lines.get(job.job);
+      if (!line) {
+        line = new JobLine(job.job, () => this.onShow(job.job));
+        this.lines.set(job.job, line);
+        this.list.append(line.element);
+      }
+      line.update(job);
+    }
+    if (jobs.length) this.empty.remove();
+    else this.list.append(this.empty);
+  }
+}
+
+/** The block; drawn by a worker, so that this thread stays free for Stop. */
+class GlassView extends HTMLElement {
+  private worker?: Worker;
+  private line = make('div', text.noGlass, 'quiet');
+  private job = 0;
+
+  connectedCallback() {
+    const canvas = document.createElement('canvas');
+    canvas.setAttribute('role', 'img');
+    canvas.setAttribute('aria-label', 'planned points, and cracks that were made');
+    this.append(canvas, this.line);
+    if (!('transferControlToOffscreen' in canvas)) return;
+    const offscreen = canvas.transferControlToOffscreen();
+    this.worker = new Worker('/view.js');
+    const size = () => ({ width: canvas.clientWidth, height: canvas.clientHeight });
+    this.worker.postMessage({ canvas: offscreen, ...size() }, [offscreen]);
+    new ResizeObserver(() => this.worker?.postMessage({ resize: size() })).observe(canvas);
+    let from: [number, number] | undefined;
+    canvas.addEventListener('pointerdown', (event) => {
+      from = [event.clientX, event.clientY];
+      canvas.setPointerCapture(event.pointerId);
+    });
+    canvas.addEventListener('pointerup', () => (from = undefined));
+    canvas.addEventListener('pointermove', (event) => {
+      if (!from) return;
+      this.worker?.postMessage({ turn: [event.clientX - from[0], event.clientY - from[1]] });
+      from = [event.clientX, event.clientY];
+    });
+    canvas.addEventListener('wheel', (event) => {
+      event.preventDefault();
+      this.worker?.postMessage({ zoom: Math.exp(event.deltaY / 500) });
+    });
+    this.worker.onmessage = (event) => this.report(event.data);
+    document.addEventListener('visibilitychange', () =>
+      this.worker?.postMessage({ hidden: document.hidden }));
+  }
+
+  private report(data: Dict) {
+    if (data.missing) this.line.textContent = text.otherHost;
+    else this.line.textContent = `${data.made} of ${data.planned} ${text.points} ${text.made}`;
+    this.dataset.drawn = String(data.drawn ?? 0);
+  }
+
+  show(job: number) {
+    if (job === this.job) return;
+    this.job = job;
+    this.worker?.postMessage({ job });
+  }
+
+  /** The job that is engraved, until somebody chose one. */
+  follow(jobs: Dict[]) {
+    if (this.job) return;
+    const engraved = jobs.find((job) => ['engraving', 'paused', 'done'].includes(job.state));
+    if (engraved) this.show(engraved.job);
+  }
+}
+
+customElements.define('stop-button', StopButton);
+customElements.define('needs-list', NeedsList);
+customElements.define('machine-list', MachineList);
+customElements.define('job-list', JobList);
+customElements.define('glass-view', GlassView);
+
+const stop = document.querySelector('stop-button') as StopButton;
+const needs = document.querySelector('needs-list') as NeedsList;
+const machines = document.querySelector('machine-list') as MachineList;
+const jobs = document.querySelector('job-list') as JobList;
+const glass = document.querySelector('glass-view') as GlassView;
+const control = new Control();
+stop.control = control;
+control.onConnection = (connected) => stop.connection(connected);
+control.onStop = (answer) => stop.answer(answer);
+jobs.onShow = (job) => glass.show(job);
+let drawnAt = 0;
+control.onState = (state) => {
+  const held = (state.shop?.machines ?? []).some((machine: Dict) => machine.stops_held?.length);
+  stop.follow(state.stop ?? undefined, held);
+  if (performance.now() - drawnAt < 200 || document.hidden) return;
+  drawnAt = performance.now();
+  needs.update(state.shop?.needs ?? []);
+  machines.update(state.shop?.machines ?? [], state.stages ?? []);
+  jobs.update(state.jobs ?? []);
+  glass.follow(state.jobs ?? []);
+};

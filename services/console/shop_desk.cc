@@ -1,0 +1,200 @@
+#include "services/console/shop_desk.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "services/client/shop/job_record.h"
+#include "services/client/shop/shop_status.h"
+
+namespace intaglio::console {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kTurn = 20ms;
+constexpr auto kAwaitingTurn = 2ms;
+constexpr auto kStopAnswerTime = 1s;
+// A page shows what is made now; the history has the rest.
+constexpr std::size_t kEndedJobsShown = 20;
+
+constexpr char kPressTheButton[] = "press the machine's own button";
+
+}  // namespace
+
+ShopDesk::ShopDesk(bus::Bus& bus)
+    : watcher_(bus),
+      reports_(bus, ""),
+      source_(bus, "intaglio-console", client::kEveryMachine) {}
+
+StopAnswer ShopDesk::Press(const std::string& reason) {
+  const std::lock_guard lock(mutex_);
+  StopAnswer answer;
+  const auto number = source_.Press(reason.empty() ? "pressed in the console" : reason);
+  if (number) {
+    pressed_ = static_cast<std::uint32_t>(*number);
+    answer.set_sent(true);
+    answer.set_number(pressed_);
+  } else {
+    answer.set_message(
+        fmt::format("not sent: {}: {}", number.error().message, kPressTheButton));
+  }
+  return answer;
+}
+
+void ShopDesk::Order(std::function<void(ShopDesk&)> order) {
+  const std::lock_guard lock(mutex_);
+  orders_.push_back(std::move(order));
+}
+
+void ShopDesk::Turn() {
+  watcher_.Poll(IsAwaited() ? kAwaitingTurn : kTurn);
+  std::vector<std::function<void(ShopDesk&)>> orders;
+  {
+    const std::lock_guard lock(mutex_);
+    orders.swap(orders_);
+  }
+  for (const auto& order : orders) order(*this);
+  AnswerCommands();
+  AnswerStops();
+}
+
+std::vector<std::string> ShopDesk::TakeEvents() {
+  for (const auto& [uid, job] : client().jobs()) {
+    const auto [seen, is_new] = ended_.try_emplace(uid, !knows_jobs_ && job.ended());
+    if (seen->second) continue;
+    if (!job.ended()) {
+      if (is_new && job.state == intaglio_JOB_QUEUED) events_.Submitted(job);
+      events_.Show(job);
+    } else if (client::IsSettled(job)) {
+      events_.Ended(job, client::EndOf(client(), job));
+      seen->second = true;
+    }
+  }
+  knows_jobs_ = knows_jobs_ || client().KnowsAllJobs();
+  std::erase_if(ended_,
+                [this](const auto& job) { return !client().jobs().contains(job.first); });
+  std::vector<std::string> lines;
+  std::istringstream written(lines_.str());
+  for (std::string line; std::getline(written, line);) lines.push_back(line);
+  lines_.str("");
+  return lines;
+}
+
+ShopStatus ShopDesk::Status() const {
+  return client::StatusOf(watcher_.Take(), std::chrono::system_clock::now());
+}
+
+ConsoleState ShopDesk::State() {
+  ConsoleState state;
+  const client::ShopSnapshot shop = watcher_.Take();
+  *state.mutable_shop() = client::StatusOf(shop, std::chrono::system_clock::now());
+  std::size_t ended = 0;
+  for (auto job = shop.jobs.rbegin(); job != shop.jobs.rend(); ++job) {
+    if (job->ended() && ++ended > kEndedJobsShown) continue;
+    *state.add_jobs() = client::JobRecordOf(*job);
+  }
+  for (const auto& [name, cell] : shop.cells) {
+    if (!cell.has_motion) continue;
+    StagePosition& stage = *state.add_stages();
+    stage.set_cell(name);
+    stage.set_x_mm(cell.x_mm);
+    stage.set_y_mm(cell.y_mm);
+    stage.set_z_mm(cell.z_mm);
+    stage.set_at_rest(cell.at_rest);
+  }
+  if (auto stop = Confirmations(); stop.sent()) *state.mutable_stop() = std::move(stop);
+  return state;
+}
+
+void ShopDesk::Command(const std::string& job_name, intaglio_JobCommandKind kind,
+                       Answer answer) {
+  CommandAnswer refused;
+  const auto job = client().Find(job_name);
+  if (!job) {
+    refused.set_message(job.error().message);
+    return answer(404, refused);
+  }
+  refused.set_job(job->number);
+  if (job->ended()) {
+    refused.set_code("ended");
+    refused.set_message(
+        fmt::format("job {} is already {}", job->number, client::NameOf(job->state)));
+    return answer(409, refused);
+  }
+  const auto number =
+      client().Send(*job, {.kind = kind, .basis = intaglio_ARM_BY_PERSON});
+  if (!number) {
+    refused.set_message(number.error().message);
+    return answer(503, refused);
+  }
+  commands_.push_back({*number, refused, Clock::now() + client::JobClient::kAnswerTime,
+                       std::move(answer)});
+}
+
+void ShopDesk::AnswerCommands() {
+  const auto now = Clock::now();
+  std::erase_if(commands_, [&](PendingCommand& command) {
+    if (const auto reply = client().AnswerTo(command.number)) {
+      command.answer.set_taken(reply->taken());
+      command.answer.set_code(client::NameOf(reply->code));
+      command.answer.set_message(reply->message);
+      command.reply(reply->taken() ? 200 : 409, command.answer);
+      return true;
+    }
+    if (now < command.end) return false;
+    client().Withdraw(command.number);
+    command.answer.set_message(
+        "the job service did not answer; the command is withdrawn: check that it runs");
+    command.reply(504, command.answer);
+    return true;
+  });
+}
+
+void ShopDesk::AwaitConfirmation(std::uint32_t number,
+                                 std::function<void(const StopAnswer&)> answer) {
+  if (number > 0) stops_.push_back({Clock::now() + kStopAnswerTime, std::move(answer)});
+}
+
+void ShopDesk::AnswerStops() {
+  if (stops_.empty()) return;
+  const StopAnswer answer = Confirmations();
+  const auto now = Clock::now();
+  std::erase_if(stops_, [&](const PendingStop& stop) {
+    if (!answer.confirmed() && now < stop.end) return false;
+    stop.reply(answer);
+    return true;
+  });
+}
+
+StopAnswer ShopDesk::Confirmations() {
+  StopAnswer answer;
+  {
+    const std::lock_guard lock(mutex_);
+    answer.set_number(pressed_);
+    answer.set_sent(pressed_ > 0);
+  }
+  const client::ShopSnapshot shop = watcher_.Take();
+  std::string missing;
+  for (const auto& [cell, stops] : reports_.Poll()) {
+    StopConfirmation& machine = *answer.add_machines();
+    machine.set_cell(cell);
+    machine.set_confirmed(client::Names(stops.held, source_.name(), answer.number()));
+    machine.set_laser_line_up(stops.laser_line_up);
+    machine.set_shutters_closed(stops.laser_line_up && stops.shutters_closed);
+    const auto motion = shop.cells.find(cell);
+    machine.set_at_rest(motion != shop.cells.end() && motion->second.has_motion &&
+                        motion->second.at_rest);
+    if (!machine.confirmed()) missing += (missing.empty() ? "" : ", ") + cell;
+  }
+  answer.set_confirmed(answer.sent() && missing.empty() && answer.machines_size() > 0);
+  if (answer.machines_size() == 0)
+    answer.set_message(fmt::format("no machine found: {}", kPressTheButton));
+  else if (answer.sent() && !missing.empty())
+    answer.set_message(
+        fmt::format("{}: not confirmed yet: {}", missing, kPressTheButton));
+  return answer;
+}
+
+}  // namespace intaglio::console

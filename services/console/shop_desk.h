@@ -1,0 +1,86 @@
+#pragma once
+
+// The console's side of the bus: follows a shop, sends commands about jobs, and collects
+// what confirms a stop. One thread turns it; orders of the web server come by a queue.
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "proto/console.pb.h"
+#include "services/client/event_lines.h"
+#include "services/client/shop/shop_snapshot.h"
+#include "services/client/shop/shop_stops.h"
+
+namespace intaglio::console {
+
+class ShopDesk {
+ public:
+  using Clock = std::chrono::steady_clock;
+  explicit ShopDesk(bus::Bus& bus);
+
+  // From any thread.
+
+  /// Sends the emergency stop to every machine; on the bus when this returns.
+  StopAnswer Press(const std::string& reason);
+  /// To be done with the shop in the desk's next turn.
+  void Order(std::function<void(ShopDesk&)> order);
+
+  // From the thread that turns it.
+
+  /// Waits up to 20 ms for news, less while something waits for an answer; then does
+  /// the orders.
+  void Turn();
+  /// The lines of --events since the last call.
+  std::vector<std::string> TakeEvents();
+  ConsoleState State();
+  ShopStatus Status() const;
+  client::JobClient& client() { return watcher_.client(); }
+  bool IsComplete() const { return watcher_.IsComplete(); }
+
+  using Answer = std::function<void(int status, const CommandAnswer&)>;
+  /// Pause, resume or cancel. The answer comes in a later turn: 200 taken, 404 no such
+  /// job, 409 refused, 503 not sent, 504 no answer in time (it is withdrawn then).
+  void Command(const std::string& job, intaglio_JobCommandKind kind, Answer answer);
+  /// `answer` gets the confirmations of the press when every machine has confirmed it, or
+  /// after a second.
+  void AwaitConfirmation(std::uint32_t number,
+                         std::function<void(const StopAnswer&)> answer);
+  /// What the machines report of the last press.
+  StopAnswer Confirmations();
+
+ private:
+  struct PendingCommand {
+    std::uint64_t number;
+    CommandAnswer answer;
+    Clock::time_point end;
+    Answer reply;
+  };
+  struct PendingStop {
+    Clock::time_point end;
+    std::function<void(const StopAnswer&)> reply;
+  };
+  void AnswerCommands();
+  void AnswerStops();
+  bool IsAwaited() const { return !commands_.empty() || !stops_.empty(); }
+
+  client::ShopWatcher watcher_;
+  client::MachineReports reports_;
+  std::ostringstream lines_;
+  client::EventLines events_{lines_};
+  bool knows_jobs_ = false;            ///< those that had ended before are known
+  std::map<std::string, bool> ended_;  ///< by uid: its end is known, or was before
+  std::vector<PendingCommand> commands_;
+  std::vector<PendingStop> stops_;
+
+  std::mutex mutex_;  // of what follows
+  client::StopSource source_;
+  std::uint32_t pressed_ = 0;  ///< number of the last press; 0: none
+  std::vector<std::function<void(ShopDesk&)>> orders_;
+};
+
+}  // namespace intaglio::console

@@ -1,0 +1,227 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/asio/dispatch.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/beast/http/buffer_body.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/write.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <optional>
+
+#include "services/platform/web/sessions.h"
+
+namespace intaglio::web {
+namespace {
+
+std::string_view ViewOf(beast::string_view text) { return {text.data(), text.size()}; }
+
+Response Refusal(int status, const std::string& sentence) {
+  return TextResponse(status, "text/plain; charset=utf-8", sentence + "\n");
+}
+
+/// The only value of a header; empty: there is none. False: there are several.
+bool Single(const RawRequest& request, http::field name, std::string_view& value) {
+  if (request.count(name) > 1) return false;
+  value = ViewOf(request[name]);
+  return true;
+}
+
+bool HasKey(const Core& core, const RawRequest& request) {
+  std::string_view cookies, bearer;
+  if (!Single(request, http::field::cookie, cookies) ||
+      !Single(request, http::field::authorization, bearer))
+    return false;
+  return IsSameKey(CookieIn(cookies, core.CookieName()), core.options.key) ||
+         IsSameKey(BearerKeyIn(bearer), core.options.key);
+}
+
+/// Why the request is refused whatever it asks for.
+std::optional<Response> WhyForeign(const Core& core, const RawRequest& request) {
+  std::string_view host, origin;
+  if (!Single(request, http::field::host, host) || !IsOwnHost(host, core.port))
+    return Refusal(421, fmt::format("this is http://127.0.0.1:{}", core.port));
+  if (!Single(request, http::field::origin, origin) ||
+      (!origin.empty() && !IsOwnOrigin(origin, core.port)))
+    return Refusal(403, "a page of another origin may not use this console");
+  return std::nullopt;
+}
+
+class HttpSession : public Waiting, public std::enable_shared_from_this<HttpSession> {
+ public:
+  HttpSession(Core& core, beast::tcp_stream stream)
+      : counted_(std::make_shared<Counted>(core)),
+        core_(core),
+        stream_(std::move(stream)),
+        answer_timer_(core_.io) {}
+  ~HttpSession() override { StopWaiting(); }
+
+  void Start() { Read(); }
+  void Close() override {
+    StopWaiting();
+    stream_.close();
+  }
+
+ private:
+  void StopWaiting() {
+    if (place_) core_.waiting.erase(*place_);
+    place_.reset();
+  }
+
+  void Read() {
+    const Limits& limits = core_.options.limits;
+    place_ = core_.waiting.insert(core_.waiting.end(), this);
+    parser_.emplace();
+    parser_->header_limit(static_cast<std::uint32_t>(limits.header_bytes));
+    parser_->body_limit(limits.body_bytes);
+    stream_.expires_after(limits.request_time);
+    http::async_read(
+        stream_, buffer_, *parser_,
+        [self = shared_from_this()](ErrorOf error, std::size_t) { self->Take(error); });
+  }
+
+  void Take(ErrorOf error) {
+    StopWaiting();
+    keep_alive_ = false;
+    if (error == http::error::body_limit)
+      return Write(Refusal(413, "the body is too large"));
+    if (error == http::error::header_limit)
+      return Write(Refusal(431, "the headers are too large"));
+    if (error == http::error::end_of_stream) return Close();
+    if (error &&
+        error.category() == http::make_error_code(http::error::bad_method).category())
+      return Write(Refusal(400, "this is no HTTP request"));
+    if (error) return Close();
+    RawRequest request = parser_->release();
+    keep_alive_ = request.keep_alive() && request.version() == 11;
+    Decide(std::move(request));
+  }
+
+  void Decide(RawRequest request) {
+    if (auto foreign = WhyForeign(core_, request)) return Write(std::move(*foreign));
+    auto target = ParseTarget(ViewOf(request.target()));
+    if (!target) return Write(Refusal(400, target.error().message));
+    const bool get = request.method() == http::verb::get;
+    if (!get && request.method() != http::verb::post)
+      return Write(Refusal(405, "GET and POST alone are known"));
+    const auto page = core_.options.pages.find(target->path);
+    if (get && page != core_.options.pages.end())
+      return WritePage(page->second, target->query);
+    if (!HasKey(core_, request)) {
+      return Write(Refusal(401,
+                           "open the address that was printed, with its key, or send "
+                           "\"Authorization: Bearer KEY\""));
+    }
+    if (get && IsOneOf(core_.options.socket_paths, target->path))
+      return StartSocketOf(std::move(request), target->path);
+    if (get && IsOneOf(core_.options.event_paths, target->path)) {
+      if (!HasRoom()) return;
+      stream_.expires_never();
+      return StartEvents(counted_, std::move(stream_), target->path);
+    }
+    Ask({std::string(ViewOf(request.method_string())), std::move(*target),
+         std::move(request.body())});
+  }
+
+  static bool IsOneOf(const std::vector<std::string>& paths, const std::string& path) {
+    return std::find(paths.begin(), paths.end(), path) != paths.end();
+  }
+
+  bool HasRoom() {
+    if (core_.peers.size() < core_.options.limits.peer_count) return true;
+    Write(Refusal(503, "too many pages are open: close some"));
+    return false;
+  }
+
+  void StartSocketOf(RawRequest request, const std::string& path) {
+    if (!beast::websocket::is_upgrade(request))
+      return Write(Refusal(426, "this path is a WebSocket"));
+    if (!HasRoom()) return;
+    StartSocket(counted_, std::move(stream_), std::move(request), path);
+  }
+
+  void WritePage(const Response& page, const std::map<std::string, std::string>& query) {
+    const auto key = query.find("key");
+    if (key == query.end() || !IsSameKey(key->second, core_.options.key))
+      return Write(page);
+    message_ = {};
+    message_.set(http::field::set_cookie,
+                 fmt::format("{}={}; Path=/; HttpOnly; SameSite=Strict",
+                             core_.CookieName(), core_.options.key));
+    message_.set(http::field::location, "/");
+    WriteMessage(TextResponse(303, "text/plain; charset=utf-8", ""));
+  }
+
+  /// The handler may answer from any thread, and late; only the first answer counts.
+  void Ask(const Request& request) {
+    stream_.expires_never();
+    const std::weak_ptr<HttpSession> weak = shared_from_this();
+    const std::uint64_t number = ++asked_;
+    net::io_context& io = core_.io;
+    answer_timer_.expires_after(core_.options.limits.answer_time);
+    answer_timer_.async_wait([self = shared_from_this(), number](ErrorOf error) {
+      if (!error) self->Answer(number, Refusal(504, "no answer in time"));
+    });
+    core_.handlers.request(request, [weak, number, &io](Response response) {
+      net::post(io, [weak, number, response = std::move(response)]() mutable {
+        if (const auto self = weak.lock()) self->Answer(number, std::move(response));
+      });
+    });
+  }
+
+  void Answer(std::uint64_t number, Response response) {
+    if (number != asked_ || answered_ == number) return;
+    answered_ = number;
+    answer_timer_.cancel();
+    Write(std::move(response));
+  }
+
+  void Write(Response response) {
+    message_ = {};
+    WriteMessage(std::move(response));
+  }
+
+  /// `message_` has the headers that this response alone has.
+  void WriteMessage(Response response) {
+    body_ = response.body;
+    message_.result(static_cast<unsigned>(response.status));
+    message_.version(11);
+    SetSafeHeaders(message_);
+    message_.set(http::field::content_type, response.content_type);
+    message_.body() = {const_cast<char*>(body_->data()), body_->size(), false};
+    message_.keep_alive(keep_alive_);
+    message_.content_length(body_->size());
+    stream_.expires_after(core_.options.limits.write_time);
+    http::async_write(stream_, message_,
+                      [self = shared_from_this()](ErrorOf error, std::size_t) {
+                        if (error || !self->keep_alive_) return self->Close();
+                        self->Read();
+                      });
+  }
+
+  CountedPtr counted_;
+  Core& core_;
+  beast::tcp_stream stream_;
+  net::steady_timer answer_timer_;
+  beast::flat_buffer buffer_;
+  std::optional<http::request_parser<http::string_body>> parser_;
+  http::response<http::buffer_body> message_;
+  std::shared_ptr<const std::string> body_;
+  std::optional<std::list<Waiting*>::iterator> place_;
+  std::uint64_t asked_ = 0, answered_ = 0;
+  bool keep_alive_ = false;
+};
+
+}  // namespace
+
+Response TextResponse(int status, std::string content_type, std::string body) {
+  return {status, std::move(content_type),
+          std::make_shared<const std::string>(std::move(body))};
+}
+
+void StartHttp(Core& core, beast::tcp_stream stream) {
+  std::make_shared<HttpSession>(core, std::move(stream))->Start();
+}
+
+}  // namespace intaglio::web

@@ -1,0 +1,103 @@
+#pragma once
+
+// A small web server for one computer: HTTP/1.1, server-sent events, WebSockets. One
+// thread runs it; everything that a client can make it keep is bounded. There is no TLS
+// yet, so it serves loopback alone and refuses every other address.
+//
+// Every request is checked here, before a handler sees it:
+//   Host            an own one, else 421: no name of somebody else leads here
+//   Origin          an own one where there is one, else 403: no page of somebody else
+//                   sends requests or opens a WebSocket
+//   key             in the cookie or as "Authorization: Bearer KEY", else 401; the pages
+//                   themselves need none. GET /?key=KEY sets the cookie.
+//
+// Boost.Beast is included in this folder alone: it costs the compiler half a minute.
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engrave/core/result.h"
+#include "services/platform/web/request_rules.h"
+
+namespace intaglio::web {
+
+struct Request {
+  std::string method;  ///< "GET", "POST"
+  Target target;
+  std::string body;
+};
+
+struct Response {
+  int status = 200;
+  std::string content_type = "application/json";
+  std::shared_ptr<const std::string> body;  ///< shared: a large one is not copied
+};
+/// A response with a text that is its own.
+Response TextResponse(int status, std::string content_type, std::string body);
+
+/// Answers a request, once; from any thread, while the server lives.
+using Reply = std::function<void(Response)>;
+/// A connection that stays open; never used again in a process.
+using PeerId = std::uint64_t;
+
+struct Limits {
+  std::size_t header_bytes = 8192;
+  std::size_t body_bytes = 65536;
+  std::size_t message_bytes = 4096;  ///< of a WebSocket, received
+  /// Waiting for a slow reader; beyond it the reader is disconnected.
+  std::size_t queue_bytes = 1 << 20;
+  std::size_t connection_count = 512;  ///< then the one that waits longest leaves
+  std::size_t peer_count = 64;         ///< open event streams and WebSockets
+  std::chrono::milliseconds request_time{10'000};   ///< until a request is complete
+  std::chrono::milliseconds answer_time{20'000};    ///< of a handler
+  std::chrono::milliseconds write_time{10'000};     ///< for a reader to take what is sent
+  std::chrono::milliseconds comment_period{5'000};  ///< of a silent event stream
+};
+
+/// Called in the thread of Run; they do not wait.
+struct Handlers {
+  std::function<void(const Request&, Reply)> request;
+  /// What a new peer of a path gets first.
+  std::function<std::string(const std::string& path)> greeting;
+  /// A text from a WebSocket.
+  std::function<void(PeerId, std::string)> message;
+};
+
+struct ServerOptions {
+  std::string address = "127.0.0.1";
+  std::uint16_t port = 0;                 ///< 0: a free one
+  std::string key;                        ///< of whoever may use it; not empty
+  std::map<std::string, Response> pages;  ///< by path; GET without a key
+  std::vector<std::string> event_paths;   ///< of server-sent events
+  std::vector<std::string> socket_paths;  ///< of WebSockets
+  Limits limits;
+};
+
+class Server {
+ public:
+  /// kInvalidValue: the address is not of loopback. kIo: the port is in use.
+  static Result<std::unique_ptr<Server>> Open(ServerOptions options, Handlers handlers);
+  ~Server();
+
+  std::uint16_t port() const;
+  /// Until Stop; once.
+  void Run();
+
+  // From any thread.
+  void Stop();
+  /// To every peer of the path: an event's data, a line, or a WebSocket's text.
+  void Publish(const std::string& path, std::string text);
+  void Send(PeerId peer, std::string text);
+
+ private:
+  struct Impl;
+  explicit Server(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace intaglio::web

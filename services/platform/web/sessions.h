@@ -1,0 +1,126 @@
+#pragma once
+
+// The connections of a server; for this folder alone. Callbacks and no coroutines: the
+// compiler of the lint and the fuzz targets, clang 14, has none that fit Debian's
+// library.
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/message.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <deque>
+#include <list>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "services/platform/web/server.h"
+
+namespace intaglio::web {
+
+namespace net = boost::asio;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+using ErrorOf = boost::system::error_code;
+using RawRequest = http::request<http::string_body>;
+
+/// A connection that stays open and is written to.
+class Peer {
+ public:
+  virtual ~Peer() = default;
+  virtual void Send(std::shared_ptr<const std::string> text) = 0;
+  virtual void Close() = 0;
+};
+
+/// A connection that waits for a request can be closed for a newer one.
+class Waiting {
+ public:
+  virtual ~Waiting() = default;
+  virtual void Close() = 0;
+};
+
+/// What the connections of a server have in common; used in its thread alone.
+struct Core {
+  ServerOptions options;
+  Handlers handlers;
+  std::uint16_t port = 0;
+  std::size_t connection_count = 0;
+  std::list<Waiting*> waiting;  ///< the oldest first
+  PeerId last_peer = 0;
+  struct OpenPeer {
+    std::string path;
+    std::weak_ptr<Peer> peer;
+  };
+  std::map<PeerId, OpenPeer> peers;
+  /// The last, and so destroyed first: its pending handlers keep connections.
+  net::io_context io{1};
+
+  std::string CookieName() const { return "intaglio_" + std::to_string(port); }
+  PeerId Add(const std::string& path, const std::shared_ptr<Peer>& peer) {
+    peers[++last_peer] = {path, peer};
+    return last_peer;
+  }
+};
+
+/// Counts a connection as long as it lives.
+class Counted {
+ public:
+  explicit Counted(Core& core) : core_(core) { ++core_.connection_count; }
+  Counted(const Counted&) = delete;
+  Counted& operator=(const Counted&) = delete;
+  ~Counted() { --core_.connection_count; }
+  Core& core() const { return core_; }
+
+ private:
+  Core& core_;
+};
+using CountedPtr = std::shared_ptr<Counted>;
+
+/// Texts that wait until a slow reader has taken those before.
+class OutQueue {
+ public:
+  explicit OutQueue(std::size_t max_bytes) : max_bytes_(max_bytes) {}
+  /// False: there would be too many bytes.
+  bool Push(std::shared_ptr<const std::string> text) {
+    bytes_ += text->size();
+    texts_.push_back(std::move(text));
+    return bytes_ <= max_bytes_;
+  }
+  bool empty() const { return texts_.empty(); }
+  const std::string& front() const { return *texts_.front(); }
+  void Pop() {
+    bytes_ -= texts_.front()->size();
+    texts_.pop_front();
+  }
+
+ private:
+  std::size_t max_bytes_, bytes_ = 0;
+  std::deque<std::shared_ptr<const std::string>> texts_;
+};
+
+/// Both begin with a request that was checked. They keep themselves alive.
+void StartEvents(CountedPtr counted, beast::tcp_stream stream, std::string path);
+void StartSocket(CountedPtr counted, beast::tcp_stream stream, RawRequest request,
+                 std::string path);
+/// Reads requests from a new connection.
+void StartHttp(Core& core, beast::tcp_stream stream);
+
+/// Headers of every response.
+template <typename Message>
+void SetSafeHeaders(Message& message) {
+  message.set(http::field::server, "intaglio");
+  message.set(http::field::cache_control, "no-store");
+  message.set("X-Content-Type-Options", "nosniff");
+  message.set("Referrer-Policy", "no-referrer");
+  message.set("X-Frame-Options", "DENY");
+  message.set("Cross-Origin-Resource-Policy", "same-origin");
+  message.set("Content-Security-Policy",
+              "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
+              "connect-src 'self'; worker-src 'self'; base-uri 'none'; "
+              "frame-ancestors 'none'; form-action 'none'");
+}
+
+}  // namespace intaglio::web

@@ -1,0 +1,203 @@
+#!/usr/bin/python3
+"""The console's page in a browser, against a shop of real processes.
+
+  console_browser_test.py --intaglio PROGRAM --folder FOLDER
+
+Needs chromium, chromium-driver and python3-selenium; ends with 77 (skipped) without them. A
+picture of the page is left in the folder; no points in it fail the test.
+"""
+import argparse
+import os
+import pathlib
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import time
+import zlib
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+NAME = "<b>knot</b>"
+
+
+def missing():
+    """What is not installed."""
+    names = [p for p in ("chromium", "chromedriver") if not pathlib.Path("/usr/bin", p).exists()]
+    try:
+        import selenium  # noqa: F401
+    except ImportError:
+        names.append("python3-selenium")
+    return names
+
+
+def pixels(png):
+    """Rows of (r, g, b) of a PNG of 8 bits."""
+    at, data = 8, b""
+    while at < len(png):
+        size, kind = struct.unpack(">I4s", png[at:at + 8])
+        chunk = png[at + 8:at + 8 + size]
+        if kind == b"IHDR":
+            width, height, _, color = struct.unpack(">IIBB", chunk[:10])
+        if kind == b"IDAT":
+            data += chunk
+        at += 12 + size
+    step = {2: 3, 6: 4}[color]
+    raw, before, rows = zlib.decompress(data), bytearray(width * step), []
+    for y in range(height):
+        line = raw[y * (width * step + 1):(y + 1) * (width * step + 1)]
+        kind, row = line[0], bytearray(line[1:])
+        for i in range(len(row)):
+            left = row[i - step] if i >= step else 0
+            up, corner = before[i], before[i - step] if i >= step else 0
+            if kind == 4:
+                guess = left + up - corner
+                near = min((left, up, corner), key=lambda v: abs(guess - v))
+            else:
+                near = (0, left, up, (left + up) // 2)[kind]
+            row[i] = (row[i] + near) & 255
+        rows.append([tuple(row[x:x + 3]) for x in range(0, len(row), step)])
+        before = row
+    return rows
+
+
+def eventually(condition, seconds=60):
+    """The first true value of the condition; fails after the time."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        value = condition()
+        if value:
+            return value
+        time.sleep(0.1)
+    raise AssertionError(f"not within {seconds} s: {condition.__name__}")
+
+
+def look(driver, folder, say, cracks, console_pid):
+    """What a person does with the page."""
+    from selenium.webdriver.common.by import By
+
+    def text(selector):
+        return driver.find_element(By.CSS_SELECTOR, selector).text
+
+    def engraving():
+        return f"{NAME}: engraving" in text("job-list")
+
+    def drawn():
+        return int(driver.find_element(By.CSS_SELECTOR, "glass-view")
+                   .get_attribute("data-drawn") or 0) > 100
+
+    def made():
+        return int(text("glass-view").split()[0]) >= 20
+
+    eventually(engraving)
+    say("a name of a job is text")
+    eventually(drawn)
+    eventually(made)
+    canvas = driver.find_element(By.CSS_SELECTOR, "canvas").screenshot_as_png
+    (folder / "glass.png").write_bytes(canvas)
+    driver.save_screenshot(str(folder / "page.png"))
+    lit = sum(max(pixel) > 40 for row in pixels(canvas) for pixel in row)
+    bright = sum(min(pixel) > 170 for row in pixels(canvas) for pixel in row)
+    say(f"{lit} lit pixels, {bright} of cracks")
+    assert lit > 500 and bright > 10, (lit, bright)
+
+    def confirmed():
+        return "els-03: no pulse is fired" in text("stop-button")
+
+    driver.find_element(By.ID, "stop").click()
+    eventually(confirmed, 10)
+    before = cracks()
+    say("stopped")
+    driver.refresh()
+
+    def held():
+        return "STOP PRESSED" in text("machine-list")
+
+    eventually(held)
+    time.sleep(3)
+    assert cracks() == before, "nothing starts by a reload"
+    os.kill(console_pid(), signal.SIGSTOP)
+
+    def lost():
+        return "press the button of the machine" in text("stop-button")
+
+    eventually(lost, 10)
+    say("a lost connection is shown in the place of the stop")
+    os.kill(console_pid(), signal.SIGCONT)
+
+    def back():
+        return not text("stop-button").startswith("No connection")
+
+    eventually(back)
+    errors = [line for line in driver.get_log("browser") if "Content Security" in line["message"]]
+    assert not errors, errors
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--intaglio", required=True)
+    parser.add_argument("--folder", required=True, type=pathlib.Path)
+    given = parser.parse_args()
+    if missing():
+        print("skipped: not installed:", ", ".join(missing()))
+        return 77
+    from selenium import webdriver
+    from selenium.webdriver.chrome.service import Service
+
+    folder = given.folder
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    place = ["--domain", "47", "--tag", f"browser{folder.stat().st_ino}"]
+    log = open(folder / "up.txt", "w")
+    up = subprocess.Popen([given.intaglio, "up", "--console", "--folder", folder / "shop",
+                           "--materials", folder / "materials.db", "--warm-up", "1",
+                           "--block", "50", "50", "30", *place], stdout=log, stderr=log)
+    driver = None
+    try:
+        def address():
+            lines = (folder / "up.txt").read_text().splitlines()
+            found = [line for line in lines if line.startswith("web console: ")]
+            return "the shop is open" in "\n".join(lines) and found[0].split()[-1]
+
+        def cracks():
+            from socket import AF_UNIX, socket
+            with socket(AF_UNIX) as panel:
+                panel.connect(str(folder / "shop/panel"))
+                panel.sendall(b"status\n")
+                answer = panel.recv(65536).decode()
+            return int(answer.split('"cracks": ')[1].split(",")[0].split("}")[0])
+
+        def console_pid():
+            for process in pathlib.Path("/proc").glob("[0-9]*"):
+                try:
+                    words = (process / "cmdline").read_bytes().split(b"\0")
+                except OSError:
+                    continue  # it has ended
+                if words[0].endswith(b"intaglio-console") and \
+                        str(folder / "shop/console.address").encode() in words:
+                    return int(process.name)
+            raise AssertionError("no console runs")
+
+        url = eventually(address)
+        subprocess.run([given.intaglio, "submit", ROOT / "deploy/jobs/sample.textproto",
+                        "--height", "12", "--spacing", "0.5", "--rate", "25", "--name", NAME,
+                        "--arm", *place], check=True)
+        options = webdriver.ChromeOptions()
+        for flag in ("--headless=new", "--no-sandbox", "--window-size=1280,1000",
+                     "--use-angle=swiftshader", "--enable-unsafe-swiftshader"):
+            options.add_argument(flag)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        driver = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
+        driver.get(url)
+        assert "key=" not in driver.current_url
+        look(driver, folder, print, cracks, console_pid)
+    finally:
+        if driver:
+            driver.quit()
+        up.send_signal(signal.SIGINT)
+        up.wait(20)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,218 @@
+// The server in this process, asked by raw connections.
+
+#include "services/platform/web/server.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "tests/patience.h"
+#include "tests/services/platform/web/web_client.h"
+
+namespace intaglio::web {
+namespace {
+
+using namespace std::chrono_literals;
+using test::Ask;
+using test::WebConnection;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class WebServer : public ::testing::Test {
+ protected:
+  void Open(Limits limits = {}) {
+    ServerOptions options;
+    options.key = "key";
+    options.pages["/"] = TextResponse(200, "text/html; charset=utf-8", "page");
+    options.event_paths = {"/events"};
+    options.socket_paths = {"/socket"};
+    options.limits = limits;
+    Handlers handlers;
+    handlers.request = [this](const Request& request, Reply reply) {
+      ++asked_;
+      if (request.target.path != "/never")
+        reply(TextResponse(200, "text/plain", request.method + request.body));
+    };
+    handlers.greeting = [](const std::string& path) { return "hello " + path; };
+    handlers.message = [this](PeerId peer, const std::string& text) {
+      server_->Send(peer, "echo " + text);
+    };
+    auto opened = Server::Open(options, handlers);
+    ASSERT_TRUE(opened) << opened.error().message;
+    server_ = std::move(*opened);
+    thread_ = std::thread([this] { server_->Run(); });
+  }
+  ~WebServer() override {
+    if (!server_) return;
+    server_->Stop();
+    thread_.join();
+  }
+  std::uint16_t port() const { return server_->port(); }
+
+  std::unique_ptr<Server> server_;
+  std::thread thread_;
+  std::atomic<int> asked_ = 0;
+};
+
+TEST_F(WebServer, ServesPagesToAllAndTheRestToTheKey) {
+  Open();
+  const auto page = Ask(port(), {});
+  EXPECT_EQ(page.status, 200);
+  EXPECT_EQ(page.body, "page");
+  EXPECT_THAT(page.headers, HasSubstr("default-src 'none'"));
+  EXPECT_THAT(page.headers, HasSubstr("nosniff"));
+  EXPECT_EQ(Ask(port(), {.path = "/x"}).status, 401);
+  EXPECT_EQ(Ask(port(), {.path = "/x", .key = "kez"}).status, 401);
+  EXPECT_EQ(asked_, 0);
+  const auto post =
+      Ask(port(), {.method = "POST", .path = "/x", .key = "key", .body = "abc"});
+  EXPECT_EQ(post.body, "POSTabc");
+  EXPECT_EQ(Ask(port(), {.method = "DELETE", .path = "/x", .key = "key"}).status, 405);
+}
+
+TEST_F(WebServer, TheKeyOfTheAddressBecomesACookie) {
+  Open();
+  const auto redirect = Ask(port(), {.path = "/?key=key"});
+  EXPECT_EQ(redirect.status, 303);
+  const std::string cookie = "intaglio_" + std::to_string(port()) + "=key";
+  EXPECT_THAT(redirect.headers,
+              HasSubstr(cookie + "; Path=/; HttpOnly; SameSite=Strict"));
+  EXPECT_THAT(Ask(port(), {.path = "/?key=wrong"}).headers, Not(HasSubstr("Cookie")));
+  EXPECT_EQ(Ask(port(), {.path = "/x", .headers = "Cookie: " + cookie + "\r\n"}).status,
+            200);
+}
+
+TEST_F(WebServer, RefusesForeignHostsAndOriginsEvenWithTheKey) {
+  Open();
+  EXPECT_EQ(Ask(port(), {.path = "/x", .key = "key", .host = "evil.example"}).status,
+            421);
+  EXPECT_EQ(Ask(port(), {.key = "key", .host = "evil.example"}).status, 421);
+  const std::string own = "Origin: http://127.0.0.1:" + std::to_string(port()) + "\r\n";
+  const std::string foreign = "Origin: http://evil.example\r\n";
+  for (const char* method : {"GET", "POST"}) {
+    const auto status_with = [&](const std::string& headers) {
+      return Ask(port(),
+                 {.method = method, .path = "/x", .key = "key", .headers = headers})
+          .status;
+    };
+    EXPECT_EQ(status_with(foreign), 403);
+    EXPECT_EQ(status_with("Origin: null\r\n"), 403);
+    EXPECT_EQ(status_with(own + foreign), 403);
+    EXPECT_EQ(status_with(own), 200);
+  }
+  WebConnection socket(port());
+  socket.Send(test::Upgrade(port(), "/socket", "key", foreign));
+  EXPECT_THAT(socket.ReadUntil("\r\n\r\n", 10s), HasSubstr(" 403 "));
+}
+
+TEST_F(WebServer, RefusesWhatIsTooLargeOrBroken) {
+  Open({.header_bytes = 1000, .body_bytes = 100});
+  EXPECT_EQ(Ask(port(), {.headers = "X: " + std::string(2000, 'a') + "\r\n"}).status,
+            431);
+  EXPECT_EQ(
+      Ask(port(),
+          {.method = "POST", .path = "/x", .key = "key", .body = std::string(200, 'a')})
+          .status,
+      413);
+  EXPECT_EQ(Ask(port(), {.path = "/../../etc/passwd", .key = "key"}).status, 400);
+  EXPECT_EQ(Ask(port(), {.path = "/%2e%2e/etc/passwd", .key = "key"}).status, 400);
+  WebConnection broken(port());
+  broken.Send("no request at all\r\n\r\n");
+  EXPECT_TRUE(broken.Ends(10s));
+  EXPECT_EQ(asked_, 0);
+  EXPECT_EQ(Ask(port(), {}).status, 200);
+}
+
+TEST_F(WebServer, AWebSocketGreetsAndAnswers) {
+  Open();
+  WebConnection socket(port());
+  socket.Send(test::Upgrade(port(), "/socket", "key"));
+  EXPECT_THAT(socket.ReadUntil("\r\n\r\n", 10s), HasSubstr(" 101 "));
+  EXPECT_EQ(test::ReadFrame(socket, 10s), "hello /socket");
+  socket.Send(test::Frame("a"));
+  EXPECT_EQ(test::ReadFrame(socket, 10s), "echo a");
+  server_->Publish("/socket", "news");
+  EXPECT_EQ(test::ReadFrame(socket, 10s), "news");
+  socket.Send(std::string(20, '\xff'));  // no frame
+  EXPECT_TRUE(socket.Ends(10s));
+}
+
+TEST_F(WebServer, AnEventStreamHasALineForEach) {
+  Open();
+  WebConnection events(port());
+  events.Send("GET /events HTTP/1.1\r\nHost: localhost:" + std::to_string(port()) +
+              "\r\nAuthorization: Bearer key\r\n\r\n");
+  EXPECT_THAT(events.ReadUntil("\r\n\r\n", 10s), HasSubstr("text/event-stream"));
+  EXPECT_EQ(events.ReadUntil("\n\n", 10s), "data: hello /events\n\n");
+  server_->Publish("/events", "{}");
+  EXPECT_EQ(events.ReadUntil("\n\n", 10s), "data: {}\n\n");
+}
+
+// Such a reader costs what the limit allows, and then its connection.
+TEST_F(WebServer, ASlowReaderIsDisconnectedAndDelaysNobody) {
+  Open({.queue_bytes = 1 << 20});
+  WebConnection slow(port(), 4096);
+  slow.Send("GET /events HTTP/1.1\r\nHost: localhost:" + std::to_string(port()) +
+            "\r\nAuthorization: Bearer key\r\n\r\n");
+  ASSERT_THAT(slow.ReadUntil("hello", 10s), HasSubstr("hello"));
+  for (int i = 0; i < 200; ++i) {
+    server_->Publish("/events", std::string(100'000, 'a'));
+    if (i % 20 == 0) {
+      EXPECT_EQ(Ask(port(), {}).status, 200);
+    }
+  }
+  EXPECT_TRUE(slow.Ends(20s));
+}
+
+TEST_F(WebServer, HalfOpenConnectionsEndAndKeepNobodyOut) {
+  Open({.connection_count = 50, .request_time = 1000ms});
+  std::vector<WebConnection> half_open;
+  for (int i = 0; i < 200; ++i) {
+    half_open.emplace_back(port());
+    half_open.back().Send("GET / HTTP/1.1\r\nHost: lo");
+  }
+  EXPECT_EQ(Ask(port(), {}).status, 200);
+  EXPECT_TRUE(half_open.front().Ends(10s));
+  EXPECT_TRUE(half_open.back().Ends(10s));
+}
+
+TEST_F(WebServer, AHandlerThatNeverAnswersEndsByTime) {
+  Open({.answer_time = 100ms});
+  EXPECT_EQ(Ask(port(), {.path = "/never", .key = "key"}).status, 504);
+}
+
+TEST_F(WebServer, MorePeersThanAllowedAreRefused) {
+  Open({.peer_count = 1});
+  WebConnection first(port());
+  first.Send(test::Upgrade(port(), "/socket", "key"));
+  EXPECT_EQ(first.ReadUntil("hello", 10s).find(" 101 "), 8u);
+  WebConnection second(port());
+  second.Send(test::Upgrade(port(), "/socket", "key"));
+  EXPECT_THAT(second.ReadUntil("\r\n\r\n", 10s), HasSubstr(" 503 "));
+}
+
+TEST(WebServerAddress, ANetworkIsRefusedByName) {
+  for (const char* address : {"0.0.0.0", "192.168.1.4", "::", "shop.example", ""}) {
+    ServerOptions options;
+    options.address = address;
+    options.key = "key";
+    const auto opened = Server::Open(options, {});
+    ASSERT_FALSE(opened) << address;
+    EXPECT_THAT(opened.error().message, HasSubstr("only an address of this computer"));
+  }
+}
+
+TEST(WebServerAddress, AUsedPortIsNamed) {
+  ServerOptions options;
+  options.key = "key";
+  const auto first = Server::Open(options, {});
+  ASSERT_TRUE(first);
+  options.port = (*first)->port();
+  const auto second = Server::Open(options, {});
+  ASSERT_FALSE(second);
+  EXPECT_THAT(second.error().message, HasSubstr("choose another port"));
+}
+
+}  // namespace
+}  // namespace intaglio::web
