@@ -58,7 +58,7 @@ std::string ClockTime(std::time_t time) {
   return fmt::format("{:02}:{:02}", local.tm_hour, local.tm_min);
 }
 
-/// Without the parts of cheapest worth, as far as they make it too wide.
+/// Without the parts of smallest worth, as far as they make it too wide.
 std::string Fit(std::vector<Part> parts, std::size_t columns) {
   while (WidthOf(Joined(parts)) > columns) {
     const auto cheapest =
