@@ -11,6 +11,7 @@
 #include "engrave/core/try.h"
 #include "materials_db/material_store.h"
 #include "services/cli/complain.h"
+#include "services/cli/flags/console_flag.h"
 #include "services/cli/flags/run_flags.h"
 #include "services/cli/flags/size_limits_flag.h"
 #include "services/cli/interrupt.h"
@@ -136,7 +137,7 @@ Result<client::ServiceSet> RunSession::StartServices(
   set.without = {options_.without.begin(), options_.without.end()};
   if (options_.record) set.recording = out_ / "session.mcap";
   set.recording_bulk = options_.bulk;
-  set.console_port = options_.console_port;
+  set.console_port = ConsolePortOf(options_.console_port);
   HandOnSizeLimits(options_.job.size_limits);
   return client::ServiceSet::Start(set, &machine);
 }
@@ -172,7 +173,7 @@ int RunSession::Engrave(client::ServiceSet& services) {
   if (!reported) return Complain(reported.error(), client::kExitInternal);
   std::cerr << fmt::format("processes   {}, logs in {}\n",
                            fmt::join(services.Processes(), ", "), session_.string());
-  if (options_.console_port >= 0) {
+  if (!options_.console_port.empty()) {
     const auto address = services.AwaitConsole();
     if (!address) return Complain(address.error(), client::kExitWrongInput);
     std::cerr << "web console " << *address << "\n";

@@ -54,7 +54,7 @@ struct UpOptions {
   bool lockstep = false;
   bool record = false;
   std::string bulk;
-  int console_port = -1;
+  std::string console_port;
   double speed = 1;
   TruthFlags truth;
   MountFlags mount;
@@ -197,7 +197,7 @@ int Up(const UpOptions& options) {
   set.bus = options.bus;
   set.bus.cell = machine->name();
   set.without = {options.without.begin(), options.without.end()};
-  set.console_port = options.console_port;
+  set.console_port = ConsolePortOf(options.console_port);
   // What a refused shop has made goes again, while the folder is still locked.
   std::optional<client::FolderLock> lock;
   client::FreshPaths fresh(

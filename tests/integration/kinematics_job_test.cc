@@ -99,11 +99,6 @@ TEST_F(KinematicsJob, WithArmAndRotaryTableIsInPlace) {
   ExpectAllMadeInPlace(RunOn(kMachines + "polar.textproto"));
 }
 
-// Mirrors that tilt the beam, and a slow z: every crack within 10 um beside its point.
-TEST_F(KinematicsJob, WithMirrorsOverTheBlockIsInPlace) {
-  ExpectAllMadeInPlace(RunOn(kMachines + "galvo-glass.textproto"));
-}
-
 // Stopping at each point, by a controller with a clock of its own.
 TEST_F(KinematicsJob, WithArmAndRotaryTableOnAClockOfItsOwnIsInPlace) {
   ExpectAllMadeInPlace(

@@ -26,7 +26,7 @@ struct RunOptions {
   bool record = true;
   CustomerPictureFlags picture;
   std::string bulk;
-  int console_port = -1;
+  std::string console_port;
   bus::BusOptions bus;
 };
 

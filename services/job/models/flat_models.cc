@@ -124,8 +124,8 @@ MadePoints MakePicture(const Method& method, const MethodInput& input,
                        std::string_view file, const ReadLimits& limits,
                        Warnings& warnings) {
   const auto picture = INTAGLIO_TRY(ReadPicture(method, file, limits));
-  const auto [least, greatest] = std::ranges::minmax_element(picture.samples);
-  if (*least == *greatest) {
+  const auto [nearest_mm, greatest] = std::ranges::minmax_element(picture.samples);
+  if (*nearest_mm == *greatest) {
     Warning even = MakeWarning(
         WarningCode::kLeftOut,
         fmt::format("{}: all its pixels have the same grey, with white behind those that "
