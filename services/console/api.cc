@@ -149,8 +149,9 @@ void Api::AnswerPost(const std::string& path, const web::Request& request,
     });
   }
   if (!path.starts_with(kJobs)) return reply(Unknown());
-  const auto [job, name] = SplitJob(std::string_view(path).substr(kJobs.size()));
-  const auto kind = CommandNamed(name);
+  const auto job_and_name = SplitJob(std::string_view(path).substr(kJobs.size()));
+  const std::string& job = job_and_name.first;  // clang captures no part of a binding
+  const auto kind = CommandNamed(job_and_name.second);
   if (!kind) return reply(Unknown());
   desk_.Order([job, kind = *kind, reply](ShopDesk& desk) {
     desk.Command(job, kind, [reply](int status, const CommandAnswer& answer) {

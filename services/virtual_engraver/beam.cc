@@ -57,7 +57,7 @@ Focus TraceFocus(const Vec3& stage_mm, const BlockInMachine& block, const Vec2& 
     // The first ray of the ring is in the plane of incidence.
     const Vec2 aside =
         slopes.norm() > 0 ? Vec2(slopes.normalized()) : Vec2(Vec2::UnitX());
-    const Vec3 beside(-aside.y(), aside.x(), 0), outward = beside.cross(down);
+    const Vec3 beside(-aside.y(), aside.x(), 0), outward = down.cross(beside);
     const Ray axis = IntoGlass(stage_mm, down, top_mm, block.refractive_index);
     Vec3 sum = Vec3::Zero();
     for (int i = 0; i < kRays; ++i) {

@@ -56,7 +56,7 @@ TEST(CommandLine, ShowsANewcomerWhatToDoNext) {
     const Ended ended = Type(words);
     EXPECT_EQ(ended.exit_code, 0);
     EXPECT_THAT(ended.output, HasSubstr("Where to begin"));
-    EXPECT_THAT(ended.output, HasSubstr("intaglio run --mesh FILE"));
+    EXPECT_THAT(ended.output, HasSubstr("intaglio run FILE"));
     for (const std::string& command : kCommands) {
       EXPECT_THAT(ended.output, HasSubstr("\n  " + command + " ")) << command;
     }
