@@ -81,10 +81,13 @@ std::string GlassLines(const JobReport& report) {
   text += fmt::format(
       "order       {} points fired through an earlier crack\n"
       "spacing     minimum {}, {:.4f} mm required\n"
-      "time        {} at {:g} Hz, {} ticks, {:.4f} points a tick\n",
+      "time        {} at {:g} Hz, {} ticks{}, {:.4f} points a tick\n",
       report.shadow_violations(), client::SpacingText(report), report.min_spacing_mm(),
       client::ShortDuration(report.machining_time_s()), report.job().laser().rate_hz(),
-      GroupedDigits(report.ticks()), report.utilisation());
+      GroupedDigits(report.ticks()),
+      report.has_ticks_bound() ? client::AboveBound(report.ticks(), report.ticks_bound())
+                               : "",
+      report.utilisation());
   text += PulsesText(report);
   for (const ChannelCounts& channel : report.channels()) {
     text += fmt::format("channel {}   {} planned, {} made, {} doubled, {} stray\n",

@@ -29,4 +29,12 @@ std::string ShortDuration(double seconds) {
   return fmt::format("{} h {:02} min", whole / 3600, whole % 3600 / 60);
 }
 
+std::string AboveBound(std::uint64_t ticks, std::uint64_t bound) {
+  if (ticks <= bound) return ", the best possible";
+  // Tenths of a per cent, in whole numbers: what divides evenly is not rounded up.
+  const std::uint64_t tenths = (1000 * (ticks - bound) + bound - 1) / bound;
+  return fmt::format(", at most {}.{} % above the best possible", tenths / 10,
+                     tenths % 10);
+}
+
 }  // namespace intaglio::client

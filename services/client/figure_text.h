@@ -13,5 +13,8 @@ std::string GroupedDigits(std::uint64_t number);
 std::string ShortNumber(double number);
 /// 3725 -> "1 h 02 min", 62 -> "1 min 02 s", 3.2 -> "3.2 s".
 std::string ShortDuration(double seconds);
+/// 1014, 1000 -> ", at most 1.4 % above the best possible", rounded up; of the bound
+/// itself ", the best possible".
+std::string AboveBound(std::uint64_t ticks, std::uint64_t bound);
 
 }  // namespace intaglio::client

@@ -18,9 +18,11 @@
 #include "services/client/figure_text.h"
 #include "services/client/proof/proof_figures.h"
 #include "services/job/json_text.h"
+#include "services/job/machine/job_ticks_bound.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/options.h"
 #include "services/job/plan/predicted_errors.h"
+#include "services/platform/host/threads/worker_threads.h"
 
 namespace intaglio::cli {
 namespace {
@@ -175,6 +177,9 @@ Result<PlannedMotion> PlanMotion(const FrozenJob& job, const PointList& path,
     planned.set_predicted_max_error_um(predicted.max_um());
     planned.set_wrong_mechanics_max_error_um(predicted.wrong_mechanics_max_um());
   }
+  if (const auto bound = JobTicksBound(job.machine(), path, plan, host::AllCores())) {
+    planned.set_ticks_bound(*bound);
+  }
   if (errors_um != nullptr) *errors_um = predicted.errors_um();
   return planned;
 }
@@ -203,7 +208,7 @@ std::string FiguresOf(const PlanReport& report) {
       "path          {} points, {} fired through an earlier crack, checksum {}\n"
       "travel        {} mm, the longest axis of each step; longest step {:.2f} mm\n"
       "motion        {}, {} at {:g} Hz, {:g} mm/s, {:g} mm/s^2\n"
-      "time          {}, {} ticks\n"
+      "time          {}, {} ticks{}\n"
       "utilisation   {:.4f} points a tick\n"
       "violations    {} of limits, places or ticks\n"
       "acceleration  {} mm/s^2 rms, {} mm/s^2 peak\n"
@@ -215,10 +220,12 @@ std::string FiguresOf(const PlanReport& report) {
       Grouped(report.travel_mm()), report.longest_step_mm(), m.planner(),
       report.machine(), report.rate_hz(), report.max_speed_mm_s(),
       report.max_acceleration_mm_s2(), client::ShortDuration(m.machining_time_s()),
-      client::GroupedDigits(m.ticks()), m.utilisation(),
-      client::GroupedDigits(m.violation_count()), Grouped(m.rms_acceleration_mm_s2()),
-      Grouped(m.peak_acceleration_mm_s2()), Grouped(m.mean_jerk_mm_s3()),
-      m.peak_speed_mm_s(), client::GroupedDigits(m.segment_count()),
+      client::GroupedDigits(m.ticks()),
+      m.has_ticks_bound() ? client::AboveBound(m.ticks(), m.ticks_bound()) : "",
+      m.utilisation(), client::GroupedDigits(m.violation_count()),
+      Grouped(m.rms_acceleration_mm_s2()), Grouped(m.peak_acceleration_mm_s2()),
+      Grouped(m.mean_jerk_mm_s3()), m.peak_speed_mm_s(),
+      client::GroupedDigits(m.segment_count()),
       client::ShortNumber(m.planned_points_per_s()));
   if (m.max_move_um() > 0) {
     text += fmt::format("\nmoves         {:.2f} um at most, of a point", m.max_move_um());

@@ -21,6 +21,10 @@ std::string TimeText(const JobPreview& figures) {
   if (time.warm_up_s() > 0) {
     text += fmt::format(", after {} of lamp warm-up", ShortDuration(time.warm_up_s()));
   }
+  if (time.has_ticks_bound()) {
+    text += fmt::format("; {} ticks{}", GroupedDigits(time.ticks()),
+                        AboveBound(time.ticks(), time.ticks_bound()));
+  }
   if (time.planned_count() < figures.point_count()) {
     text +=
         fmt::format("; from a sample of {} points", GroupedDigits(time.planned_count()));

@@ -10,6 +10,7 @@
 #include "engrave/core/try.h"
 #include "engrave/machine/axes_from_glass.h"
 #include "engrave/sort/order.h"
+#include "services/job/machine/job_ticks_bound.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/options.h"
 #include "services/job/plan/plan_summary.h"
@@ -101,6 +102,16 @@ Result<std::uint64_t> TicksOf(const FrozenJob& job, const CloudToTime& cloud,
   return summary.ticks;
 }
 
+/// Of all points, whatever was planned of them.
+Status AddBound(const FrozenJob& job, const PointList& points_mm,
+                const Executor& executor, TimePreview& time) {
+  const auto axes = INTAGLIO_TRY(machine::AxesAlong(
+      AxesFromGlassOf(job), points_mm, AxisLimitsOf(job.machine()).travel_mm));
+  const auto bound = JobTicksBound(job.machine(), axes, MotionOptionsOf(job), executor);
+  if (bound) time.set_ticks_bound(*bound);
+  return {};
+}
+
 }  // namespace
 
 Result<TimePreview> EstimateTime(const FrozenJob& job, const CloudToTime& cloud,
@@ -131,6 +142,7 @@ Result<TimePreview> EstimateTime(const FrozenJob& job, const CloudToTime& cloud,
   time.set_utilisation(static_cast<double>(point_count) / std::max(1.0, ticks));
   time.set_planned_count(planned_count);
   time.set_order(OrderNameOf(quick));
+  INTAGLIO_TRY(AddBound(job, cloud.points_mm, executor, time));
   return time;
 }
 

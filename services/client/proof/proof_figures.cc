@@ -7,9 +7,13 @@
 
 #include "engrave/core/channels.h"
 #include "engrave/formats/journal_file.h"
+#include "engrave/machine/axes_from_glass.h"
 #include "engrave/proof/glass_comparison.h"
 #include "engrave/sort/shadow.h"
 #include "services/client/proof/pulse_figures.h"
+#include "services/job/machine/block_origin.h"
+#include "services/job/machine/job_ticks_bound.h"
+#include "services/job/machine/machine_axes.h"
 
 namespace intaglio::client {
 namespace {
@@ -151,6 +155,36 @@ MadeOrder CountByController(const Evidence& evidence, JobReport& report) {
   return order;
 }
 
+/// Whether the bound is known of the whole: all points made in one power-up, each at a
+/// tick, with moves between them that are those of the glass. Blocks under several
+/// channels have corners of their own. A folder may lack what the bound is computed from.
+bool HasBound(const Evidence& evidence, const JobReport& report) {
+  const FrozenJob& job = evidence.job;
+  const motion::Limits limits = AxisLimitsOf(job.machine());
+  return limits.max_speed_mm_s.minCoeff() > 0 &&
+         limits.max_acceleration_mm_s2.minCoeff() > 0 &&
+         job.optics().stage_per_glass_ratio() > 0 && evidence.power_ups.size() <= 1 &&
+         report.points().made() == evidence.plan_mm.size() &&
+         job.machine().pulse_trigger() == PULSE_TRIGGER_AT_TICK &&
+         BlockOriginsOf(job.machine(), job.job()).size() == 1;
+}
+
+/// At the machine's own limits, which a speed override may use.
+void AddBound(const Evidence& evidence, JobReport& report) {
+  if (!HasBound(evidence, report)) return;
+  const FrozenJob& job = evidence.job;
+  motion::PlanOptions plan;
+  plan.limits = AxisLimitsOf(job.machine());
+  plan.rate_hz = job.job().laser().rate_hz();
+  plan.tolerance_mm =
+      AxisToleranceOf(job, 1e-3 * report.position_errors().allowed_move_um());
+  const auto axes =
+      machine::AxesAlong(AxesFromGlassOf(job), evidence.plan_mm, plan.limits.travel_mm);
+  if (!axes) return;
+  const auto bound = JobTicksBound(job.machine(), *axes, plan);
+  if (bound) report.set_ticks_bound(*bound);
+}
+
 void AddOrder(const Evidence& evidence, const MadeOrder& order, JobReport& report) {
   // The plan's own positions in the order in which they were made: the deviation of a
   // crack does not depend on the order.
@@ -195,6 +229,7 @@ JobReport FiguresOf(const Evidence& evidence) {
            evidence.has_glass ? MeasureGlass(evidence, report)
                               : CountByController(evidence, report),
            report);
+  AddBound(evidence, report);
   *report.mutable_collisions() = evidence.collisions.collisions();
   AddPulseEnergies(evidence.history, evidence.energies, report);
   AddMisses(evidence.history, report);

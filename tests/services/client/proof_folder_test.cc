@@ -118,6 +118,17 @@ class ProofFolderTest : public ::testing::Test {
     outcomes_[point] = outcome;
   }
 
+  void GiveLimits() {
+    MachineSpec& machine = *frozen_.mutable_machine();
+    for (AxisLimits* axis :
+         {machine.mutable_x(), machine.mutable_y(), machine.mutable_z()}) {
+      axis->set_travel_max_mm(100);
+      axis->set_max_speed_mm_s(80);
+      axis->set_max_acceleration_mm_s2(7000);
+    }
+    frozen_.mutable_optics()->set_stage_per_glass_ratio(0.65);
+  }
+
   fs::path folder_;
   FrozenJob frozen_;
   PointList plan_mm_, cracks_mm_;
@@ -155,6 +166,22 @@ TEST_F(ProofFolderTest, ABlockAsPlannedIsGood) {
   EXPECT_EQ(report.ticks(), 7u);
   EXPECT_DOUBLE_EQ(report.machining_time_s(), 0.07);
   EXPECT_DOUBLE_EQ(report.utilisation(), 4.0 / 7);
+  EXPECT_FALSE(report.has_ticks_bound()) << "of a machine without limits";
+}
+
+TEST_F(ProofFolderTest, TheBoundOfTicksIsBelowThem) {
+  GiveLimits();
+  const JobReport report = Verified();
+  EXPECT_TRUE(report.has_ticks_bound());
+  EXPECT_GE(report.ticks_bound(), 4u);
+  EXPECT_LE(report.ticks_bound(), 7u);
+}
+
+// A job whose points are not all made took the time of other moves.
+TEST_F(ProofFolderTest, ThereIsNoBoundOfTicksIfAPointIsMissing) {
+  GiveLimits();
+  Unmake(1, PointOutcome::kMissed);
+  EXPECT_FALSE(Verified().has_ticks_bound());
 }
 
 // One a body and what it met, at its deepest, however often it was recorded.

@@ -132,6 +132,8 @@ TEST_F(PlanCommand, RowsPassEveryPointAtItsTickAndInItsPlace) {
     EXPECT_EQ(report.motions(0).ticks(), tick_of_last);
     EXPECT_DOUBLE_EQ(report.motions(0).utilisation(), 2000 / tick_of_last);
     EXPECT_DOUBLE_EQ(report.motions(0).machining_time_s(), tick_of_last / 100);
+    EXPECT_GE(report.motions(0).ticks_bound(), 2000u);
+    EXPECT_LE(report.motions(0).ticks_bound(), tick_of_last);
   }
 }
 

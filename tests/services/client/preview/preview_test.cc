@@ -213,6 +213,10 @@ TEST(PreviewTime, OfASampleIsThatOfTheWhole) {
   EXPECT_EQ(sample->planned_count(), 10'000u);
   const auto ticks = static_cast<double>(whole->ticks());
   EXPECT_NEAR(static_cast<double>(sample->ticks()), ticks, 0.05 * ticks);
+  // The bound is that of all points, however many were planned.
+  EXPECT_GE(whole->ticks_bound(), points_mm.size());
+  EXPECT_LE(whole->ticks_bound(), whole->ticks());
+  EXPECT_EQ(sample->ticks_bound(), whole->ticks_bound());
 }
 
 TEST(PreviewTime, AnOrderThatTakesMinutesIsReplaced) {
