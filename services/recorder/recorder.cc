@@ -13,6 +13,7 @@
 #include "services/platform/bus/topic_tap.h"
 #include "services/platform/host/process/log.h"
 #include "services/recorder/bulk_rule.h"
+#include "services/recorder/sequence_gaps.h"
 
 namespace intaglio::recorder {
 namespace {
@@ -50,8 +51,19 @@ struct Unrecorded {
 };
 using Item = std::variant<bus::TapSample, recording::Attachment, Unrecorded>;
 
-/// What was refused at the queue, one entry a channel and kind.
-struct Refused {
+constexpr char kTooSlow[] = "the disk is too slow";
+constexpr char kGaps[] = "gaps in their sequence numbers: they were not received";
+
+/// Of messages that are not in the file.
+struct Lost {
+  std::uint32_t channel = 0;
+  bus::TapKind kind = bus::TapKind::kValue;
+  const char* reason = kTooSlow;
+
+  auto operator<=>(const Lost&) const = default;
+};
+
+struct LostCount {
   std::uint64_t count = 0;
   std::uint64_t from_ns = 0, to_ns = 0;
 };
@@ -84,7 +96,8 @@ struct Recorder::Impl {
   void WriteAll(std::vector<Item>&& items);
   void WriteOne(const bus::TapSample& sample);
   std::uint32_t StreamOf(std::uint32_t channel, bus::TapKind kind);
-  void LogRefused();
+  void CountLost(const Lost& what, std::uint64_t received_ns, std::uint64_t count);
+  void LogLost();
   void Publish();
 
   RecordingSeries series;  // of the writer thread
@@ -92,8 +105,9 @@ struct Recorder::Impl {
   BulkRule bulk_rule;  // of the receiving thread
   bus::TopicTap tap;
   std::map<std::pair<std::uint32_t, bus::TapKind>, std::uint32_t> streams;  // of it, too
-  std::mutex refused_mutex;
-  std::map<std::pair<std::uint32_t, bus::TapKind>, Refused> refused;
+  SequenceGaps gaps;  // of the receiving thread
+  std::mutex lost_mutex;
+  std::map<Lost, LostCount> lost;
   mutable std::mutex state_mutex;
   State state;
   std::jthread receiving, writing;
@@ -101,16 +115,27 @@ struct Recorder::Impl {
 
 void Recorder::Impl::HandOver(bus::TapSample&& sample) {
   const bus::TapChannel& from = tap.channel(sample.channel());
+  const std::uint64_t received_ns = Unsigned(sample.received_ns());
+  if (sample.kind() == bus::TapKind::kValue) {
+    const std::uint64_t missing =
+        gaps.Before(sample.channel(), from.type, sample.bytes());
+    if (missing > 0)
+      CountLost({sample.channel(), sample.kind(), kGaps}, received_ns, missing);
+  }
   if (!bulk_rule.Keeps(from.topic, sample.channel())) return;
   const bool bulk = from.domain == bus::DomainKind::kBulk;
   const std::uint64_t bytes = sample.bytes().size() + sizeof(Item);
-  const std::pair key(sample.channel(), sample.kind());
-  const std::uint64_t received_ns = Unsigned(sample.received_ns());
+  const Lost refused{sample.channel(), sample.kind(), kTooSlow};
   Item item(std::move(sample));
-  if (queue.Push(std::move(item), bytes, bulk)) return;
-  const std::lock_guard lock(refused_mutex);
-  Refused& entry = refused[key];
-  if (entry.count++ == 0) entry.from_ns = received_ns;
+  if (!queue.Push(std::move(item), bytes, bulk)) CountLost(refused, received_ns, 1);
+}
+
+void Recorder::Impl::CountLost(const Lost& what, std::uint64_t received_ns,
+                               std::uint64_t count) {
+  const std::lock_guard lock(lost_mutex);
+  LostCount& entry = lost[what];
+  if (entry.count == 0) entry.from_ns = received_ns;
+  entry.count += count;
   entry.to_ns = received_ns;
 }
 
@@ -143,16 +168,16 @@ void Recorder::Impl::WriteAll(std::vector<Item>&& items) {
   }
 }
 
-void Recorder::Impl::LogRefused() {
-  std::map<std::pair<std::uint32_t, bus::TapKind>, Refused> reported;
+void Recorder::Impl::LogLost() {
+  std::map<Lost, LostCount> reported;
   {
-    const std::lock_guard lock(refused_mutex);
-    reported.swap(refused);
+    const std::lock_guard lock(lost_mutex);
+    reported.swap(lost);
   }
-  for (const auto& [key, entry] : reported) {
-    const std::uint32_t stream = StreamOf(key.first, key.second);
-    series.CountMissing(stream, entry.from_ns, "the disk is too slow", entry.count);
-    series.CountMissing(stream, entry.to_ns, "the disk is too slow", 0);
+  for (const auto& [what, entry] : reported) {
+    const std::uint32_t stream = StreamOf(what.channel, what.kind);
+    series.CountMissing(stream, entry.from_ns, what.reason, entry.count);
+    series.CountMissing(stream, entry.to_ns, what.reason, 0);
   }
 }
 
@@ -166,12 +191,12 @@ void Recorder::Impl::Write(const std::stop_token& stop) {
   (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kWriterNice);
   while (!stop.stop_requested()) {
     WriteAll(queue.Take(kTurn));
-    LogRefused();
+    LogLost();
     series.Turn(WallNow());
     Publish();
   }
   WriteAll(queue.Take(0ms));
-  LogRefused();
+  LogLost();
 }
 
 Recorder::Recorder(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

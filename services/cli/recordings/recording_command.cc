@@ -41,6 +41,12 @@ Result<std::vector<McapReader>> OpenAll(const Options& options) {
   return readers;
 }
 
+/// What is missing in the file, for people, beside what a command prints for programs.
+void PrintMissing(const McapReader& reader) {
+  for (const std::string& sentence : recording::MissingSentences(reader))
+    std::cerr << "warning     " << sentence << "\n";
+}
+
 /// Of one file: what `message_of` makes of it, for people or for programs.
 template <typename Message>
 int Print(const Options& options, Message (*message_of)(const McapReader&)) {
@@ -106,6 +112,7 @@ int Export(const Options& options) {
   const auto readers = OpenAll(options);
   if (!readers) return Complain(readers.error());
   const McapReader& reader = readers->front();
+  PrintMissing(reader);
   Status done;
   if (options.format == "ply") {
     if (options.out.empty()) {
@@ -149,7 +156,13 @@ void AddReadCommands(command_line::Command group, const Shared& options) {
   AddFile(list, options);
   list.AddFlag("--json", options->json, "for programs");
   list.SetFooter("Example: intaglio recording list session.mcap");
-  list.SetAction([options] { return Print(*options, ChannelsIn); });
+  list.SetAction([options] {
+    return Print(
+        *options, +[](const McapReader& reader) {
+          PrintMissing(reader);
+          return ChannelsIn(reader);
+        });
+  });
   command_line::Command exported = group.AddCommand(
       "export", "export messages as JSON lines or a table, or the cracks");
   AddFile(exported, options);

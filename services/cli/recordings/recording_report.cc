@@ -98,7 +98,13 @@ void SetLosses(const McapReader& reader, RecordingInfo& info) {
 }
 
 std::string StateText(const RecordingInfo& info) {
-  if (info.whole()) return "whole";
+  if (info.whole()) {
+    std::uint64_t missing = 0;
+    for (const RecordingMissing& one : info.missing()) missing += one.message_count();
+    if (missing == 0) return "whole";
+    return fmt::format("the file is whole, but {} messages are missing in it",
+                       client::GroupedDigits(missing));
+  }
   std::string text =
       "open: its writer was killed, is still writing, or the copy was truncated";
   if (info.torn_bytes() > 0) {

@@ -185,6 +185,8 @@ int Replay::EndCode(const replayer::PlayReport& report) const {
 }
 
 int Replay::Run() {
+  for (const std::string& sentence : recording::MissingSentences(reader_))
+    std::cerr << "warning: " << sentence << "\n";
   if (!Wait(bus_.discovery_time())) return client::kExitCancelled;
   auto selection = Choose();
   if (!selection) return Complain(selection.error());

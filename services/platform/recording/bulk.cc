@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <map>
+#include <utility>
 
 #include "services/platform/recording/conventions.h"
 
@@ -82,6 +84,27 @@ std::string SentenceOf(const BulkRequest& request) {
         fmt::join(request.thinned, ", "));
   }
   return sentence;
+}
+
+std::vector<std::string> MissingSentences(const McapReader& reader) {
+  const auto records = reader.ReadMetadata(kMissingRecord);
+  if (!records) return {};
+  // One a span of time is in the file.
+  std::map<std::pair<std::string, std::string>, std::uint64_t> counts;
+  for (const Metadata& record : *records) {
+    const std::string text = Entry(record.entries, "count");
+    std::uint64_t count = 0;
+    std::from_chars(text.data(), text.data() + text.size(), count);
+    counts[{Entry(record.entries, "topic"), Entry(record.entries, "reason")}] += count;
+  }
+  std::vector<std::string> sentences;
+  for (const auto& [key, count] : counts) {
+    const auto& [topic, reason] = key;
+    sentences.push_back(count == 0 ? fmt::format("{} is missing: {}", topic, reason)
+                                   : fmt::format("{} messages of {} are missing: {}",
+                                                 count, topic, reason));
+  }
+  return sentences;
 }
 
 }  // namespace intaglio::recording

@@ -1,6 +1,7 @@
 #pragma once
 
-// What a recording leaves out by request: the topics that grow with the points of a job
+// What a recording has not: what was missing when it was made, and what it leaves out by
+// request: the topics that grow with the points of a job
 // (models, points, motion, positions) are most of its size. Which topics these are is in
 // the file (conventions.h), not here.
 
@@ -41,5 +42,9 @@ BulkRequest BulkRequestOf(const McapReader& reader);
 /// "the recording leaves out bulk topics by request (--bulk none): ModelChunk, ..."; ""
 /// for Bulk::kAll.
 std::string SentenceOf(const BulkRequest& request);
+
+/// What the recorder counted as missing, one a topic and reason: "1200 messages of
+/// PulseEventBatch are missing: the disk is too slow". Empty where it cannot be read.
+std::vector<std::string> MissingSentences(const McapReader& reader);
 
 }  // namespace intaglio::recording

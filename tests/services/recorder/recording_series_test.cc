@@ -237,6 +237,9 @@ TEST_F(Series, ReportsWhatIsMissing) {
   const auto records =
       McapReader::Open(options_.file)->ReadMetadata(recording::kMissingRecord).value();
   ASSERT_THAT(records, SizeIs(2));
+  EXPECT_THAT(recording::MissingSentences(McapReader::Open(options_.file).value()),
+              ElementsAre("Odd is missing: its type is not available",
+                          "5 messages of Points are missing: the disk is too slow"));
   EXPECT_EQ(records[0].entries.at("topic"), "Odd");
   const auto& missing = records[1].entries;
   EXPECT_EQ(missing.at("topic"), "Points");
