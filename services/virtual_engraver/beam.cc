@@ -1,5 +1,6 @@
 #include "services/virtual_engraver/beam.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -1,5 +1,6 @@
 #include "engrave/drawing/dxf/dxf_text.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,5 +1,6 @@
 #include "engrave/mesh/files/polygon.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 namespace intaglio::mesh {

@@ -30,8 +30,9 @@ struct FindingHeader {
 static_assert(sizeof(FindingHeader) == 48);
 
 void Append(const void* from, std::size_t size, std::vector<std::byte>& bytes) {
-  const auto* begin = static_cast<const std::byte*>(from);
-  bytes.insert(bytes.end(), begin, begin + size);
+  const std::size_t end = bytes.size();
+  bytes.resize(end + size);
+  if (size > 0) std::memcpy(bytes.data() + end, from, size);
 }
 
 std::vector<std::byte> EncodeFindings(const FileFindings& findings) {
