@@ -1,27 +1,22 @@
 #include "services/client/shop/job_record.h"
 
 #include <algorithm>
-#include <limits>
 #include <vector>
 
+#include "services/client/shop/set_counts.h"
 #include "services/history/job_names.h"
 #include "services/job/verdict/warnings.h"
 
 namespace intaglio::client {
 namespace {
 
-std::uint32_t PointCount(std::uint64_t count) {
-  return static_cast<std::uint32_t>(
-      std::min<std::uint64_t>(count, std::numeric_limits<std::uint32_t>::max()));
-}
-
 void AddStages(const JobView& job, JobRecord& record) {
   for (const JobView::Progress& progress : job.progress) {
     if (progress.total_count == 0) continue;
     StageRecord& stage = *record.add_stages();
     stage.set_stage(NameOf(progress.stage));
-    stage.set_done(PointCount(progress.done_count));
-    stage.set_total(PointCount(progress.total_count));
+    stage.set_done(ShownCount(progress.done_count));
+    stage.set_total(ShownCount(progress.total_count));
     stage.set_elapsed_s(progress.elapsed_s);
     if (progress.elapsed_s > 0) {
       stage.set_rate(static_cast<double>(progress.done_count) / progress.elapsed_s);
@@ -53,13 +48,7 @@ JobRecord JobRecordOf(const JobView& job) {
   AddTo(*record.mutable_warnings(), job.warnings);
   record.set_breakage_accepted_by(job.breakage_accepted_by);
   record.set_verdict(job.verdict);
-  record.set_planned(PointCount(job.counts.planned));
-  record.set_made(PointCount(job.counts.made));
-  record.set_missed(PointCount(job.counts.missed));
-  record.set_skipped(PointCount(job.counts.skipped));
-  record.set_uncertain(PointCount(job.counts.uncertain));
-  record.set_to_come(PointCount(job.counts.to_come));
-  record.set_armed_count(PointCount(job.counts.armed));
+  SetCounts(job.counts, record);
   record.set_makes(job.makes);
   record.set_alarm(job.alarm);
   return record;

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "services/client/job_need.h"
+#include "services/client/shop/set_counts.h"
 #include "services/history/job_names.h"
 #include "services/platform/host/times/utc_time.h"
 
@@ -32,10 +33,6 @@ const char* LampName(const CellSnapshot& cell) {
   if (!cell.has_interlock || !cell.laser_line_up) return "unknown";
   if (!cell.lamp_on) return "off";
   return cell.lamp_warm ? "warm" : "warming_up";
-}
-
-std::uint32_t Small(std::uint64_t count) {
-  return static_cast<std::uint32_t>(std::min<std::uint64_t>(count, 0xffffffff));
 }
 
 class Builder {
@@ -119,16 +116,10 @@ class Builder {
     const JobView::Progress* stage = StageAtWork(job);
     if (stage != nullptr && job.state != intaglio_JOB_QUEUED) {
       line.set_stage(NameOf(stage->stage));
-      line.set_done(Small(stage->done_count));
-      line.set_total(Small(stage->total_count));
+      line.set_done(ShownCount(stage->done_count));
+      line.set_total(ShownCount(stage->total_count));
     }
-    line.set_planned(Small(job.counts.planned));
-    line.set_made(Small(job.counts.made));
-    line.set_missed(Small(job.counts.missed));
-    line.set_skipped(Small(job.counts.skipped));
-    line.set_uncertain(Small(job.counts.uncertain));
-    line.set_to_come(Small(job.counts.to_come));
-    line.set_armed_count(Small(job.counts.armed));
+    SetCounts(job.counts, line);
     line.set_makes(job.makes);
     line.set_message(job.message);
     line.set_alarm(job.alarm);

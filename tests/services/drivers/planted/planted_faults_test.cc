@@ -12,28 +12,10 @@
 #include "tests/services/drivers/laser_conformance.h"
 #include "tests/services/drivers/motion_conformance.h"
 #include "tests/services/drivers/planted/grbl_checks.h"
+#include "tests/services/drivers/planted/planted_protocols.h"
 
 namespace intaglio::drivers {
 namespace {
-
-// In real time, by linuxcnc_planted_test: linuxcnc.
-constexpr std::string_view kInRealTime = "linuxcnc";
-
-std::vector<std::string> MotionProtocols() {
-  std::vector<std::string> all;
-  for (const MotionDriverKind& kind : MotionDriverKinds())
-    if (kind.protocol != kInRealTime) all.emplace_back(kind.protocol);
-  return all;
-}
-
-std::vector<std::string> LaserProtocols() {
-  std::vector<std::string> all;
-  for (const LaserDriverKind& kind : LaserDriverKinds()) all.emplace_back(kind.protocol);
-  for (const MotionDriverKind& kind : MotionDriverKinds())
-    if (kind.switches_laser && kind.protocol != kInRealTime)
-      all.emplace_back(kind.protocol);
-  return all;
-}
 
 /// The check that is named for a fault first.
 template <typename Check>

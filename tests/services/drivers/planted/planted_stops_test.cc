@@ -11,11 +11,10 @@
 
 #include "tests/services/drivers/laser_conformance.h"
 #include "tests/services/drivers/motion_conformance.h"
+#include "tests/services/drivers/planted/planted_protocols.h"
 
 namespace intaglio::drivers {
 namespace {
-
-constexpr std::string_view kOnlyInRealTime = "linuxcnc";
 
 bool Concerns(StopRows rows, ControllerFault fault) {
   return rows == StopRows::kAll ||
@@ -45,21 +44,6 @@ std::string NameOfStop(const Param& param) {
   return name;
 }
 
-std::vector<std::string> StageProtocols() {
-  std::vector<std::string> all;
-  for (const MotionDriverKind& kind : MotionDriverKinds())
-    if (kind.protocol != kOnlyInRealTime) all.emplace_back(kind.protocol);
-  return all;
-}
-std::vector<std::string> FiringProtocols() {
-  std::vector<std::string> all;
-  for (const LaserDriverKind& kind : LaserDriverKinds()) all.emplace_back(kind.protocol);
-  for (const MotionDriverKind& kind : MotionDriverKinds())
-    if (kind.switches_laser && kind.protocol != kOnlyInRealTime)
-      all.emplace_back(kind.protocol);
-  return all;
-}
-
 class MotionStopPlanted
     : public ::testing::TestWithParam<std::tuple<std::string, MotionStopFault>> {};
 
@@ -83,14 +67,14 @@ TEST_P(MotionStopPlanted, IsFoundInEveryRow) {
 
 INSTANTIATE_TEST_SUITE_P(
     On, MotionStopPlanted,
-    ::testing::Combine(::testing::ValuesIn(StageProtocols()),
+    ::testing::Combine(::testing::ValuesIn(MotionProtocols()),
                        ::testing::ValuesIn(MotionStopFaults().begin(),
                                            MotionStopFaults().end())),
     [](const auto& param) { return NameOfStop(param); });
 
 // What the rows find is the fault, not the wrapper.
 TEST(StopWrapper, IsFoundByNoRow) {
-  for (const std::string& protocol : StageProtocols()) {
+  for (const std::string& protocol : MotionProtocols()) {
     const MotionRigMaker make = [&](const std::string& serial_number) {
       auto rig = MakeMotionRig(protocol, serial_number);
       rig->driver = PlantNothing(std::move(rig->driver));
@@ -99,7 +83,7 @@ TEST(StopWrapper, IsFoundByNoRow) {
     for (const MotionCheck& check : MotionFaultChecks())
       EXPECT_EQ(ViolationOf(check, make), "") << protocol << ' ' << check.name;
   }
-  for (const std::string& protocol : FiringProtocols()) {
+  for (const std::string& protocol : LaserProtocols()) {
     const LaserRigMaker make = [&](const std::string& serial_number) {
       auto rig = MakeLaserRig(protocol, serial_number);
       rig->driver = PlantNothing(std::move(rig->driver));
@@ -137,7 +121,7 @@ TEST_P(LaserStopPlanted, IsFoundInEveryRow) {
 }
 
 INSTANTIATE_TEST_SUITE_P(On, LaserStopPlanted,
-                         ::testing::Combine(::testing::ValuesIn(FiringProtocols()),
+                         ::testing::Combine(::testing::ValuesIn(LaserProtocols()),
                                             ::testing::ValuesIn(LaserStopFaults().begin(),
                                                                 LaserStopFaults().end())),
                          [](const auto& param) { return NameOfStop(param); });
