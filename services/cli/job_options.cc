@@ -162,6 +162,31 @@ Status Apply(const JobFlags& flags, JobSpec& job) {
   return SetFields(flags.fields, job);
 }
 
+/// Other words name models.
+bool NamesJobFile(const std::string& word) {
+  const fs::path extension = fs::path(word).extension();
+  return extension == ".textproto" || extension == ".txtpb" || extension == ".json" ||
+         extension.empty();  // a supplied one
+}
+
+/// `what` as job_file or meshes. kInvalidValue: a job file beside models.
+Result<JobFlags> SortOut(JobFlags flags) {
+  const std::vector<std::string> what = std::exchange(flags.what, {});
+  if (what.size() == 1 && NamesJobFile(what.front())) {
+    flags.job_file = what.front();
+    return flags;
+  }
+  for (const std::string& word : what) {
+    if (NamesJobFile(word)) {
+      return Fail(ErrorCode::kInvalidValue,
+                  fmt::format("'{}': give one job file, or models, not both", word),
+                  word);
+    }
+  }
+  flags.meshes.insert(flags.meshes.begin(), what.begin(), what.end());
+  return flags;
+}
+
 Result<JobSpec> ReadJob(const JobFlags& flags, bool needs_model) {
   if (!flags.job_file.empty()) {
     return ReadJobFile(INTAGLIO_TRY(
@@ -265,29 +290,6 @@ Result<JobAndMachine> Build(const JobFlags& flags, JobSpec read,
 
 Result<fs::path> FindMachineFile(const std::string& name_or_file) {
   return command_line::FindSupplied(name_or_file, command_line::kSuppliedProfiles);
-}
-
-bool NamesJobFile(const std::string& word) {
-  const fs::path extension = fs::path(word).extension();
-  return extension == ".textproto" || extension == ".txtpb" || extension == ".json" ||
-         extension.empty();  // a supplied one
-}
-
-Result<JobFlags> SortOut(JobFlags flags) {
-  const std::vector<std::string> what = std::exchange(flags.what, {});
-  if (what.size() == 1 && NamesJobFile(what.front())) {
-    flags.job_file = what.front();
-    return flags;
-  }
-  for (const std::string& word : what) {
-    if (NamesJobFile(word)) {
-      return Fail(ErrorCode::kInvalidValue,
-                  fmt::format("'{}': give one job file, or models, not both", word),
-                  word);
-    }
-  }
-  flags.meshes.insert(flags.meshes.begin(), what.begin(), what.end());
-  return flags;
 }
 
 Result<JobAndMachine> BuildJob(const JobFlags& given) {

@@ -26,13 +26,6 @@ struct JobAndMachine {
   Warnings warnings = {};
 };
 
-/// Whether a word that names what to make names a job file or a supplied job; other
-/// words name models.
-bool NamesJobFile(const std::string& word);
-
-/// `what` as job_file or meshes. kInvalidValue: a job file beside models.
-Result<JobFlags> SortOut(JobFlags flags);
-
 /// The job with all paths absolute, and its machine. Every mistake is in the error, one
 /// a line, with the field's path.
 Result<JobAndMachine> BuildJob(const JobFlags& flags);

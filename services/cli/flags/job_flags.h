@@ -14,7 +14,8 @@
 namespace intaglio::cli {
 
 struct JobFlags {
-  /// What stands without an option: a job file, or models (SortOut of job_options.h).
+  /// What stands without an option: a job file, or models; BuildJob and the like tell
+  /// them apart.
   std::vector<std::string> what;
   std::string job_file;
   std::vector<std::string> meshes;
