@@ -95,8 +95,8 @@ print_counts() { # PASSED FAILED SKIPPED FLAKY
   echo "$1 passed, $2 failed, $3 skipped$flaky"
 }
 
-# Runs ctest, one test more at a time than there are processors, for the longest mostly wait
-# for a machine in real time. What failed runs once more, alone, when that is few, or the host
+# Runs ctest, two tests at a time for each processor, for the longest mostly wait for a machine
+# in real time: all tests together need half of what two processors give in that time. What failed runs once more, alone, when that is few, or the host
 # took a tenth of the processors' time or more. Prints the tests that were run twice with both
 # results, those that were skipped with their reasons, the slowest and, as the last line, the
 # closing line; all are kept in BUILD/tests.summary. Fails when a test failed (twice, if it was run twice) or a sanitizer
@@ -108,7 +108,7 @@ run_tests() { # BUILD [ARGUMENTS OF CTEST]
   shift
   rm -f "$summary" "$again" "$reports"/*
   read -r worked stolen < <(worked_and_stolen)
-  run_ctest "$build" -j $(($(nproc) + 1)) "$@" 2>&1 | tee "$log" || status=$?
+  run_ctest "$build" -j $((2 * $(nproc))) "$@" 2>&1 | tee "$log" || status=$?
   taken=$(stolen_percent "$worked" "$stolen")
   cp "$build/Testing/Temporary/LastTest.log" "$outputs" || : > "$outputs"
   failed=$(tests_that failed "$log" | wc -l)
