@@ -20,6 +20,7 @@
 #include "services/client/warning_text.h"
 #include "services/job/field_path.h"
 #include "services/job/field_ranges.h"
+#include "services/job/head/head_correction.h"
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
 #include "services/job/job_file.h"
@@ -168,6 +169,10 @@ std::vector<std::string> LinesOfMarks(const OrderedMarks& marks) {
                   times.mark_mm / 1000),
       fmt::format("jumps       {:.4g} m", times.jump_mm / 1000),
       fmt::format("time        {:.3f} s of marking and jumps", times.time_s)};
+  if (!marks.head.window.is_whole_field()) {
+    lines.push_back(fmt::format("field       {:.4g} mm{}", marks.head.field_mm(),
+                                NarrowedText(marks.head.window)));
+  }
   for (std::size_t i = 0; i < marks.set.pens.size(); ++i) {
     const mark::Pen& pen = marks.set.pens[i];
     const auto count = std::ranges::count(marks.set.marks, static_cast<std::uint32_t>(i),
@@ -192,10 +197,10 @@ std::vector<std::string> LinesOfMarks(const OrderedMarks& marks) {
 Status DrawMarks(const OrderedMarks& marks, const std::string& file,
                  const std::vector<std::string>& lines) {
   render::WebPicture picture;
-  picture.field_mm = marks.head.field_mm;
+  picture.field_mm = marks.head.field_mm();
   picture.title = marks.job.name();
   picture.figures = lines;
-  const double end_mm = kPictureFields * marks.head.field_mm;
+  const double end_mm = kPictureFields * marks.head.field_mm();
   const std::vector<std::size_t> all_missed = marks.missed();
   std::size_t next_missed = 0;
   for (std::size_t i = 0; i < marks.set.marks.size(); ++i) {

@@ -10,6 +10,7 @@
 #include "engrave/core/try.h"
 #include "engrave/galvo/calibration_grid.h"
 #include "engrave/io/atomic_file.h"
+#include "services/job/head/head_correction.h"
 #include "services/job/job_file.h"
 
 namespace intaglio::client {
@@ -90,7 +91,7 @@ Result<WrittenGrid> WriteGridJob(const GridJob& asked, const fs::path& folder) {
                     "one; name the profile of a machine with a scan head",
                 machine.name());
   }
-  const double field_mm = machine.scan_head().field_mm();
+  const double field_mm = INTAGLIO_TRY(WindowOf(machine.scan_head())).square_mm();
   WrittenGrid grid;
   grid.pitch_mm =
       asked.pitch_mm.value_or(kCoveredShare * field_mm / std::max(1, asked.nodes - 1));

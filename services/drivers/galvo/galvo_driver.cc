@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engrave/core/try.h"
+#include "services/job/head/head_correction.h"
 
 namespace intaglio::drivers {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "engrave/core/try.h"
+#include "services/job/head/head_correction.h"
 #include "services/job/machine/head_ticks.h"
 
 namespace intaglio::drivers {
@@ -27,12 +27,21 @@ Error MarkError(ErrorCode code, const NumberedMark& mark, const std::string& wha
           fmt::format("{}", mark.number)};
 }
 
+/// A profile without a field is refused before anything is sent.
+double FieldOrOne(const ScanHead& head) {
+  return head.field_mm() > 0 ? head.field_mm() : 1;
+}
+
+double XOf(const Vec2& place) { return place.x(); }
+
 }  // namespace
 
 MarkPlayer::MarkPlayer(const ScanHead& head,
                        std::optional<galvo::CorrectionTable> correction)
     : head_(head),
       correction_(std::move(correction)),
+      window_(correction_ ? galvo::FieldWindow(FieldOrOne(head), *correction_)
+                          : galvo::FieldWindow(FieldOrOne(head))),
       outputs_(head.field_mm(), correction_ ? &*correction_ : nullptr),
       tracker_(FollowsWeb(head) ? head.encoder_count_um() / 1e3 : 0,
                head.edge_sensor_mm()) {}
@@ -67,29 +76,36 @@ Status MarkPlayer::Check(const NumberedMark& mark) const {
                 "is on a web, and the machine has no encoder of one; give "
                 "scan_head.encoder_count_um in the profile");
   }
-  const double border_mm = head_.field_mm() / 2;
-  double min_x = 1e300, max_x = -1e300;
-  for (const Vec2& at : mark::PlacesOf(mark.mark, kChordTolerance_mm)) {
-    min_x = std::min(min_x, at.x());
-    max_x = std::max(max_x, at.x());
-    const bool inside = std::abs(at.y()) <= border_mm &&
-                        (tracker_.follows() || std::abs(at.x()) <= border_mm);
-    if (inside) continue;
-    return fail(ErrorCode::kInvalidValue,
-                fmt::format("({:.3f}, {:.3f}) mm is outside the field of {} mm; move or "
-                            "scale the drawing",
-                            at.x(), at.y(), head_.field_mm()));
-  }
+  INTAGLIO_TRY(CheckPlaces(mark));
   if (tracker_.follows() && seconds * rate_hz_ > kTicksMadeAtOnce) {
     return fail(ErrorCode::kTooLarge,
                 fmt::format("takes {:.1f} s, on a web 1 s at most; divide it or mark "
                             "faster (pen {})",
                             seconds, pen.name));
   }
-  if (tracker_.follows() && max_x - min_x > head_.field_mm() - 2 * kWebBorderMm) {
-    return fail(ErrorCode::kInvalidValue,
-                fmt::format("is {:.3f} mm long, the field {} mm; divide it",
-                            max_x - min_x, head_.field_mm()));
+  return {};
+}
+
+Status MarkPlayer::CheckPlaces(const NumberedMark& mark) const {
+  const auto fail = [&](const std::string& what) {
+    return tl::make_unexpected(MarkError(ErrorCode::kInvalidValue, mark, what));
+  };
+  const auto places_mm = mark::PlacesOf(mark.mark, kChordTolerance_mm);
+  const double margin_mm = tracker_.follows() ? kWebBorderMm : 0;
+  for (const Vec2& at : places_mm) {
+    const bool inside = tracker_.follows()
+                            ? !window_.Displacements({&at, 1}, margin_mm).empty()
+                            : window_.Has(at);
+    if (inside) continue;
+    return fail(
+        fmt::format("({:.3f}, {:.3f}) mm is outside the field of {} mm{}; move "
+                    "or scale the drawing",
+                    at.x(), at.y(), head_.field_mm(), NarrowedText(window_)));
+  }
+  if (tracker_.follows() && window_.Displacements(places_mm, margin_mm).empty()) {
+    const auto [low, high] = std::ranges::minmax(places_mm, {}, &XOf);
+    return fail(fmt::format("is {:.3f} mm long, the field {} mm{}; divide it",
+                            high.x() - low.x(), head_.field_mm(), NarrowedText(window_)));
   }
   return {};
 }
@@ -145,10 +161,9 @@ Status MarkPlayer::Load(const NumberedMark& mark) {
 // Wherever the web is then: where it was at the begin of the job is not known any more
 // after a pause.
 void MarkPlayer::BeginWeb() {
-  double first_mm = std::numeric_limits<double>::infinity();
-  for (const Vec2& place : mark::PlacesOf(mark_.mark, kChordTolerance_mm))
-    first_mm = std::min(first_mm, place.x() - mark_.mark.web_mm);
-  web_begin_mm_ = -head_.field_mm() / 2 + kWebBorderMm - kWebLeadIn_mm - first_mm;
+  std::vector<Vec2> places_mm = mark::PlacesOf(mark_.mark, kChordTolerance_mm);
+  for (Vec2& place : places_mm) place.x() -= mark_.mark.web_mm;
+  web_begin_mm_ = window_.Displacements(places_mm, kWebBorderMm).from_mm - kWebLeadIn_mm;
 }
 
 // The displacement that the beam has in the middle of the tick, which is commanded by the
@@ -163,15 +178,18 @@ Status MarkPlayer::Place(std::uint64_t first_tick) {
   const double border_mm = head_.field_mm() / 2 - kWebBorderMm;
   double short_mm = 0;
   for (std::size_t k = first_lit_; k < behind_lit_; ++k) {
-    const double x_mm = ticks_[k].place_mm.x() + DisplacementAt(first_tick + k).x();
-    if (x_mm > border_mm) {
+    const Vec2 at_mm = ticks_[k].place_mm + DisplacementAt(first_tick + k);
+    galvo::Span by_mm = window_.Displacements({&at_mm, 1}, kWebBorderMm);
+    // Too far aside, by the edge of the web: NextBlock names it.
+    if (by_mm.empty()) by_mm = {-border_mm - at_mm.x(), border_mm - at_mm.x()};
+    if (by_mm.to_mm < 0) {
       return tl::make_unexpected(MarkError(
           ErrorCode::kRefused, mark_,
           fmt::format("has left the field before it could be made: the web moves {:.1f} "
                       "mm/s; let it move slower, or mark faster (pen {})",
                       tracker_.speed_mm_s(), pens_[mark_.mark.pen].name)));
     }
-    short_mm = std::max(short_mm, -border_mm - x_mm);
+    short_mm = std::max(short_mm, by_mm.from_mm);
   }
   if (short_mm == 0) {
     placed_ = true;

@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "engrave/galvo/field_window.h"
 #include "engrave/galvo/head_output.h"
 #include "engrave/galvo/mark_ticks.h"
 #include "services/drivers/galvo/head_profile.h"
@@ -45,6 +46,8 @@ class MarkPlayer {
   link::HeadBlock Hold(std::uint64_t first_tick) const;
 
  private:
+  /// Its places can be brought where the mirrors reach with the correction.
+  Status CheckPlaces(const NumberedMark& mark) const;
   Status MakeTicks(const Vec2& from_mm);
   Status TakeTicks(Result<std::vector<galvo::MarkTick>> ticks);
   /// Of a web: its first mark is about to enter the field.
@@ -55,6 +58,7 @@ class MarkPlayer {
 
   ScanHead head_;
   std::optional<galvo::CorrectionTable> correction_;
+  galvo::FieldWindow window_;
   galvo::OutputMaker outputs_;
   HeadTracker tracker_;
   double rate_hz_ = 1e5;

@@ -11,6 +11,7 @@
 #include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
 #include "engrave/mark/jump_order.h"
+#include "services/job/head/head_correction.h"
 #include "services/job/machine/head_ticks.h"
 #include "services/job/marks/item_place.h"
 #include "services/job/marks/mark_table.h"
@@ -234,7 +235,11 @@ Result<mark::MarkSet> MakeJobMarks(const JobSpec& job, const MachineSpec&,
 HeadFigures HeadFiguresOf(const MachineSpec& machine) {
   const ScanHead& head = machine.scan_head();
   HeadFigures figures;
-  if (head.field_mm() > 0) figures.field_mm = head.field_mm();
+  if (head.field_mm() > 0) {
+    // A sorter on another computer than the head's may not have the file: it plans with
+    // the whole field, and the head's driver refuses what it cannot reach.
+    figures.window = WindowOf(head).value_or(galvo::FieldWindow(head.field_mm()));
+  }
   const double jump_mm_s = figures.ticks.jump_mm_s;
   figures.ticks = TickOptionsOf(head, mark::Pen(), figures.ticks.rate_hz);
   if (!(head.jump_mm_s() > 0)) figures.ticks.jump_mm_s = jump_mm_s;
@@ -250,7 +255,7 @@ Result<mark::MarkSet> OrderJobMarks(const JobSpec& job, const MachineSpec& machi
                !item.hatch().bidirectional();
       });
   if (job.marks().has_web()) return OrderForWeb(std::move(marks), head, may_reverse);
-  INTAGLIO_TRY(CheckField(marks, false, head.field_mm));
+  INTAGLIO_TRY(CheckField(marks, false, head));
   marks.marks = mark::OrderByJumps(std::move(marks.marks), {Vec2::Zero(), may_reverse});
   return marks;
 }

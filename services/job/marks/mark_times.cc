@@ -12,6 +12,7 @@
 #include "engrave/core/try.h"
 #include "engrave/galvo/web_order.h"
 #include "engrave/mark/jump_order.h"
+#include "services/job/head/head_correction.h"
 #include "services/job/machine/head_ticks.h"
 
 namespace intaglio {
@@ -21,10 +22,16 @@ constexpr double kArcToleranceMm = 0.001;
 constexpr double kUnitsPerField = 16;
 constexpr std::size_t kMaxUnits = 100'000;  // a look-ahead of some seconds
 
+/// Of the material, as they move with the web.
+std::vector<Vec2> PlacesOnWeb(const mark::Mark& mark) {
+  std::vector<Vec2> places_mm = mark::PlacesOf(mark, kArcToleranceMm);
+  for (Vec2& p : places_mm) p.x() -= mark.web_mm;
+  return places_mm;
+}
+
 Box3 ExtentOf(const mark::Mark& mark) {
   Box3 box;
-  for (const Vec2& p : mark::PlacesOf(mark, kArcToleranceMm))
-    box.Extend(Vec3(p.x() - mark.web_mm, p.y(), 0));
+  for (const Vec2& p : PlacesOnWeb(mark)) box.Extend(Vec3(p.x(), p.y(), 0));
   return box;
 }
 
@@ -43,6 +50,19 @@ double LeadMm(const mark::Pen& pen, const HeadFigures& head) {
   return head.ticks.lead_servo ? head.ticks.lag_s * pen.speed_mm_s : 0;
 }
 
+/// Displacements of the web at which the mark can be made.
+galvo::Span MadeAt(const mark::Mark& mark, const mark::Pen& pen,
+                   const HeadFigures& head) {
+  return head.window.Displacements(PlacesOnWeb(mark), kWebBorderMm + LeadMm(pen, head));
+}
+
+/// In the middle of its displacements, and as long as they leave of the field.
+galvo::TimedMark TimedBy(const galvo::Span& made_at, const HeadFigures& head,
+                         double time_s) {
+  return {(made_at.from_mm + made_at.to_mm) / 2, head.web_field_mm() - made_at.width_mm(),
+          time_s};
+}
+
 /// Jumps with a lead of the servo are slower on average than in their middle.
 double JumpSpeedOf(const HeadFigures& head) {
   return head.ticks.jump_mm_s / (head.ticks.lead_servo ? 15.0 / 8 : 1);
@@ -58,7 +78,7 @@ struct Timed {
 Timed TimeFrom(const Vec2& from_mm, const mark::Mark& mark, const mark::Pen& pen,
                const HeadFigures& head) {
   const Vec2 begin_mm = BeginOnWeb(mark), way_mm = from_mm - begin_mm;
-  const double within = std::min(1.0, head.field_mm / std::max(way_mm.norm(), 1e-9));
+  const double within = std::min(1.0, head.field_mm() / std::max(way_mm.norm(), 1e-9));
   galvo::MarkTickOptions ticks = head.ticks;
   ticks.mark_mm_s = pen.speed_mm_s;
   const auto counted =
@@ -72,6 +92,7 @@ Timed TimeFrom(const Vec2& from_mm, const mark::Mark& mark, const mark::Pen& pen
 /// Marks made one behind the other.
 struct Unit {
   std::size_t first = 0, count = 0;
+  galvo::Span made_at;  // all of it
   galvo::WebMark mark;
 };
 
@@ -129,28 +150,36 @@ class WebOrderer {
     double web_mm = 0;
     for (std::size_t i = 0; i < set_.marks.size(); ++i) {
       const mark::Mark& mark = set_.marks[i];
+      const galvo::Span made_at = MadeAt(mark, set_.pens[mark.pen], head_);
       Box3 with = box;
       with.Extend(ExtentOf(mark));
       const bool same = !units_.empty() && web_mm == mark.web_mm &&
-                        std::max(with.size_mm().x(), with.size_mm().y()) <= limit_mm;
+                        std::max(with.size_mm().x(), with.size_mm().y()) <= limit_mm &&
+                        !Both(units_.back().made_at, made_at).empty();
       if (!same) {
         with = ExtentOf(mark);
-        units_.push_back({i, 0, {}});
+        units_.push_back({i, 0, made_at, {}});
         web_mm = mark.web_mm;
       }
       box = with;
-      AddToUnit(mark, i, box, units_.back());
+      AddToUnit(mark, i, made_at, box.center_mm().y(), units_.back());
     }
   }
 
-  void AddToUnit(const mark::Mark& mark, std::size_t number, const Box3& box,
-                 Unit& unit) const {
+  static galvo::Span Both(const galvo::Span& a, const galvo::Span& b) {
+    return {std::max(a.from_mm, b.from_mm), std::min(a.to_mm, b.to_mm)};
+  }
+
+  void AddToUnit(const mark::Mark& mark, std::size_t number, const galvo::Span& made_at,
+                 double middle_y_mm, Unit& unit) const {
     const Vec2 from_mm =
         unit.count > 0 ? EndOnWeb(set_.marks[number - 1]) : BeginOnWeb(mark);
     ++unit.count;
+    unit.made_at = Both(unit.made_at, made_at);
     unit.mark.mark_s += TimeFrom(from_mm, mark, set_.pens[mark.pen], head_).time_s;
-    unit.mark.centre_mm = {-box.center_mm().x(), box.center_mm().y()};
-    unit.mark.extent_mm = box.size_mm().x();
+    const auto timed = TimedBy(unit.made_at, head_, unit.mark.mark_s);
+    unit.mark.centre_mm = {timed.along_mm, middle_y_mm};
+    unit.mark.extent_mm = timed.extent_mm;
   }
 
   mark::MarkSet set_;
@@ -161,7 +190,7 @@ class WebOrderer {
 
 }  // namespace
 
-double HeadFigures::web_field_mm() const { return field_mm - 2 * kWebBorderMm; }
+double HeadFigures::web_field_mm() const { return field_mm() - 2 * kWebBorderMm; }
 
 MarkTimes TimesOf(const mark::MarkSet& set, const HeadFigures& head) {
   MarkTimes times;
@@ -171,7 +200,7 @@ MarkTimes TimesOf(const mark::MarkSet& set, const HeadFigures& head) {
     const mark::Pen& pen = set.pens[mark.pen];
     times.mark_mm += pen.pass_count * mark::LengthOf(mark);
     const Vec2 from = before == nullptr ? BeginOnWeb(mark) : EndOnWeb(*before);
-    times.jump_mm += std::min((BeginOnWeb(mark) - from).norm(), head.field_mm);
+    times.jump_mm += std::min((BeginOnWeb(mark) - from).norm(), head.field_mm());
     const Timed timed =
         TimeFrom(before == nullptr ? BeginOnWeb(mark) : at_mm, mark, pen, head);
     times.time_s += timed.time_s;
@@ -186,43 +215,42 @@ std::vector<galvo::TimedMark> TimedMarksOf(const mark::MarkSet& set,
   std::vector<galvo::TimedMark> timed;
   Vec2 at_mm = set.marks.empty() ? Vec2(Vec2::Zero()) : BeginOnWeb(set.marks.front());
   for (const mark::Mark& mark : set.marks) {
-    const Box3 box = ExtentOf(mark);
-    const Timed made = TimeFrom(at_mm, mark, set.pens[mark.pen], head);
-    const double extent_mm = box.size_mm().x() + 2 * LeadMm(set.pens[mark.pen], head);
-    timed.push_back({-box.center_mm().x(), extent_mm, made.time_s});
+    const mark::Pen& pen = set.pens[mark.pen];
+    const Timed made = TimeFrom(at_mm, mark, pen, head);
+    timed.push_back(TimedBy(MadeAt(mark, pen, head), head, made.time_s));
     at_mm = made.end_mm;
   }
   return timed;
 }
 
-Status CheckField(const mark::MarkSet& set, bool on_web, double field_mm) {
+Status CheckField(const mark::MarkSet& set, bool on_web, const HeadFigures& head) {
   for (std::size_t i = 0; i < set.marks.size(); ++i) {
     const mark::Mark& mark = set.marks[i];
-    const Box3 box = ExtentOf(mark);
-    const double across = std::max(box.max_mm.y(), -box.min_mm.y());
-    const double left = box.min_mm.x() + mark.web_mm,
-                 right = box.max_mm.x() + mark.web_mm;
+    const mark::Pen& pen = set.pens[mark.pen];
+    const auto has = [&](const Vec2& place_mm) { return head.window.Has(place_mm); };
     const bool fits =
-        across <= field_mm / 2 &&
-        (on_web ? right - left < field_mm : std::max(right, -left) <= field_mm / 2);
+        on_web ? MadeAt(mark, pen, head).width_mm() > 0
+               : std::ranges::all_of(mark::PlacesOf(mark, kArcToleranceMm), has);
     if (fits) continue;
+    const Box3 box = ExtentOf(mark);
     return Fail(
         ErrorCode::kOutsideBlock,
-        fmt::format("marks.{}: mark {} lies in x {:.4g}..{:.4g}, y {:.4g}..{:.4g} "
-                    "mm and does not fit into the field of {:.4g} mm; move it, "
-                    "make it smaller or use a larger field",
-                    set.pens[mark.pen].name, i + 1, left, right, box.min_mm.y(),
-                    box.max_mm.y(), field_mm),
-        fmt::format("{}", field_mm));
+        fmt::format(
+            "marks.{}: mark {} lies in x {:.4g}..{:.4g}, y {:.4g}..{:.4g} "
+            "mm and does not fit into the field of {:.4g} mm{}; move it, "
+            "make it smaller or use a larger field",
+            pen.name, i + 1, box.min_mm.x() + mark.web_mm, box.max_mm.x() + mark.web_mm,
+            box.min_mm.y(), box.max_mm.y(),
+            on_web ? head.web_field_mm() - 2 * LeadMm(pen, head) : head.field_mm(),
+            NarrowedText(head.window)),
+        fmt::format("{}", head.field_mm()));
   }
   return {};
 }
 
 Result<mark::MarkSet> OrderForWeb(mark::MarkSet set, const HeadFigures& head,
                                   bool may_reverse) {
-  double lead_mm = 0;
-  for (const mark::Pen& pen : set.pens) lead_mm = std::max(lead_mm, LeadMm(pen, head));
-  INTAGLIO_TRY(CheckField(set, true, head.web_field_mm() - 2 * lead_mm));
+  INTAGLIO_TRY(CheckField(set, true, head));
   return WebOrderer(std::move(set), head, may_reverse).Order();
 }
 

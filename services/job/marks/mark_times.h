@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engrave/core/result.h"
+#include "engrave/galvo/field_window.h"
 #include "engrave/galvo/mark_ticks.h"
 #include "engrave/galvo/web_speed.h"
 #include "engrave/mark/mark.h"
@@ -14,10 +15,12 @@ namespace intaglio {
 
 /// What of a scan head decides times.
 struct HeadFigures {
-  double field_mm = 100;  ///< width of the square field, > 0
+  /// Where in its square field it can mark, with its correction.
+  galvo::FieldWindow window{100};
   /// How it makes ticks; the speed of a mark is that of its pen.
   galvo::MarkTickOptions ticks = {.jump_mm_s = 5000, .run_in_s = 0.0006};
 
+  double field_mm() const { return window.field_mm(); }
   /// Where marks of a web are made, along it.
   double web_field_mm() const;
 };
@@ -32,13 +35,15 @@ struct MarkTimes {
 /// are those of the ticks that the driver sends.
 MarkTimes TimesOf(const mark::MarkSet& set, const HeadFigures& head);
 
-/// As marks of a web, in their order, with the jumps to them.
+/// As marks of a web, in their order, with the jumps to them: of a field of web_field_mm.
+/// Where the window is narrower at the places of a mark, the mark counts as so much
+/// longer.
 std::vector<galvo::TimedMark> TimedMarksOf(const mark::MarkSet& set,
                                            const HeadFigures& head);
 
-/// kOutsideBlock: a mark that no place of the web brings into the field wholly, by its
-/// number, place and size; on a piece at rest, one that lies outside the field.
-Status CheckField(const mark::MarkSet& set, bool on_web, double field_mm);
+/// kOutsideBlock: a mark that no place of the web brings into the window wholly, by its
+/// number, place and size; on a piece at rest, one that lies outside the window.
+Status CheckField(const mark::MarkSet& set, bool on_web, const HeadFigures& head);
 
 /// The order in which the web may run fastest (engrave/galvo/web_order.h): of each repeat
 /// the marks are ordered by their jumps, parts of that order become units of a sixteenth

@@ -10,9 +10,11 @@
 #include <cstdio>
 #include <fstream>
 #include <map>
+#include <numbers>
 #include <set>
 #include <sstream>
 
+#include "engrave/galvo/head_model.h"
 #include "services/cli/galvo/galvo_command.h"
 #include "services/cli/marks/marks_command.h"
 #include "services/client/exit_codes.h"
@@ -43,7 +45,8 @@ class GalvoGrid : public TypedCommand {
     return folder_ / "corrected.textproto";
   }
   /// 9 x 9 marks that were commanded so, as a field with an error has them.
-  fs::path Measured(const galvo::WrongField& field) const {
+  template <typename Field>
+  fs::path Measured(const Field& field) const {
     std::ofstream out(folder_ / "measured.csv");
     out << "command_x_mm,command_y_mm,measured_x_mm,measured_y_mm\n";
     for (int j = -4; j <= 4; ++j) {
@@ -190,6 +193,33 @@ TEST_F(GalvoGrid, CalibrateTakesFieldAndCorrectionOfTheProfile) {
                   INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto"}),
             client::kExitWrongInput);
   EXPECT_THAT(errors_, HasSubstr("has no scan_head"));
+}
+
+TEST_F(GalvoGrid, CoversThatOfTheFieldWhichACorrectionOfAShrunkOneReaches) {
+  constexpr double kBorderRad = 20 * std::numbers::pi / 180;
+  auto shrunk = galvo::HeadModel::Ideal(50 / kBorderRad);
+  shrunk.lens_ratio[1] = -0.03 / (kBorderRad * kBorderRad);
+  const fs::path first = folder_ / "first.ct5";
+  ASSERT_EQ(Type({"calibrate", Measured(shrunk).string(), "--machine", kProfile, "--out",
+                  first.string()}),
+            client::kExitGood)
+      << errors_;
+  const std::string profile = ProfileWith(first).string();
+  const auto grid = [&](std::vector<std::string> more) {
+    more.insert(more.begin(),
+                {"grid", "--machine", profile, "--out", (folder_ / "grid").string()});
+    return Type(more);
+  };
+  ASSERT_EQ(grid({"--pitch", "12"}), client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("is 96.3 mm wide, and the field 90.9"));
+  ASSERT_EQ(grid({}), client::kExitGood) << errors_;
+  // 96 % of it; before this the profile's field.
+  EXPECT_THAT(errors_, HasSubstr("9 x 9 discs of 300 um, 10.9"));
+  ASSERT_EQ(TypeTo(AddMarksCommand,
+                   {"marks", "preview", (folder_ / "grid/grid.textproto").string()}),
+            client::kExitGood)
+      << errors_;
+  EXPECT_THAT(output_, HasSubstr("100 mm, with its correction a square of 90.9"));
 }
 
 }  // namespace

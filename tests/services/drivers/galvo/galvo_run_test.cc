@@ -4,11 +4,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+#include <numbers>
 #include <random>
 
+#include "engrave/galvo/files/ct5_tables.h"
+#include "engrave/galvo/head_fit.h"
 #include "engrave/proof/mark_comparison.h"
 #include "services/job/marks/job_marks.h"
 #include "tests/services/drivers/galvo/head_bench.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::drivers {
 namespace {
@@ -111,6 +117,52 @@ TEST(GalvoRun, At102PercentWhatIsMissedIsKnownBeforeAndTheHeadMissesIt) {
   EXPECT_GE(found.made_count, missed.front());
   EXPECT_LE(found.made_count, missed.front() + 40);
   EXPECT_EQ(found.incomplete_count + found.doubled_count, 0u);
+}
+
+constexpr double kLensBorderRad = 20 * std::numbers::pi / 180;
+
+/// What a board corrects a field of 100 mm with whose lens shrinks (below 0) or widens
+/// the picture by this ratio at the border.
+std::string CorrectionFor(double lens_ratio) {
+  constexpr double kLensFieldMm = 100;
+  constexpr int kLensNodes = 129, kLensBits = 5243;
+  galvo::HeadFit fit;
+  fit.model = galvo::HeadModel::Ideal(kLensFieldMm / 2 / kLensBorderRad);
+  fit.model.lens_ratio[1] = lens_ratio / (kLensBorderRad * kLensBorderRad);
+  const auto spline = galvo::Interpolation::kSpline;
+  const auto deviations = galvo::CorrectionTable::Make(
+                              galvo::DeviationsOf(fit, kLensFieldMm, kLensNodes), spline)
+                              .value();
+  const auto commands = galvo::CorrectionTable::Make(
+                            galvo::CommandGrid(deviations, kLensNodes).value(), spline)
+                            .value();
+  const auto file = test::FreshFolder() / "head.ct5";
+  std::ofstream(file, std::ios::binary)
+      << galvo::WriteCt5(galvo::Ct5Of(commands, kLensBits, nullptr).value());
+  return file;
+}
+
+// Marks up to 40 mm aside, where a shrunk field of 100 mm is 96 mm long: a mark is begun
+// when the mirrors reach it, and the plan knows that.
+TEST(GalvoRun, AFieldThatOpticsShrinkOrWidenIsUsedAsFarAsItsCorrectionReaches) {
+  for (const double lens_ratio : {-0.03, 0.03}) {
+    MachineSpec machine = WebProfile(100);
+    machine.mutable_scan_head()->set_correction_file(CorrectionFor(lens_ratio));
+    const WebPlan plan = PlanOf(machine, MarksOver(2000, 40));
+    auto truth = TruthAt(machine, 0.98 * plan.max_mm_s);
+    truth.physics.half_angle_rad = kLensBorderRad;
+    truth.physics.lens_ratio = lens_ratio;
+    HeadBench bench(machine, truth);
+    RunAt(bench, plan);
+    EXPECT_EQ(bench.state().fault, "") << lens_ratio;
+    const auto found = proof::CompareMarks(plan.set, bench.Burnt(), true);
+    EXPECT_EQ(found.made_count, plan.set.marks.size()) << lens_ratio;
+    EXPECT_EQ(found.missed_count + found.incomplete_count + found.doubled_count, 0u);
+    EXPECT_LE(found.worst.place_um, 20) << lens_ratio;
+    RecordProperty(lens_ratio < 0 ? "shrunk" : "widened",
+                   std::to_string(plan.max_mm_s) + " mm/s, place " +
+                       std::to_string(found.worst.place_um) + " um");
+  }
 }
 
 }  // namespace

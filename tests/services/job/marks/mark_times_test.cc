@@ -25,7 +25,7 @@ mark::MarkSet RandomSet(std::size_t repeats, std::mt19937& random) {
 
 HeadFigures HeadOf(double field_mm) {
   HeadFigures head;
-  head.field_mm = field_mm;
+  head.window = galvo::FieldWindow(field_mm);
   return head;
 }
 
@@ -120,14 +120,14 @@ TEST(MarkTimes, WhatDoesNotFitIntoTheFieldIsNamed) {
   mark::MarkSet set;
   set.pens.push_back({"item 2", 100, 0.5, 20000, 1});
   set.marks.push_back({0, false, 700, {{{0, 0}, 0}, {{40, 0}, 0}}});
-  EXPECT_TRUE(CheckField(set, true, 60));
-  const auto outside = CheckField(set, false, 60);
+  EXPECT_TRUE(CheckField(set, true, HeadOf(60.5)));
+  const auto outside = CheckField(set, false, HeadOf(60));
   ASSERT_FALSE(outside);
   EXPECT_EQ(outside.error().code, ErrorCode::kOutsideBlock);
   EXPECT_EQ(outside.error().message,
             "marks.item 2: mark 1 lies in x 0..40, y 0..0 mm and does not fit into the "
             "field of 60 mm; move it, make it smaller or use a larger field");
-  EXPECT_FALSE(CheckField(set, true, 30));
+  EXPECT_FALSE(CheckField(set, true, HeadOf(30)));
 }
 
 }  // namespace
