@@ -46,18 +46,60 @@ std::optional<std::uint32_t> NumberIn(const web::Request& request, const char* n
   return error == std::errc() && read == end ? std::optional(number) : std::nullopt;
 }
 
+/// The message in a body; nullopt: another one, a field of another name among it.
+template <typename Message>
+std::optional<Message> BodyOf(const std::string& body) {
+  Message message;
+  const bool read =
+      body.empty() || google::protobuf::util::JsonStringToMessage(body, &message).ok();
+  return read ? std::optional(message) : std::nullopt;
+}
+
+/// What a command of this name asks for; nullopt: there is no such one.
 std::optional<intaglio_JobCommandKind> CommandNamed(std::string_view name) {
+  if (name == "arm") return intaglio_COMMAND_ARM;
   if (name == "pause") return intaglio_COMMAND_PAUSE;
   if (name == "resume") return intaglio_COMMAND_RESUME;
   if (name == "cancel") return intaglio_COMMAND_CANCEL;
+  if (name == "speed") return intaglio_COMMAND_SPEED;
   return std::nullopt;
+}
+
+/// A command with what its body says; `token` of those that let a machine fire.
+struct PostedCommand {
+  client::JobOrder order;
+  std::string token;
+};
+
+/// kInvalidValue: the body is not that of this command.
+Result<PostedCommand> ReadCommand(intaglio_JobCommandKind kind, const std::string& body) {
+  PostedCommand command{.order = {.kind = kind, .basis = intaglio_ARM_BY_PERSON},
+                        .token = {}};
+  client::JobOrder& order = command.order;
+  if (kind == intaglio_COMMAND_ARM) {
+    const auto arm = BodyOf<ArmRequest>(body);
+    if (!arm) return Fail(ErrorCode::kInvalidValue, "the body is no ArmRequest");
+    order.accept_breakage = arm->accept_breakage();
+    command.token = arm->token();
+  } else if (kind == intaglio_COMMAND_RESUME) {
+    const auto resume = BodyOf<ResumeRequest>(body);
+    if (!resume) return Fail(ErrorCode::kInvalidValue, "the body is no ResumeRequest");
+    order.accept_breakage = resume->accept_breakage();
+    order.from_point = resume->from_point();
+    order.fire_uncertain = resume->fire_uncertain();
+    command.token = resume->token();
+  } else if (kind == intaglio_COMMAND_SPEED) {
+    const auto speed = BodyOf<SpeedRequest>(body);
+    if (!speed) return Fail(ErrorCode::kInvalidValue, "the body is no SpeedRequest");
+    order.speed_percent = speed->percent();
+  }
+  return command;
 }
 
 /// A body that is no StopRequest prevents no stop.
 std::string ReasonIn(const std::string& body) {
-  StopRequest request;
-  const bool read = google::protobuf::util::JsonStringToMessage(body, &request).ok();
-  return read ? request.reason() : std::string();
+  const auto request = BodyOf<StopRequest>(body);
+  return request ? request->reason() : std::string();
 }
 
 /// "7" and "plan" of "7/plan".
@@ -151,12 +193,27 @@ void Api::AnswerPost(const std::string& path, const web::Request& request,
   if (!path.starts_with(kJobs)) return reply(Unknown());
   const auto job_and_name = SplitJob(std::string_view(path).substr(kJobs.size()));
   const std::string& job = job_and_name.first;  // clang captures no part of a binding
-  const auto kind = CommandNamed(job_and_name.second);
-  if (!kind) return reply(Unknown());
-  desk_.Order([job, kind = *kind, reply](ShopDesk& desk) {
-    desk.Command(job, kind, [reply](int status, const CommandAnswer& answer) {
+  if (job_and_name.second == "hold") {
+    const auto hold = BodyOf<HoldRequest>(request.body);
+    if (!hold) return reply(ErrorResponse(400, "the body is no HoldRequest"));
+    return desk_.Order([job, block = hold->block(), reply](ShopDesk& desk) {
+      const auto [status, answer] = desk.Hold(job, block);
       reply(JsonResponse(status, answer));
     });
+  }
+  const auto kind = CommandNamed(job_and_name.second);
+  if (!kind) return reply(Unknown());
+  const auto command = ReadCommand(*kind, request.body);
+  if (!command) return reply(ErrorResponse(400, command.error().message));
+  desk_.Order([job, command = *command, reply](ShopDesk& desk) {
+    const auto answer = [reply](int status, const CommandAnswer& answered) {
+      reply(JsonResponse(status, answered));
+    };
+    const auto ordered = command.order.kind;
+    if (ordered == intaglio_COMMAND_ARM || ordered == intaglio_COMMAND_RESUME)
+      desk.Fire(job, command.token, command.order, answer);
+    else
+      desk.Command(job, command.order, answer);
   });
 }
 

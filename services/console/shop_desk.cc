@@ -20,6 +20,11 @@ constexpr auto kStopAnswerTime = 1s;
 constexpr std::size_t kEndedJobsShown = 20;
 
 constexpr char kPressTheButton[] = "press the machine's own button";
+constexpr char kEnded[] = "ended";
+
+std::string EndedSentence(const client::JobView& job) {
+  return fmt::format("job {} is already {}", job.number, client::NameOf(job.state));
+}
 
 }  // namespace
 
@@ -108,28 +113,90 @@ ConsoleState ShopDesk::State() {
   return state;
 }
 
-void ShopDesk::Command(const std::string& job_name, intaglio_JobCommandKind kind,
-                       Answer answer) {
-  CommandAnswer refused;
+std::pair<int, HoldAnswer> ShopDesk::Hold(const std::string& job_name,
+                                          const std::string& block) {
+  HoldAnswer answer;
+  const auto refuse = [&](int status, std::string code, std::string message) {
+    answer.set_code(std::move(code));
+    answer.set_message(std::move(message));
+    return std::pair(status, answer);
+  };
   const auto job = client().Find(job_name);
-  if (!job) {
-    refused.set_message(job.error().message);
-    return answer(404, refused);
+  if (!job) return refuse(404, "", job.error().message);
+  const client::ShopSnapshot shop = watcher_.Take();
+  const JobRecord record = client::JobRecordOf(*job);
+  answer.set_job(job->number);
+  answer.set_name(job->name);
+  answer.set_cell(job->cell);
+  answer.set_block(BlockIn(shop, job->cell));
+  *answer.mutable_warnings() = record.warnings();
+  if (job->ended()) return refuse(409, kEnded, EndedSentence(*job));
+  if (const Obstacle obstacle = ObstacleOf(shop, job->cell); !obstacle.code.empty())
+    return refuse(409, obstacle.code, obstacle.message);
+  if (block != answer.block()) {
+    return refuse(409, "other_block",
+                  fmt::format("\"{}\" is mounted in {}, and not \"{}\": read it again, "
+                              "then press and hold",
+                              answer.block(), job->cell, block));
   }
-  refused.set_job(job->number);
-  if (job->ended()) {
-    refused.set_code("ended");
-    refused.set_message(
-        fmt::format("job {} is already {}", job->number, client::NameOf(job->state)));
+  using Seconds = std::chrono::duration<double>;
+  answer.set_token(holds_.Begin(*job, block, Clock::now()));
+  answer.set_held(true);
+  answer.set_hold_s(Seconds(ArmHolds::kHoldTime).count());
+  answer.set_end_s(Seconds(ArmHolds::kHoldTime + ArmHolds::kEndTime).count());
+  return {200, answer};
+}
+
+std::optional<client::JobView> ShopDesk::OpenJobNamed(const std::string& name,
+                                                      const Answer& answer) {
+  CommandAnswer refused;
+  const auto job = client().Find(name);
+  if (job && !job->ended()) return *job;
+  refused.set_message(job ? EndedSentence(*job) : job.error().message);
+  if (job) {
+    refused.set_job(job->number);
+    refused.set_code(kEnded);
+  }
+  answer(job ? 409 : 404, refused);
+  return std::nullopt;
+}
+
+void ShopDesk::Command(const std::string& job_name, const client::JobOrder& order,
+                       Answer answer) {
+  if (const auto job = OpenJobNamed(job_name, answer))
+    Send(*job, order, std::move(answer));
+}
+
+void ShopDesk::Fire(const std::string& job_name, const std::string& token,
+                    client::JobOrder order, Answer answer) {
+  const auto job = OpenJobNamed(job_name, answer);
+  if (!job) return;
+  const client::ShopSnapshot shop = watcher_.Take();
+  const auto held =
+      holds_.End(token, job->uid, BlockIn(shop, job->cell), ArmHolds::Clock::now());
+  const Obstacle obstacle =
+      held ? ObstacleOf(shop, job->cell) : Obstacle{"not_held", held.error().message};
+  if (!obstacle.code.empty()) {
+    CommandAnswer refused;
+    refused.set_job(job->number);
+    refused.set_code(obstacle.code);
+    refused.set_message(obstacle.message);
     return answer(409, refused);
   }
-  const auto number =
-      client().Send(*job, {.kind = kind, .basis = intaglio_ARM_BY_PERSON});
+  order.basis = intaglio_ARM_BY_PERSON;
+  Send(*held, order, std::move(answer));
+}
+
+void ShopDesk::Send(const client::JobView& job, const client::JobOrder& order,
+                    Answer answer) {
+  CommandAnswer pending;
+  pending.set_job(job.number);
+  const auto number = client().Send(job, order);
   if (!number) {
-    refused.set_message(number.error().message);
-    return answer(503, refused);
+    pending.set_message(number.error().message);
+    return answer(503, pending);
   }
-  commands_.push_back({*number, refused, Clock::now() + client::JobClient::kAnswerTime,
+  commands_.push_back({*number, pending, Clock::now() + client::JobClient::kAnswerTime,
                        std::move(answer)});
 }
 

@@ -7,14 +7,17 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "proto/console.pb.h"
 #include "services/client/event_lines.h"
 #include "services/client/shop/shop_snapshot.h"
 #include "services/client/shop/shop_stops.h"
+#include "services/console/arm_holds.h"
 
 namespace intaglio::console {
 
@@ -43,9 +46,15 @@ class ShopDesk {
   bool IsComplete() const { return watcher_.IsComplete(); }
 
   using Answer = std::function<void(int status, const CommandAnswer&)>;
-  /// Pause, resume or cancel. The answer comes in a later turn: 200 taken, 404 no such
+  /// A person who reads `block` as mounted begins to hold (arm_holds.h): 200 held,
+  /// 404 no such job, 409 refused.
+  std::pair<int, HoldAnswer> Hold(const std::string& job, const std::string& block);
+  /// Pause, cancel or speed. The answer comes in a later turn: 200 taken, 404 no such
   /// job, 409 refused, 503 not sent, 504 no answer in time (it is withdrawn then).
-  void Command(const std::string& job, intaglio_JobCommandKind kind, Answer answer);
+  void Command(const std::string& job, const client::JobOrder& order, Answer answer);
+  /// Arm or resume, at the end of the hold with this token; answers as Command.
+  void Fire(const std::string& job, const std::string& token, client::JobOrder order,
+            Answer answer);
   /// `answer` gets the confirmations of the press when every machine has confirmed it, or
   /// after a second.
   void AwaitConfirmation(std::uint32_t number,
@@ -64,6 +73,10 @@ class ShopDesk {
     Clock::time_point end;
     std::function<void(const StopAnswer&)> reply;
   };
+  /// The job that may be commanded; nullopt: it may not, and that is answered.
+  std::optional<client::JobView> OpenJobNamed(const std::string& name,
+                                              const Answer& answer);
+  void Send(const client::JobView& job, const client::JobOrder& order, Answer answer);
   void AnswerCommands();
   void AnswerStops();
   bool IsAwaited() const { return !commands_.empty() || !stops_.empty(); }
@@ -74,6 +87,7 @@ class ShopDesk {
   client::EventLines events_{lines_};
   bool knows_jobs_ = false;            ///< those that had ended before are known
   std::map<std::string, bool> ended_;  ///< by uid: its end is known, or was before
+  ArmHolds holds_;
   std::vector<PendingCommand> commands_;
   std::vector<PendingStop> stops_;
 

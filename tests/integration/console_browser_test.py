@@ -72,6 +72,38 @@ def eventually(condition, seconds=60):
     raise AssertionError(f"not within {seconds} s: {condition.__name__}")
 
 
+def arm(driver, say, cracks):
+    """Only a button that is held arms the job."""
+    from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.by import By
+
+    def button():
+        found = driver.find_elements(By.CSS_SELECTOR, ".hold")
+        return found and found[0].is_displayed() and "ARM" in found[0].text and found[0]
+
+    def waits():
+        return "waiting_for_arm" in driver.find_element(By.CSS_SELECTOR, "job-list").text
+
+    def mounted():
+        return "50 x 50 x 30" in driver.find_element(By.CSS_SELECTOR, ".fire").text
+
+    def press(seconds, then):
+        ActionChains(driver).move_to_element(eventually(button)).click_and_hold() \
+            .pause(seconds).perform()
+        then()
+        ActionChains(driver).release().perform()
+
+    eventually(waits)
+    eventually(mounted)
+    press(0.3, lambda: None)
+    press(0.3, driver.refresh)
+    eventually(waits)
+    time.sleep(3)
+    assert waits() and cracks() == 0, "a short press or a reload arms nothing"
+    press(2.5, lambda: None)
+    say("armed by a press that is held")
+
+
 def look(driver, folder, say, cracks, console_pid):
     """What a person does with the page."""
     from selenium.webdriver.common.by import By
@@ -181,7 +213,7 @@ def main():
         url = eventually(address)
         subprocess.run([given.intaglio, "submit", ROOT / "deploy/jobs/sample.textproto",
                         "--height", "12", "--spacing", "0.5", "--rate", "25", "--name", NAME,
-                        "--arm", *place], check=True)
+                        *place], check=True)
         options = webdriver.ChromeOptions()
         for flag in ("--headless=new", "--no-sandbox", "--window-size=1280,1000",
                      "--use-angle=swiftshader", "--enable-unsafe-swiftshader"):
@@ -190,6 +222,7 @@ def main():
         driver = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
         driver.get(url)
         assert "key=" not in driver.current_url
+        arm(driver, print, cracks)
         look(driver, folder, print, cracks, console_pid)
     finally:
         if driver:

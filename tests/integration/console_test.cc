@@ -73,6 +73,55 @@ class Console : public ::testing::Test {
         Eventually([&] { return Job().find("engraving") != std::string::npos; }, 20s))
         << Job();
   }
+  /// Of a sample that waits for its arm in a machine with a reported block.
+  void AwaitArm() {
+    floor_.StartAll();
+    Open();
+    ASSERT_TRUE(floor_.Opens()) << floor_.Logs();
+    const Ended mounted = floor_.Type(
+        {"mount", "--block", "50", "50", "30", "--index", "1.51947", "--lens", "f43"});
+    ASSERT_EQ(mounted.exit_code, 0) << mounted.output;
+    const Ended submitted = floor_.Type(
+        {"submit", std::string(INTAGLIO_SOURCE_DIR) + "/deploy/jobs/sample.textproto",
+         "--height", "4.2", "--spacing", "0.5", "--rate", "25"});
+    ASSERT_EQ(submitted.exit_code, 0) << submitted.output;
+    std::smatch number;
+    ASSERT_TRUE(std::regex_search(submitted.output, number, std::regex("job ([0-9]+)")));
+    job_ = number[1];
+    ASSERT_TRUE(JobShows("waiting_for_arm")) << Job() << floor_.Logs();
+    ASSERT_TRUE(StatusShows("\"mounted\": \"50 x 50 x 30"));
+    const std::string status = Get("/api/v1/status").body;
+    ASSERT_TRUE(
+        std::regex_search(status, number, std::regex("\"mounted\": \"([^\"]+)\"")));
+    block_ = number[1];
+  }
+  bool JobShows(const std::string& text) const {
+    return Eventually([&] { return Job().find(text) != std::string::npos; }, 30s);
+  }
+  bool StatusShows(const std::string& text) const {
+    return Eventually(
+        [&] { return Get("/api/v1/status").body.find(text) != std::string::npos; }, 20s);
+  }
+  WebAnswer PostToJob(const std::string& name, const std::string& body = "{}") const {
+    return Post("/api/v1/jobs/" + *job_ + "/" + name, body);
+  }
+  WebAnswer Press(const std::string& block) const {
+    return PostToJob("hold", fmt::format(R"({{"block": "{}"}})", block));
+  }
+  /// Presses at the block that is mounted; the body of the arm that ends it.
+  std::string Press() const {
+    const WebAnswer held = Press(block_);
+    std::smatch token;
+    EXPECT_EQ(held.status, 200) << held.body;
+    EXPECT_TRUE(
+        std::regex_search(held.body, token, std::regex("\"token\": \"([0-9a-f]{64})\"")))
+        << held.body;
+    return fmt::format(R"({{"token": "{}"}})", token[1].str());
+  }
+  void ExpectRefused(const WebAnswer& answer, const std::string& code) const {
+    EXPECT_EQ(answer.status, 409) << answer.body;
+    EXPECT_THAT(answer.body, HasSubstr("\"code\": \"" + code + "\""));
+  }
   std::string Job() const { return Get("/api/v1/jobs/" + *job_).body; }
   void ExpectNothingFires() {
     const std::int64_t cracks = floor_.Panel("cracks");
@@ -86,6 +135,7 @@ class Console : public ::testing::Test {
   ShopFloor floor_{folder_, OnABusOfItsOwn()};
   std::unique_ptr<Running> console_;
   std::optional<std::string> job_;
+  std::string block_;  // as reported to be mounted
   std::uint16_t port_ = 0;
   std::string key_;
   int starts_ = 0;
@@ -119,7 +169,7 @@ TEST_F(Console, AnswersWhatTheCommandLinePrints) {
   agrees("/api/v1/jobs/" + *job_, {"show", *job_, "--json"});
   agrees("/api/v1/status", {"status", "--json"});
   EXPECT_EQ(Get("/api/v1/jobs/99").status, 404);
-  EXPECT_EQ(Post("/api/v1/jobs/" + *job_ + "/arm").status, 404) << "no such command";
+  EXPECT_EQ(Post("/api/v1/jobs/" + *job_ + "/light").status, 404) << "no such command";
   // What was made is read from the job's folder, and grows when the job goes on.
   const WebAnswer plan = Get("/api/v1/jobs/" + *job_ + "/plan");
   ASSERT_EQ(plan.status, 200) << plan.body;
@@ -128,8 +178,8 @@ TEST_F(Console, AnswersWhatTheCommandLinePrints) {
   EXPECT_EQ(Get("/api/v1/jobs/" + *job_ + "/made?from=1000000").body.size(), 4u);
   EXPECT_EQ(Get("/api/v1/jobs/" + *job_ + "/made?from=x").status, 400);
   const std::int64_t cracks = floor_.Panel("cracks");
-  const WebAnswer resumed = Post("/api/v1/jobs/" + *job_ + "/resume");
-  EXPECT_EQ(resumed.status, 200) << resumed.body;
+  EXPECT_THAT(Post("/api/v1/jobs/" + *job_ + "/resume").body, HasSubstr("not_held"));
+  EXPECT_EQ(floor_.Type({"resume", *job_}).exit_code, 0) << floor_.Logs();
   EXPECT_TRUE(floor_.AwaitCracks(cracks + 5, 20s)) << floor_.Logs();
   const WebAnswer cancelled = Post("/api/v1/jobs/" + *job_ + "/cancel");
   EXPECT_EQ(cancelled.status, 200) << cancelled.body;
@@ -178,6 +228,78 @@ TEST_F(Console, StopsByItsWebSocketAndNothingStartsOnReconnect) {
   }
   ExpectNothingFires();
   EXPECT_EQ(floor_.Newest("state"), "paused");
+}
+
+TEST_F(Console, ArmsByAPressThatIsHeldAndByNothingElse) {
+  AwaitArm();
+  ExpectRefused(PostToJob("arm"), "not_held");
+  ExpectRefused(Press("60 x 30 x 20 N-BK7"), "other_block");
+  EXPECT_EQ(PostToJob("arm", R"({"armed": true})").status, 400);
+  ExpectRefused(PostToJob("arm", Press()), "not_held");  // too early
+  const std::string used_early = Press();
+  ExpectRefused(PostToJob("arm", used_early), "not_held");
+  std::this_thread::sleep_for(1300ms);
+  ExpectRefused(PostToJob("arm", used_early), "not_held");
+  const std::string late = Press();
+  std::this_thread::sleep_for(3500ms);
+  ExpectRefused(PostToJob("arm", late), "not_held");
+  const std::string of_a_dead_console = Press();
+  console_->Signal(SIGKILL);
+  console_->WaitForEnd(5s);
+  Open();
+  ASSERT_TRUE(StatusShows(block_));
+  ASSERT_TRUE(JobShows("waiting_for_arm"));
+  ExpectRefused(PostToJob("arm", of_a_dead_console), "not_held");
+  ExpectNothingFires();
+  EXPECT_EQ(floor_.Panel("cracks"), 0);
+  const std::string held = Press();
+  std::this_thread::sleep_for(1300ms);
+  const WebAnswer armed = PostToJob("arm", held);
+  EXPECT_EQ(armed.status, 200) << armed.body;
+  ASSERT_TRUE(floor_.AwaitCracks(5, 40s)) << floor_.Logs();
+  // What was paused does not go on by messages that come again.
+  ASSERT_EQ(PostToJob("pause").status, 200);
+  ASSERT_TRUE(JobShows("\"paused\""));
+  ExpectRefused(PostToJob("arm", held), "not_held");
+  ExpectRefused(PostToJob("resume", held), "not_held");
+  ExpectNothingFires();
+  EXPECT_EQ(PostToJob("speed", R"({"percent": 50})").status, 200);
+  EXPECT_TRUE(JobShows("\"speed_percent\": 50"));
+  ExpectRefused(PostToJob("speed", R"({"percent": 0})"), "out_of_range");
+  const std::int64_t cracks = floor_.Panel("cracks");
+  const std::string again = Press();
+  std::this_thread::sleep_for(1300ms);
+  EXPECT_EQ(PostToJob("resume", again).status, 200);
+  EXPECT_TRUE(floor_.AwaitCracks(cracks + 3, 20s)) << floor_.Logs();
+}
+
+TEST_F(Console, ArmsNothingAtAnOpenDoorOrAfterAPause) {
+  AwaitArm();
+  AskPanel(floor_.folder(), "door open");
+  ASSERT_TRUE(StatusShows("\"door_closed\": false"));
+  ExpectRefused(Press(block_), "door_open");
+  AskPanel(floor_.folder(), "door close");
+  ASSERT_TRUE(StatusShows("\"door_closed\": true"));
+  // It opens while the button is held.
+  const std::string held = Press();
+  AskPanel(floor_.folder(), "door open");
+  std::this_thread::sleep_for(1300ms);
+  ExpectRefused(PostToJob("arm", held), "door_open");
+  AskPanel(floor_.folder(), "door close");
+  ASSERT_TRUE(StatusShows("\"door_closed\": true"));
+  // Somebody pauses it meanwhile.
+  const std::string paused_meanwhile = Press();
+  EXPECT_EQ(PostToJob("pause").status, 200);
+  std::this_thread::sleep_for(1300ms);
+  ExpectRefused(PostToJob("arm", paused_meanwhile), "superseded");
+  // Somebody changes the block meanwhile.
+  const std::string other_block = Press();
+  const Ended mounted = floor_.Type({"mount", "--block", "60", "60", "30"});
+  ASSERT_EQ(mounted.exit_code, 0) << mounted.output;
+  ASSERT_TRUE(StatusShows("60 x 60 x 30"));
+  ExpectRefused(PostToJob("arm", other_block), "not_held");
+  ExpectNothingFires();
+  EXPECT_EQ(floor_.Panel("cracks"), 0);
 }
 
 // Neither a reader nor a writer of the machine's messages is missed by the machine.

@@ -1,16 +1,8 @@
 // The page: custom elements that show the console's state. What comes from the shop is text,
 // never markup. A reload or a new connection sends nothing.
+import { Dict, endStates, make, post } from './dom';
+import { FirePanel } from './fire';
 import { text } from './text';
-
-type Dict = Record<string, any>;
-
-/** An element with a text; the text is never read as markup. */
-function make(tag: string, content = '', className = ''): HTMLElement {
-  const element = document.createElement(tag);
-  element.textContent = content;
-  if (className) element.className = className;
-  return element;
-}
 
 /** The connection /control: the state, ten times a second, and Stop. */
 class Control {
@@ -65,19 +57,6 @@ class Control {
     const request = { stop: { reason: 'pressed in the console' } };
     if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(request));
     post('stop', request.stop).then((answer) => answer && this.onStop(answer));
-  }
-}
-
-async function post(path: string, body: Dict): Promise<Dict | undefined> {
-  try {
-    const response = await fetch(`/api/v1/${path}`, {
-      method: 'POST',
-      headers: { 'Content-Type': 'application/json' },
-      body: JSON.stringify(body),
-    });
-    return await response.json();
-  } catch {
-    return undefined;
   }
 }
 
@@ -173,8 +152,6 @@ function duration(seconds: number): string {
   return minutes ? `${minutes} min ${whole % 60} s` : `${whole} s`;
 }
 
-const endStates = ['done', 'failed', 'cancelled'];
-
 /** A line of the list; it stays the same element while its job is there. */
 class JobLine {
   readonly element = make('li');
@@ -183,15 +160,17 @@ class JobLine {
   private figures = make('div', '', 'quiet');
   private answer = make('div', '', 'need');
   private buttons = make('div');
+  private fire: FirePanel;
 
   constructor(private job: number, onShow: () => void) {
     const show = make('button', text.watch);
     show.addEventListener('click', onShow);
     this.buttons.append(show);
     this.command('pause', text.pause);
-    this.command('resume', text.resume);
     this.command('cancel', text.cancel, text.cancelSure);
-    this.element.append(this.title, this.bar, this.figures, this.buttons, this.answer);
+    this.fire = new FirePanel(this.job, (line) => (this.answer.textContent = line));
+    this.element.append(this.title, this.bar, this.figures, this.buttons, this.fire.element,
+      this.answer);
   }
 
   private command(name: string, label: string, question = '') {
@@ -214,7 +193,11 @@ class JobLine {
     this.buttons.append(button);
   }
 
-  update(job: Dict) {
+  letGo() {
+    this.fire.letGo();
+  }
+
+  update(job: Dict, machine: Dict | undefined) {
     this.title.textContent = `${job.job} ${job.name}: ${job.state}`;
     const stages: Dict[] = job.stages ?? [];
     const stage = stages.find((one) => one.done < one.total) ?? stages[stages.length - 1];
@@ -228,8 +211,8 @@ class JobLine {
     this.figures.textContent = [...parts, job.message, job.alarm].filter(Boolean).join(', ');
     const ended = endStates.includes(job.state);
     for (const button of this.buttons.querySelectorAll<HTMLElement>('[data-command]'))
-      button.hidden = ended || (button.dataset.command === 'resume') !== (job.state === 'paused')
-        && button.dataset.command !== 'cancel';
+      button.hidden = ended || button.dataset.command === 'pause' && job.state === 'paused';
+    this.fire.update(job, machine);
   }
 }
 
@@ -243,7 +226,12 @@ class JobList extends HTMLElement {
     this.append(this.list);
   }
 
-  update(jobs: Dict[]) {
+  /** No button that is held counts any more. */
+  letGo() {
+    for (const line of this.lines.values()) line.letGo();
+  }
+
+  update(jobs: Dict[], machines: Dict[]) {
     const there = new Set<number>(jobs.map((job) => job.job));
     for (const [number, line] of this.lines) {
       if (there.has(number)) continue;
@@ -257,7 +245,7 @@ class JobList extends HTMLElement {
         this.lines.set(job.job, line);
         this.list.append(line.element);
       }
-      line.update(job);
+      line.update(job, machines.find((machine) => machine.cell === job.cell));
     }
     if (jobs.length) this.empty.remove();
     else this.list.append(this.empty);
@@ -334,7 +322,12 @@ const jobs = document.querySelector('job-list') as JobList;
 const glass = document.querySelector('glass-view') as GlassView;
 const control = new Control();
 stop.control = control;
-control.onConnection = (connected) => stop.connection(connected);
+control.onConnection = (connected) => {
+  jobs.letGo();
+  stop.connection(connected);
+};
+document.addEventListener('visibilitychange', () => jobs.letGo());
+window.addEventListener('blur', () => jobs.letGo());
 control.onStop = (answer) => stop.answer(answer);
 jobs.onShow = (job) => glass.show(job);
 let drawnAt = 0;
@@ -345,6 +338,6 @@ control.onState = (state) => {
   drawnAt = performance.now();
   needs.update(state.shop?.needs ?? []);
   machines.update(state.shop?.machines ?? [], state.stages ?? []);
-  jobs.update(state.jobs ?? []);
+  jobs.update(state.jobs ?? [], state.shop?.machines ?? []);
   glass.follow(state.jobs ?? []);
 };
