@@ -10,13 +10,13 @@
 namespace intaglio::cli {
 
 Result<CourseFiles> ReadCourseFiles(const Course& course, double size_limits,
-                                    Warnings& warnings, const std::string& drill_units) {
+                                    Warnings& warnings,
+                                    const CourseFileOptions& options) {
   const ReadLimits limits = ReadLimitsTimes(size_limits);
   std::vector<std::string> texts;
   for (const std::string& file : course.files())
     texts.push_back(INTAGLIO_TRY(io::ReadWholeFile(file, limits.max_file_bytes)));
-  return CourseFilesOf(course, {texts.begin(), texts.end()}, limits, warnings,
-                       drill_units);
+  return CourseFilesOf(course, {texts.begin(), texts.end()}, limits, warnings, options);
 }
 
 }  // namespace intaglio::cli

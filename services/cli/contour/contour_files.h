@@ -14,6 +14,6 @@ namespace intaglio::cli {
 /// Errors of the disk, and as of CourseFilesOf; `warnings` are added before them, too.
 Result<CourseFiles> ReadCourseFiles(const Course& course, double size_limits,
                                     Warnings& warnings,
-                                    const std::string& drill_units = {});
+                                    const CourseFileOptions& options = {});
 
 }  // namespace intaglio::cli

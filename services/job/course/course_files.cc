@@ -19,6 +19,7 @@
 #include "engrave/core/try.h"
 #include "engrave/io/lower_case.h"
 #include "services/job/course/course_holes.h"
+#include "services/job/course/course_side.h"
 #include "services/job/model_kind.h"
 #include "services/job/models/flat_models.h"
 
@@ -32,6 +33,8 @@ constexpr double kJoinedEndsMm = 0.01;
 constexpr double kChordsMm = 0.001;
 /// A drill file declares itself in its first lines.
 constexpr std::size_t kHeadBytes = 4096;
+/// Of KiCad: the layer that has the outline of the board.
+constexpr std::string_view kOutlineLayer = "Edge.Cuts";
 
 std::string FileName(const std::string& file) {
   return fs::path(file).filename().string();
@@ -75,6 +78,14 @@ Status AddLoops(const std::string& file, const drawing::Drawing& drawing,
   return {};
 }
 
+/// What is read of the files so far.
+struct CourseReading {
+  CourseFiles files;
+  std::vector<DrawnLoop> loops;
+  std::vector<DrilledFile> drilled;
+  CourseSide side;
+};
+
 void AddWarnings(const std::string& file, FileFindings findings,
                  const std::vector<contour::Element>& slots, Warnings& warnings) {
   if (!slots.empty()) {
@@ -92,21 +103,62 @@ Result<std::uint32_t> LayerOf(const contour::KicadBoard& board, const std::strin
   if (found != board.layers.end())
     return static_cast<std::uint32_t>(found - board.layers.begin());
   return Fail(ErrorCode::kInvalidValue,
-              fmt::format("course.layer: {} has no copper layer {:?}; it has {}", file,
-                          name, fmt::join(board.layers, ", ")),
+              fmt::format("course.layer: {} has no copper layer {:?}; it has {}, and {} "
+                          "as its outline",
+                          file, name, fmt::join(board.layers, ", "), kOutlineLayer),
               name);
 }
 
-Status AddKicadBoard(const std::string& file, std::string_view text,
-                     const std::string& layer, CourseFiles& files, Warnings& warnings) {
+/// The outline of a board, as what it is made of asks for.
+Status AddBoardOutline(const std::string& file, const contour::KicadBoard& board,
+                       CourseMake make, CourseReading& reading) {
+  if (board.outline.empty()) {
+    return Fail(
+        ErrorCode::kMissing,
+        fmt::format("{}: has no outline on {}; draw it, or name a layer of copper "
+                    "(course.layer): it has {}",
+                    file, kOutlineLayer, fmt::join(board.layers, ", ")),
+        file);
+  }
+  int number = 0;
+  for (const contour::Edges& loop : board.outline) {
+    std::string name = fmt::format("{}, outline {}", FileName(file), ++number);
+    if (make == COURSE_MAKE_CURVES)
+      reading.files.curves.push_back({std::move(name), loop, true});
+    else
+      reading.loops.push_back({std::move(name), loop, contour::BoxOfEdges(loop)});
+  }
+  return {};
+}
+
+std::optional<double> MiddleOf(const std::vector<contour::Edges>& outline) {
+  if (outline.empty()) return {};
+  contour::EdgeBox all = contour::BoxOfEdges(outline.front());
+  for (const contour::Edges& loop : outline) {
+    const contour::EdgeBox box = contour::BoxOfEdges(loop);
+    all.min_mm = all.min_mm.cwiseMin(box.min_mm);
+    all.max_mm = all.max_mm.cwiseMax(box.max_mm);
+  }
+  return 0.5 * (all.min_mm.x() + all.max_mm.x());
+}
+
+Status AddKicadBoard(const std::string& file, std::string_view text, const Course& course,
+                     CourseReading& reading, Warnings& warnings) {
   auto board = INTAGLIO_TRY(contour::ReadKicadBoard(text, file));
-  DrawnNets drawn{file, board.layers, INTAGLIO_TRY(LayerOf(board, file, layer)), {}};
-  std::ranges::move(contour::ElementsOfLayer(board, drawn.layer),
-                    std::back_inserter(files.elements));
   AddWarnings(file, board.findings, board.slots, warnings);
-  std::ranges::move(board.holes, std::back_inserter(files.holes));
+  std::ranges::move(board.holes, std::back_inserter(reading.files.holes));
+  if (!reading.side.middle_x_mm) reading.side.middle_x_mm = MiddleOf(board.outline);
+  if (course.layer() == kOutlineLayer ||
+      (course.layer().empty() && course.make() == COURSE_MAKE_CUT))
+    return AddBoardOutline(file, board, course.make(), reading);
+  DrawnNets drawn{
+      file, board.layers, INTAGLIO_TRY(LayerOf(board, file, course.layer())), {}};
+  if (board.layers[drawn.layer] == "B.Cu")
+    reading.side.back = fmt::format("layer B.Cu of {}", FileName(file));
+  std::ranges::move(contour::ElementsOfLayer(board, drawn.layer),
+                    std::back_inserter(reading.files.elements));
   drawn.elements = std::move(board.elements);
-  files.boards.push_back(std::move(drawn));
+  reading.files.boards.push_back(std::move(drawn));
   return {};
 }
 
@@ -130,24 +182,26 @@ bool IsDrillFile(const std::string& file, std::string_view text) {
          head.find("M48") != std::string_view::npos;
 }
 
-Status AddBoard(const std::string& file, std::string_view text, const std::string& layer,
-                CourseFiles& files, Warnings& warnings) {
+Status AddBoard(const std::string& file, std::string_view text, const Course& course,
+                CourseReading& reading, Warnings& warnings) {
   const std::string_view head = text.substr(0, kHeadBytes);
   const auto has = [&](std::string_view mark) {
     return head.find(mark) != std::string_view::npos;
   };
   const std::string extension = io::LowerCase(fs::path(file).extension().string());
-  if (extension == ".kicad_pcb") return AddKicadBoard(file, text, layer, files, warnings);
+  if (extension == ".kicad_pcb")
+    return AddKicadBoard(file, text, course, reading, warnings);
   if (extension == ".xml") {
     const auto project = INTAGLIO_TRY(contour::ReadProject(text, file));
     contour::Board board = contour::BoardOf(project);
-    std::ranges::move(board.elements, std::back_inserter(files.elements));
-    std::ranges::move(board.holes, std::back_inserter(files.holes));
+    std::ranges::move(board.elements, std::back_inserter(reading.files.elements));
+    std::ranges::move(board.holes, std::back_inserter(reading.files.holes));
     return {};
   }
   if (has("%FS") || has("%MO")) {
     auto elements = INTAGLIO_TRY(contour::ReadGerber(text, file));
-    std::ranges::move(elements, std::back_inserter(files.elements));
+    std::ranges::move(elements, std::back_inserter(reading.files.elements));
+    if (contour::DrawsBackOfBoard(text)) reading.side.back = FileName(file);
     return {};
   }
   return Fail(ErrorCode::kUnreadable,
@@ -187,38 +241,40 @@ void AddOutlines(std::vector<DrawnLoop> loops, std::vector<contour::Element>& el
   }
 }
 
+Status AddFile(const Course& course, const std::string& file, std::string_view text,
+               const ReadLimits& limits, const CourseFileOptions& options,
+               CourseReading& reading, Warnings& warnings) {
+  Model model;
+  model.set_file(file);
+  const auto kind = KindOf(model);
+  if (!kind || *kind != ModelKind::kDrawing) {
+    return IsDrillFile(file, text)
+               ? AddDrillFile(file, text, options.drill_units, reading.drilled, warnings)
+               : AddBoard(file, text, course, reading, warnings);
+  }
+  const auto drawing = ReadDrawing(file, text, limits.drawings, warnings);
+  if (!drawing) return tl::unexpected(WithRemedy(drawing.error(), limits));
+  return course.make() == COURSE_MAKE_CURVES ? AddCurves(file, *drawing, reading.files)
+                                             : AddLoops(file, *drawing, reading.loops);
+}
+
 }  // namespace
 
 Result<CourseFiles> CourseFilesOf(const Course& course,
                                   const std::vector<std::string_view>& texts,
                                   const ReadLimits& limits, Warnings& warnings,
-                                  const std::string& drill_units) {
+                                  const CourseFileOptions& options) {
   Require(texts.size() == static_cast<std::size_t>(course.files_size()),
           "{} texts are those of {} files", texts.size(), course.files_size());
-  CourseFiles files;
-  std::vector<DrawnLoop> loops;
-  std::vector<DrilledFile> drilled;
-  for (int i = 0; i < course.files_size(); ++i) {
-    const std::string& file = course.files(i);
-    const std::string_view text = texts[static_cast<std::size_t>(i)];
-    Model model;
-    model.set_file(file);
-    const auto kind = KindOf(model);
-    if (!kind || *kind != ModelKind::kDrawing) {
-      INTAGLIO_TRY(IsDrillFile(file, text)
-                       ? AddDrillFile(file, text, drill_units, drilled, warnings)
-                       : AddBoard(file, text, course.layer(), files, warnings));
-      continue;
-    }
-    const auto drawing = ReadDrawing(file, text, limits.drawings, warnings);
-    if (!drawing) return tl::unexpected(WithRemedy(drawing.error(), limits));
-    INTAGLIO_TRY(course.make() == COURSE_MAKE_CURVES ? AddCurves(file, *drawing, files)
-                                                     : AddLoops(file, *drawing, loops));
-  }
-  AddOutlines(std::move(loops), files.elements);
-  std::ranges::move(INTAGLIO_TRY(WarningsOfHoles(drilled, files.elements)),
+  CourseReading reading;
+  for (int i = 0; i < course.files_size(); ++i)
+    INTAGLIO_TRY(AddFile(course, course.files(i), texts[static_cast<std::size_t>(i)],
+                         limits, options, reading, warnings));
+  CourseFiles& files = reading.files;
+  AddOutlines(std::move(reading.loops), files.elements);
+  std::ranges::move(INTAGLIO_TRY(WarningsOfHoles(reading.drilled, files.elements)),
                     std::back_inserter(warnings));
-  for (const DrilledFile& file : drilled)
+  for (const DrilledFile& file : reading.drilled)
     files.holes.insert(files.holes.end(), file.holes.begin(), file.holes.end());
   if (files.elements.empty() && files.holes.empty() && files.curves.empty()) {
     std::string why =
@@ -226,7 +282,8 @@ Result<CourseFiles> CourseFilesOf(const Course& course,
     if (!warnings.empty()) why += "; " + warnings.front().text;
     return Fail(ErrorCode::kMissing, why);
   }
-  return files;
+  TurnToSide(options, reading.side, files, warnings);
+  return std::move(files);
 }
 
 }  // namespace intaglio

@@ -3,6 +3,7 @@
 // The files of a course: circuit boards and drawings as elements, holes and curves.
 // Frame: the files', mm, x to the right, y up.
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,18 +32,27 @@ struct CourseFiles {
   std::vector<DrawnNets> boards;  ///< those whose file has the nets; in `elements`, too
 };
 
+/// What is said of the files beside the course.
+struct CourseFileOptions {
+  std::string drill_units;     ///< the line of units that a drill file lacks
+  std::optional<bool> mirror;  ///< turn all over; default: when a file draws the back
+  /// About this line along y; default the middle of a board of KiCad, else 0.
+  std::optional<double> mirror_x_mm;
+};
+
 /// Of `course.files`, whose contents are `texts`: drawings by their extension (.dxf,
 /// .svg, .hpgl, .plt), projects by theirs (.xml), boards of KiCad by theirs (.kicad_pcb;
-/// course.layer of them), Gerber and Excellon files by what they hold. Drawings are
-/// curves for a course along curves, else outlines, of exact lines and arcs both: a
-/// contour in an odd number of others is a hole of the smallest of these. `drill_units`:
-/// the line of units that a drill file lacks. What is read and not made is added to
-/// `warnings`, also before an error, and so are holes of drill files beside all copper or
-/// over each other. Errors as of the readers; kUnreadable: none of
-/// these; kInvalidValue: a contour that is open, with its place.
+/// course.layer of them, of cuts their outline), Gerber and Excellon files by what they
+/// hold. Drawings are curves for a course along curves, else outlines, of exact lines and
+/// arcs both: a contour in an odd number of others is a hole of the smallest of these.
+/// What is read and not made is added to `warnings`, also before an error, and so are
+/// holes of drill files beside all copper or over each other. What draws the back of a
+/// board is mirrored with all that is beside it (course_side.h). Errors as of the
+/// readers; kUnreadable: none of these; kInvalidValue: a contour that is open, with its
+/// place.
 Result<CourseFiles> CourseFilesOf(const Course& course,
                                   const std::vector<std::string_view>& texts,
                                   const ReadLimits& limits, Warnings& warnings,
-                                  const std::string& drill_units = {});
+                                  const CourseFileOptions& options = {});
 
 }  // namespace intaglio

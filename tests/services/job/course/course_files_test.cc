@@ -37,7 +37,7 @@ CourseRead ReadTwo(const std::string& layer, const std::string& drill,
   course.add_files("a.gbr");
   course.add_files("a.drl");
   Warnings warnings;
-  auto files = CourseFilesOf(course, {layer, drill}, {}, warnings, units);
+  auto files = CourseFilesOf(course, {layer, drill}, {}, warnings, {units, {}, {}});
   return {std::move(files), std::move(warnings)};
 }
 

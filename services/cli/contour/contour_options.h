@@ -1,0 +1,43 @@
+#pragma once
+
+// What is typed behind `intaglio contour`.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "proto/course.pb.h"
+#include "services/job/course/course_files.h"
+#include "services/platform/command_line/program.h"
+
+namespace intaglio::cli {
+
+struct ContourOptions {
+  std::vector<std::string> files;
+  std::string make = "isolation", order = "improved", corners = "sharp";
+  std::string layer, mirror = "auto";
+  std::optional<double> mirror_x_mm;
+  bool inside = false;
+  std::optional<double> lead_mm, tool_mm, overlap, speed_mm_s, travel_mm_s, plunge_mm_s,
+      depth_mm, power, safe_mm, tab_distance_mm, tab_width_mm, tab_height_mm,
+      drill_depth_mm, chord_um, axis_speed_deg_s;
+  std::optional<std::uint32_t> tabs, passes, repeat, max_bytes;
+  std::vector<double> start_mm, origin_mm;
+  bool chords = false;
+  std::string mill_template, drill_template, out, picture, xml, frames, page, machine,
+      drill_units;
+  std::optional<double> frame_step_s;
+  double size_limits = 1;
+};
+
+/// All but the files and the limits of sizes.
+void AddContourOptions(command_line::Command contour, ContourOptions& options);
+
+/// The fields of a course that are given on the command line.
+Course TypedCourse(const ContourOptions& options);
+
+/// What is said of its files.
+CourseFileOptions TypedFileOptions(const ContourOptions& options);
+
+}  // namespace intaglio::cli
