@@ -258,11 +258,11 @@ void MotionVerifier::CheckJump(int axis, double to_mm_s2, double bits) {
 }
 
 void MotionVerifier::CheckTravel(const Box3& extent_mm) {
-  constexpr double kRoundingMm = 1e-9;
+  constexpr double kTravelSlackMm = 1e-9;
   for (int axis = 0; axis < 3; ++axis) {
     const double lo = extent_mm.min_mm[axis], hi = extent_mm.max_mm[axis];
-    if (lo >= limits_.travel_mm.min_mm[axis] - kRoundingMm &&
-        hi <= limits_.travel_mm.max_mm[axis] + kRoundingMm) {
+    if (lo >= limits_.travel_mm.min_mm[axis] - kTravelSlackMm &&
+        hi <= limits_.travel_mm.max_mm[axis] + kTravelSlackMm) {
       continue;
     }
     Violate(fmt::format("segment {}: axis {} goes from {} to {} mm, travel {} to {}",

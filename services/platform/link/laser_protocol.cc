@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "services/platform/link/message_fields.h"
 
@@ -29,16 +30,21 @@ std::uint8_t PackedOutcome(const Report& m, std::size_t i) {
   return static_cast<std::uint8_t>(static_cast<unsigned>(m.outcome[i]) | missed << 4);
 }
 
+/// Whether fields are read, by the type of what goes through them: a reference to it is
+/// no constant expression before C++23.
+template <typename Io>
+constexpr bool kIsRead = std::remove_reference_t<Io>::kReads;
+
 /// PulseReport or PastReport: a byte a tick.
 void Outcomes(auto& io, auto& m, std::size_t max_ticks, TickOutcome excluded) {
   io.Number(m.first_tick);
   io.template Size<std::uint16_t>(m.outcome, 1, max_ticks);
   io.Require(!GoesRound(m.first_tick, m.outcome.size()));
-  if constexpr (io.kReads) m.missed.resize(m.outcome.size());
+  if constexpr (kIsRead<decltype(io)>) m.missed.resize(m.outcome.size());
   for (std::size_t i = 0; i < m.outcome.size(); ++i) {
     std::uint8_t byte = PackedOutcome(m, i);
     io.Number(byte);
-    if constexpr (io.kReads) {
+    if constexpr (kIsRead<decltype(io)>) {
       m.outcome[i] = static_cast<TickOutcome>(byte & 0x0f);
       m.missed[i] = static_cast<std::uint8_t>(byte >> 4);
     }
@@ -128,13 +134,13 @@ struct Layout<PulseReport> : OnLaserLine {
   static constexpr const char* kName = "PulseReport";
   static void Fields(auto& io, auto& m) {
     Outcomes(io, m, kMaxReportTicks, TickOutcome::kNoLongerKnown);
-    if constexpr (io.kReads) m.measured_mj.resize(m.outcome.size());
+    if constexpr (kIsRead<decltype(io)>) m.measured_mj.resize(m.outcome.size());
     for (std::size_t i = 0; i < m.outcome.size(); ++i) {
       if (!HasFired(m.outcome[i])) continue;
       float mj = i < m.measured_mj.size() ? m.measured_mj[i] : 0;
       io.Number(mj);
       io.Require(IsEnergy(mj));
-      if constexpr (io.kReads) m.measured_mj[i] = mj;
+      if constexpr (kIsRead<decltype(io)>) m.measured_mj[i] = mj;
     }
   }
 };
