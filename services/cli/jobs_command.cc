@@ -19,6 +19,7 @@
 #include "services/client/exit_codes.h"
 #include "services/client/job_client.h"
 #include "services/client/known_jobs.h"
+#include "services/client/shop/bus_turn.h"
 #include "services/client/shop/job_record.h"
 #include "services/client/warning_text.h"
 
@@ -71,6 +72,7 @@ int PrintJobs(const client::JobClient& client, bool json) {
 
 /// All jobs, or none and the reason.
 int List(const JobsOptions& options) {
+  const client::BusTurn turn;
   bus::Bus bus(options.bus);
   client::JobClient client(bus);
   const auto known = client::PollUntilJobsAreKnown(client, bus.discovery_time());

@@ -15,6 +15,7 @@
 #include "services/client/event_lines.h"
 #include "services/client/exit_codes.h"
 #include "services/client/known_jobs.h"
+#include "services/client/shop/bus_turn.h"
 #include "services/client/warning_text.h"
 #include "services/history/job_history.h"
 
@@ -66,6 +67,7 @@ int SubmitSeries(const JobsOptions& options) {
   }
   const auto series = BuildSeries(options.job, options.series, options.materials_db);
   if (!series) return Complain(series.error(), client::kExitWrongInput);
+  client::BusTurn turn;
   bus::Bus bus(options.bus);
   client::JobClient client(bus);
   const auto submitted = SubmitAll(client, bus, *series, options);
@@ -116,19 +118,23 @@ int SubmitAtStations(const JobsOptions& options) {
   const auto jobs = BuildStationJobs(options.job, *stations);
   if (!jobs) return Complain(jobs.error(), client::kExitWrongInput);
   for (const std::string& note : jobs->front().notes) std::cerr << note << "\n";
+  client::BusTurn turn;
   bus::Bus bus(options.bus);
   client::JobClient client(bus);
   const auto submitted = SubmitAll(client, bus, *jobs, options);
   if (!submitted) return ComplainOfShop(submitted.error());
+  turn.End();
   return options.arm ? ArmAndWatchAll(client, *submitted, options) : client::kExitGood;
 }
 
 int SubmitJob(const JobSpec& spec, const JobsOptions& options) {
+  client::BusTurn turn;
   bus::Bus bus(options.bus);
   client::JobClient client(bus);
   client::PollUntilServed(client, bus.discovery_time());
   const auto submitted = SubmitOne(client, spec, options, options.id);
   if (!submitted) return ComplainOfShop(submitted.error());
+  if (options.arm || options.watch) turn.End();
   if (options.arm) {
     const auto basis = client::BasisFor(client, *submitted, options.same_block);
     auto armed =

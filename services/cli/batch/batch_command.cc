@@ -19,6 +19,7 @@
 #include "services/cli/interrupt.h"
 #include "services/client/exit_codes.h"
 #include "services/client/known_jobs.h"
+#include "services/client/shop/bus_turn.h"
 #include "services/job/json_text.h"
 
 namespace intaglio::cli {
@@ -102,6 +103,7 @@ int Batch(const BatchOptions& given) {
     std::cout << jobs->size() << " jobs, all without mistakes\n";
     return client::kExitGood;
   }
+  client::BusTurn turn;
   CatchInterrupts();
   bus::Bus bus(options.bus);
   client::JobClient client(bus);
@@ -109,6 +111,7 @@ int Batch(const BatchOptions& given) {
     return Complain({ErrorCode::kTimedOut, client::kNoJobService, ""},
                     client::kExitWrongInput);
   }
+  turn.End();
   if (!options.run.arm) {
     std::cerr << "without --arm every job waits for intaglio arm JOB\n";
   }

@@ -12,6 +12,7 @@
 #include "services/cli/status/status_text.h"
 #include "services/client/exit_codes.h"
 #include "services/client/patience.h"
+#include "services/client/shop/bus_turn.h"
 #include "services/client/shop/shop_snapshot.h"
 #include "services/client/shop/shop_status.h"
 #include "services/job/json_text.h"
@@ -50,6 +51,7 @@ int Print(const ShopStatus& status, const StatusOptions& options) {
 }
 
 int ShowStatus(const StatusOptions& options) {
+  client::BusTurn turn;
   CatchInterrupts();
   bus::Bus bus(options.bus);
   client::ShopWatcher shop(bus);
@@ -69,6 +71,7 @@ int ShowStatus(const StatusOptions& options) {
                      ""},
                     client::kExitWrongInput);
   }
+  if (options.watch) turn.End();
   for (;;) {
     const auto now = std::chrono::system_clock::now();
     const int exit_code = Print(client::StatusOf(shop.Take(), now), options);
