@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <google/protobuf/util/json_util.h>
 
+#include <algorithm>
 #include <charconv>
 #include <optional>
 
@@ -31,8 +32,27 @@ web::Response Unknown() {
   return ErrorResponse(404, "there is nothing at this path: docs/console.md has all");
 }
 
-web::Response CloudResponse(const Result<CloudReader::Bytes>& bytes) {
-  if (bytes) return {200, "application/octet-stream", *bytes};
+constexpr char kBytes[] = "application/octet-stream";
+
+/// What a job's folder has of it, by the part of the path; nothing else is read there.
+struct JobFile {
+  std::string_view part;
+  const char* file;
+  const char* content_type;
+};
+constexpr JobFile kJobFiles[] = {{"report", "report.json", "application/json"},
+                                 {"picture", "customer.png", "image/png"},
+                                 {"views", "views.png", "image/png"}};
+
+const JobFile* JobFileOf(std::string_view part) {
+  const auto* found = std::find_if(std::begin(kJobFiles), std::end(kJobFiles),
+                                   [&](const JobFile& one) { return one.part == part; });
+  return found == std::end(kJobFiles) ? nullptr : found;
+}
+
+web::Response BytesResponse(const Result<CloudReader::Bytes>& bytes,
+                            const char* content_type) {
+  if (bytes) return {200, content_type, *bytes};
   return ErrorResponse(bytes.error().code == ErrorCode::kNotFound ? 404 : 500,
                        bytes.error().message);
 }
@@ -163,18 +183,22 @@ void Api::AnswerGet(const std::string& path, const web::Request& request,
 
 void Api::AnswerJob(const std::string& job, const std::string& part, std::uint32_t from,
                     web::Reply reply) {
-  if (!part.empty() && part != "plan" && part != "made") return reply(Unknown());
-  desk_.Order([this, job, part, from, reply](ShopDesk& desk) {
+  const JobFile* file = JobFileOf(part);
+  if (file == nullptr && !part.empty() && part != "plan" && part != "made")
+    return reply(Unknown());
+  desk_.Order([this, job, part, file, from, reply](ShopDesk& desk) {
     const auto found = desk.client().Find(job);
     if (!found) return reply(ErrorResponse(404, found.error().message));
     if (part.empty()) return reply(JsonResponse(200, client::JobRecordOf(*found)));
-    const auto answer = [reply](const Result<CloudReader::Bytes>& bytes) {
-      reply(CloudResponse(bytes));
+    const std::filesystem::path folder = found->result_directory;
+    const char* type = file != nullptr ? file->content_type : kBytes;
+    const auto answer = [reply, type](const Result<CloudReader::Bytes>& bytes) {
+      reply(BytesResponse(bytes, type));
     };
-    const bool taken = part == "plan"
-                           ? clouds_.AskForPlan(found->result_directory, answer)
-                           : clouds_.AskForMade(found->result_directory, from, answer);
-    if (!taken) reply(ErrorResponse(503, "too many clouds are being read: try again"));
+    const bool taken = file != nullptr  ? clouds_.AskForFile(folder / file->file, answer)
+                       : part == "plan" ? clouds_.AskForPlan(folder, answer)
+                                        : clouds_.AskForMade(folder, from, answer);
+    if (!taken) reply(ErrorResponse(503, "too many files are being read: try again"));
   });
 }
 

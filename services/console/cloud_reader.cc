@@ -3,12 +3,14 @@
 #include <system_error>
 
 #include "engrave/core/try.h"
+#include "engrave/io/whole_file.h"
 #include "services/console/job_cloud.h"
 
 namespace intaglio::console {
 namespace {
 
 constexpr std::size_t kMaxWaiting = 32;
+constexpr std::uint64_t kMaxResultBytes = 64 << 20;
 
 }  // namespace
 
@@ -32,6 +34,14 @@ bool CloudReader::AskForMade(std::filesystem::path folder, std::uint32_t from,
     auto made = ReadMade(folder, from);
     if (!made) return answer(tl::unexpected(made.error()));
     answer(std::make_shared<const std::string>(std::move(*made)));
+  });
+}
+
+bool CloudReader::AskForFile(std::filesystem::path file, Answer answer) {
+  return Ask([file = std::move(file), answer = std::move(answer)] {
+    auto bytes = io::ReadWholeFile(file, kMaxResultBytes);
+    if (!bytes) return answer(tl::unexpected(bytes.error()));
+    answer(std::make_shared<const std::string>(std::move(*bytes)));
   });
 }
 

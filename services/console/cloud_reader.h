@@ -1,7 +1,7 @@
 #pragma once
 
-// Reads the points of jobs in a thread of its own: neither a stop nor a status waits for
-// a disk. The last plan is kept and shared by all pages.
+// Reads the points and the results of jobs in a thread of its own: neither a stop nor a
+// status waits for a disk. The last plan is kept and shared by all pages.
 
 #include <condition_variable>
 #include <deque>
@@ -28,6 +28,8 @@ class CloudReader {
   // From any thread. False: too many requests wait already.
   bool AskForPlan(std::filesystem::path folder, Answer answer);
   bool AskForMade(std::filesystem::path folder, std::uint32_t from, Answer answer);
+  /// All of a file, up to 64 MB.
+  bool AskForFile(std::filesystem::path file, Answer answer);
 
  private:
   struct Kept {

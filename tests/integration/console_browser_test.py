@@ -104,6 +104,28 @@ def arm(driver, say, cracks):
     say("armed by a press that is held")
 
 
+def results(driver, say):
+    """The job is cancelled, and its picture is shown."""
+    from selenium.webdriver.common.by import By
+
+    cancel = driver.find_element(By.CSS_SELECTOR, "[data-command=cancel]")
+    cancel.click()
+    cancel.click()
+
+    def ended():
+        return f"{NAME}: cancelled" in driver.find_element(By.CSS_SELECTOR, "job-list").text
+
+    def width():
+        show = driver.find_element(By.CSS_SELECTOR, ".result button")
+        show.click()
+        time.sleep(1)
+        picture = driver.find_element(By.CSS_SELECTOR, ".result img")
+        return picture.is_displayed() and int(picture.get_attribute("naturalWidth"))
+
+    eventually(ended)
+    say(f"its picture is {eventually(width, 120)} pixels wide")
+
+
 def look(driver, folder, say, cracks, console_pid):
     """What a person does with the page."""
     from selenium.webdriver.common.by import By
@@ -161,6 +183,7 @@ def look(driver, folder, say, cracks, console_pid):
         return not text("stop-button").startswith("No connection")
 
     eventually(back)
+    results(driver, say)
     errors = [line for line in driver.get_log("browser") if "Content Security" in line["message"]]
     assert not errors, errors
 
@@ -183,7 +206,7 @@ def main():
     log = open(folder / "up.txt", "w")
     up = subprocess.Popen([given.intaglio, "up", "--console", "--folder", folder / "shop",
                            "--materials", folder / "materials.db", "--warm-up", "1",
-                           "--block", "50", "50", "30", *place], stdout=log, stderr=log)
+                           "--block", "50", "50", "30", "--picture-size", "600", *place], stdout=log, stderr=log)
     driver = None
     try:
         def address():

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <fstream>
 #include <regex>
 
 #include "tests/integration/shop_floor.h"
@@ -187,6 +188,23 @@ TEST_F(Console, AnswersWhatTheCommandLinePrints) {
   const WebAnswer again = Post("/api/v1/jobs/" + *job_ + "/pause");
   EXPECT_EQ(again.status, 409);
   EXPECT_THAT(again.body, HasSubstr("already cancelled"));
+  // The results of its folder, and nothing else that is there.
+  const std::string job = "/api/v1/jobs/" + *job_;
+  EXPECT_EQ(Get(job + "/report").status, 404) << "no proofs are made here";
+  std::smatch folder;
+  const std::string record = Job();
+  ASSERT_TRUE(std::regex_search(record, folder,
+                                std::regex("\"result_directory\": \"([^\"]+)\"")));
+  const std::string report = "{\"name\": \"<script>\"}";
+  std::ofstream(fs::path(folder[1].str()) / "report.json") << report;
+  const WebAnswer read = Get(job + "/report");
+  EXPECT_EQ(read.status, 200);
+  EXPECT_EQ(read.body, report);
+  EXPECT_THAT(read.headers, HasSubstr("application/json"));
+  ASSERT_TRUE(fs::exists(fs::path(folder[1].str()) / "journal.bin"));
+  EXPECT_EQ(Get(job + "/journal.bin").status, 404);
+  EXPECT_EQ(Get(job + "/report.json").status, 404);
+  EXPECT_EQ(Get(job + "/..%2freport").status, 400);
 }
 
 TEST_F(Console, StopsTheMachineWhenTheJobServiceIsDead) {

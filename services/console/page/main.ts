@@ -2,6 +2,7 @@
 // never markup. A reload or a new connection sends nothing.
 import { Dict, endStates, make, post } from './dom';
 import { FirePanel } from './fire';
+import { ResultPanel } from './result';
 import { text } from './text';
 
 /** The connection /control: the state, ten times a second, and Stop. */
@@ -161,6 +162,7 @@ class JobLine {
   private answer = make('div', '', 'need');
   private buttons = make('div');
   private fire: FirePanel;
+  private results: ResultPanel;
 
   constructor(private job: number, onShow: () => void) {
     const show = make('button', text.watch);
@@ -169,8 +171,9 @@ class JobLine {
     this.command('pause', text.pause);
     this.command('cancel', text.cancel, text.cancelSure);
     this.fire = new FirePanel(this.job, (line) => (this.answer.textContent = line));
+    this.results = new ResultPanel(this.job);
     this.element.append(this.title, this.bar, this.figures, this.buttons, this.fire.element,
-      this.answer);
+      this.results.element, this.answer);
   }
 
   private command(name: string, label: string, question = '') {
@@ -213,6 +216,7 @@ class JobLine {
     for (const button of this.buttons.querySelectorAll<HTMLElement>('[data-command]'))
       button.hidden = ended || button.dataset.command === 'pause' && job.state === 'paused';
     this.fire.update(job, machine);
+    this.results.update(job);
   }
 }
 

@@ -29,4 +29,7 @@ export const text = {
   noGlass: 'Choose a job with a plan.',
   otherHost: 'The folder of this job is on another computer, or it has no plan yet.',
   made: 'made',
+  picture: 'Picture',
+  report: 'Report',
+  noPicture: 'There is no picture yet, or it is on another computer.',
 };
