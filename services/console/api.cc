@@ -157,6 +157,12 @@ std::string Api::AnswerMessage(const std::string& text) {
 
 void Api::Answer(const web::Request& request, web::Reply reply) {
   const std::string& path = request.target.path;
+  if (path == "/metrics" && request.method == "GET") {
+    return desk_.Order([reply](ShopDesk& desk) {
+      reply(web::TextResponse(200, "text/plain; version=0.0.4; charset=utf-8",
+                              desk.Metrics()));
+    });
+  }
   if (!path.starts_with(kApi)) return reply(Unknown());
   const std::string rest = path.substr(kApi.size());
   if (request.method == "GET") return AnswerGet(rest, request, std::move(reply));

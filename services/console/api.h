@@ -1,7 +1,7 @@
 #pragma once
 
-// What the web server of the console asks the shop for: /api/v1 and the WebSocket
-// /control. docs/console.md describes each path.
+// What the web server of the console asks the shop for: /api/v1, /metrics and the
+// WebSocket /control. docs/console.md describes each path.
 
 #include <filesystem>
 #include <memory>

@@ -74,6 +74,7 @@ std::vector<std::string> ShopDesk::TakeEvents() {
       events_.Show(job);
     } else if (client::IsSettled(job)) {
       events_.Ended(job, client::EndOf(client(), job));
+      metrics_.CountPiece(job.cell, job.verdict);
       seen->second = true;
     }
   }
@@ -95,6 +96,7 @@ ConsoleState ShopDesk::State() {
   ConsoleState state;
   const client::ShopSnapshot shop = watcher_.Take();
   *state.mutable_shop() = client::StatusOf(shop, std::chrono::system_clock::now());
+  metrics_.Follow(state.shop(), Clock::now());
   std::size_t ended = 0;
   for (auto job = shop.jobs.rbegin(); job != shop.jobs.rend(); ++job) {
     if (job->ended() && ++ended > kEndedJobsShown) continue;

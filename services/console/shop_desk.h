@@ -18,6 +18,7 @@
 #include "services/client/shop/shop_snapshot.h"
 #include "services/client/shop/shop_stops.h"
 #include "services/console/arm_holds.h"
+#include "services/console/shop_metrics.h"
 
 namespace intaglio::console {
 
@@ -42,6 +43,7 @@ class ShopDesk {
   std::vector<std::string> TakeEvents();
   ConsoleState State();
   ShopStatus Status() const;
+  std::string Metrics() const { return metrics_.Text(); }
   client::JobClient& client() { return watcher_.client(); }
   bool IsComplete() const { return watcher_.IsComplete(); }
 
@@ -88,6 +90,7 @@ class ShopDesk {
   bool knows_jobs_ = false;            ///< those that had ended before are known
   std::map<std::string, bool> ended_;  ///< by uid: its end is known, or was before
   ArmHolds holds_;
+  ShopMetrics metrics_;
   std::vector<PendingCommand> commands_;
   std::vector<PendingStop> stops_;
 

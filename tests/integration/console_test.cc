@@ -188,6 +188,17 @@ TEST_F(Console, AnswersWhatTheCommandLinePrints) {
   const WebAnswer again = Post("/api/v1/jobs/" + *job_ + "/pause");
   EXPECT_EQ(again.status, 409);
   EXPECT_THAT(again.body, HasSubstr("already cancelled"));
+  const WebAnswer metrics = Get("/metrics");
+  EXPECT_EQ(metrics.status, 200);
+  EXPECT_THAT(metrics.headers, HasSubstr("version=0.0.4"));
+  EXPECT_THAT(metrics.body, HasSubstr("{machine=\"els-03\",use=\"engraving\"} "));
+  EXPECT_THAT(metrics.body, HasSubstr("{machine=\"els-03\",use=\"paused_operator\"} "));
+  EXPECT_TRUE(Eventually(
+      [&] {
+        return Get("/metrics").body.find("intaglio_pieces_total{machine=\"els-03\"") !=
+               std::string::npos;
+      },
+      20s));
   // The results of its folder, and nothing else that is there.
   const std::string job = "/api/v1/jobs/" + *job_;
   EXPECT_EQ(Get(job + "/report").status, 404) << "no proofs are made here";
