@@ -6,6 +6,7 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <optional>
 
 #include "services/platform/link/expected_device.h"
 #include "services/platform/link/motion_protocol.h"
@@ -27,24 +28,36 @@ Vec3 ToMm(std::int32_t x_nm, std::int32_t y_nm, std::int32_t z_nm) {
   return Vec3(x_nm, y_nm, z_nm) / kNmPerMm;
 }
 
-link::WireSegment ToWire(const motion::Segment& segment) {
-  const Vec3& p = segment.end_position_mm;
-  const Vec3& v = segment.end_velocity_mm_s;
-  return {ToNm(p.x()),
-          ToNm(p.y()),
-          ToNm(p.z()),
-          ToNm(v.x()),
-          ToNm(v.y()),
-          ToNm(v.z()),
-          segment.duration_subticks,
-          segment.pulse,
-          segment.program_end};
+/// A velocity on the line; absent where the line cannot carry it.
+std::optional<std::int32_t> ToCounts(double mm_s, std::uint32_t unit_nm_s) {
+  const double counts = mm_s * kNmPerMm / unit_nm_s;
+  if (!(std::abs(counts) <= std::numeric_limits<std::int32_t>::max()))
+    return std::nullopt;
+  return static_cast<std::int32_t>(std::llround(counts));
 }
 
-link::WireTimedSegment ToTimedWire(const motion::Segment& segment, std::uint64_t end_ns) {
-  const link::WireSegment wire = ToWire(segment);
-  return {wire.x_nm,    wire.y_nm, wire.z_nm,  wire.vx_nm_s,    wire.vy_nm_s,
-          wire.vz_nm_s, end_ns,    wire.pulse, wire.program_end};
+/// Absent where an axis is too fast for the line.
+std::optional<link::WireSegment> ToWire(const motion::Segment& segment,
+                                        std::uint32_t unit_nm_s) {
+  const Vec3& p = segment.end_position_mm;
+  const Vec3& v = segment.end_velocity_mm_s;
+  const auto vx = ToCounts(v.x(), unit_nm_s), vy = ToCounts(v.y(), unit_nm_s),
+             vz = ToCounts(v.z(), unit_nm_s);
+  if (!vx || !vy || !vz) return std::nullopt;
+  return link::WireSegment{ToNm(p.x()),
+                           ToNm(p.y()),
+                           ToNm(p.z()),
+                           *vx,
+                           *vy,
+                           *vz,
+                           segment.duration_subticks,
+                           segment.pulse,
+                           segment.program_end};
+}
+
+link::WireTimedSegment Timed(const link::WireSegment& wire, std::uint64_t end_ns) {
+  return {wire.x_nm,      wire.y_nm, wire.z_nm,  wire.vx_counts,  wire.vy_counts,
+          wire.vz_counts, end_ns,    wire.pulse, wire.program_end};
 }
 
 struct FaultText {
@@ -204,17 +217,34 @@ class VirtualStageDriver final : public MotionDriver {
   Status SendSegments(std::span<const motion::Segment> segments) {
     link::Segments frame{begun_run_, appended_, {}};
     frame.segments.reserve(segments.size());
-    for (const motion::Segment& segment : segments)
-      frame.segments.push_back(ToWire(segment));
+    for (const motion::Segment& segment : segments) {
+      const auto wire = ToWire(segment, velocity_unit_nm_s_);
+      if (!wire) return RefuseVelocity(segment);
+      frame.segments.push_back(*wire);
+    }
     return SendFrame(MotionFrame::kSegments, Encode(frame));
   }
   Status SendTimedSegments(std::span<const motion::Segment> segments,
                            std::span<const std::uint64_t> end_ns) {
     link::TimedSegments frame{begun_run_, appended_, {}};
     frame.segments.reserve(segments.size());
-    for (std::size_t i = 0; i < segments.size(); ++i)
-      frame.segments.push_back(ToTimedWire(segments[i], end_ns[i]));
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+      const auto wire = ToWire(segments[i], velocity_unit_nm_s_);
+      if (!wire) return RefuseVelocity(segments[i]);
+      frame.segments.push_back(Timed(*wire, end_ns[i]));
+    }
     return SendFrame(MotionFrame::kTimedSegments, Encode(frame));
+  }
+  /// Another velocity than the planned one would be another path.
+  Status RefuseVelocity(const motion::Segment& segment) {
+    Refuse(fmt::format(
+        "the plan needs a velocity of {:.6g} mm/s, and {:.6g} mm/s is the largest that "
+        "the "
+        "stage controller takes on its line: reduce max_speed_mm_s of the axes in the "
+        "machine profile",
+        segment.end_velocity_mm_s.cwiseAbs().maxCoeff(),
+        std::numeric_limits<std::int32_t>::max() / kNmPerMm * velocity_unit_nm_s_));
+    return Fail(ErrorCode::kRefused, state_.refusal);
   }
   void SetDown(intaglio_MotionFault fault, const std::string& message) {
     if (state_.link_up || state_.message != message) ++state_.number;
@@ -288,6 +318,7 @@ class VirtualStageDriver final : public MotionDriver {
           "or remove compressed_air from the machine profile");
     }
     state_.refusal.clear();
+    velocity_unit_nm_s_ = identity->velocity_unit_nm_s;
     identified_ = identified_now_ = true;
     state_.position_tolerance_um = 0;  // it will report one when it knows it
     status_.queue_free = 0;            // until its first status
@@ -308,7 +339,8 @@ class VirtualStageDriver final : public MotionDriver {
     state_.link_up = identified_;
     state_.tick = status.tick;
     state_.position_mm = ToMm(status.x_nm, status.y_nm, status.z_nm);
-    state_.velocity_mm_s = ToMm(status.vx_nm_s, status.vy_nm_s, status.vz_nm_s);
+    state_.velocity_mm_s =
+        velocity_unit_nm_s_ * ToMm(status.vx_counts, status.vy_counts, status.vz_counts);
     state_.run = status.run;
     state_.covered_through_tick = status.covered_through_tick;
     if (state_.clock != 0 && status.run == begun_run_) {
@@ -331,6 +363,7 @@ class VirtualStageDriver final : public MotionDriver {
   bool identified_ = false;
   bool identified_now_ = false, refused_now_ = false;  // in this Poll
   std::uint32_t polled_sessions_ = 0;
+  std::uint32_t velocity_unit_nm_s_ = 1;  // as the controller reports
   std::uint32_t begun_run_ = 0;
   std::uint64_t appended_ = 0;
   bool first_status_ = true;     // of this session is still to come

@@ -14,6 +14,10 @@ Vec3 ToMm(std::int32_t x, std::int32_t y, std::int32_t z) {
   return Vec3(x, y, z) / kNmPerMm;
 }
 
+Vec3 EndVelocityMmS(const auto& s, std::uint32_t unit_nm_s) {
+  return unit_nm_s * Vec3(s.vx_counts, s.vy_counts, s.vz_counts) / kNmPerMm;
+}
+
 std::int32_t ToNm(double mm) {
   return static_cast<std::int32_t>(
       std::llround(std::clamp(mm * kNmPerMm, -2.1e9, 2.1e9)));
@@ -49,9 +53,8 @@ Stage::Stage(const StageOptions& options)
 
 bool Stage::Refuses(bool timed) {
   if (phase_ == Phase::kRest && fault_ == StageFault::kNone &&
-      timed == own_clock_.has_value()) {
+      timed == own_clock_.has_value())
     return false;
-  }
   Fail(StageFault::kRunRefused);
   return true;
 }
@@ -87,9 +90,8 @@ void Stage::BeginTimedRun(const link::BeginTimedRun& run) {
 bool Stage::TakesSegments(std::uint32_t run, std::uint64_t first_number,
                           std::size_t count) {
   if (phase_ != Phase::kRunning || run != run_) return false;
-  if (first_number == taken_ && queue_.size() + count <= options_.queue_capacity) {
+  if (first_number == taken_ && queue_.size() + count <= options_.queue_capacity)
     return true;
-  }
   Fail(StageFault::kBadSequence);
   return false;
 }
@@ -109,10 +111,10 @@ void Stage::Append(const link::Segments& segments) {
   if (!TakesSegments(segments.run, segments.first_number, segments.segments.size()))
     return;
   for (const link::WireSegment& s : segments.segments) {
-    if (!Queue({ToMm(s.x_nm, s.y_nm, s.z_nm), ToMm(s.vx_nm_s, s.vy_nm_s, s.vz_nm_s),
-                s.duration_subticks, s.pulse, s.program_end})) {
+    if (!Queue({ToMm(s.x_nm, s.y_nm, s.z_nm),
+                EndVelocityMmS(s, options_.velocity_unit_nm_s), s.duration_subticks,
+                s.pulse, s.program_end}))
       return;
-    }
   }
 }
 
@@ -121,10 +123,10 @@ void Stage::AppendTimed(const link::TimedSegments& segments) {
     return;
   for (const link::WireTimedSegment& s : segments.segments) {
     if (s.end_ns <= last_end_ns_) return Fail(StageFault::kBadSequence);
-    if (!Queue({ToMm(s.x_nm, s.y_nm, s.z_nm), ToMm(s.vx_nm_s, s.vy_nm_s, s.vz_nm_s),
-                s.end_ns - last_end_ns_, s.pulse, s.program_end})) {
+    if (!Queue({ToMm(s.x_nm, s.y_nm, s.z_nm),
+                EndVelocityMmS(s, options_.velocity_unit_nm_s), s.end_ns - last_end_ns_,
+                s.pulse, s.program_end}))
       return;
-    }
     last_end_ns_ = s.end_ns;
   }
 }
@@ -216,10 +218,9 @@ void Stage::FinishPiece() {
   in_piece_units_ = 0;
   knot_mm_ = piece.end_mm;
   knot_mm_s_ = piece.end_mm_s;
-  if (phase_ == Phase::kRunning && (piece.pulse || !own_clock_)) {
+  if (phase_ == Phase::kRunning && (piece.pulse || !own_clock_))
     passed_ = {expected_ ? expected_->actual_mm() : PlaceOf(piece), piece.end_mm,
                now_units_, piece.pulse};
-  }
   if (piece.program_end) {
     phase_ = Phase::kRest;
     queue_.clear();
@@ -290,9 +291,8 @@ void Stage::AdvanceTick(double rate_hz) {
   in_position_ = GateIsOn();
   const double error = AtFocus(commanded_mm_ - actual_mm()).cwiseAbs().maxCoeff();
   following_error_max_mm_ = std::max(following_error_max_mm_, error);
-  if (error > options_.following_error_limit_mm && fault_ == StageFault::kNone) {
+  if (error > options_.following_error_limit_mm && fault_ == StageFault::kNone)
     Fail(StageFault::kFollowingError);
-  }
 }
 
 // On its own clock the place is taken as exactly as it is known, and with a lag of many
@@ -326,9 +326,8 @@ bool Stage::GateIsOn() const {
 void Stage::Latch() {
   if (latched_.empty() || latched_.back().run != run_ ||
       latched_.back().positions.size() >= link::kMaxPositions ||
-      latched_.back().first_tick + latched_.back().positions.size() != tick_) {
+      latched_.back().first_tick + latched_.back().positions.size() != tick_)
     latched_.push_back({run_, tick_, {}});
-  }
   latched_.back().positions.push_back(
       {ToNm(actual_mm().x()), ToNm(actual_mm().y()), ToNm(actual_mm().z())});
 }
@@ -336,9 +335,8 @@ void Stage::Latch() {
 void Stage::LatchAt(const OwnClock::Received& received) {
   received_tick_ = received.tick;
   if (timed_latched_.empty() || timed_latched_.back().run != run_ ||
-      timed_latched_.back().positions.size() >= link::kMaxTimedPositions) {
+      timed_latched_.back().positions.size() >= link::kMaxTimedPositions)
     timed_latched_.push_back({run_, received.tick, {}});
-  }
   timed_latched_.back().positions.push_back({received.at_ns, ToNm(actual_mm().x()),
                                              ToNm(actual_mm().y()),
                                              ToNm(actual_mm().z())});
@@ -358,9 +356,10 @@ link::MotionStatus Stage::Report() {
   status.x_nm = ToNm(actual_mm().x());
   status.y_nm = ToNm(actual_mm().y());
   status.z_nm = ToNm(actual_mm().z());
-  status.vx_nm_s = ToNm(commanded_mm_s_.x());
-  status.vy_nm_s = ToNm(commanded_mm_s_.y());
-  status.vz_nm_s = ToNm(commanded_mm_s_.z());
+  const Vec3 speed = commanded_mm_s_ / options_.velocity_unit_nm_s;
+  status.vx_counts = ToNm(speed.x());
+  status.vy_counts = ToNm(speed.y());
+  status.vz_counts = ToNm(speed.z());
   status.run = run_;
   // How far that is in ticks only the host can know when the clock is not the lamp's.
   status.covered_through_tick =
@@ -389,6 +388,7 @@ link::MotionIdentity Stage::Identity() const {
   identity.serial_number = options_.serial_number;
   identity.compares_place = !own_clock_;
   identity.watches_air = options_.floats_on_air;
+  identity.velocity_unit_nm_s = options_.velocity_unit_nm_s;
   return identity;
 }
 

@@ -54,6 +54,8 @@ struct StageOptions {
   std::optional<OwnClockOptions> own_clock = {};  ///< none: it runs on the lamp's ticks
   std::string serial_number = "virtual-stage-1";  ///< empty: it has none
   bool floats_on_air = false;                     ///< it watches its compressed air
+  /// One count of the velocities on its line, >= 1: 100 is enough for 210 m/s.
+  std::uint32_t velocity_unit_nm_s = 1;
 };
 
 class Stage {
@@ -91,7 +93,8 @@ class Stage {
   /// At the present tick: a segment marked for a pulse ends here, and the stage is there.
   /// On a clock of its own, "here" is within 0.35 ms and a quarter of a tick. There,
   /// where the stage is to be is the end less its lag times its velocity there; with
-  /// second-order mechanics and control loops where its controller's model of them is.
+  /// second-order mechanics, control loops and a drive for each axis where its
+  /// controller's model of them is.
   bool in_position() const { return in_position_; }
   /// As its encoders measure it.
   const Vec3& actual_mm() const { return mechanics_.actual_mm(); }

@@ -187,6 +187,7 @@ MachineOptions OptionsOf(const MachineTruth& truth) {
   const TruthMirrors& mirrors = truth.stage().positioner().mirrors();
   if (mirrors.has_wavelength_nm()) options.wavelength_mm = 1e-6 * mirrors.wavelength_nm();
   options.crack_energy_mj = mirrors.crack_energy_mj();
+  if (options.positioner.has_mirrors) options.stage.velocity_unit_nm_s = 100;
   const BlockInMachine& block = options.block;
   options.stage.focus_per_axis_unit_mm = FocusPerAxisUnitMm(
       options.positioner, {block.origin_mm, block.origin_mm + block.size_mm});

@@ -18,9 +18,9 @@ void Position(auto& io, auto& m) {
 }
 
 void Velocity(auto& io, auto& m) {
-  io.Number(m.vx_nm_s);
-  io.Number(m.vy_nm_s);
-  io.Number(m.vz_nm_s);
+  io.Number(m.vx_counts);
+  io.Number(m.vy_counts);
+  io.Number(m.vz_counts);
 }
 
 /// Of Segments and TimedSegments.
@@ -74,6 +74,8 @@ struct Layout<MotionIdentity> : OnMotionLine {
     io.Number(m.queue_capacity);
     io.PrintableText(m.serial_number, kMaxMotionSerialNumber);
     io.Bits(m.compares_place, m.watches_air);
+    io.Number(m.velocity_unit_nm_s);
+    io.Require(m.velocity_unit_nm_s > 0);
   }
 };
 

@@ -49,11 +49,11 @@ struct BeginRun {
 };
 
 struct WireSegment {
-  std::int32_t x_nm = 0, y_nm = 0, z_nm = 0;           ///< end position, machine frame
-  std::int32_t vx_nm_s = 0, vy_nm_s = 0, vz_nm_s = 0;  ///< end velocity
-  std::uint32_t duration_subticks = 0;                 ///< > 0
-  bool pulse = false;                                  ///< in-position output at its end
-  bool program_end = false;                            ///< at rest at its end, run over
+  std::int32_t x_nm = 0, y_nm = 0, z_nm = 0;  ///< end position, machine frame
+  std::int32_t vx_counts = 0, vy_counts = 0, vz_counts = 0;  ///< end velocity
+  std::uint32_t duration_subticks = 0;                       ///< > 0
+  bool pulse = false;        ///< in-position output at its end
+  bool program_end = false;  ///< at rest at its end, run over
 };
 
 struct Segments {
@@ -74,6 +74,9 @@ struct MotionIdentity {
   /// Its stage floats on compressed air: without pressure it neither moves nor takes a
   /// run, with the fault kNoAir.
   bool watches_air = false;
+  /// One count of the velocities on this line, > 0. With 1 nm/s an axis makes 2.1 m/s at
+  /// most; mirrors are faster.
+  std::uint32_t velocity_unit_nm_s = 1;
 };
 
 enum class StageFault : std::uint8_t {
@@ -91,8 +94,8 @@ enum class StageFault : std::uint8_t {
 
 struct MotionStatus {
   std::uint64_t tick = 0;
-  std::int32_t x_nm = 0, y_nm = 0, z_nm = 0;           ///< actual position
-  std::int32_t vx_nm_s = 0, vy_nm_s = 0, vz_nm_s = 0;  ///< actual velocity
+  std::int32_t x_nm = 0, y_nm = 0, z_nm = 0;                 ///< actual position
+  std::int32_t vx_counts = 0, vy_counts = 0, vz_counts = 0;  ///< actual velocity
   std::uint32_t run = 0;
   std::uint64_t covered_through_tick = 0;  ///< last whole tick the queue reaches
   std::uint32_t queue_free = 0;            ///< segments that still fit
@@ -131,8 +134,8 @@ struct BeginTimedRun {
 };
 
 struct WireTimedSegment {
-  std::int32_t x_nm = 0, y_nm = 0, z_nm = 0;           ///< end position, machine frame
-  std::int32_t vx_nm_s = 0, vy_nm_s = 0, vz_nm_s = 0;  ///< end velocity
+  std::int32_t x_nm = 0, y_nm = 0, z_nm = 0;  ///< end position, machine frame
+  std::int32_t vx_counts = 0, vy_counts = 0, vz_counts = 0;  ///< end velocity
   std::uint64_t end_ns = 0;  ///< controller's clock, after the segment's before
   bool pulse = false;        ///< in-position output around its end
   bool program_end = false;  ///< at rest at its end, run over

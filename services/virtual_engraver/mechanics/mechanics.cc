@@ -47,7 +47,7 @@ bool MechanicsOptions::first_order() const {
 
 std::optional<MechanicsOptions> Undisturbed(const MechanicsOptions& options) {
   MechanicsOptions undisturbed = options;
-  if (options.first_order()) return std::nullopt;
+  if (options.first_order() && options.of_axis.empty()) return std::nullopt;
   if (undisturbed.loop) undisturbed.loop = Undisturbed(*undisturbed.loop);
   for (MechanicsOptions& of : undisturbed.of_axis) {
     if (of.loop) of.loop = Undisturbed(*of.loop);

@@ -43,7 +43,9 @@ struct MechanicsOptions {
   bool first_order() const;
 };
 
-/// Without what disturbs its loops; absent where all axes are of first order.
+/// Without what disturbs its loops, as its controller knows them; absent where all axes
+/// are alike of first order: such a controller knows no lag. One whose axes have drives
+/// of their own does: mirrors at 8 m/s and a slow z lag by many times the tolerance.
 std::optional<MechanicsOptions> Undisturbed(const MechanicsOptions& options);
 
 class Mechanics {

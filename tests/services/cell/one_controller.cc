@@ -136,7 +136,7 @@ void OneController::TakeState() {
   state_.link_up = true;
   state_.tick = motion.tick;
   state_.position_mm = ToMm(motion.x_nm, motion.y_nm, motion.z_nm);
-  state_.velocity_mm_s = ToMm(motion.vx_nm_s, motion.vy_nm_s, motion.vz_nm_s);
+  state_.velocity_mm_s = ToMm(motion.vx_counts, motion.vy_counts, motion.vz_counts);
   state_.run = motion.run;
   state_.covered_through_tick = motion.covered_through_tick;
   state_.at_rest = motion.at_rest;

@@ -48,6 +48,7 @@ class FakeStage {
     link::MotionIdentity identity;
     identity.queue_capacity = capacity_;
     identity.serial_number = serial_number;
+    identity.velocity_unit_nm_s = velocity_unit_nm_s;
     Send(link::MotionFrame::kMotionIdentity, Encode(identity));
     if (clock != 0) {
       Send(link::MotionFrame::kControllerClock, Encode(link::ControllerClock{clock, 1}));
@@ -59,6 +60,7 @@ class FakeStage {
   bool answers_status = true;
   std::string serial_number = "S-03";  ///< reported at the next handshakes
   std::uint32_t clock = 0;             ///< of its own; 0: none
+  std::uint32_t velocity_unit_nm_s = 1;
   void SendStatus() {
     status.queue_free = capacity_ - static_cast<std::uint32_t>(queue.size());
     status.segments_taken = taken_;

@@ -74,7 +74,7 @@ TEST_F(VirtualStageDriver, IsDownUntilTheStageAnswers) {
   EXPECT_FALSE(driver->state().message.empty()) << "says what it waits for";
   stage.status.tick = 77;
   stage.status.x_nm = 1234567;
-  stage.status.vz_nm_s = -2000000;
+  stage.status.vz_counts = -2000000;
   stage.status.covered_through_tick = 99;
   stage.status.following_error_max_nm = 1500;
   ASSERT_TRUE(Connect());
@@ -159,15 +159,47 @@ TEST_F(VirtualStageDriver, ReportsSegmentsInNanometres) {
   const link::WireSegment& wire = stage.all_segments[0];
   EXPECT_NEAR(wire.x_nm, 12345678.5, 0.51);
   EXPECT_EQ(wire.y_nm, -1);
-  EXPECT_EQ(wire.vx_nm_s, 80000000);
-  EXPECT_EQ(wire.vy_nm_s, -500000);
-  EXPECT_EQ(wire.vz_nm_s, 1);
+  EXPECT_EQ(wire.vx_counts, 80000000);
+  EXPECT_EQ(wire.vy_counts, -500000);
+  EXPECT_EQ(wire.vz_counts, 1);
   EXPECT_EQ(wire.duration_subticks, 98765u);
   EXPECT_TRUE(wire.pulse);
   EXPECT_FALSE(wire.program_end);
   EXPECT_FALSE(stage.all_segments[1].pulse);
   EXPECT_TRUE(stage.all_segments[1].program_end);
   EXPECT_FALSE(stage.out_of_order);
+}
+
+// Mirrors pass points at 8 m/s: 1 nm/s in 32 bits would be another velocity.
+TEST_F(VirtualStageDriver, CountsVelocitiesInTheUnitOfTheController) {
+  stage.velocity_unit_nm_s = 100;
+  ASSERT_TRUE(Connect());
+  stage.status.vx_counts = 20000000;
+  ASSERT_TRUE(driver->BeginRun(7, 1234, 0).has_value());
+  motion::Segment segment = SegmentTo(12);
+  segment.end_velocity_mm_s = Vec3(8000, -11000, 0.0001);
+  ASSERT_TRUE(driver->Append(std::vector{segment}, {}).has_value());
+  ASSERT_TRUE(Until([&] { return stage.all_segments.size() == 1; }));
+  EXPECT_EQ(stage.all_segments[0].vx_counts, 80000000);
+  EXPECT_EQ(stage.all_segments[0].vy_counts, -110000000);
+  EXPECT_EQ(stage.all_segments[0].vz_counts, 1);
+  ASSERT_TRUE(Until([&] { return driver->state().velocity_mm_s.x() == 2000; }));
+}
+
+TEST_F(VirtualStageDriver, RefusesAVelocityThatTheLineCannotCarry) {
+  ASSERT_TRUE(Connect());
+  ASSERT_TRUE(driver->BeginRun(7, 1234, 0).has_value());
+  motion::Segment segment = SegmentTo(12);
+  segment.end_velocity_mm_s = Vec3(0, -8000, 0);
+  EXPECT_FALSE(driver->Append(std::vector{segment}, {}).has_value());
+  ASSERT_TRUE(Until([&] { return stage.aborts == 1; }));
+  EXPECT_TRUE(stage.all_segments.empty());
+  EXPECT_FALSE(driver->state().link_up);
+  EXPECT_EQ(
+      driver->state().message,
+      "the plan needs a velocity of 8000 mm/s, and 2147.48 mm/s is the largest that "
+      "the stage controller takes on its line: reduce max_speed_mm_s of the axes in "
+      "the machine profile");
 }
 
 TEST_F(VirtualStageDriver, StopsWhereTheQueueIsFull) {

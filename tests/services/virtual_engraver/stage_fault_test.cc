@@ -37,7 +37,7 @@ TEST(StageStops, LimitInMidRunBrakesWithinTheBrakingDistance) {
   ASSERT_TRUE(TicksToRest(stage).has_value());
   // v^2 / 2a = 50^2 / 14000 mm; the end of the braking is rounded to a nm.
   EXPECT_NEAR(stage.actual_mm().x() - before_mm, 2500.0 / 14000, 1e-6);
-  EXPECT_EQ(stage.Report().vx_nm_s, 0);
+  EXPECT_EQ(stage.Report().vx_counts, 0);
 }
 
 TEST(StageStops, StarvedItBrakesToRest) {

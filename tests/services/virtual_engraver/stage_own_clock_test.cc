@@ -33,7 +33,7 @@ struct Line {
     for (int i = 1; i <= knots; ++i) {
       link::WireTimedSegment segment;
       segment.x_nm = static_cast<std::int32_t>(std::lround(1e6 * AtMm(EndNs(i))));
-      segment.vx_nm_s = static_cast<std::int32_t>(std::lround(1e6 * speed_mm_s));
+      segment.vx_counts = static_cast<std::int32_t>(std::lround(1e6 * speed_mm_s));
       segment.end_ns = EndNs(i);
       segment.pulse = true;
       frame.segments.push_back(segment);

@@ -110,7 +110,7 @@ TEST(Stage, AtConstantSpeedItIsSpeedTimesLagBehind) {
   stage.AdvanceTick(kRateHz);
   const link::MotionStatus status = stage.Report();
   EXPECT_NEAR(status.following_error_max_nm, 10000, 1);
-  EXPECT_EQ(status.vx_nm_s, 10000000);
+  EXPECT_EQ(status.vx_counts, 10000000);
 }
 
 TEST(Stage, InPositionOnlyWhereAPulseBelongsAndTheStageIs) {
@@ -138,6 +138,28 @@ TEST(Stage, InPositionOnlyWhereAPulseBelongsAndTheStageIs) {
         lag_s < 0.001 ? std::vector<std::uint64_t>{kStartTick + 2, kStartTick + 4}
                       : std::vector<std::uint64_t>{};
     EXPECT_EQ(ticks, expected) << lag_s;
+  }
+}
+
+// A controller that knows the drive of each axis expects it behind its command.
+TEST(Stage, WithADriveForEachAxisItIsInPositionWhereTheDriveShouldBe) {
+  const std::vector<Knot> path = {
+      {{50, 0, 0}, {10000, 0, 0}, kTick, false},
+      {{150, 0, 0}, {10000, 0, 0}, kTick, true},
+      {{200, 0, 0}, {0, 0, 0}, kTick, false, true},
+  };
+  // 10 mm/s and 5 ms: 50 um behind, the tolerance is 10 um.
+  StageOptions options = Roomy(0);
+  MechanicsOptions slow;
+  slow.lag_s = 0.005;
+  options.mechanics.of_axis = {slow, slow, slow};
+  for (const bool stuck : {false, true}) {
+    Stage stage(options);
+    Begin(stage, path);
+    if (stuck) stage.Stick(0);
+    for (std::uint64_t tick = 0; tick < kStartTick + 2; ++tick)
+      stage.AdvanceTick(kRateHz);
+    EXPECT_EQ(stage.in_position(), !stuck);
   }
 }
 

@@ -107,9 +107,10 @@ TEST_F(DeviceAndSession, ADeviceThatIsSilentFromTheStartIsReportedToBe) {
   to_host->cut = true;
   TurnFor(milliseconds(2000));
   EXPECT_FALSE(session.up());
-  EXPECT_EQ(session.message(),
-            "the device does not answer: check that it is switched on and uses version 9 "
-            "of the frames");
+  EXPECT_EQ(
+      session.message(),
+      "the device does not answer: check that it is switched on and uses version 10 "
+      "of the frames");
   to_host->cut = false;
   TurnFor(milliseconds(50));
   EXPECT_TRUE(session.up());

@@ -361,13 +361,13 @@ TEST(Protocols, AFileOfGoldenBytesIsReadAsTheMessagesItHolds) {
   ASSERT_TRUE(segments);
   ASSERT_EQ(segments->segments.size(), 2u);
   EXPECT_EQ(segments->segments[0].y_nm, -2500000);
-  EXPECT_EQ(segments->segments[0].vz_nm_s, 100000000);
+  EXPECT_EQ(segments->segments[0].vz_counts, 100000000);
   EXPECT_TRUE(segments->segments[0].pulse);
   EXPECT_EQ(segments->segments[1].duration_subticks, 98304u);
   EXPECT_TRUE(segments->segments[1].program_end);
   const auto stage = Decode<MotionStatus>(PayloadOf("MotionStatus"));
   ASSERT_TRUE(stage);
-  EXPECT_EQ(stage->vy_nm_s, -5);
+  EXPECT_EQ(stage->vy_counts, -5);
   EXPECT_EQ(stage->segments_taken, 96u);
   EXPECT_EQ(stage->fault, StageFault::kFollowingError);
   EXPECT_EQ(stage->following_error_max_nm, 12345u);
