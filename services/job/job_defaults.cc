@@ -6,7 +6,6 @@
 #include <string>
 
 #include "engrave/io/lower_case.h"
-#include "engrave/mesh/mesh_import.h"
 #include "engrave/optics/pulse_focus.h"
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/machine_axes.h"
@@ -70,13 +69,6 @@ UpAxis UpOf(const Model& model) {
       io::LowerCaseExtension(std::filesystem::path(model.file()).extension().string());
   if (extension == "gltf" || extension == "glb") return UP_AXIS_Y;
   return extension == "dae" ? UP_AXIS_DECLARED : UP_AXIS_Z;
-}
-
-/// A unit that is given replaces the one of the file, which is read with its model.
-bool MayDeclareUnit(const Model& model) {
-  const auto kind = KindOf(model);
-  return kind && *kind == ModelKind::kMesh &&
-         mesh::MayDeclareUnit(std::filesystem::path(model.file()).extension().string());
 }
 
 void FillPlacement(const Model& model, Placement& placement) {

@@ -11,6 +11,8 @@
 #include <string_view>
 #include <utility>
 
+#include "engrave/io/lower_case.h"
+#include "engrave/mesh/mesh_import.h"
 #include "services/job/methods/method_table.h"
 
 namespace intaglio {
@@ -117,6 +119,15 @@ Result<ModelKind> KindOf(const Model& model) {
       ErrorCode::kUnsupported,
       fmt::format("has an unknown extension; known are: {}", fmt::join(known, " ")),
       model.file());
+}
+
+bool MayDeclareUnit(const Model& model) {
+  const auto kind = KindOf(model);
+  if (!kind) return false;
+  const std::string extension = std::filesystem::path(model.file()).extension().string();
+  return *kind == ModelKind::kMesh
+             ? mesh::MayDeclareUnit(extension)
+             : *kind == ModelKind::kDrawing && io::LowerCaseExtension(extension) == "dxf";
 }
 
 bool Suits(Model::MethodCase method, ModelKind kind) {

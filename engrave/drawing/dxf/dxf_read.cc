@@ -137,8 +137,14 @@ class DxfReader {
   }
 
   bool TakeUnit(const DxfGroup& group) {
-    if (options_.unit_mm) return true;
     const std::optional<double> unit_mm = io::DxfUnitMm(group.value);
+    if (options_.unit_mm) {
+      if (unit_mm && io::DxfUnitMm("0") != unit_mm && *unit_mm != *options_.unit_mm)
+        builder_.LeaveOut(fmt::format("$INSUNITS ({:g} mm; {:g} mm as asked for)",
+                                      *unit_mm, *options_.unit_mm),
+                          Effect::kNothingSeen, fmt::format("line {}", group.line + 1));
+      return true;
+    }
     if (!unit_mm) {
       return builder_.Refuse(ErrorCode::kUnsupported,
                              fmt::format("line {}", group.line + 1),

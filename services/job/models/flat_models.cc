@@ -18,6 +18,7 @@
 #include "engrave/drawing/svg/svg_read.h"
 #include "engrave/image/image_file.h"
 #include "engrave/mesh/placement.h"
+#include "services/job/model_kind.h"
 #include "services/job/models/model_checks.h"
 
 namespace intaglio {
@@ -33,7 +34,8 @@ Box3 BoundsOf(const discretize::PlacedDrawing& placed) {
 
 Result<drawing::Drawing> ReadByEnding(const std::string& name, std::string_view file,
                                       const drawing::DrawingLimits& limits,
-                                      const std::optional<drawing::FontSource>& font) {
+                                      const std::optional<drawing::FontSource>& font,
+                                      std::optional<double> unit_mm) {
   std::string ending = std::filesystem::path(name).extension().string();
   for (char& c : ending) {
     c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -41,7 +43,10 @@ Result<drawing::Drawing> ReadByEnding(const std::string& name, std::string_view 
   drawing::ReadOptions options;
   options.limits = limits;
   options.text_font = font;
-  if (ending == ".dxf") return drawing::ReadDxf(file, options, name);
+  if (ending == ".dxf") {
+    options.unit_mm = unit_mm;
+    return drawing::ReadDxf(file, options, name);
+  }
   if (ending == ".svg") return drawing::ReadSvg(file, options, name);
   return drawing::ReadHpgl(file, options, name);
 }
@@ -83,10 +88,12 @@ Result<image::GreyImage> ReadPicture(const Method& method, std::string_view file
 
 }  // namespace
 
-Result<drawing::Drawing> ReadDrawing(
-    const std::string& name, std::string_view file, const drawing::DrawingLimits& limits,
-    Warnings& warnings, const std::optional<drawing::FontSource>& text_font) {
-  auto drawing = INTAGLIO_TRY(ReadByEnding(name, file, limits, text_font));
+Result<drawing::Drawing> ReadDrawing(const std::string& name, std::string_view file,
+                                     const drawing::DrawingLimits& limits,
+                                     Warnings& warnings,
+                                     const std::optional<drawing::FontSource>& text_font,
+                                     std::optional<double> unit_mm) {
+  auto drawing = INTAGLIO_TRY(ReadByEnding(name, file, limits, text_font, unit_mm));
   std::ranges::move(
       WarningsOf(std::filesystem::path(name).filename().string(), drawing.findings),
       std::back_inserter(warnings));
@@ -100,10 +107,16 @@ MadePoints MakeDrawing(const Method& method, const MethodInput& input,
   const std::string& name = input.model.file();
   std::optional<drawing::FontSource> text_font;
   if (!font.empty()) text_font = {input.model.text().font(), font};
-  const auto drawing =
-      INTAGLIO_TRY(ReadDrawing(name, file, limits.drawings, warnings, text_font));
-  auto placed = INTAGLIO_TRY(
-      discretize::PlaceDrawing(drawing, input.placement, input.block_size_mm));
+  mesh::Placement of_curves = input.placement;
+  std::optional<double> unit_mm;
+  if (MayDeclareUnit(input.model) && input.model.placement().has_unit_mm()) {
+    unit_mm = input.model.placement().unit_mm();
+    of_curves.unit_mm = 1;  // the reader applies it
+  }
+  const auto drawing = INTAGLIO_TRY(
+      ReadDrawing(name, file, limits.drawings, warnings, text_font, unit_mm));
+  auto placed =
+      INTAGLIO_TRY(discretize::PlaceDrawing(drawing, of_curves, input.block_size_mm));
   INTAGLIO_TRY(KeepLayers(input.model, drawing.names, placed.flat));
   if (size_check == SizeCheck::kDone) {
     INTAGLIO_TRY(CheckSize(input, BoundsOf(placed).size_mm(), warnings));

@@ -22,10 +22,11 @@ enum class SizeCheck { kDone, kLeftOut };
 
 /// Of the kind that the name's ending says: .dxf, .svg, else HPGL. The texts of a DXF are
 /// set in `text_font`, where there is one. What it holds that is no curve is added to
-/// `warnings`.
+/// `warnings`. `unit_mm` replaces the unit that a DXF declares.
 Result<drawing::Drawing> ReadDrawing(
     const std::string& name, std::string_view file, const drawing::DrawingLimits& limits,
-    Warnings& warnings, const std::optional<drawing::FontSource>& text_font = {});
+    Warnings& warnings, const std::optional<drawing::FontSource>& text_font = {},
+    std::optional<double> unit_mm = {});
 
 /// What a file holds that is not engraved, and an implausible size (model_checks.h), is
 /// added to `warnings`. `font`: the bytes of text.font of the model, if it has one.
