@@ -1,5 +1,7 @@
 #include "services/synchronizer/job_preparation.h"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 
 #include "engrave/core/try.h"

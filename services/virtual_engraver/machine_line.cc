@@ -1,5 +1,6 @@
 #include "services/virtual_engraver/machine_line.h"
 
+#include <functional>
 #include <random>
 #include <string_view>
 #include <utility>

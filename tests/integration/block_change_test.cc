@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <memory>
 
 #include "engrave/formats/glass_record.h"
 #include "engrave/formats/mark_record.h"

@@ -9,6 +9,7 @@
 #include <array>
 #include <fstream>
 #include <map>
+#include <memory>
 #include <sstream>
 
 #include "engrave/formats/journal_file.h"

@@ -11,6 +11,7 @@
 
 #include <fstream>
 #include <map>
+#include <memory>
 
 #include "engrave/formats/journal_file.h"
 #include "engrave/formats/point_file.h"

@@ -1,5 +1,6 @@
 #include "engrave/discretize/mesh/even.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -4,6 +4,8 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
 
+#include <optional>
+
 #include "services/job/verdict/warnings.h"
 #include "tests/services/job/test_job.h"
 #include "tests/services/job_service/fake_shop.h"

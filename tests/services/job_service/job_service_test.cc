@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
+#include <optional>
 
 #include "tests/services/job/test_job.h"
 #include "tests/services/job_service/fake_shop.h"
