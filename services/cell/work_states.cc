@@ -2,6 +2,10 @@
 
 namespace intaglio::cell {
 
+const char WorkStates::kLatePermission[] =
+    "the permission of the job service is late: this computer is too busy, or its job "
+    "service is gone; the job continues when it comes";
+
 WorkStates::WorkStates(PermissionChain& chain, Consent& consent)
     : chain_(chain), consent_(consent) {
   // Armed before there was a path, and spent before it came.
@@ -36,6 +40,12 @@ void WorkStates::RefuseArms(const std::string& why) {
 
 void WorkStates::ReceiveConsent(const GrantInputs& inputs) {
   if (!stopping_) consent_.TakeConsent(inputs, activity() == Activity::kSettles);
+}
+
+bool WorkStates::IsPermissionLate(ChainLinks links, bool with_shutters) const {
+  if (links.permission_fresh) return false;
+  links.permission_fresh = links.permission_granted = true;
+  return chain_.WhatIsMissing(links, with_shutters) == Missing::kNothing;
 }
 
 void WorkStates::AskOverUncertain(const GrantInputs& inputs) {

@@ -90,6 +90,9 @@ class LaserController {
   virtual int fd() const = 0;
 
   virtual const link::LaserIdentity& identity() const = 0;
+  /// Its time is simulated, and waits for this host: no lease is wall time then, and what
+  /// is late is waited for. A real controller in lockstep (identity().lockstep) is none.
+  virtual bool simulates_time() const { return false; }
   virtual const link::LaserStatus& status() const = 0;
   /// Statuses of this session; grows with each.
   virtual std::uint64_t status_number() const = 0;

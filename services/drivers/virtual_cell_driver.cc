@@ -57,6 +57,7 @@ class VirtualCellDriver final : public MotionDriver, public LaserController {
   const std::string& message() const override { return laser_->message(); }
   const std::string& refusal() const override { return laser_->refusal(); }
   const link::LaserIdentity& identity() const override { return laser_->identity(); }
+  bool simulates_time() const override { return laser_->simulates_time(); }
   const link::LaserStatus& status() const override { return laser_->status(); }
   std::uint64_t status_number() const override { return laser_->status_number(); }
   std::chrono::nanoseconds status_at() const override { return laser_->status_at(); }

@@ -25,10 +25,17 @@ link::PulseTiming TimingOf(const PulseTiming& profile) {
   return timing;
 }
 
+// What a motion bridge serves may be a real controller in lockstep.
+bool IsSimulated(const MachineSpec& machine) {
+  return machine.laser_line().protocol() != kMotionOutput ||
+         machine.motion_line().protocol() == "virtual-cell";
+}
+
 class VirtualLaserDriver final : public LaserController {
  public:
   VirtualLaserDriver(link::FramePort port, link::SteadyClock clock,
-                     link::ExpectedDevice expected, const link::PulseTiming& timing);
+                     link::ExpectedDevice expected, const link::PulseTiming& timing,
+                     bool is_simulated);
 
   void Poll(const ReportSink& sink, const PastSink& past) override;
 
@@ -42,6 +49,7 @@ class VirtualLaserDriver final : public LaserController {
   int fd() const override { return session_.fd(); }
 
   const link::LaserIdentity& identity() const override { return identity_; }
+  bool simulates_time() const override { return is_simulated_ && identity_.lockstep; }
   const link::LaserStatus& status() const override { return status_; }
   std::uint64_t status_number() const override { return status_number_; }
   std::chrono::nanoseconds status_at() const override { return status_at_; }
@@ -69,6 +77,7 @@ class VirtualLaserDriver final : public LaserController {
   link::SteadyClock clock_;
   link::ExpectedDevice expected_;
   link::PulseTiming timing_;
+  bool is_simulated_;  // no real controller is behind this line
   std::string refusal_;
   link::FramePort session_;
   link::LaserIdentity identity_;
@@ -84,10 +93,11 @@ class VirtualLaserDriver final : public LaserController {
 
 VirtualLaserDriver::VirtualLaserDriver(link::FramePort port, link::SteadyClock clock,
                                        link::ExpectedDevice expected,
-                                       const link::PulseTiming& timing)
+                                       const link::PulseTiming& timing, bool is_simulated)
     : clock_(std::move(clock)),
       expected_(std::move(expected)),
       timing_(timing),
+      is_simulated_(is_simulated),
       session_(std::move(port)) {}
 
 void VirtualLaserDriver::Poll(const ReportSink& sink, const PastSink& past) {
@@ -201,7 +211,7 @@ std::unique_ptr<LaserController> MakeVirtualLaserDriver(const MachineSpec& machi
       std::move(port), std::move(clock),
       link::ExpectedDevice{line.serial_number(), "laser", machine.name(), line.device(),
                            "laser_line"},
-      TimingOf(machine.laser().timing()));
+      TimingOf(machine.laser().timing()), IsSimulated(machine));
 }
 
 }  // namespace intaglio::drivers

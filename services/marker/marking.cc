@@ -16,9 +16,6 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr auto kStopPeriod = 500ms;
-constexpr char kLate[] =
-    "the permission of the job service is late: this computer is too busy, or its job "
-    "service is gone; the job continues when it comes";
 
 double LongestMarkS(const mark::MarkSet& set) {
   double longest_s = 0;
@@ -269,12 +266,10 @@ void Marking::Open(const GrantInputs& inputs) {
 
 bool Marking::HoldsForLatePermission(const GrantInputs& inputs) {
   const bool held = std::exchange(held_, false);
-  if (inputs.permission_fresh || !driver_.state().can_hold) return false;
-  GrantInputs permitted = inputs;
-  permitted.permission_fresh = permitted.permission_granted = true;
-  if (WhatIsMissing(permitted, true) != Missing::kNothing) return false;
+  const drivers::MarkDeviceState& state = driver_.state();
+  if (!state.can_hold || !IsPermissionLate(LinksOf(state, inputs), true)) return false;
   held_ = held || driver_.Hold().has_value();
-  if (held_) message_ = kLate;
+  if (held_) message_ = kLatePermission;
   return held_;
 }
 
@@ -287,7 +282,7 @@ void Marking::Run(const GrantInputs& inputs) {
   const bool withdrawn = inputs.permission_fresh && !inputs.permission_granted;
   const Missing missing = WhatIsMissing(inputs, !withdrawn);
   if (missing == Missing::kPermission && !inputs.permission_fresh)
-    return Halt(missing, kLate, false, inputs.now);
+    return Halt(missing, kLatePermission, false, inputs.now);
   if (missing != Missing::kNothing) {
     return Halt(missing, TextFor(missing), missing != Missing::kPermission, inputs.now);
   }
@@ -318,7 +313,7 @@ void Marking::Pause(const GrantInputs& inputs) {
   }
   if (HoldsForLatePermission(inputs)) return;
   if (!inputs.permission_fresh)
-    return Halt(Missing::kPermission, kLate, false, inputs.now);
+    return Halt(Missing::kPermission, kLatePermission, false, inputs.now);
   const Missing missing = WhatIsMissing(inputs, false);
   if (missing != Missing::kNothing)
     return Halt(missing, TextFor(missing), true, inputs.now);

@@ -273,7 +273,14 @@ void Engraving::Run(const EngravingInputs& inputs) {
       inputs.motion.fault != intaglio_MOTION_NO_AIR) {
     links.motion_without_fault = true;
   }
-  const Missing missing = chain_.WhatIsMissing(links, shutters_.UpdateSeenOpen());
+  const bool with_shutters = shutters_.UpdateSeenOpen();
+  if (laser_.simulates_time() && IsPermissionLate(links, with_shutters)) {
+    message_ = kLatePermission;
+    permission_is_late_ = true;
+    return;
+  }
+  if (std::exchange(permission_is_late_, false)) message_.clear();
+  const Missing missing = chain_.WhatIsMissing(links, with_shutters);
   if (missing != Missing::kNothing) {
     const bool fault = missing != Missing::kPermission;
     return Halt({missing, TextFor(missing), fault}, inputs);

@@ -24,6 +24,10 @@
 //
 // kHalting is not left before the controller has reported that nothing is armed, and its
 // counter was checked if the line was lost. A job that an earlier life left begins there.
+// A permission that is late, not withdrawn, lets a machine whose time is simulated wait:
+// nothing more is armed, so its time stops behind what is, and the run goes on with the
+// same ticks when it comes. Any other machine halts.
+//
 // After a fault (anything but a withdrawn permission) only a new grant counts: nothing
 // restarts by itself (permission_chain.h). The same holds, if the job asks for it, when
 // uncertain points are left (it is not known whether they were fired), even if nothing
@@ -143,6 +147,7 @@ class Engraving final : public WorkStates {
   bool granted_ = false;  // by the newest permission
   std::string motion_message_;
   bool lamp_stays_ = false;
+  bool permission_is_late_ = false;  // the run waits for it
 };
 
 }  // namespace intaglio::synchronizer

@@ -226,7 +226,7 @@ void Machine::PassTick() {
 
 bool Machine::PassTicks() {
   int passed = 0;
-  while (passed < kTicksAtOnce && MayPassTick()) {
+  while (passed < kTicksAtOnce && laser_.tick() < stop_at_ && MayPassTick()) {
     PassTick();
     ++passed;
   }

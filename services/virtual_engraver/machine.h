@@ -74,6 +74,8 @@ class Machine {
     to_overlook_ += count;
     blind_channels_ = channels;
   }
+  /// No tick behind this one passes before another is set: something happens there.
+  void StopAt(std::uint64_t tick) { stop_at_ = tick; }
   /// The next lamp sync comes `seconds` of machine time late.
   void DelaySync(double seconds);
   /// Everything about the present moment as one line of JSON.
@@ -127,6 +129,7 @@ class Machine {
   unsigned lines_plugged_ = 0;
   std::chrono::nanoseconds next_tick_at_;
   std::chrono::nanoseconds jogged_at_{0};  // until when the stage was moved by hand
+  std::uint64_t stop_at_ = UINT64_MAX;
   std::uint64_t to_miss_ = 0, to_overlook_ = 0;
   std::uint8_t blind_channels_ = 0;
   double sync_late_s_ = 0;

@@ -124,6 +124,7 @@ int Serve(Options& options) {
     if (!fault) throw std::runtime_error(fault.error().message);
     faults.push_back(std::move(*fault));
   }
+  std::ranges::stable_sort(faults, {}, &ScheduledFault::tick);
   Machine machine(options.machine, std::move(*glass), link::MonotonicClock());
   Plugs plugs{{options.laser_line}, {options.motion_line}, options.machine.seed};
   plugs.one_line = options.laser_line == options.motion_line &&
@@ -142,6 +143,7 @@ int Serve(Options& options) {
             << std::endl;
   while (stop_asked == 0 && !commands.quit()) {
     commands.TakeHangUps();
+    machine.StopAt(faults.empty() ? UINT64_MAX : faults.front().tick);
     const auto idle = machine.Turn();
     std::erase_if(faults, [&](const ScheduledFault& fault) {
       if (machine.laser().tick() < fault.tick) return false;

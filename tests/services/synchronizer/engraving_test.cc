@@ -162,6 +162,56 @@ TEST_P(EngravingModes, GoesOnWhenItsBlockIsInTheMachineAgain) {
   EXPECT_EQ(cell.made(), kPoints);
 }
 
+/// Where each point was made: point by point in the order of time.
+std::vector<std::uint64_t> TicksOfCracks(const FakeCell& cell) {
+  std::vector<std::uint64_t> ticks;
+  const std::uint64_t first = cell.laser.cracks().front().tick;
+  for (const Crack& crack : cell.laser.cracks()) ticks.push_back(crack.tick - first);
+  return ticks;
+}
+
+// By wall time a permission that is late says nothing of a machine whose time waits.
+TEST(EngravingInSimulatedTime, ALatePermissionCostsNoTick) {
+  const CellOptions options = {.points = 4000, .lockstep = true, .simulates_time = true};
+  FakeCell undisturbed(options), busy(options);
+  undisturbed.Grant();
+  ASSERT_TRUE(undisturbed.StepUntilDone()) << undisturbed.Description();
+  busy.Grant();
+  for (int i = 1; i <= 5; ++i) {
+    ASSERT_TRUE(busy.StepUntilMade(600 * i)) << busy.Description();
+    busy.permission_fresh = false;
+    // What is armed; then its time stops.
+    busy.StepFor(1s);
+    const std::uint64_t tick = busy.laser.tick();
+    const auto armed_at = busy.laser.newest_arm_at();
+    busy.StepFor(3s);
+    EXPECT_EQ(busy.laser.tick(), tick);
+    EXPECT_EQ(busy.laser.newest_arm_at(), armed_at);
+    EXPECT_EQ(busy.phase(), Phase::kRunning);
+    EXPECT_THAT(busy.engraving->message(), testing::HasSubstr("is late"));
+    ASSERT_LT(busy.made(), options.points) << "the job is too short for this test";
+    busy.permission_fresh = true;
+  }
+  ASSERT_TRUE(busy.StepUntilDone()) << busy.Description();
+  EXPECT_EQ(busy.engraving->run_count(), 1u);
+  EXPECT_EQ(TicksOfCracks(busy), TicksOfCracks(undisturbed));
+  EXPECT_THAT(busy.Disagreements(), testing::IsEmpty());
+}
+
+// A stop, an interlock and a withdrawn permission are none that is late.
+TEST(EngravingInSimulatedTime, AStopEndsTheRunWhileItsPermissionIsLate) {
+  FakeCell cell({.points = 4000, .lockstep = true, .simulates_time = true});
+  cell.Grant();
+  ASSERT_TRUE(cell.StepUntilMade(600));
+  cell.permission_fresh = false;
+  cell.StepFor(1s);
+  ASSERT_EQ(cell.phase(), Phase::kRunning);
+  cell.stop_pressed = true;
+  cell.StepFor(50ms);
+  EXPECT_NE(cell.phase(), Phase::kRunning);
+  EXPECT_TRUE(cell.engraving->faulted());
+}
+
 class EngravingTest : public testing::Test {
  protected:
   FakeCell cell_{{.points = 60}};

@@ -94,6 +94,8 @@ void FakeCell::Begin(JobBegun begun) {
   machine.set_name("els-03");
   machine.mutable_laser_line()->set_device("/dev/ttyUSB0");
   machine.mutable_laser_line()->set_serial_number("A-03");
+  if (!options_.simulates_time)
+    machine.mutable_laser_line()->set_protocol(std::string(drivers::kMotionOutput));
   controller = drivers::MakeVirtualLaserDriver(
       machine,
       [this] { return Result<std::unique_ptr<link::ByteStream>>(LineEnd(true)); },

@@ -22,6 +22,7 @@ namespace intaglio::synchronizer {
 struct CellOptions {
   std::uint32_t points = 40;
   bool lockstep = false;
+  bool simulates_time = false;  ///< else, in lockstep, a real controller that waits
   std::vector<ChannelMask> masks = {};  ///< of the points; empty: all in channel 1
   PointEnergies energies = {{12.5}, {}};
   std::uint32_t max_missed_in_a_row = 5;

@@ -173,6 +173,20 @@ TEST_F(PointRow, LockstepWaitsForDecisionsAndForMotion) {
   EXPECT_EQ(machine->stage().Report().fault, link::StageFault::kNone);
 }
 
+// However many ticks are passed at once.
+TEST_F(PointRow, StopsAtTheTickOfAPlannedFault) {
+  Start(PlainOptions(true));
+  Connect();
+  machine->StopAt(700);
+  SendLaser(link::LaserFrame::kArmWindow,
+            Encode(link::ArmWindow{1, true, std::vector<bool>(1500, false)}));
+  Pass(50ms);
+  EXPECT_EQ(machine->laser().tick(), 700u);
+  machine->StopAt(UINT64_MAX);
+  Pass(50ms);
+  EXPECT_EQ(machine->laser().tick(), 1500u);
+}
+
 TEST_F(PointRow, MissesAsManyPulsesAsCommanded) {
   MachineOptions options = PlainOptions(true);
   options.laser.channels = 2;
