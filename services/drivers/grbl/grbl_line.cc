@@ -17,14 +17,12 @@ constexpr auto kStepTimeout = 2s;
 constexpr auto kHomeTimeout = 300s;
 // A step of a coarse controller, and the decimals of its status.
 constexpr double kPlaceTolerance_mm = 0.02;
+constexpr double kAtZero_mm = 0.0005;  // decimals of a status
 
 bool IsWithin(const Box3& box, const Vec3& place) {
   return (place.array() >= box.min_mm.array() - kPlaceTolerance_mm).all() &&
          (place.array() <= box.max_mm.array() + kPlaceTolerance_mm).all();
 }
-
-// Decimals of a status.
-constexpr double kAtZero_mm = 0.0005;
 
 }  // namespace
 
@@ -48,7 +46,8 @@ void GrblLine::Open() {
   if (!OpenStream()) return;
   phase_ = Phase::kAsking;
   reader_.Clear();
-  received_at_ = phase_at_ = now();
+  asked_at_.reset();
+  phase_at_ = now();
   next_status_ = {};
 }
 
@@ -71,7 +70,7 @@ void GrblLine::Read(std::vector<Event>& events) {
 
 void GrblLine::Take(const GrblAnswer& answer, std::vector<Event>& events) {
   if (std::holds_alternative<GrblOther>(answer)) return;
-  received_at_ = now();
+  asked_at_.reset();
   if (std::holds_alternative<GrblBanner>(answer)) return TakeBanner(events);
   if (const auto* status = std::get_if<GrblStatus>(&answer)) {
     return TakeStatus(*status, events);
@@ -358,6 +357,7 @@ void GrblLine::Ask() {
   if (phase_ == Phase::kResetting || phase_ == Phase::kIdentifying || homing_) return;
   if (now() < next_status_ || out_.find('?') != std::string::npos) return;
   next_status_ = now() + kQuestionPeriod;
+  if (!asked_at_) asked_at_ = now();
   out_ += '?';
 }
 
@@ -371,7 +371,8 @@ void GrblLine::Lose(std::string why, std::vector<Event>& events) {
   outstanding_bytes_ = 0;
   out_.clear();
   refusal_.clear();
-  phase_at_ = received_at_ = now();
+  asked_at_.reset();
+  phase_at_ = now();
   if (was_up) events.emplace_back(GrblLost{});
 }
 
@@ -383,7 +384,7 @@ void GrblLine::CheckSilence(std::vector<Event>& events) {
     return;
   }
   if (phase_ == Phase::kUp || phase_ == Phase::kRefused) {
-    if (now() - received_at_ > kGrblSilence) {
+    if (asked_at_ && now() - *asked_at_ > kGrblSilence) {
       Lose("the controller has not answered for 250 ms: check its power and the cable",
            events);
     }

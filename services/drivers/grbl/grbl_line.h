@@ -5,7 +5,7 @@
 //
 //   kClosed --open--> kAsking --at rest: 0x18--> kResetting --banner--> kIdentifying
 //                      ^  ^                                                  | $I, $$
-//                      |  +-- no byte for 250 ms, or a banner unasked        v
+//                      |  +-- no answer for 250 ms, or a banner unasked      v
 //                      +----------------------------------------- kUp <------+-->
 //                      kRefused
 //
@@ -166,7 +166,10 @@ class GrblLine final : public ControllerLine {
   std::optional<Vec3> work_offset_mm_;  // the newest that was reported
   std::optional<Box3> reach_;
   std::array<bool, 3> lost_axes_{};  // of which it may not know where they are
-  std::chrono::nanoseconds next_status_{0}, received_at_{0}, phase_at_{0};
+  std::chrono::nanoseconds next_status_{0}, phase_at_{0};
+  /// Of the oldest question without an answer: a host that was too busy to ask has not
+  /// lost its line.
+  std::optional<std::chrono::nanoseconds> asked_at_;
 };
 
 }  // namespace intaglio::drivers

@@ -469,6 +469,23 @@ TEST(GrblDriver, WithoutSwitchesALostPlaceRefusesRunsUntilTheZeroIsStated) {
   ExpectFlashesAtPoints(cell, 250, {-250, -500, -750});
 }
 
+// At the zero of the axes, where a controller is that was switched on just now.
+TEST(GrblDriver, AHostThatWasTooBusyToAskHasLostNeitherLineNorPlace) {
+  Cell cell;
+  cell.Prepare();
+  const std::uint64_t session = cell.driver->session();
+  for (int trial = 0; trial < 40; ++trial) {
+    for (int i = 0; i < trial; ++i) cell.Step();
+    // Nothing turns this process.
+    for (int i = 0; i < 400; ++i) cell.machine.Advance();
+    cell.Step();
+    ASSERT_TRUE(cell.driver->up()) << trial;
+  }
+  EXPECT_EQ(cell.driver->session(), session);
+  EXPECT_EQ(cell.driver->state().place_lost, "");
+  EXPECT_EQ(cell.driver->state().fault, intaglio_MOTION_OK);
+}
+
 TEST(GrblDriver, WithoutSwitchesHomeIsRefusedByTheSetting) {
   Cell cell;
   cell.Prepare();
