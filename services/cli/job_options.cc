@@ -15,6 +15,8 @@
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
 #include "services/job/job_file.h"
+#include "services/job/model_kind.h"
+#include "services/job/models/arrangement.h"
 #include "services/job/models/chosen_block.h"
 #include "services/job/models/program_limits.h"
 #include "services/job/models/text_model.h"
@@ -92,8 +94,11 @@ void SetMeshes(const JobFlags& flags, JobSpec& job) {
   }
 }
 
+/// Of the models; of the texts only where there is nothing else.
 void SetPlacements(const JobFlags& flags, JobSpec& job) {
+  const bool texts_alone = std::all_of(job.models().begin(), job.models().end(), IsText);
   for (Model& model : *job.mutable_models()) {
+    if (IsText(model) && !texts_alone) continue;
     Placement& placement = *model.mutable_placement();
     if (flags.height_mm) placement.set_fit_height_mm(*flags.height_mm);
     if (flags.size_mm) placement.set_fit_size_mm(*flags.size_mm);
@@ -272,12 +277,15 @@ Result<JobAndMachine> Build(const JobFlags& flags, JobSpec read,
     job.mutable_discretization()->set_min_spacing_mm(0.1);
   }
   const std::vector<Finding> of_fonts = ResolveFonts(job);
+  const ReadLimits limits = mesh_reader::LimitsOfProgram(flags.size_limits);
+  const bool is_typed = flags.job_file.empty() && IsFreeToArrange(job);
+  if (points_mm == nullptr && (flags.texts.place || is_typed)) {
+    INTAGLIO_TRY(CheckModelsAlone(job, of_fonts));
+    INTAGLIO_TRY(Arrange(flags.texts.place, built.machine, limits, job, built.notes));
+  }
   if (!job.block().has_size_mm() && flags.job_file.empty()) {
     if (points_mm == nullptr) INTAGLIO_TRY(CheckModelsAlone(job, of_fonts));
-    if (auto set =
-            SetBlock(built, points_mm, mesh_reader::LimitsOfProgram(flags.size_limits));
-        !set)
-      return tl::unexpected(set.error());
+    INTAGLIO_TRY(SetBlock(built, points_mm, limits));
   }
   job = WithDefaults(job, built.machine);
   const auto errors =

@@ -164,6 +164,21 @@ TEST_F(GiftShop, EngravesAPhoto) {
   Engrave("photo", run);
 }
 
+// In one command, beside each other; the size is that of the photo.
+TEST_F(GiftShop, EngravesAPhotoAndAName) {
+  const fs::path photo = folder_ / "cat.png";
+  WritePhoto(photo);
+  const std::vector<std::string> job = {photo,  "--size",    "20", "--text",
+                                        "MIMI", "--spacing", "0.2"};
+  const std::string shown = Preview("preview", Joined(job, {"--text-place", "below"}));
+  EXPECT_THAT(shown, HasSubstr("the object (20.0 x 0.0 x 27.0 mm)"))
+      << "20 mm, 2 mm between, and 5 mm";
+  EXPECT_THAT(shown, Not(HasSubstr("overlap")));
+  Engrave("cat", job);
+  EXPECT_THAT(Preview("centre", Joined(job, {"--text-place", "centre"})),
+              HasSubstr("the text and the models overlap in a volume of"));
+}
+
 TEST_F(GiftShop, EngravesAText) {
   const std::vector<std::string> job = {
       "--text", "Anna & Ben", "--text-height", "4", "--block", "60", "20", "40"};

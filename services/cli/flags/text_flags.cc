@@ -4,6 +4,7 @@
 
 #include "engrave/core/try.h"
 #include "services/job/model_kind.h"
+#include "services/job/models/arrangement.h"
 
 namespace intaglio::cli {
 namespace {
@@ -49,6 +50,7 @@ Status SetText(const std::string& typed, JobSpec& job) {
 /// The first option of those that need a text; empty: none is given.
 std::string NameOfGiven(const TextFlags& flags) {
   if (flags.font) return "--font";
+  if (flags.place) return "--text-place";
   if (flags.height_mm) return "--text-height";
   if (!flags.fallback_fonts.empty()) return "--fallback-font";
   return flags.shrink_to_fit ? "--shrink-to-fit" : "";
@@ -61,6 +63,12 @@ void AddTextFlags(command_line::Command command, TextFlags& flags) {
       .AddOption("--text", flags.text,
                  "text to engrave, beside the models or instead of the job's text; \\n "
                  "divides lines")
+      .Group(kText);
+  command
+      .AddOption("--text-place", flags.place,
+                 "where the text lies, as seen from the front of the models: beside "
+                 "models that are given without a job file the default is below")
+      .OneOf({kTextPlaces.begin(), kTextPlaces.end()})
       .Group(kText);
   command
       .AddOption("--font", flags.font,

@@ -13,7 +13,7 @@
 namespace intaglio::cli {
 
 struct TextFlags {
-  std::optional<std::string> text, font;
+  std::optional<std::string> text, font, place;
   std::optional<double> height_mm;
   std::vector<std::string> fallback_fonts;
   bool shrink_to_fit = false;

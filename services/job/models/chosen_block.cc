@@ -90,7 +90,15 @@ Status ChooseBlock(JobSpec& job, const MachineSpec& machine, const ReadLimits& l
   const auto sizes = INTAGLIO_TRY(SizesOf(complete, limits));
   INTAGLIO_TRY(CheckSizes(complete, machine, sizes, notes));
   Vec3 size = Vec3::Zero();
-  for (const ModelSize& one : sizes) size = size.cwiseMax(one.size_mm);
+  for (int i = 0; i < complete.models_size(); ++i) {
+    const ModelSize& one = sizes.at(static_cast<std::size_t>(i));
+    size = size.cwiseMax(one.size_mm);
+    if (one.box_mm.empty() || !complete.models(i).placement().centre_in_block()) continue;
+    // A model that is moved from the centre needs as much on the other side.
+    const Vec3 middle = Vec3::Constant(kAnyBlockMm / 2);
+    size = size.cwiseMax(2 * (one.box_mm.max_mm - middle))
+               .cwiseMax(2 * (middle - one.box_mm.min_mm));
+  }
   const Vector3 block = BlockFor(size);
   *job.mutable_block()->mutable_size_mm() = block;
   notes.push_back(fmt::format(

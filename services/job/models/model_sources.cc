@@ -337,8 +337,10 @@ Result<std::vector<ModelSize>> SizesOf(const JobSpec& job, const ReadLimits& lim
   const auto made =
       INTAGLIO_TRY(MakeFor(Purpose::kExtent, job, std::move(files), limits, {}));
   std::vector<ModelSize> sizes;
-  for (std::size_t i = 0; i < made.sources.size(); ++i)
-    sizes.push_back({made.sources[i]->Bounds().size_mm(), made.units_mm.at(i)});
+  for (std::size_t i = 0; i < made.sources.size(); ++i) {
+    const Box3 box_mm = made.sources[i]->Bounds();
+    sizes.push_back({box_mm.size_mm(), box_mm, made.units_mm.at(i)});
+  }
   return sizes;
 }
 

@@ -53,6 +53,7 @@ Result<mesh::TriangleMesh> PlacedMeshOf(const JobSpec& job, const Model& model,
 
 struct ModelSize {
   Vec3 size_mm = Vec3::Zero();  ///< of the placed model with its copies
+  Box3 box_mm;                  ///< the same where it lies in the block, glass frame
   double unit_mm = 1;           ///< that a unit of its file is long
 };
 

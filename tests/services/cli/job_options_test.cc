@@ -67,6 +67,78 @@ TEST(JobFlags, ASizeMayBeOneArgument) {
             JobOf({"--block", "60", "55", "50"}).SerializeAsString());
 }
 
+double MoveOf(const JobSpec& job, int model, char axis) {
+  const Vector3& move = job.models(model).placement().move_mm();
+  return axis == 'x' ? move.x() : axis == 'y' ? move.y() : move.z();
+}
+
+// The sample is 22 mm high, capitals are 5 mm high; 2 mm lie between them, and both
+// together are in the middle of the block.
+TEST(Arrangement, ATextLiesBelowTheModelsUnlessItsPlaceIsGiven) {
+  const std::vector<std::string> text = {"--text", "MIMI", "--height", "22"};
+  const auto with = [&text](std::vector<std::string> words) {
+    words.insert(words.begin(), kModel);
+    words.insert(words.end(), text.begin(), text.end());
+    const auto built = Built(words);
+    EXPECT_TRUE(built) << (built ? "" : built.error().message);
+    return built ? *built : JobAndMachine();
+  };
+  // --height is that of the models, not of the text beside them.
+  const JobAndMachine below = with({});
+  ASSERT_EQ(below.job.models_size(), 2);
+  EXPECT_NEAR(MoveOf(below.job, 0, 'z') - MoveOf(below.job, 1, 'z'), 11 + 2 + 2.5, 0.1);
+  EXPECT_NEAR(MoveOf(below.job, 0, 'z'), (2 + 5) / 2., 0.1)
+      << "both together in the middle";
+  EXPECT_NEAR(MoveOf(below.job, 0, 'x'), 0, 1e-6);
+  EXPECT_GE(below.job.block().size_mm().z(), 22 + 2 + 5 + 10) << "it holds both";
+  EXPECT_EQ(with({"--text-place", "below"}).job.SerializeAsString(),
+            below.job.SerializeAsString());
+
+  const JobSpec above = with({"--text-place", "above"}).job;
+  EXPECT_NEAR(MoveOf(above, 1, 'z') - MoveOf(above, 0, 'z'), 15.5, 0.1);
+  const JobSpec left = with({"--text-place", "left"}).job;
+  EXPECT_LT(MoveOf(left, 1, 'x'), MoveOf(left, 0, 'x') - 10);
+  EXPECT_NEAR(MoveOf(left, 1, 'z'), MoveOf(left, 0, 'z'), 1e-6);
+  const JobSpec right = with({"--text-place", "right"}).job;
+  EXPECT_NEAR(MoveOf(right, 1, 'x') - MoveOf(right, 0, 'x'),
+              MoveOf(left, 0, 'x') - MoveOf(left, 1, 'x'), 1e-6);
+  const JobSpec front = with({"--text-place", "front"}).job;
+  EXPECT_LT(MoveOf(front, 1, 'y'), MoveOf(front, 0, 'y') - 2);
+  const JobSpec behind = with({"--text-place", "behind"}).job;
+  EXPECT_GT(MoveOf(behind, 1, 'y'), MoveOf(behind, 0, 'y') + 2);
+}
+
+TEST(Arrangement, ATextAmongTheModelsIsAWarningWithTheVolume) {
+  const auto centre =
+      Built({kModel, "--height", "22", "--text", "MIMI", "--text-place", "centre"});
+  ASSERT_TRUE(centre) << centre.error().message;
+  EXPECT_NEAR(MoveOf(centre->job, 1, 'z'), 0, 1e-6);
+  EXPECT_THAT(
+      centre->notes,
+      ::testing::Contains(HasSubstr("the text and the models overlap in a volume")));
+  const auto below = Built({kModel, "--height", "22", "--text", "MIMI"});
+  EXPECT_THAT(below->notes, ::testing::Not(::testing::Contains(HasSubstr("overlap"))));
+}
+
+TEST(Arrangement, ModelsLieSideBySideUnlessTheyHaveAPlaceOfTheirOwn) {
+  const JobSpec job = Built({kModel, kModel, kModel, "--height", "9"})->job;
+  EXPECT_NEAR(MoveOf(job, 1, 'x'), 0, 1e-6);
+  EXPECT_NEAR(MoveOf(job, 0, 'x'), -MoveOf(job, 2, 'x'), 1e-6);
+  EXPECT_LT(MoveOf(job, 0, 'x'), -2);
+  const JobSpec placed =
+      Built({kModel, kModel, "--height", "9", "--set", "models[1].placement.move_mm.x=3"})
+          ->job;
+  EXPECT_EQ(MoveOf(placed, 0, 'x'), 0);
+  EXPECT_EQ(MoveOf(placed, 1, 'x'), 3);
+}
+
+TEST(Arrangement, ThatCannotBeMadeIsRefused) {
+  EXPECT_THAT(RefusalOf({kModel, "--text-place", "below"}),
+              HasSubstr("--text-place: the job has no text"));
+  EXPECT_THAT(RefusalOf({kModel, "--text", "A", "--text-place", "under"}),
+              HasSubstr("below"));
+}
+
 TEST(JobFlags, OfTheModelLandInItsPlacement) {
   const JobSpec job = JobOf({"--rotate", "90", "-45", "10", "--unit", "25.4"});
   ASSERT_EQ(job.models_size(), 1);
