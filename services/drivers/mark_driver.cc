@@ -1,6 +1,8 @@
 #include "services/drivers/mark_driver.h"
 
 #include "engrave/core/try.h"
+#include "services/drivers/bjjcz/bjjcz_driver.h"
+#include "services/drivers/bjjcz/board_profile.h"
 #include "services/drivers/galvo/galvo_driver.h"
 #include "services/drivers/galvo/head_profile.h"
 #include "services/drivers/grbl/grbl_course_driver.h"
@@ -11,6 +13,7 @@ namespace intaglio::drivers {
 namespace {
 
 constexpr MarkDriverKind kMarkKinds[] = {
+    {"bjjcz", true, MakeBjjczDriver, CheckBjjczProfile},
     {"grbl-course", true, MakeGrblCourseDriver, CheckGrblCourseProfile},
     {"scan-head", true, MakeGalvoDriver, CheckScanHead},
 };

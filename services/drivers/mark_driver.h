@@ -33,7 +33,9 @@
 //   K8  A controller with another serial number than the profile's is refused.
 //   K9  What the controller reports of itself is never a lost line alone: a reset, an
 //       emergency stop, a hold, a limit, an alarm and an error end the run and are
-//       counted among state().openings, or are another power_up, as a power cycle is. No
+//       counted among state().openings, or are another power_up, as a power cycle is; of
+//       a controller that does not tell a cable that was pulled from a power cycle, each
+//       lost line is one. No
 //       beam lights, and nothing moves or is unlocked, before Reset and a new run.
 //   K10 Where the controller may not know where its tool is, place_lost says so, and no
 //       run begins, until a person has homed it or has set its zero.

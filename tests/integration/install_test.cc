@@ -179,9 +179,9 @@ TEST_F(Installation, ListsItsProfiles) {
       Type({"discretize", "sample", "--machine", "els-30", "--out", "x.ply"});
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_THAT(unknown.output, HasSubstr("did you mean els-03?"));
-  EXPECT_THAT(unknown.output, HasSubstr("supplied profiles: els-03, galvo, galvo-glass, "
-                                        "galvo-web, grbl, isel, laser-cutter, "
-                                        "linuxcnc, mill, planar, polar"));
+  EXPECT_THAT(unknown.output, HasSubstr("supplied profiles: bjjcz, els-03, galvo, "
+                                        "galvo-glass, galvo-web, grbl, isel, "
+                                        "laser-cutter, linuxcnc, mill, planar, polar"));
 }
 
 // A program alone has no supplied files: it names the folder where it expects them.

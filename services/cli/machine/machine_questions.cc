@@ -15,7 +15,14 @@ namespace {
 struct Question {
   const char* field;
   const char* text;
-  enum class For { kAll, kCartesian } machines = For::kAll;
+  enum class For {
+    kAll,
+    kPoints,
+    kCartesian,
+    kMarks,
+    kHead,
+    kBoard
+  } machines = For::kAll;
 };
 
 using enum Question::For;
@@ -25,14 +32,38 @@ constexpr Question kQuestions[] = {
     {"x.travel_max_mm", "x: travel to, mm", kCartesian},
     {"y.travel_min_mm", "y: travel from, mm", kCartesian},
     {"y.travel_max_mm", "y: travel to, mm", kCartesian},
-    {"z.travel_min_mm", "z: travel from, mm"},
-    {"z.travel_max_mm", "z: travel to, mm"},
+    {"z.travel_min_mm", "z: travel from, mm", kPoints},
+    {"z.travel_max_mm", "z: travel to, mm", kPoints},
     {"cartesian.x.moves", "x moves the head or the table", kCartesian},
     {"cartesian.y.moves", "y moves the head or the table", kCartesian},
-    {"block_origin_mm", "corner of the block for the axes (x y z), mm"},
-    {"mounted_lens", "mounted lens"},
-    {"laser_line.device", "line of the laser controller"},
-    {"motion_line.device", "line of the motion controller"}};
+    {"block_origin_mm", "corner of the block for the axes (x y z), mm", kPoints},
+    {"mounted_lens", "mounted lens", kPoints},
+    {"laser_line.device", "line of the laser controller", kPoints},
+    {"motion_line.device", "line of the motion controller", kPoints},
+    {"scan_head.field_mm", "width of the field, mm", kHead},
+    {"scan_head.jump_mm_s", "speed of jumps, mm/s", kHead},
+    {"scan_head.correction_file", "correction file", kHead},
+    {"bjjcz_board.laser", "laser: fibre, co2 or uv", kBoard},
+    {"bjjcz_board.door_input", "input of key, door and stop button", kBoard},
+    {"bjjcz_board.gate_output", "output that gates the laser", kBoard},
+    {"mark_line.device", "line of the controller", kMarks}};
+
+bool IsAskedOf(Question::For machines, const MachineSpec& machine) {
+  switch (machines) {
+    case kPoints:
+      return !machine.has_mark_line();
+    case kCartesian:
+      return !machine.has_mark_line() && !machine.has_polar();
+    case kMarks:
+      return machine.has_mark_line();
+    case kHead:
+      return machine.has_mark_line() && machine.has_scan_head();
+    case kBoard:
+      return machine.has_bjjcz_board();
+    default:
+      return true;
+  }
+}
 
 const google::protobuf::FieldDescriptor* FieldOf(const google::protobuf::Message*& at,
                                                  std::string_view path) {
@@ -68,6 +99,8 @@ std::string TextOf(const MachineSpec& machine, std::string_view path) {
           dynamic_cast<const Vector3&>(reflection.GetMessage(*message, &field));
       return fmt::format("{} {} {}", v.x(), v.y(), v.z());
     }
+    case FieldDescriptor::CPPTYPE_UINT32:
+      return fmt::format("{}", reflection.GetUInt32(*message, &field));
     default:
       return fmt::format("{}", reflection.GetDouble(*message, &field));
   }
@@ -104,8 +137,7 @@ void Ask(const Question& question, std::istream& in, std::ostream& out,
 
 void AskAboutMachine(std::istream& in, std::ostream& out, MachineSpec& machine) {
   for (const Question& question : kQuestions) {
-    if (question.machines == kCartesian && machine.has_polar()) continue;
-    Ask(question, in, out, machine);
+    if (IsAskedOf(question.machines, machine)) Ask(question, in, out, machine);
   }
 }
 

@@ -181,21 +181,12 @@ Status GrblCourseDriver::Reset() {
 Status GrblCourseDriver::RequestPast(std::uint32_t run, std::uint32_t first,
                                      std::uint32_t count) {
   if (!state_.link_up) return RefuseCourse("the line to the controller is down");
-  if (count > kRememberedMarks)
-    return RefuseCourse(
-        fmt::format("{} marks are more than {}", count, kRememberedMarks));
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const auto found = fates_.find({run, first + i});
-    const MarkFate fate = found == fates_.end() ? MarkFate::kUncertain : found->second;
-    events_.push_back({run, first + i, fate});
-  }
-  return {};
+  return seen_.Answer(run, first, count, events_);
 }
 
 void GrblCourseDriver::AddEvent(std::uint32_t mark, MarkFate fate) {
   events_.push_back({*run_, mark, fate});
-  fates_[{*run_, mark}] = fate;
-  while (fates_.size() > kRememberedMarks) fates_.erase(fates_.begin());
+  seen_.Take(events_.back());
 }
 
 void GrblCourseDriver::Report() {

@@ -45,7 +45,6 @@
 
 #include <chrono>
 #include <deque>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -54,6 +53,7 @@
 #include "services/drivers/grbl/grbl_course_program.h"
 #include "services/drivers/grbl/grbl_line.h"
 #include "services/drivers/mark_driver.h"
+#include "services/drivers/seen_marks.h"
 
 namespace intaglio::drivers {
 
@@ -144,7 +144,7 @@ class GrblCourseDriver final : public MarkDriver {
   std::uint32_t power_ups_ = 0;  ///< of the line, to which state_.power_up belongs
   std::uint32_t own_stops_ = 0;
   std::vector<MarkEvent> events_;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, MarkFate> fates_;
+  SeenMarks seen_;
 
   std::optional<std::uint32_t> run_;
   std::vector<mark::Pen> pens_;

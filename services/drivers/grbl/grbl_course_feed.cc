@@ -55,7 +55,7 @@ void GrblCourseDriver::TakeLost() {
   if (hand_ && stage_ == Hand::kAnnounced) {
     AddEvent(hand_->number, MarkFate::kBroken);
   } else if (hand_) {
-    fates_[{*run_, hand_->number}] = MarkFate::kUncertain;
+    seen_.Take({*run_, hand_->number, MarkFate::kUncertain});
     state_.fault = fmt::format(
         "the line to the controller was lost in mark {}, and the controller has made "
         "what it held: check the work, then resume",

@@ -56,6 +56,22 @@ TEST(MachineQuestions, AnswersReachTheirFields) {
   EXPECT_EQ(machine.motion_line().device(), "/dev/ttyACM0");
 }
 
+TEST(MachineQuestions, ABoardIsAskedAboutItsFieldAndItsLaser) {
+  MachineSpec machine = Family("bjjcz");
+  std::istringstream in("desk\n150\n4000\n\nfibre\n99\n2\n\ntcp:192.168.7.20:5000\n");
+  std::ostringstream out;
+  AskAboutMachine(in, out, machine);
+  EXPECT_THAT(out.str(), HasSubstr("width of the field, mm [110]: "));
+  EXPECT_THAT(out.str(), HasSubstr("bjjcz_board.door_input: 99"));
+  EXPECT_THAT(out.str(), Not(HasSubstr("travel")));
+  EXPECT_EQ(machine.scan_head().field_mm(), 150);
+  EXPECT_EQ(machine.scan_head().jump_mm_s(), 4000);
+  EXPECT_EQ(machine.bjjcz_board().laser(), BJJCZ_LASER_FIBRE);
+  EXPECT_EQ(machine.bjjcz_board().door_input(), 2U);
+  EXPECT_EQ(machine.bjjcz_board().gate_output(), 0U);
+  EXPECT_EQ(machine.mark_line().device(), "tcp:192.168.7.20:5000");
+}
+
 TEST(MachineQuestions, AnArmIsNotAskedAboutXAndY) {
   MachineSpec machine = Family("polar");
   std::istringstream in("");

@@ -143,7 +143,7 @@ constexpr std::array kFaults = {
     MarkFault{"hides_stops", "K9K10_emergency_stop", &Plant<HidesStops>},
     MarkFault{"hides_power_ups", "K9K10_power_cycle", &Plant<HidesPowerUps>},
     MarkFault{"resets_by_itself", "K9K10_emergency_stop", &Plant<ResetsByItself>},
-    MarkFault{"counts_a_lost_line", "K9K10_unplug", &Plant<CountsALostLine>},
+    MarkFault{"counts_a_lost_line", "K9K10_unplug", &Plant<CountsALostLine>, false, true},
     MarkFault{"forgets_a_lost_place", "K9K10_alarm", &Plant<ForgetsALostPlace>, true},
     MarkFault{"permits_by_itself", "K2_permission", &Plant<PermitsByItself>},
     MarkFault{"reports_twice", "K3_order", &Plant<ReportsTwice>},

@@ -1,0 +1,132 @@
+// The lists of marks, as they are due, and the outputs.
+
+#include <utility>
+
+#include "services/drivers/bjjcz/bjjcz_driver.h"
+
+namespace intaglio::drivers {
+namespace {
+
+// A board that executes a list so much longer than it should is not the one of the
+// profile.
+constexpr double kLateFactor = 2, kLateSeconds = 1;
+
+}  // namespace
+
+void BjjczDriver::Feed() {
+  if (playing_ && playing_->was_sent) return CheckList();
+  if (!line_.is_idle() || busy_) return;
+  if (playing_) return ExecuteList();
+  if (!hand_) return TakeNextMark();
+  if (stage_ == Hand::kMaking && gate_is_open()) SendList();
+}
+
+void BjjczDriver::TakeNextMark() {
+  if (queue_.empty()) {
+    if (finishes_) EndRun();
+    return;
+  }
+  hand_ = std::move(queue_.front());
+  queue_.pop_front();
+  lists_.Load(hand_->mark);
+  begun_ = false;
+  stage_ = Hand::kAnnounced;
+  AddEvent(hand_->number, MarkFate::kBegun);
+}
+
+void BjjczDriver::SendList() {
+  const LmcList list = lists_.Next();
+  line_.Send({LmcOperation::kResetList, {}});
+  for (std::size_t at = 0; at < list.commands.size(); at += kLmcPacketCommands) {
+    const auto from = list.commands.begin() + static_cast<std::ptrdiff_t>(at);
+    const std::size_t count = std::min(kLmcPacketCommands, list.commands.size() - at);
+    line_.SendPacket({from, from + static_cast<std::ptrdiff_t>(count)});
+    line_.Send({LmcOperation::kEndOfList, {0}});
+  }
+  playing_ = Playing{list.seconds};
+}
+
+// Not one that would outlast the permission: nothing but its end would end it.
+void BjjczDriver::ExecuteList() {
+  if (!is_permitted_for(playing_->seconds)) return;
+  line_.Send({LmcOperation::kExecuteList, {}});
+  playing_->was_sent = begun_ = true;
+}
+
+void BjjczDriver::CheckList() {
+  if (!playing_->executed_at) return;
+  const double since_s =
+      std::chrono::duration<double>(clock_() - *playing_->executed_at).count();
+  if (since_s > kLateFactor * playing_->seconds + kLateSeconds) {
+    return BeginStop(
+        "the board does not end its list: it is slower than it was told to be, or waits "
+        "for an input; switch it off and on, then reset");
+  }
+  // A host that was late may have missed that it was busy.
+  if (busy_ || !(playing_->was_busy || since_s > playing_->seconds)) return;
+  playing_.reset();
+  if (!lists_.has_more()) EndMark(MarkFate::kDone);
+}
+
+void BjjczDriver::EndMark(MarkFate fate) {
+  AddEvent(hand_->number, fate);
+  hand_.reset();
+  playing_.reset();
+  stage_ = Hand::kNone;
+}
+
+void BjjczDriver::DropAll() {
+  if (hand_) EndMark(begun_ ? MarkFate::kBroken : MarkFate::kNotBegun);
+  for (const NumberedMark& mark : std::exchange(queue_, {}))
+    AddEvent(mark.number, MarkFate::kNotBegun);
+}
+
+void BjjczDriver::BeginStop(std::string fault) {
+  if (state_.fault.empty()) state_.fault = std::move(fault);
+  if (stopping_) return;
+  DropAll();
+  stopping_ = true;
+  line_.DropWaiting();
+  asked_outputs_ = WantedOutputs();
+  line_.Send({LmcOperation::kWritePort, {*asked_outputs_}});
+  line_.Send({LmcOperation::kStopExecute, {}});
+  line_.Send({LmcOperation::kFibreOscillator, {0}});
+  line_.Send({LmcOperation::kResetList, {}});
+  line_.SendPacket({});
+  line_.Send({LmcOperation::kEndOfList, {0}});
+  line_.Send({LmcOperation::kExecuteList, {}});
+  line_.Send({LmcOperation::kReadPort, {}});
+}
+
+void BjjczDriver::EndRun() {
+  if (board_.laser() == BJJCZ_LASER_FIBRE)
+    line_.Send({LmcOperation::kFibreOscillator, {0}});
+  run_.reset();
+}
+
+std::uint16_t BjjczDriver::WantedOutputs() const {
+  const bool permitted =
+      is_permitted_for(0) && closed_ && !stopping_ && state_.fault.empty();
+  const auto bit = [](std::uint32_t output, bool on) {
+    return static_cast<std::uint16_t>(on ? 1U << output : 0U);
+  };
+  std::uint16_t wanted = bit(board_.gate_output(), permitted);
+  if (board_.has_lamp_output()) wanted |= bit(board_.lamp_output(), run_.has_value());
+  if (board_.has_guide_output()) wanted |= bit(board_.guide_output(), !permitted);
+  return wanted;
+}
+
+bool BjjczDriver::gate_is_open() const {
+  const auto bit = 1U << board_.gate_output();
+  return outputs_ && (*outputs_ & WantedOutputs() & bit) != 0;
+}
+
+void BjjczDriver::FeedOutputs() {
+  if (!line_.up() || !line_.is_idle()) return;
+  const std::uint16_t wanted = WantedOutputs();
+  if (asked_outputs_ == wanted) return;
+  asked_outputs_ = wanted;
+  line_.Send({LmcOperation::kWritePort, {wanted}});
+}
+
+}  // namespace intaglio::drivers

@@ -1,0 +1,77 @@
+#pragma once
+
+// The line to a BJJCZ board: opened again when it was lost, the board identified and set
+// up, then one command at a time, the next when the one before was answered.
+//
+//   kClosed --opened--> kSerial --the expected one--> kStarting --all answered--> kUp
+//                          |                              |                        |
+//                          +--> kRefused                  +---- lost --> kClosed <-+
+//
+// A board that is not the expected one is sent nothing but the question for its number.
+// The set-up first ends what an earlier host may have left in the board. The board gives
+// no number of its power-up, and USB loses it when its cable is pulled as when its power
+// is: each session is a power-up of its own.
+
+#include <chrono>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "services/drivers/bjjcz/lmc_protocol.h"
+#include "services/drivers/controller_line.h"
+#include "services/platform/link/expected_device.h"
+
+namespace intaglio::drivers {
+
+struct LmcAnswer {
+  LmcOperation operation = LmcOperation::kReadPort;
+  LmcReply reply;
+};
+
+class LmcLine final : public ControllerLine {
+ public:
+  /// `set_up`: what each session begins with, behind the stop of what the board holds.
+  LmcLine(link::StreamOpener open, link::SteadyClock clock, link::ExpectedDevice expected,
+          std::vector<LmcCommand> set_up);
+
+  /// Moves bytes. Appends the answers that came while it is up, in order; without a
+  /// command it asks for the inputs every 5 ms. True: a session was lost.
+  bool Poll(std::vector<LmcAnswer>& answers);
+
+  bool up() const override { return phase_ == Phase::kUp; }
+  /// All commands were written and answered.
+  bool is_idle() const { return waiting_.empty() && !asked_; }
+  void Send(const LmcCommand& command);
+  /// Not before the board has room for it.
+  void SendPacket(std::vector<LmcCommand> commands);
+  /// What was not written.
+  void DropWaiting() { waiting_.clear(); }
+
+ private:
+  enum class Phase { kClosed, kSerial, kStarting, kUp, kRefused };
+  /// A command, or a packet.
+  struct Waiting {
+    std::vector<LmcCommand> commands;
+    bool is_packet = false;
+  };
+
+  void Open();
+  /// False: the line is gone.
+  bool Read(std::vector<LmcAnswer>& answers);
+  void Take(const LmcReply& reply, std::vector<LmcAnswer>& answers);
+  void Identify(const LmcReply& reply);
+  void WriteNext();
+  void Ask(const LmcCommand& command);
+  bool Lose(std::string why);
+
+  link::ExpectedDevice expected_;
+  std::vector<LmcCommand> set_up_;
+  LmcReplyReader reader_;
+  Phase phase_ = Phase::kClosed;
+  std::deque<Waiting> waiting_;
+  std::optional<LmcOperation> asked_;  ///< whose answer has not come
+  bool ready_ = false;
+  std::chrono::nanoseconds asked_at_{0}, answered_at_{0};
+};
+
+}  // namespace intaglio::drivers

@@ -1,0 +1,58 @@
+#include "services/drivers/bjjcz/lmc_protocol.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "engrave/core/check.h"
+
+namespace intaglio::drivers {
+namespace {
+
+void AppendWord(std::uint16_t word, std::string& bytes) {
+  bytes += static_cast<char>(word & 0xFF);
+  bytes += static_cast<char>(word >> 8);
+}
+
+}  // namespace
+
+bool IsAnswered(LmcOperation operation) {
+  return operation < static_cast<LmcOperation>(0x8000) &&
+         operation != LmcOperation::kCorrectionLine;
+}
+
+void AppendCommand(const LmcCommand& command, std::string& bytes) {
+  AppendWord(static_cast<std::uint16_t>(command.operation), bytes);
+  for (const std::uint16_t argument : command.arguments) AppendWord(argument, bytes);
+}
+
+void AppendPacket(std::span<const LmcCommand> commands, std::string& bytes) {
+  Require(commands.size() <= kLmcPacketCommands, "a packet of {} commands",
+          commands.size());
+  for (const LmcCommand& command : commands) AppendCommand(command, bytes);
+  for (std::size_t i = commands.size(); i < kLmcPacketCommands; ++i)
+    AppendCommand({}, bytes);
+}
+
+std::uint16_t SignedWord(int value) {
+  constexpr int kSign = 0x8000;
+  const int amount = std::min(std::abs(value), kSign - 1);
+  return static_cast<std::uint16_t>(value < 0 ? kSign + amount : amount);
+}
+
+void LmcReplyReader::Feed(std::span<const std::byte> bytes) {
+  bytes_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+}
+
+std::optional<LmcReply> LmcReplyReader::Next() {
+  if (bytes_.size() < kLmcReplyBytes) return std::nullopt;
+  LmcReply reply;
+  for (std::size_t i = 0; i < reply.words.size(); ++i) {
+    const auto low = static_cast<std::uint8_t>(bytes_[2 * i]);
+    const auto high = static_cast<std::uint8_t>(bytes_[2 * i + 1]);
+    reply.words[i] = static_cast<std::uint16_t>(low | high << 8);
+  }
+  bytes_.erase(0, kLmcReplyBytes);
+  return reply;
+}
+
+}  // namespace intaglio::drivers

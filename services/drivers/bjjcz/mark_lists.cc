@@ -1,0 +1,210 @@
+#include "services/drivers/bjjcz/mark_lists.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engrave/core/check.h"
+#include "engrave/core/try.h"
+
+namespace intaglio::drivers {
+namespace {
+
+using enum LmcOperation;
+
+constexpr double kCentre = 32768, kPlaces = 65536, kMaxWord = 65535;
+// Chords of arcs: half a place of the board.
+constexpr double kChordPlaces = 0.5;
+// Clocks of the pulses' periods, and of the pulses' widths.
+constexpr double kFibreClock_hz = 20e6, kCo2Clock_hz = 10e6, kWidthClock_hz = 20e6;
+constexpr double kMaxCurrent = 4095;
+// The first pulses that a tube or a UV laser holds back: 6.7 us at 30 kHz.
+constexpr double kFirstPulsePart = 67.0 / 333;
+// Of a fibre laser's master oscillator, 10 us.
+constexpr std::uint16_t kOscillatorDelay = 800;
+constexpr std::size_t kMaxCommands = kMaxListPackets * kLmcPacketCommands - 1;
+// A piece of a line that is cut is not shorter than a tenth of a list.
+constexpr double kMinPieceSeconds = kMaxListSeconds / 10;
+
+std::uint16_t WordOf(double value) {
+  return static_cast<std::uint16_t>(std::clamp(std::round(value), 0.0, kMaxWord));
+}
+
+std::uint16_t Microseconds(double seconds) { return WordOf(1e6 * seconds); }
+
+}  // namespace
+
+MarkLists::MarkLists(const MachineSpec& machine)
+    : head_(machine.scan_head()),
+      board_(machine.bjjcz_board()),
+      units_per_mm_(kPlaces / head_.field_mm()) {}
+
+std::uint16_t MarkLists::SpeedOf(double speed_mm_s) const {
+  return WordOf(speed_mm_s * units_per_mm_ / 1000);
+}
+
+Status MarkLists::Begin(std::span<const mark::Pen> pens) {
+  INTAGLIO_TRY(mark::CheckMarks({{pens.begin(), pens.end()}, {}}));
+  const double clock_hz =
+      board_.laser() == BJJCZ_LASER_FIBRE ? kFibreClock_hz : kCo2Clock_hz;
+  for (const mark::Pen& pen : pens) {
+    const auto refuse = [&](const std::string& what, double value) {
+      return Fail(ErrorCode::kUnsupported, fmt::format("pen {:?}: {}", pen.name, what),
+                  fmt::format("{}", value));
+    };
+    const double period = clock_hz / pen.frequency_hz;
+    if (!(period >= 1 && period <= kMaxWord)) {
+      return refuse(
+          fmt::format("a frequency of {:g} Hz; a BJJCZ board makes pulses of "
+                      "{:.0f} to {:g} Hz with this laser",
+                      pen.frequency_hz, std::ceil(clock_hz / kMaxWord), clock_hz),
+          pen.frequency_hz);
+    }
+    const double places_ms = pen.speed_mm_s * units_per_mm_ / 1000;
+    if (!(places_ms >= 1 && places_ms <= kMaxWord)) {
+      return refuse(fmt::format("a speed of {:g} mm/s; in a field of {:g} mm the board "
+                                "marks at {:.2g} to {:.0f} mm/s",
+                                pen.speed_mm_s, head_.field_mm(), 1000 / units_per_mm_,
+                                1000 * kMaxWord / units_per_mm_),
+                    pen.speed_mm_s);
+    }
+    if (pen.depth_mm > 0)
+      return refuse("a depth is of a spindle; give a power", pen.depth_mm);
+  }
+  pens_.assign(pens.begin(), pens.end());
+  moves_.clear();
+  next_ = 0;
+  first_of_run_ = true;
+  return {};
+}
+
+Status MarkLists::Check(std::uint32_t number, const mark::Mark& mark) const {
+  INTAGLIO_TRY(mark::CheckMarks({pens_, {mark}}));
+  const auto refuse = [&](const std::string& what) {
+    return Fail(ErrorCode::kUnsupported, fmt::format("mark {}: {}", number, what),
+                fmt::format("{}", number));
+  };
+  if (!(mark::LengthOf(mark) > 0))
+    return refuse("has no length; draw a hole as a small circle");
+  if (mark.web_mm != 0)
+    return refuse("is on a web, which a BJJCZ board does not follow here");
+  const double border_mm = (kCentre - 1) / units_per_mm_;
+  for (const Vec2& at : mark::PlacesOf(mark, kChordPlaces / units_per_mm_)) {
+    if (std::abs(at.x()) <= border_mm && std::abs(at.y()) <= border_mm) continue;
+    return refuse(
+        fmt::format("({:.3f}, {:.3f}) mm is outside the field of {:g} mm; move "
+                    "or scale the drawing",
+                    at.x(), at.y(), head_.field_mm()));
+  }
+  return {};
+}
+
+void MarkLists::Load(const mark::Mark& mark) {
+  pen_ = &pens_[mark.pen];
+  moves_.clear();
+  next_ = 0;
+  const auto add = [&](const Vec2& at, bool is_lit) {
+    moves_.push_back(
+        {kCentre + at.x() * units_per_mm_, kCentre + at.y() * units_per_mm_, is_lit});
+  };
+  std::vector<Vec2> places = mark::PlacesOf(mark, kChordPlaces / units_per_mm_);
+  if (mark.closed) places.push_back(places.front());
+  for (std::uint32_t pass = 0; pass < pen_->pass_count; ++pass) {
+    add(places.front(), false);
+    for (std::size_t i = 1; i < places.size(); ++i) add(places[i], true);
+  }
+}
+
+Vec2 MarkLists::at_mm() const {
+  return Vec2(at_.x - kCentre, at_.y - kCentre) / units_per_mm_;
+}
+
+bool MarkLists::ends_stroke(std::size_t move) const {
+  return move + 1 == moves_.size() || !moves_[move + 1].is_lit;
+}
+
+void MarkLists::AddLaser(const mark::Pen& pen, std::vector<LmcCommand>& commands) const {
+  if (board_.laser() == BJJCZ_LASER_FIBRE) {
+    commands.push_back({kCurrent, {WordOf(kMaxCurrent * pen.power_ratio)}});
+    commands.push_back({kQSwitchPeriod, {WordOf(kFibreClock_hz / pen.frequency_hz)}});
+    if (board_.has_pulse_width_ns())
+      commands.push_back({kPulseWidth, {WordOf(board_.pulse_width_ns())}});
+    return;
+  }
+  const double period = kCo2Clock_hz / pen.frequency_hz;
+  const std::uint16_t first = WordOf(kFirstPulsePart * period);
+  commands.push_back({kMarkPeriod, {WordOf(period)}});
+  commands.push_back({kCo2FirstPulse, {first, first}});
+  commands.push_back(
+      {kPowerRatio, {WordOf(kWidthClock_hz * pen.power_ratio / pen.frequency_hz)}});
+}
+
+void MarkLists::AddHeader(LmcList& list) {
+  auto& commands = list.commands;
+  commands.push_back({kReadyMark, {}});
+  if (first_of_run_ && board_.laser() == BJJCZ_LASER_FIBRE) {
+    commands.push_back({kDelay, {kOscillatorDelay}});
+    list.seconds += 1e-5 * kOscillatorDelay;
+  }
+  first_of_run_ = false;
+  commands.push_back({kJumpSpeed, {SpeedOf(head_.jump_mm_s())}});
+  AddLaser(*pen_, commands);
+  commands.push_back({kMarkSpeed, {SpeedOf(pen_->speed_mm_s)}});
+  commands.push_back({kLaserOnDelay, {Microseconds(head_.laser_on_delay_s())}});
+  commands.push_back({kLaserOffDelay, {Microseconds(head_.laser_off_delay_s())}});
+  commands.push_back({kJumpDelay, {Microseconds(head_.jump_delay_s())}});
+  commands.push_back({kPolygonDelay, {Microseconds(head_.polygon_delay_s())}});
+}
+
+double MarkLists::SecondsOf(const Move& move, double distance) const {
+  const double places_s =
+      1000.0 * SpeedOf(move.is_lit ? pen_->speed_mm_s : head_.jump_mm_s());
+  return distance / places_s +
+         (move.is_lit ? head_.polygon_delay_s() : head_.jump_delay_s());
+}
+
+bool MarkLists::AddMove(LmcList& list) {
+  const Move& move = moves_[next_];
+  const double dx = move.x - at_.x, dy = move.y - at_.y, distance = std::hypot(dx, dy);
+  const double seconds = SecondsOf(move, distance);
+  // Behind it the beam is switched off, wherever the list ends.
+  const double end_s =
+      head_.laser_on_delay_s() + head_.laser_off_delay_s() + head_.mark_delay_s();
+  const double left_s = kMaxListSeconds - list.seconds - end_s;
+  double part = 1;
+  if (seconds > left_s) {
+    if (!move.is_lit || left_s < kMinPieceSeconds) return false;
+    part = left_s / seconds;
+  }
+  const Place to{static_cast<int>(std::round(at_.x + part * dx)),
+                 static_cast<int>(std::round(at_.y + part * dy))};
+  const auto word = [](double value) { return WordOf(value); };
+  list.commands.push_back(
+      {move.is_lit ? kMark : kJump,
+       {word(to.x), word(to.y), 0, word(std::hypot(to.x - at_.x, to.y - at_.y))}});
+  list.seconds += part * seconds;
+  at_ = to;
+  if (part < 1) return true;
+  if (move.is_lit && ends_stroke(next_)) {
+    list.seconds += end_s;
+    if (head_.mark_delay_s() > 0)
+      list.commands.push_back({kDelay, {WordOf(1e5 * head_.mark_delay_s())}});
+  }
+  ++next_;
+  return true;
+}
+
+LmcList MarkLists::Next() {
+  Require(has_more(), "the mark has no more lists");
+  LmcList list;
+  AddHeader(list);
+  const std::size_t header = list.commands.size();
+  while (has_more() && list.commands.size() + 2 <= kMaxCommands && AddMove(list)) {
+  }
+  Require(list.commands.size() > header, "a list without a move");
+  list.commands.push_back({kEnd, {}});
+  return list;
+}
+
+}  // namespace intaglio::drivers
