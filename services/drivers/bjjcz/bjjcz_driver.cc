@@ -57,7 +57,7 @@ void BjjczDriver::Take(const LmcAnswer& answer) {
   switch (answer.operation) {
     case LmcOperation::kReadPort:
       ++state_.number;
-      TakeInputs(answer.reply.words[1]);
+      TakeInputs(answer.reply.numbers[1]);
       break;
     case LmcOperation::kWritePort:
       outputs_ = asked_outputs_;

@@ -15,8 +15,9 @@
 //  - K2: the board has no watchdog, and plays what it has to the end. So that is one list
 //    of at most kMaxListSeconds, which is executed only if it ends within 250 ms of the
 //    newest permission: a dead host, a late one and a lost line leave no more. A board
-//    whose clock or speeds differ from what it was told takes as much longer; gate_output
-//    stays on then. An external gate has to end the beam for key, door and stop button.
+//    whose clock or speeds differ from what the profile has it takes as much longer;
+//    gate_output stays on then. An external gate has to end the beam for key, door and
+//    stop button.
 //  - K4, Stop: the gate is closed, then the list stopped (0x1F, and an empty list, since
 //    some boards act on the next one alone).
 //  - K6: it remembers no mark. What this object has seen is answered, else kUncertain:

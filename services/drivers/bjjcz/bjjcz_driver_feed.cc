@@ -59,7 +59,8 @@ void BjjczDriver::CheckList() {
       std::chrono::duration<double>(clock_() - *playing_->executed_at).count();
   if (since_s > kLateFactor * playing_->seconds + kLateSeconds) {
     return BeginStop(
-        "the board does not end its list: it is slower than it was told to be, or waits "
+        "the board does not end its list: it is slower than the profile has it to be, or "
+        "waits "
         "for an input; switch it off and on, then reset");
   }
   // A host that was late may have missed that it was busy.

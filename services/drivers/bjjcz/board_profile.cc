@@ -143,9 +143,10 @@ Result<std::vector<LmcCommand>> CorrectionLinesOf(const ScanHead& head) {
   for (const Vec2& by_mm : grid.values_mm) {
     const Vec2 by = by_mm * (kCorNodePlaces / grid.pitch_mm);
     const std::uint16_t behind_first = lines.size() > 1 ? 1 : 0;
-    lines.push_back({kCorrectionLine,
-                     {SignedWord(static_cast<int>(std::lround(by.x()))),
-                      SignedWord(static_cast<int>(std::lround(by.y()))), behind_first}});
+    lines.push_back(
+        {kCorrectionLine,
+         {SignedNumber(static_cast<int>(std::lround(by.x()))),
+          SignedNumber(static_cast<int>(std::lround(by.y()))), behind_first}});
   }
   return lines;
 }

@@ -81,9 +81,9 @@ void LmcLine::Take(const LmcReply& reply, std::vector<LmcAnswer>& answers) {
 }
 
 void LmcLine::Identify(const LmcReply& reply) {
-  const auto& words = reply.words;
+  const auto& numbers = reply.numbers;
   const std::string serial_number =
-      fmt::format("{:04x}{:04x}{:04x}", words[0], words[1], words[2]);
+      fmt::format("{:04x}{:04x}{:04x}", numbers[0], numbers[1], numbers[2]);
   refusal_ = link::RefusalOf(expected_, serial_number);
   if (!refusal_.empty()) {
     phase_ = Phase::kRefused;
@@ -116,7 +116,7 @@ void LmcLine::WriteNext() {
     if (next.is_packet && !ready_) return Ask(kAskStatus);
     if (next.is_packet) {
       AppendPacket(next.commands, out_);
-      ready_ = false;  // the status tells again
+      ready_ = false;  // until the next status
     } else {
       Ask(next.commands.front());
     }

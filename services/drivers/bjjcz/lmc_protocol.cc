@@ -8,9 +8,9 @@
 namespace intaglio::drivers {
 namespace {
 
-void AppendWord(std::uint16_t word, std::string& bytes) {
-  bytes += static_cast<char>(word & 0xFF);
-  bytes += static_cast<char>(word >> 8);
+void AppendUint16(std::uint16_t number, std::string& bytes) {
+  bytes += static_cast<char>(number & 0xFF);
+  bytes += static_cast<char>(number >> 8);
 }
 
 }  // namespace
@@ -21,8 +21,8 @@ bool IsAnswered(LmcOperation operation) {
 }
 
 void AppendCommand(const LmcCommand& command, std::string& bytes) {
-  AppendWord(static_cast<std::uint16_t>(command.operation), bytes);
-  for (const std::uint16_t argument : command.arguments) AppendWord(argument, bytes);
+  AppendUint16(static_cast<std::uint16_t>(command.operation), bytes);
+  for (const std::uint16_t argument : command.arguments) AppendUint16(argument, bytes);
 }
 
 void AppendPacket(std::span<const LmcCommand> commands, std::string& bytes) {
@@ -33,7 +33,7 @@ void AppendPacket(std::span<const LmcCommand> commands, std::string& bytes) {
     AppendCommand({}, bytes);
 }
 
-std::uint16_t SignedWord(int value) {
+std::uint16_t SignedNumber(int value) {
   constexpr int kSign = 0x8000;
   const int amount = std::min(std::abs(value), kSign - 1);
   return static_cast<std::uint16_t>(value < 0 ? kSign + amount : amount);
@@ -46,10 +46,10 @@ void LmcReplyReader::Feed(std::span<const std::byte> bytes) {
 std::optional<LmcReply> LmcReplyReader::Next() {
   if (bytes_.size() < kLmcReplyBytes) return std::nullopt;
   LmcReply reply;
-  for (std::size_t i = 0; i < reply.words.size(); ++i) {
+  for (std::size_t i = 0; i < reply.numbers.size(); ++i) {
     const auto low = static_cast<std::uint8_t>(bytes_[2 * i]);
     const auto high = static_cast<std::uint8_t>(bytes_[2 * i + 1]);
-    reply.words[i] = static_cast<std::uint16_t>(low | high << 8);
+    reply.numbers[i] = static_cast<std::uint16_t>(low | high << 8);
   }
   bytes_.erase(0, kLmcReplyBytes);
   return reply;

@@ -28,7 +28,7 @@ enum class LmcOperation : std::uint16_t {
   kExecuteList = 0x05,
   kPwmPulseWidth = 0x06,
   kSerialNumber = 0x09,
-  kCorrectionLine = 0x10,  ///< dx, dy as SignedWord, 0 at the first and 1 at the others
+  kCorrectionLine = 0x10,  ///< dx, dy as SignedNumber, 0 at the first and 1 at the others
   kResetList = 0x12,
   kCorrectionTable = 0x15,  ///< 1: lines follow; 0: none is used
   kControlMode = 0x16,
@@ -42,7 +42,7 @@ enum class LmcOperation : std::uint16_t {
   kStopExecute = 0x1F,
   kWritePort = 0x21,  ///< bits of the outputs
   kAnalogPort1 = 0x22,
-  kReadPort = 0x25,  ///< answer: word 1 has the bits of the inputs
+  kReadPort = 0x25,  ///< answer: number 1 has the bits of the inputs
   kFirstPulseKiller = 0x2E,
   kFlyResolution = 0x32,
   kFibreOscillator = 0x33,  ///< 1: the master oscillator is on
@@ -74,10 +74,10 @@ struct LmcCommand {
 };
 
 struct LmcReply {
-  std::array<std::uint16_t, 4> words{};
-  bool is_busy() const { return (words[3] & 0x04) != 0; }  ///< a list is executed
+  std::array<std::uint16_t, 4> numbers{};
+  bool is_busy() const { return (numbers[3] & 0x04) != 0; }  ///< a list is executed
   bool is_ready() const {
-    return (words[3] & 0x20) != 0;
+    return (numbers[3] & 0x20) != 0;
   }  ///< there is room for a packet
 };
 
@@ -90,7 +90,7 @@ void AppendCommand(const LmcCommand& command, std::string& bytes);
 void AppendPacket(std::span<const LmcCommand> commands, std::string& bytes);
 
 /// Sign and amount, as correction lines have them; beyond +-32767 the nearest.
-std::uint16_t SignedWord(int value);
+std::uint16_t SignedNumber(int value);
 
 /// The answers out of bytes that come in any pieces.
 class LmcReplyReader {

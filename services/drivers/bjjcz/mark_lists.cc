@@ -13,7 +13,7 @@ namespace {
 
 using enum LmcOperation;
 
-constexpr double kCentre = 32768, kPlaces = 65536, kMaxWord = 65535;
+constexpr double kCentre = 32768, kPlaces = 65536, kMaxUint16 = 65535;
 // Chords of arcs: half a place of the board.
 constexpr double kChordPlaces = 0.5;
 // Clocks of the pulses' periods, and of the pulses' widths.
@@ -27,11 +27,11 @@ constexpr std::size_t kMaxCommands = kMaxListPackets * kLmcPacketCommands - 1;
 // A piece of a line that is cut is not shorter than a tenth of a list.
 constexpr double kMinPieceSeconds = kMaxListSeconds / 10;
 
-std::uint16_t WordOf(double value) {
-  return static_cast<std::uint16_t>(std::clamp(std::round(value), 0.0, kMaxWord));
+std::uint16_t ToUint16(double value) {
+  return static_cast<std::uint16_t>(std::clamp(std::round(value), 0.0, kMaxUint16));
 }
 
-std::uint16_t Microseconds(double seconds) { return WordOf(1e6 * seconds); }
+std::uint16_t Microseconds(double seconds) { return ToUint16(1e6 * seconds); }
 
 }  // namespace
 
@@ -41,7 +41,7 @@ MarkLists::MarkLists(const MachineSpec& machine)
       units_per_mm_(kPlaces / head_.field_mm()) {}
 
 std::uint16_t MarkLists::SpeedOf(double speed_mm_s) const {
-  return WordOf(speed_mm_s * units_per_mm_ / 1000);
+  return ToUint16(speed_mm_s * units_per_mm_ / 1000);
 }
 
 Status MarkLists::Begin(std::span<const mark::Pen> pens) {
@@ -54,19 +54,19 @@ Status MarkLists::Begin(std::span<const mark::Pen> pens) {
                   fmt::format("{}", value));
     };
     const double period = clock_hz / pen.frequency_hz;
-    if (!(period >= 1 && period <= kMaxWord)) {
+    if (!(period >= 1 && period <= kMaxUint16)) {
       return refuse(
           fmt::format("a frequency of {:g} Hz; a BJJCZ board makes pulses of "
                       "{:.0f} to {:g} Hz with this laser",
-                      pen.frequency_hz, std::ceil(clock_hz / kMaxWord), clock_hz),
+                      pen.frequency_hz, std::ceil(clock_hz / kMaxUint16), clock_hz),
           pen.frequency_hz);
     }
     const double places_ms = pen.speed_mm_s * units_per_mm_ / 1000;
-    if (!(places_ms >= 1 && places_ms <= kMaxWord)) {
+    if (!(places_ms >= 1 && places_ms <= kMaxUint16)) {
       return refuse(fmt::format("a speed of {:g} mm/s; in a field of {:g} mm the board "
                                 "marks at {:.2g} to {:.0f} mm/s",
                                 pen.speed_mm_s, head_.field_mm(), 1000 / units_per_mm_,
-                                1000 * kMaxWord / units_per_mm_),
+                                1000 * kMaxUint16 / units_per_mm_),
                     pen.speed_mm_s);
     }
     if (pen.depth_mm > 0)
@@ -126,18 +126,18 @@ bool MarkLists::ends_stroke(std::size_t move) const {
 
 void MarkLists::AddLaser(const mark::Pen& pen, std::vector<LmcCommand>& commands) const {
   if (board_.laser() == BJJCZ_LASER_FIBRE) {
-    commands.push_back({kCurrent, {WordOf(kMaxCurrent * pen.power_ratio)}});
-    commands.push_back({kQSwitchPeriod, {WordOf(kFibreClock_hz / pen.frequency_hz)}});
+    commands.push_back({kCurrent, {ToUint16(kMaxCurrent * pen.power_ratio)}});
+    commands.push_back({kQSwitchPeriod, {ToUint16(kFibreClock_hz / pen.frequency_hz)}});
     if (board_.has_pulse_width_ns())
-      commands.push_back({kPulseWidth, {WordOf(board_.pulse_width_ns())}});
+      commands.push_back({kPulseWidth, {ToUint16(board_.pulse_width_ns())}});
     return;
   }
   const double period = kCo2Clock_hz / pen.frequency_hz;
-  const std::uint16_t first = WordOf(kFirstPulsePart * period);
-  commands.push_back({kMarkPeriod, {WordOf(period)}});
+  const std::uint16_t first = ToUint16(kFirstPulsePart * period);
+  commands.push_back({kMarkPeriod, {ToUint16(period)}});
   commands.push_back({kCo2FirstPulse, {first, first}});
   commands.push_back(
-      {kPowerRatio, {WordOf(kWidthClock_hz * pen.power_ratio / pen.frequency_hz)}});
+      {kPowerRatio, {ToUint16(kWidthClock_hz * pen.power_ratio / pen.frequency_hz)}});
 }
 
 void MarkLists::AddHeader(LmcList& list) {
@@ -179,17 +179,16 @@ bool MarkLists::AddMove(LmcList& list) {
   }
   const Place to{static_cast<int>(std::round(at_.x + part * dx)),
                  static_cast<int>(std::round(at_.y + part * dy))};
-  const auto word = [](double value) { return WordOf(value); };
-  list.commands.push_back(
-      {move.is_lit ? kMark : kJump,
-       {word(to.x), word(to.y), 0, word(std::hypot(to.x - at_.x, to.y - at_.y))}});
+  list.commands.push_back({move.is_lit ? kMark : kJump,
+                           {ToUint16(to.x), ToUint16(to.y), 0,
+                            ToUint16(std::hypot(to.x - at_.x, to.y - at_.y))}});
   list.seconds += part * seconds;
   at_ = to;
   if (part < 1) return true;
   if (move.is_lit && ends_stroke(next_)) {
     list.seconds += end_s;
     if (head_.mark_delay_s() > 0)
-      list.commands.push_back({kDelay, {WordOf(1e5 * head_.mark_delay_s())}});
+      list.commands.push_back({kDelay, {ToUint16(1e5 * head_.mark_delay_s())}});
   }
   ++next_;
   return true;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <array>
 #include <fstream>
 #include <thread>
 
@@ -15,12 +16,25 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-std::string ProfileOf(CourseShop::Machine machine, const std::string& line) {
-  const std::string name =
-      machine == CourseShop::Machine::kMill ? "mill" : "laser-cutter";
-  std::string profile =
-      TextIn(INTAGLIO_SOURCE_DIR "/deploy/machines/" + name + ".textproto");
-  const std::string device = "/dev/ttyUSB0";
+struct ShopMachine {
+  const char* profile;
+  const char* device;  ///< in the profile
+  const char* controller;
+  std::vector<std::string> words = {};
+};
+
+const ShopMachine& MachineOf(CourseShop::Machine machine) {
+  static const std::array<ShopMachine, 3> machines = {
+      ShopMachine{"mill", "/dev/ttyUSB0", "virtual-grbl", {"--hal", "--spindle"}},
+      ShopMachine{"laser-cutter", "/dev/ttyUSB0", "virtual-grbl", {"--hal"}},
+      ShopMachine{"bjjcz", "tcp:127.0.0.1:9588", "virtual-bjjcz"}};
+  return machines[static_cast<std::size_t>(machine)];
+}
+
+std::string ProfileOf(const ShopMachine& machine, const std::string& line) {
+  std::string profile = TextIn(std::string(INTAGLIO_SOURCE_DIR "/deploy/machines/") +
+                               machine.profile + ".textproto");
+  const std::string device = machine.device;
   profile.replace(profile.find(device), device.size(), line);
   return profile;
 }
@@ -30,19 +44,15 @@ std::string ProfileOf(CourseShop::Machine machine, const std::string& line) {
 CourseShop::CourseShop(Machine machine)
     : folder_(test::FreshFolder()), tag_("course" + std::to_string(getpid())) {
   const std::string line = (folder_ / "line").string();
-  Write("machine.textproto", ProfileOf(machine, line));
-  std::vector<std::string> words = {"--hal",
-                                    "--line",
-                                    line,
-                                    "--record",
-                                    folder_ / "record.txt",
-                                    "--way",
-                                    folder_ / "way.txt",
-                                    "--panel",
-                                    folder_ / "panel"};
-  if (machine == Machine::kMill) words.emplace_back("--spindle");
+  const ShopMachine& made = MachineOf(machine);
+  Write("machine.textproto", ProfileOf(made, line));
+  std::vector<std::string> words = {"--line",       line,      "--record",
+                                    board_record(), "--panel", folder_ / "panel"};
+  words.insert(words.end(), made.words.begin(), made.words.end());
+  if (machine != Machine::kBoard)
+    words.insert(words.end(), {"--way", folder_ / "way.txt"});
   controller_ = std::make_unique<Running>(
-      fs::path(INTAGLIO_BIN_DIR).parent_path() / "tests/virtual-grbl", words,
+      fs::path(INTAGLIO_BIN_DIR).parent_path() / "tests" / made.controller, words,
       folder_ / "controller.log");
   EXPECT_TRUE(Eventually([&] { return fs::exists(line); }, 20s));
 }

@@ -1,7 +1,8 @@
 #pragma once
 
-// A shop whose machine is a mill or a laser cutter on a virtual grbl, as processes. The
-// controller runs on beside the shop, as a machine does.
+// A shop whose machine is a mill or a laser cutter on a virtual grbl, or a scan head at a
+// virtual BJJCZ board, as processes. The controller runs on beside the shop, as a machine
+// does.
 
 #include <signal.h>
 
@@ -23,7 +24,7 @@ inline constexpr std::chrono::seconds kJobBound{200};
 
 class CourseShop {
  public:
-  enum class Machine { kMill, kLaser };
+  enum class Machine { kMill, kLaser, kBoard };
 
   explicit CourseShop(Machine machine);
   ~CourseShop();
@@ -59,10 +60,12 @@ class CourseShop {
   /// time the contour in hand was ended.
   std::size_t Lapses() const;
 
+  /// What the virtual board has written of itself.
+  std::filesystem::path board_record() const { return folder_ / "record.txt"; }
   /// To its processes; how many there were.
   int Signal(const std::string& service, int signal) const;
   int Kill(const std::string& service) const { return Signal(service, SIGKILL); }
-  /// A line at the controller's panel (virtual_grbl_main.cc).
+  /// A line at the controller's panel (virtual_grbl_main.cc, virtual_bjjcz_main.cc).
   void AtPanel(const std::string& command) const;
 
   std::vector<ToolStep> Way() const { return ReadToolWay(folder_ / "way.txt"); }

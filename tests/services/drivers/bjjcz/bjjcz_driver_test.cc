@@ -352,9 +352,9 @@ TEST(LmcProtocol, HasTheBytesOfABoard) {
             std::string("\x01\x80\x01\x80\xFF\x7F\x00\x00\x01\x00\x00\x00", 12));
   for (std::size_t at = 12; at < bytes.size(); at += 12)
     ASSERT_EQ(bytes.substr(at, 12), "\x02\x80" + std::string(10, '\0')) << at;
-  EXPECT_EQ(SignedWord(5), 5);
-  EXPECT_EQ(SignedWord(-5), 0x8005);
-  EXPECT_EQ(SignedWord(-40000), 0xFFFF);
+  EXPECT_EQ(SignedNumber(5), 5);
+  EXPECT_EQ(SignedNumber(-5), 0x8005);
+  EXPECT_EQ(SignedNumber(-40000), 0xFFFF);
 }
 
 TEST(LmcProtocol, PutsAnswersTogether) {
@@ -363,7 +363,7 @@ TEST(LmcProtocol, PutsAnswersTogether) {
   for (const char& byte : bytes) reader.Feed(std::as_bytes(std::span(&byte, 1)));
   const auto reply = reader.Next();
   ASSERT_TRUE(reply);
-  EXPECT_EQ(reply->words[1], 8);
+  EXPECT_EQ(reply->numbers[1], 8);
   EXPECT_TRUE(reply->is_busy() && reply->is_ready());
   EXPECT_FALSE(reader.Next());
 }

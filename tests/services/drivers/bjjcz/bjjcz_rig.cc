@@ -40,7 +40,7 @@ class BjjczMarkRig final : public MarkRig {
       machine_.board.SetInput(kBjjczDoorInput, true);
     if (fault == ControllerFault::kUnplug) machine_.Cut(false);
   }
-  bool tells_power_ups() const override { return false; }
+  bool knows_power_ups() const override { return false; }
   void SetDoor(bool closed) override { machine_.board.SetInput(kBjjczDoorInput, closed); }
   std::unique_ptr<MarkDriver> MakeDriver(const std::string& serial_number) override {
     MachineSpec profile = BjjczProfile(laser_);

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kCommand = 12, kPacket = 3072;
 
-std::uint16_t WordAt(const std::string& bytes, std::size_t at) {
+std::uint16_t Uint16At(const std::string& bytes, std::size_t at) {
   const auto byte = [&](std::size_t i) {
     return static_cast<unsigned>(static_cast<unsigned char>(bytes[i]));
   };
@@ -26,16 +26,17 @@ void VirtualBjjcz::Write(const std::string& bytes) {
   if (!on_) return;
   in_ += bytes;
   while (in_.size() >= 2) {
-    const bool is_packet = WordAt(in_, 0) >= 0x8000;
+    const bool is_packet = Uint16At(in_, 0) >= 0x8000;
     const std::size_t size = is_packet ? kPacket : kCommand;
     if (in_.size() < size) return;
     for (std::size_t at = 0; at < size; at += kCommand) {
-      Words words;
-      for (std::size_t i = 0; i < words.size(); ++i) words[i] = WordAt(in_, at + 2 * i);
+      Numbers numbers;
+      for (std::size_t i = 0; i < numbers.size(); ++i)
+        numbers[i] = Uint16At(in_, at + 2 * i);
       if (is_packet)
-        list_.push_back(words);
+        list_.push_back(numbers);
       else
-        TakeCommand(words);
+        TakeCommand(numbers);
     }
     in_.erase(0, size);
   }
@@ -69,18 +70,18 @@ std::uint16_t VirtualBjjcz::Status() const {
   return static_cast<std::uint16_t>((executes_ ? 0x04 : 0) | (ready ? 0x20 : 0));
 }
 
-void VirtualBjjcz::Answer(std::array<std::uint16_t, 3> words) {
-  for (const std::uint16_t word : {words[0], words[1], words[2], Status()}) {
-    out_ += static_cast<char>(word & 0xFF);
-    out_ += static_cast<char>(word >> 8);
+void VirtualBjjcz::Answer(std::array<std::uint16_t, 3> numbers) {
+  for (const std::uint16_t number : {numbers[0], numbers[1], numbers[2], Status()}) {
+    out_ += static_cast<char>(number & 0xFF);
+    out_ += static_cast<char>(number >> 8);
   }
 }
 
-void VirtualBjjcz::TakeCommand(const Words& words) {
-  switch (words[0]) {
+void VirtualBjjcz::TakeCommand(const Numbers& numbers) {
+  switch (numbers[0]) {
     case 0x02:
     case 0x04:
-      enabled_ = words[0] == 0x04;
+      enabled_ = numbers[0] == 0x04;
       break;
     case 0x05:
       executes_ = true;
@@ -89,8 +90,8 @@ void VirtualBjjcz::TakeCommand(const Words& words) {
     case 0x09:
       return Answer(options_.serial_number);
     case 0x10:
-      if (words[3] == 0) correction_.clear();
-      correction_.push_back({words[1], words[2]});
+      if (numbers[3] == 0) correction_.clear();
+      correction_.push_back({numbers[1], numbers[2]});
       return;  // not answered
     case 0x12:
       if (!executes_) list_.clear();
@@ -101,18 +102,18 @@ void VirtualBjjcz::TakeCommand(const Words& words) {
       list_.clear();
       break;
     case 0x21:
-      outputs_ = words[1];
+      outputs_ = numbers[1];
       break;
     case 0x25:
       return Answer({0, inputs_, 0});
     case 0x33:
-      oscillator_ = words[1] == 1;
+      oscillator_ = numbers[1] == 1;
       break;
     default: {
       constexpr auto kKnown = std::to_array<std::uint16_t>(
           {0x06, 0x07, 0x0A, 0x0C, 0x15, 0x16, 0x17, 0x19, 0x1A, 0x1B,
            0x1C, 0x1D, 0x1E, 0x22, 0x2E, 0x32, 0x39, 0x3A, 0x40, 0x41});
-      if (std::ranges::find(kKnown, words[0]) == kKnown.end()) ++unknown_count_;
+      if (std::ranges::find(kKnown, numbers[0]) == kKnown.end()) ++unknown_count_;
     }
   }
   Answer({0, 0, 0});
@@ -136,14 +137,14 @@ void VirtualBjjcz::EndMotion() {
   left_us_ = settle_us_ = off_left_us_ = on_left_us_ = 0;
 }
 
-void VirtualBjjcz::BeginCommand(const Words& words) {
-  const bool is_mark = words[0] == 0x8005;
-  if (words[0] == 0x8001 || is_mark) {
+void VirtualBjjcz::BeginCommand(const Numbers& numbers) {
+  const bool is_mark = numbers[0] == 0x8005;
+  if (numbers[0] == 0x8001 || is_mark) {
     if (is_mark && !follows_mark_) on_left_us_ = on_delay_us_;
     if (!is_mark && std::exchange(follows_mark_, false)) off_left_us_ = off_delay_us_;
     stroke_ = laser_;
     stroke_.from = at_;
-    stroke_.to = {static_cast<double>(words[1]), static_cast<double>(words[2])};
+    stroke_.to = {static_cast<double>(numbers[1]), static_cast<double>(numbers[2])};
     stroke_.is_mark = is_mark;
     stroke_.begin_us = now_us_;
     const double way = std::hypot(stroke_.to[0] - at_[0], stroke_.to[1] - at_[1]);
@@ -153,45 +154,45 @@ void VirtualBjjcz::BeginCommand(const Words& words) {
     if (is_mark) follows_mark_ = true;
     return;
   }
-  switch (words[0]) {
+  switch (numbers[0]) {
     case 0x8002:
       if (std::exchange(follows_mark_, false)) off_left_us_ = off_delay_us_;
       break;
     case 0x8003:
     case 0x8004:
       if (std::exchange(follows_mark_, false)) off_left_us_ = off_delay_us_;
-      left_us_ = 10.0 * words[1];
+      left_us_ = 10.0 * numbers[1];
       waits_ = true;
       break;
     case 0x8006:
-      jump_speed_ = std::max<double>(1, words[1]);
+      jump_speed_ = std::max<double>(1, numbers[1]);
       break;
     case 0x8007:
-      on_delay_us_ = std::max(0.0, DelayOf(words[1], words[2]));
+      on_delay_us_ = std::max(0.0, DelayOf(numbers[1], numbers[2]));
       break;
     case 0x8008:
-      off_delay_us_ = std::max(0.0, DelayOf(words[1], words[2]));
+      off_delay_us_ = std::max(0.0, DelayOf(numbers[1], numbers[2]));
       break;
     case 0x800A:
-      laser_.mark_period = words[1];
+      laser_.mark_period = numbers[1];
       break;
     case 0x800B:
-      laser_.power_ratio = words[1];
+      laser_.power_ratio = numbers[1];
       break;
     case 0x800C:
-      mark_speed_ = std::max<double>(1, words[1]);
+      mark_speed_ = std::max<double>(1, numbers[1]);
       break;
     case 0x800D:
-      jump_delay_us_ = words[1];
+      jump_delay_us_ = numbers[1];
       break;
     case 0x800F:
-      polygon_delay_us_ = words[1];
+      polygon_delay_us_ = numbers[1];
       break;
     case 0x8012:
-      laser_.current = words[1];
+      laser_.current = numbers[1];
       break;
     case 0x801B:
-      laser_.q_switch_period = words[1];
+      laser_.q_switch_period = numbers[1];
       break;
     case 0x8011:
     case 0x801E:

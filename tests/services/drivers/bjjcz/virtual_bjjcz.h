@@ -62,14 +62,14 @@ class VirtualBjjcz {
   std::uint64_t unknown_count() const { return unknown_count_; }
 
  private:
-  using Words = std::array<std::uint16_t, 6>;
+  using Numbers = std::array<std::uint16_t, 6>;
 
-  void TakeCommand(const Words& words);
-  void Answer(std::array<std::uint16_t, 3> words);
+  void TakeCommand(const Numbers& numbers);
+  void Answer(std::array<std::uint16_t, 3> numbers);
   std::uint16_t Status() const;
   /// What executes takes from `left_us`; false: nothing more is due.
   bool Step(double& left_us);
-  void BeginCommand(const Words& words);
+  void BeginCommand(const Numbers& numbers);
   void EndMotion();
   bool MayEmit() const;
 
@@ -79,7 +79,7 @@ class VirtualBjjcz {
   double now_us_ = 0;
   std::uint16_t inputs_ = 0xFFFF, outputs_ = 0;
   bool enabled_ = false, oscillator_ = false, executes_ = false;
-  std::deque<Words> list_;
+  std::deque<Numbers> list_;
   // Of the command in hand.
   bool moves_ = false, waits_ = false;
   Stroke stroke_;

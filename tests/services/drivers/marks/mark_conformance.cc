@@ -250,7 +250,7 @@ void AFaultIsReportedAndNothingGoesOn(const MarkRigMaker& make, ControllerFault 
          "K9: the line does not come back: " + bench.state().message);
   bench.StepFor(bench.rig().stop_time() + 100ms);
   bench.ExpectStill(3s, "K9: it goes on by itself");
-  const bool of_line = fault == ControllerFault::kUnplug && bench.rig().tells_power_ups();
+  const bool of_line = fault == ControllerFault::kUnplug && bench.rig().knows_power_ups();
   Expect((KnownOf(bench) == known) == of_line,
          of_line ? "K9: a lost line is reported as a stop of the controller"
                  : "K9: a stop of the controller is not reported");

@@ -50,7 +50,7 @@ TEST_P(MarkPlanted, IsFound) {
   const auto& [rig, fault] = GetParam();
   if (fault.of_tools_with_axes && MakeMarkRig(rig)->driver->hand() == nullptr)
     GTEST_SKIP() << rig << " has no such fault";
-  if (fault.of_told_power_ups && !MakeMarkRig(rig)->tells_power_ups())
+  if (fault.of_known_power_ups && !MakeMarkRig(rig)->knows_power_ups())
     GTEST_SKIP() << rig << " counts each lost line";
   std::string found;
   for (const MarkCheck& check : MarkChecks()) {

@@ -32,7 +32,7 @@ class MarkRig {
   /// The chain of key, door and stop button.
   virtual void SetDoor(bool closed) = 0;
   /// A cable that was pulled differs from a power cycle; false: each is one (K9).
-  virtual bool tells_power_ups() const { return true; }
+  virtual bool knows_power_ups() const { return true; }
   /// A new driver in place of the one before, as when its process was killed.
   virtual std::unique_ptr<MarkDriver> MakeDriver(const std::string& serial_number) = 0;
 

@@ -16,7 +16,7 @@ struct MarkFault {
   const char* check;  ///< beginning of the names of those of MarkChecks that find it
   std::unique_ptr<MarkDriver> (*plant)(std::unique_ptr<MarkDriver> good);
   bool of_tools_with_axes = false;  ///< only of drivers with motion by hand
-  bool of_told_power_ups = false;   ///< of rigs that tell_power_ups
+  bool of_known_power_ups = false;  ///< of rigs that tell_power_ups
 };
 std::span<const MarkFault> MarkFaults();
 
