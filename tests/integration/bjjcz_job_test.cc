@@ -3,8 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <fstream>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "tests/integration/course/course_shop.h"
 

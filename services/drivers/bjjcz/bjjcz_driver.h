@@ -29,7 +29,9 @@
 
 #include <chrono>
 #include <deque>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 

@@ -1,5 +1,8 @@
 // The lists of marks, as they are due, and the outputs.
 
+#include <algorithm>
+#include <chrono>
+#include <string>
 #include <utility>
 
 #include "services/drivers/bjjcz/bjjcz_driver.h"

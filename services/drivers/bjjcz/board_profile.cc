@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "engrave/core/try.h"
 #include "engrave/galvo/files/correction_files.h"

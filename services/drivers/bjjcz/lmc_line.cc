@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <chrono>
+#include <span>
 #include <utility>
 
 namespace intaglio::drivers {

@@ -4,10 +4,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "services/drivers/bjjcz/board_profile.h"
 #include "services/drivers/bjjcz/mark_lists.h"

@@ -1,7 +1,9 @@
 #include "tests/services/drivers/bjjcz/bjjcz_rig.h"
 
+#include <algorithm>
 #include <array>
 #include <numbers>
+#include <span>
 
 namespace intaglio::drivers {
 namespace {

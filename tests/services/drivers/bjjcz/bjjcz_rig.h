@@ -2,6 +2,7 @@
 
 // A virtual BJJCZ board at the driver of its family, behind a line that a test cuts.
 
+#include <chrono>
 #include <memory>
 #include <random>
 #include <string>

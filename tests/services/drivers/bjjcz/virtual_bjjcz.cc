@@ -1,6 +1,7 @@
 #include "tests/services/drivers/bjjcz/virtual_bjjcz.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
