@@ -13,6 +13,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
+#include "engrave/galvo/grid_sense.h"
 #include "engrave/galvo/residual_surface.h"
 
 namespace intaglio::galvo {
@@ -35,7 +36,7 @@ constexpr double kSignificantErrors = 2;
 constexpr int kSurfaceNodes = 65;
 // Steps of the numeric derivatives, by number.
 constexpr std::array<double, kHeadModelNumbers> kSteps = {1e-6, 1e-6, 1e-6, 1e-5, 1e-5,
-                                                          1e-5, 1e-3, 1e-3, 1e-6};
+                                                          1e-5, 1e-3, 1e-3, 1e-6, 1e-5};
 
 HeadModel ModelOf(double focal_mm, const Numbers& numbers) {
   std::array<double, kHeadModelNumbers> values;
@@ -88,7 +89,7 @@ struct Solution {
 
 Result<Solution> Solve(double focal_mm, const Marks& marks) {
   Numbers at = Numbers::Zero();
-  at[3] = 1;
+  at[3] = at[9] = 1;
   double damping = 1e-3, sum = SquareSum(ModelOf(focal_mm, at), marks);
   for (int i = 0; i < kMaxIterations; ++i) {
     const Equations equations = EquationsAt(focal_mm, at, marks);
@@ -117,7 +118,7 @@ Result<Solution> Solve(double focal_mm, const Marks& marks) {
              : Numbers(Numbers::Zero());
   if (!(eigenvalues.minCoeff() > kMinEigenvalue * eigenvalues.maxCoeff())) {
     return Fail(ErrorCode::kInvalidValue,
-                "the marks do not determine the nine numbers of the head; mark a grid "
+                "the marks do not determine the ten numbers of the head; mark a grid "
                 "over the whole field, 5 x 5 or more");
   }
   return Solution{at, last.normal, sum};
@@ -290,6 +291,7 @@ Result<HeadFit> FitHead(std::span<const GridMark> marks, const HeadFitOptions& o
   Require(options.width_mm > 0 && options.focal_mm > 0, "a field of {} mm, {} mm/rad",
           options.width_mm, options.focal_mm);
   INTAGLIO_TRY(CheckMarks(marks, options.width_mm));
+  INTAGLIO_TRY(CheckGridSense(marks));
   HeadFit fit;
   fit.used.assign(marks.size(), true);
   Marks used;
@@ -318,6 +320,7 @@ Result<HeadFit> FitHead(std::span<const GridMark> marks, const HeadFitOptions& o
     fit.interval95[static_cast<std::size_t>(k)] =
         kNormal95 * fit.sigma_mm * std::sqrt(inverse(k, k));
   }
+  INTAGLIO_TRY(CheckFitSense(fit, options.width_mm));
   return fit;
 }
 

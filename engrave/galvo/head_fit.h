@@ -1,11 +1,11 @@
 #pragma once
 
-// A scan head from a measured grid of marks: nine numbers that explain it (head_model.h),
+// A scan head from a measured grid of marks: ten numbers that explain it (head_model.h),
 // and what they leave, as a smooth surface, where that is more than chance.
 //
 // A table of the measured deviations themselves has the noise of the camera at every
 // node: over 100 mm with 9 x 9 marks and 5 um of noise four triangles are wrong by 67 um,
-// a spline by 18, the nine numbers by 4.3.
+// a spline by 18, the ten numbers by 4.3.
 //
 //   Levenberg-Marquardt (Marquardt 1963, An Algorithm for Least-Squares Estimation of
 //   Nonlinear Parameters); cross-validation (Stone 1974, Cross-Validatory Choice and
@@ -46,7 +46,8 @@ struct HeadFitOptions {
 };
 
 /// kMissing: fewer than 16 marks that are used. kInvalidValue: a mark that is no number
-/// or outside the field, or marks that do not determine the numbers.
+/// or outside the field, marks that do not determine the numbers, or that cannot be those
+/// of their commands (grid_sense.h).
 Result<HeadFit> FitHead(std::span<const GridMark> marks, const HeadFitOptions& options);
 
 /// Where a command arrives, by model and surface: in the measured frame, mm.

@@ -1,8 +1,8 @@
 #pragma once
 
-// A scan head as nine numbers, from commands in mm to places in the measured frame. The
+// A scan head as ten numbers, from commands in mm to places in the measured frame. The
 // control turns the mirrors by command / focal length; then
-//   angles = command / f + zero
+//   angles = command / f + zero, of y times the ratio of the axes
 //   field = lens of the heights (f r1, 0, f r3, f r4) behind the mirrors (head.h)
 //   place = turned field + offset + shear (0, field x)
 // A lens that is not of this kind, or mirrors whose gain differs, leave residuals.
@@ -15,7 +15,7 @@
 
 namespace intaglio::galvo {
 
-inline constexpr int kHeadModelNumbers = 9;
+inline constexpr int kHeadModelNumbers = 10;
 
 struct HeadModel {
   double focal_mm = 0;                 ///< known: mm of command per rad, optical
@@ -24,6 +24,7 @@ struct HeadModel {
   std::array<double, 3> lens_ratio{};  ///< r1, r3, r4
   Vec2 offset_mm = Vec2::Zero();       ///< of the measured frame
   double shear_ratio = 0;              ///< y by field x
+  double axes_ratio = 1;               ///< gain of the mirror of y by that of x
 
   /// An ideal head: the place is the command but for the two mirrors' own distortion.
   static HeadModel Ideal(double focal_mm);

@@ -141,6 +141,7 @@ constexpr std::array kRanges = {
     FieldRange{"HeadNumbers", "offset_x_mm", -1000, 1000},
     FieldRange{"HeadNumbers", "offset_y_mm", -1000, 1000},
     FieldRange{"HeadNumbers", "shear_ratio", -0.5, 0.5},
+    FieldRange{"HeadNumbers", "axes_ratio", 0.5, 2},
     FieldRange{"MachineLens", "focal_length_mm", 1, 1000},
     FieldRange{"MachineLens", "numerical_aperture", 0.01, 0.9},
     FieldRange{"MachineLens", "crack_diameter_mm", 0.01, 1},

@@ -87,7 +87,7 @@ std::vector<std::string> FitLines(const std::vector<galvo::GridMark>& as_marked,
                   is.largest_um),
       fmt::format("sigma         {:.2f} um of a coordinate of a mark",
                   1e3 * fit.sigma_mm),
-      fmt::format("unseen marks  {:.2f} um rms by the nine numbers, {:.2f} um with a "
+      fmt::format("unseen marks  {:.2f} um rms by the ten numbers, {:.2f} um with a "
                   "surface of what they leave",
                   1e3 * fit.unseen_rms_mm, 1e3 * fit.unseen_rms_with_surface_mm)};
   lines.push_back(fit.surface_cells > 0

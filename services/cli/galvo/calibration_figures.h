@@ -10,7 +10,7 @@
 
 namespace intaglio::cli {
 
-/// The nine numbers of the head with their intervals.
+/// The ten numbers of the head with their intervals.
 std::vector<std::string> ModelLines(const galvo::HeadFit& fit);
 
 /// How good marks and fit are. `as_marked`: places that were to be marked, and measured;

@@ -14,7 +14,7 @@ namespace intaglio {
 namespace {
 
 // As of the tables that `intaglio galvo calibrate` writes; a spline through them follows
-// the nine numbers within a nm.
+// the ten numbers within a nm.
 constexpr int kCorrectionNodes = 65;
 // Wider than any field: commands beyond the field are continued.
 constexpr double kWidthPerFocal = 1.2;
@@ -26,7 +26,7 @@ galvo::HeadModel ModelOf(const HeadNumbers& numbers) {
       {numbers.rotation_rad(), numbers.zero_x_rad(), numbers.zero_y_rad(),
        numbers.has_lens_1_ratio() ? numbers.lens_1_ratio() : 1, numbers.lens_3_ratio(),
        numbers.lens_4_ratio(), numbers.offset_x_mm(), numbers.offset_y_mm(),
-       numbers.shear_ratio()});
+       numbers.shear_ratio(), numbers.has_axes_ratio() ? numbers.axes_ratio() : 1});
 }
 
 Result<galvo::CorrectionTable> CorrectionsOf(const HeadNumbers& numbers) {

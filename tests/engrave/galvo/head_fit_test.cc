@@ -3,6 +3,7 @@
 
 #include "engrave/galvo/head_fit.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,6 +15,7 @@
 namespace intaglio::galvo {
 namespace {
 
+using ::testing::HasSubstr;
 using Field = std::function<Vec2(const Vec2&)>;
 
 std::vector<GridMark> MarksOf(const Field& arrive, double width_mm, int nodes,
@@ -86,8 +88,8 @@ TEST(HeadFit, OfNineByNineNoisyMarksIsAsNearAsTheReferenceFound) {
 }
 
 TEST(HeadFit, HasTheTrueNumbersWithinTheirIntervals) {
-  const HeadModel truth =
-      HeadModel::FromNumbers(143.2, {2e-3, 4e-4, -3e-4, 1.01, .12, -.03, .2, -.1, 1e-3});
+  const HeadModel truth = HeadModel::FromNumbers(
+      143.2, {2e-3, 4e-4, -3e-4, 1.01, .12, -.03, .2, -.1, 1e-3, 1.02});
   const auto numbers = truth.Numbers();
   int inside = 0;
   constexpr int kRuns = 40;
@@ -100,12 +102,12 @@ TEST(HeadFit, HasTheTrueNumbersWithinTheirIntervals) {
     for (std::size_t k = 0; k < numbers.size(); ++k)
       inside += std::abs(found[k] - numbers[k]) <= fit->interval95[k];
   }
-  // 360 intervals of 95 %, not independent: 342 +- 4 if they were.
-  EXPECT_GT(inside, 0.91 * 9 * kRuns);
-  EXPECT_LT(inside, 9 * kRuns);
+  // 400 intervals of 95 %, not independent: 380 +- 4 if they were.
+  EXPECT_GT(inside, 0.91 * kHeadModelNumbers * kRuns);
+  EXPECT_LT(inside, kHeadModelNumbers * kRuns);
 }
 
-TEST(HeadFit, FindsWhatNineNumbersDoNotHaveAndKeepsItAsASurface) {
+TEST(HeadFit, FindsWhatTenNumbersDoNotHaveAndKeepsItAsASurface) {
   const WrongField field(100, .03, 20);
   const auto arrive = [&](const Vec2& u) {
     const double bump_mm = 0.15 * std::exp(-(u - Vec2(20, -10)).squaredNorm() / 800);
@@ -146,7 +148,7 @@ TEST(HeadFit, RefusesWhatDoesNotDetermineAHead) {
   std::vector<GridMark> line;
   for (int i = 0; i < 30; ++i) line.push_back({{i - 15, 0}, {i - 15.1, 0}});
   EXPECT_EQ(FitHead(line, {100, 143}).error().message,
-            "the marks do not determine the nine numbers of the head; mark a grid over "
+            "the marks do not determine the ten numbers of the head; mark a grid over "
             "the whole field, 5 x 5 or more");
   auto marks = MarksOf(arrive, 100, 9, 0, 1);
   marks[4].measured_mm.x() = std::nan("");
@@ -157,6 +159,72 @@ TEST(HeadFit, RefusesWhatDoesNotDetermineAHead) {
       FitHead(marks, {100, 143}).error().message,
       "mark 5: commanded to (70, 0) mm, measured at (70, 0) mm, is not of a field of "
       "100 mm around 0; check field and units");
+}
+
+// Ten numbers of 25 marks: 40 degrees of freedom. The worst of the field is then a few
+// times the noise, as the corners are known by one mark each.
+TEST(HeadFit, OfFiveByFiveMarksIsRight) {
+  for (const double share : {.03, .04}) {
+    const WrongField field(100, share, 20);
+    const auto arrive = [&](const Vec2& u) { return field.Arrive(u); };
+    for (const double noise_um : {0., 5., 20.}) {
+      for (unsigned run = 0; run < 20; ++run) {
+        const auto fit = FitHead(MarksOf(arrive, 100, 5, noise_um / 1000, run),
+                                 {100, field.focal_mm()});
+        ASSERT_TRUE(fit.has_value()) << fit.error().message;
+        EXPECT_LE(WorstUm(DeviationsOf(*fit, 100, 65), Interpolation::kSpline, arrive),
+                  5 * noise_um + 0.01)
+            << share << " " << noise_um << " " << run;
+      }
+    }
+  }
+}
+
+TEST(HeadFit, HasTheRatioOfTheTwoAxes) {
+  for (const double ratio : {0.97, 1.03}) {
+    HeadModel truth = HeadModel::Ideal(143.2);
+    truth.lens_ratio[1] = 0.24;
+    truth.axes_ratio = ratio;
+    for (const int nodes : {5, 9}) {
+      const auto fit = FitHead(
+          MarksOf([&](const Vec2& u) { return truth.Arrive(u); }, 100, nodes, .005, 8),
+          {100, 143.2});
+      ASSERT_TRUE(fit.has_value()) << fit.error().message;
+      EXPECT_NEAR(fit->model.axes_ratio, ratio, 1.5 * fit->interval95[9]);
+      EXPECT_LT(fit->interval95[9], 3e-4);
+      EXPECT_EQ(fit->surface_cells, 0);
+    }
+  }
+}
+
+TEST(HeadFit, RefusesMarksThatAreNotThoseOfTheirCommands) {
+  const WrongField field(100, .03, 20);
+  const auto refusal = [&](int nodes, const Field& change) {
+    const auto arrive = [&](const Vec2& u) { return change(field.Arrive(u)); };
+    const auto fit =
+        FitHead(MarksOf(arrive, 100, nodes, .005, 4), {100, field.focal_mm()});
+    return fit ? std::string() : fit.error().message;
+  };
+  for (const int nodes : {5, 9}) {
+    EXPECT_THAT(refusal(nodes, [](const Vec2& p) { return Vec2(p.y(), p.x()); }),
+                HasSubstr("the two are swapped"));
+    EXPECT_THAT(refusal(nodes, [](const Vec2& p) { return Vec2(-p.x(), p.y()); }),
+                HasSubstr("measured x runs against the commanded one"));
+    EXPECT_THAT(refusal(nodes, [](const Vec2& p) { return Vec2(-p.y(), p.x()); }),
+                HasSubstr("turned by 90 degrees"));
+    EXPECT_THAT(refusal(nodes, [](const Vec2& p) { return Vec2(p / 25.4); }),
+                HasSubstr("times in y as commanded; give both in mm"));
+    EXPECT_THAT(refusal(nodes, [](const Vec2& p) { return Vec2(p.x(), 1.4 * p.y()); }),
+                HasSubstr("check the scale of both measured axes"));
+  }
+  // Rows in another order than their commands: each second row backwards.
+  auto marks = MarksOf([&](const Vec2& u) { return field.Arrive(u); }, 100, 9, 0, 1);
+  for (int j = 1; j < 9; j += 2) {
+    for (int i = 0; i < 4; ++i)
+      std::swap(marks[static_cast<std::size_t>(9 * j + i)].measured_mm,
+                marks[static_cast<std::size_t>(9 * j + 8 - i)].measured_mm);
+  }
+  EXPECT_FALSE(FitHead(marks, {100, field.focal_mm()}).has_value());
 }
 
 }  // namespace

@@ -101,8 +101,9 @@ TEST(HeadOverBlock, CorrectionMakesUpForTheHead) {
   numbers.set_lens_3_ratio(0.04);
   numbers.set_offset_y_mm(0.3);
   numbers.set_shear_ratio(-0.004);
-  const galvo::HeadModel model =
-      galvo::HeadModel::FromNumbers(100, {0.01, 0.002, 0, 1.01, 0.04, 0, 0, 0.3, -0.004});
+  numbers.set_axes_ratio(1.02);
+  const galvo::HeadModel model = galvo::HeadModel::FromNumbers(
+      100, {0.01, 0.002, 0, 1.01, 0.04, 0, 0, 0.3, -0.004, 1.02});
   const auto corrections = HeadOptionsOf(head).corrections;
   ASSERT_TRUE(corrections);
   for (double x_mm = -35; x_mm <= 35; x_mm += 3.5) {
