@@ -1,5 +1,7 @@
 #include "services/cli/course/course_command.h"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -47,6 +49,27 @@ course::PlanOptions PlanOptionsOf(const CourseOptions& options,
   return plan;
 }
 
+/// A machine whose controller has the axes (a mill of grbl) has none in its profile: then
+/// all that is taken of them has to be given.
+Status CheckPlannedAxes(const CourseOptions& options, const MachineSpec& machine) {
+  if (machine.has_x() && machine.has_y()) return {};
+  std::string missing;
+  const auto need = [&missing](bool given, const char* name) {
+    if (!given) missing += (missing.empty() ? "" : ", ") + std::string(name);
+  };
+  need(options.feed_mm_s.has_value(), "--feed");
+  need(options.acceleration_mm_s2.has_value(), "--acceleration");
+  need(options.tolerance_um || machine.position_tolerance_um() > 0, "--tolerance");
+  need(!options.drive.empty(), "--drive");
+  if (missing.empty()) return {};
+  return Fail(ErrorCode::kMissing,
+              fmt::format("{}: its profile has no x and y, whose limits and drives a "
+                          "course is planned with; give {}, or name the profile of a "
+                          "machine with x and y",
+                          machine.name(), missing),
+              machine.name());
+}
+
 /// The axes of the drive profile, else of the machine's.
 Result<course::AxisPair> AxesBy(const CourseOptions& options,
                                 const MachineSpec& machine) {
@@ -60,6 +83,7 @@ Result<CourseProgram> MakeProgram(const CourseOptions& options) {
       command_line::FindSupplied(options.machine, command_line::kSuppliedProfiles));
   const MachineSpec machine = INTAGLIO_TRY(ReadMachineFile(profile));
   const course::AxisPair axes = INTAGLIO_TRY(AxesBy(options, machine));
+  INTAGLIO_TRY(CheckPlannedAxes(options, machine));
   Warnings warnings;
   auto paths =
       INTAGLIO_TRY(ReadContours(options.file, options.feed_mm_s.value_or(FeedOf(machine)),

@@ -142,6 +142,21 @@ TEST_F(CourseCommand, TheAxesOfADriveProfileFollow) {
   EXPECT_THAT(AxesOf(derivative).error().message, HasSubstr("axis y: panel"));
 }
 
+TEST_F(CourseCommand, AProfileWithoutAxesIsNamedWithWhatIsMissing) {
+  const std::string mill = INTAGLIO_SOURCE_DIR "/deploy/machines/mill.textproto";
+  const std::string drive = INTAGLIO_SOURCE_DIR "/deploy/drives/tirnovean-2016.textproto";
+  std::vector<std::string> words = {drawing_, "--machine", mill, "--feed", "60"};
+  EXPECT_EQ(Type(words), client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("mill: its profile has no x and y, whose limits and "
+                                 "drives a course is planned with; give --acceleration, "
+                                 "--tolerance, --drive, or name"));
+  words.insert(words.end(), {"--tolerance", "100", "--acceleration", "1500"});
+  EXPECT_EQ(Type(words), client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("give --drive, or name"));
+  words.insert(words.end(), {"--drive", drive, "--compensate"});
+  EXPECT_EQ(Type(words), client::kExitGood) << output_ << errors_;
+}
+
 TEST(CourseJob, AxesAreThoseOfTheProfile) {
   MachineSpec machine = ReadMachineFile(kProfile).value();
   const course::AxisPair lagging = AxesOf(machine).value();
