@@ -1,11 +1,14 @@
 // `intaglio drive` as it is typed.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <iterator>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -48,6 +51,65 @@ TEST_F(DriveCommand, SizeHasTheNumbersOfTheSource) {
   EXPECT_THAT(size.output,
               AllOf(HasSubstr("screw 0.00149563"), HasSubstr("2307.69 rad/s^2"),
                     HasSubstr("6.63389 Nm"), HasSubstr("the motors bear the demand")));
+}
+
+// Zarudnev 2007: the reference's values of one corner, and of figure 2 at 90 degrees, xi
+// .3 and 100 mm/s.
+TEST_F(DriveCommand, CornerHasTheNumbersOfTheSource) {
+  const Ended corner = Type({"corner", "--wx", "150", "--wy", "220"});
+  EXPECT_EQ(corner.exit_code, 0) << corner.output;
+  for (const char* part :
+       {"bandwidth 123.93 rad/s", "formula (6)   2.1649 ms", "x first       1.9188 ms",
+        "y first       1.2555 ms", "published     46.19 mm/s for 100 um"})
+    EXPECT_THAT(corner.output, HasSubstr(part));
+  const Ended figure = Type({"corner", "--figure", "55", "105"});
+  EXPECT_EQ(figure.exit_code, 0) << figure.output;
+  struct Row {
+    int natural_1, natural_2;
+    double exact_um, formula_um;
+  };
+  for (const Row& row :
+       {Row{40, 105, 917, 1098}, Row{55, 105, 583, 697}, Row{80, 105, 346, 370},
+        Row{105, 105, 248, 202}, Row{140, 105, 265, 286}, Row{200, 105, 305, 365},
+        Row{40, 55, 703, 770}, Row{55, 55, 473, 386}, Row{200, 55, 745, 876}}) {
+    const std::string head = fmt::format("\n{},{},", row.natural_1, row.natural_2);
+    const std::size_t at = figure.output.find(head);
+    ASSERT_NE(at, std::string::npos) << head;
+    double exact_um = 0, formula_um = 0;
+    ASSERT_EQ(std::sscanf(figure.output.c_str() + at + head.size(), "%lf,%lf", &exact_um,
+                          &formula_um),
+              2);
+    EXPECT_NEAR(exact_um, row.exact_um, 0.51) << head;
+    EXPECT_NEAR(formula_um, row.formula_um, 0.51) << head;
+  }
+  const fs::path picture = folder_ / "figure2.png";
+  EXPECT_EQ(Type({"corner", "--figure", "105", "--picture", picture.string()}).exit_code,
+            0);
+  EXPECT_TRUE(IsPng(picture));
+  EXPECT_EQ(Type({"corner", "--turn", "180"}).exit_code, 2);
+}
+
+// x lags 20 ms and y 24 ms behind, at 50 mm/s on 30 mm; the sum over the directions is 0.
+TEST_F(DriveCommand, CircleHasTheLagsOfTheAxes) {
+  for (const double direction : {1.0, -1.0}) {
+    std::ofstream table(folder_ / (direction > 0 ? "left.csv" : "right.csv"));
+    table << "x_mm,y_mm\n";
+    for (int i = 0; i < 360; ++i) {
+      const double angle = direction * i * std::numbers::pi / 180;
+      const double rate = direction * 50.0 / 30;
+      table << fmt::format("{:.6f},{:.6f}\n", 30 * std::cos(angle - rate * 0.020),
+                           30 * std::sin(angle - rate * 0.024));
+    }
+  }
+  const std::string left = (folder_ / "left.csv").string();
+  const std::string right = (folder_ / "right.csv").string();
+  const Ended both = Type({"circle", left, "--clockwise", right, "--radius", "30",
+                           "--feed", "50", "--tolerance", "20"});
+  EXPECT_EQ(both.exit_code, 3) << both.output;
+  EXPECT_THAT(both.output, HasSubstr("x -4.0000 ms behind y"));
+  EXPECT_THAT(both.output, HasSubstr("verdict       NOT GOOD: 200.00 um of 20 um"));
+  EXPECT_EQ(Type({"circle", left, "--radius", "30", "--tolerance", "201"}).exit_code, 0);
+  EXPECT_EQ(Type({"circle", kProfile, "--radius", "30"}).exit_code, 2);
 }
 
 TEST_F(DriveCommand, TuneGivesEachGainItsReason) {

@@ -13,5 +13,7 @@ void AddDriveSizeCommand(command_line::Command drive);
 void AddDriveTuneCommands(command_line::Command drive);  ///< tune and compare
 void AddDriveSimulateCommand(command_line::Command drive);
 void AddDriveIdentifyCommand(command_line::Command drive);
+void AddDriveCornerCommand(command_line::Command drive);
+void AddDriveCircleCommand(command_line::Command drive);
 
 }  // namespace intaglio::cli

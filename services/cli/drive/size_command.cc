@@ -145,6 +145,8 @@ void AddDriveCommand(command_line::Command app) {
   AddDriveTuneCommands(drive);
   AddDriveSimulateCommand(drive);
   AddDriveIdentifyCommand(drive);
+  AddDriveCornerCommand(drive);
+  AddDriveCircleCommand(drive);
 }
 
 }  // namespace intaglio::cli
