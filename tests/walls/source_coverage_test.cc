@@ -1,4 +1,4 @@
-// docs/source_coverage.md against the tree: its counts, its files and its tests.
+// docs/source_coverage*.md against the tree: its counts, its files and its tests.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -42,9 +42,15 @@ struct Item {
   std::string chapter, state, files, tests, text;
 };
 
-std::vector<Item> Items() {
+class SourceCoverage : public ::testing::TestWithParam<const char*> {
+ protected:
+  std::string Document() const { return TextOfFile(kRoot / GetParam()); }
+  std::vector<Item> Items() const;
+};
+
+std::vector<Item> SourceCoverage::Items() const {
   std::vector<Item> items;
-  std::istringstream document(TextOfFile(kRoot / "docs/source_coverage.md"));
+  std::istringstream document(Document());
   std::string line, chapter;
   while (std::getline(document, line)) {
     if (line.starts_with("## ")) chapter = line.substr(3);
@@ -80,7 +86,7 @@ std::string RowOf(Counts counts) {
   return fmt::format("| {} |{}", sum, row);
 }
 
-TEST(SourceCoverage, ItsCountsAreThoseOfItsRows) {
+TEST_P(SourceCoverage, ItsCountsAreThoseOfItsRows) {
   std::map<std::string, Counts> chapters;
   Counts all;
   for (const Item& item : Items()) {
@@ -91,7 +97,7 @@ TEST(SourceCoverage, ItsCountsAreThoseOfItsRows) {
     EXPECT_NE(std::find(std::begin(kStates), std::end(kStates), state), std::end(kStates))
         << state << " is none of the five states";
   }
-  const std::string document = TextOfFile(kRoot / "docs/source_coverage.md");
+  const std::string document = Document();
   for (const auto& [chapter, counts] : chapters) {
     EXPECT_NE(document.find("| " + chapter + " " + RowOf(counts) + "\n"),
               std::string::npos)
@@ -106,7 +112,7 @@ TEST(SourceCoverage, ItsCountsAreThoseOfItsRows) {
   EXPECT_NE(document.find(sentence), std::string::npos) << sentence;
 }
 
-TEST(SourceCoverage, WhatWorksHasAFileAndATest) {
+TEST_P(SourceCoverage, WhatWorksHasAFileAndATest) {
   for (const Item& item : Items()) {
     if (item.state != "works" && item.state != "in tests only") continue;
     EXPECT_FALSE(item.files.empty()) << item.text;
@@ -115,7 +121,7 @@ TEST(SourceCoverage, WhatWorksHasAFileAndATest) {
 }
 
 // What lies in tests/ alone is in no program; it does not count as working.
-TEST(SourceCoverage, WhatIsInTestsOnlyIsMarked) {
+TEST_P(SourceCoverage, WhatIsInTestsOnlyIsMarked) {
   for (const Item& item : Items()) {
     const auto files = QuotedIn(item.files);
     if (files.empty()) continue;
@@ -126,7 +132,7 @@ TEST(SourceCoverage, WhatIsInTestsOnlyIsMarked) {
   }
 }
 
-TEST(SourceCoverage, ItsFilesAndTestsExist) {
+TEST_P(SourceCoverage, ItsFilesAndTestsExist) {
   // "Suite.Test", with a parameter "Test/Name".
   static const std::regex kTest(
       "(?:[A-Za-z0-9_]+\\.)?([A-Za-z0-9_]+)(?:/[A-Za-z0-9_]+)?");
@@ -149,6 +155,10 @@ TEST(SourceCoverage, ItsFilesAndTestsExist) {
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Sources, SourceCoverage,
+                         ::testing::Values("docs/source_coverage.md",
+                                           "docs/source_coverage_corners.md"));
 
 }  // namespace
 }  // namespace intaglio::walls
