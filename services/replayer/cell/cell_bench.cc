@@ -257,9 +257,9 @@ void CellBench::SetInterlocks(const InterlockMessage& message) {
 }
 
 /// None of the recorded events broke the run off: the cause was a message that came too
-/// late, or a line that fell silent for a moment. In this case the permission lapses
-/// instead.
-bool CellBench::Lapses(const Performance& performance) const {
+/// late, or a line that fell silent for a moment. In this case the permission is
+/// withdrawn instead: for a late one the simulated laser would wait.
+bool CellBench::BreaksOff(const Performance& performance) const {
   const CellRun* run = performance.then();
   const CellEvent* event = performance.event();
   return run != nullptr && run->aborted && !performance.now()->aborted &&
@@ -279,14 +279,13 @@ bool CellBench::HoldsBack(const Performance& performance) const {
 void CellBench::KeepPermission(Performance& performance, bool at_once) {
   const auto now = Clock::now();
   if (!performance.permission || (!at_once && now < performance.permission_due)) return;
-  if (!at_once && Lapses(performance)) return;
   performance.permission_due = now + kPermissionPeriod;
   const PermissionMessage& message = *performance.permission;
   intaglio_Permission sample{};
   sample.cell = bus::Borrow(cell_);
   sample.job_uid = bus::Borrow(performance.session.task.id.job_uid);
   sample.epoch = message.epoch;
-  sample.granted = message.granted && !HoldsBack(performance);
+  sample.granted = message.granted && !HoldsBack(performance) && !BreaksOff(performance);
   const std::string operator_name = kOwnName;
   sample.operator_name = bus::Borrow(operator_name);
   sample.number = ++permission_number_;

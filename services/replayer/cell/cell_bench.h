@@ -66,7 +66,7 @@ class CellBench {
   bool IsDue(const Performance& performance) const;
   void Deliver(Performance& performance, const CellEvent& event);
   void SetInterlocks(const InterlockMessage& message);
-  bool Lapses(const Performance& performance) const;
+  bool BreaksOff(const Performance& performance) const;
   bool HoldsBack(const Performance& performance) const;
   void KeepPermission(Performance& performance, bool at_once);
   std::optional<PulseEnd> EndOfPulse(Performance& performance, std::size_t armed) const;
