@@ -59,8 +59,9 @@ galvo::Span MadeAt(const mark::Mark& mark, const mark::Pen& pen,
 /// In the middle of its displacements, and as long as they leave of the field.
 galvo::TimedMark TimedBy(const galvo::Span& made_at, const HeadFigures& head,
                          double time_s) {
-  return {(made_at.from_mm + made_at.to_mm) / 2, head.web_field_mm() - made_at.width_mm(),
-          time_s};
+  // A mark without an extent is made in the whole field, but for the last digit.
+  const double extent_mm = std::max(0.0, head.web_field_mm() - made_at.width_mm());
+  return {(made_at.from_mm + made_at.to_mm) / 2, extent_mm, time_s};
 }
 
 /// Jumps with a lead of the servo are slower on average than in their middle.
