@@ -81,7 +81,7 @@ TEST_F(PreviewCommand, OfAJobFileShowsWhatRunMakes) {
 }
 
 TEST_F(PreviewCommand, OfModelsTakesTheOptionsOfAJob) {
-  const Ended ended = Type({"preview", kKnot, kKnot, "--height", "20", "--block", "50",
+  const Ended ended = Type({"preview", kKnot, kKnot, "--height", "20", "--block", "60",
                             "50", "30", "--spacing", "0.4", "--up", "-y", "--json",
                             "--out", (folder_ / "p").string()});
   ASSERT_EQ(ended.exit_code, 0) << ended.output;
