@@ -64,9 +64,7 @@ JobEnd EndOf(JobClient& client, const JobView& job) {
   return end;
 }
 
-int ExitCodeOf(VerdictKind verdict) {
-  return verdict == VerdictKind::kNotGood ? kExitNotGood : kExitGood;
-}
+int ExitCodeOf(VerdictKind verdict) { return IsGood(verdict) ? kExitGood : kExitNotGood; }
 
 int ExitCodeOf(const JobView& job, const ShopVerdict& verdict) {
   if (job.state == intaglio_JOB_CANCELLED) return kExitCancelled;

@@ -31,6 +31,10 @@ VerdictKind VerdictFromName(std::string_view name) {
   return VerdictKind::kUnknown;
 }
 
+bool IsGood(VerdictKind verdict) {
+  return verdict == VerdictKind::kGood || verdict == VerdictKind::kGoodWithWarnings;
+}
+
 ShopVerdict VerdictFor(const std::vector<std::string>& reasons,
                        const Warnings& warnings) {
   if (!reasons.empty())

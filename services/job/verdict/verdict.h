@@ -26,6 +26,9 @@ const char* VerdictName(VerdictKind verdict);
 /// kUnknown for another name.
 VerdictKind VerdictFromName(std::string_view name);
 
+/// Also with warnings. What is not known is not good.
+bool IsGood(VerdictKind verdict);
+
 struct ShopVerdict {
   VerdictKind verdict = VerdictKind::kNone;
   std::string reason;  ///< why it is not good, or the warnings, for people; else empty

@@ -192,7 +192,7 @@ TEST(ExitCode, FollowsTheStateAndTheVerdict) {
   EXPECT_EQ(ExitCodeOf(job, {VerdictKind::kGood, ""}), kExitGood);
   EXPECT_EQ(ExitCodeOf(job, {VerdictKind::kGoodWithWarnings, "x"}), kExitGood);
   EXPECT_EQ(ExitCodeOf(job, {VerdictKind::kNotGood, "x"}), kExitNotGood);
-  EXPECT_EQ(ExitCodeOf(job, {VerdictKind::kUnknown, "x"}), kExitGood);
+  EXPECT_EQ(ExitCodeOf(job, {VerdictKind::kUnknown, "x"}), kExitNotGood);
   job.state = intaglio_JOB_FAILED;
   EXPECT_EQ(ExitCodeOf(job, {VerdictKind::kNone, ""}), kExitMachine);
   job.state = intaglio_JOB_CANCELLED;
