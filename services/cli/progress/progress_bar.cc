@@ -9,13 +9,12 @@
 #include <ostream>
 #include <vector>
 
+#include "services/cli/progress/time_left.h"
 #include "services/client/figure_text.h"
 
 namespace intaglio::cli {
 namespace {
 constexpr int kBarWidth = 24;
-constexpr double kPaceIsKnown = 0.05;
-constexpr double kLongS = 60;
 constexpr const char* kBetween = "  ";
 constexpr int kKept = 10;  // the worth of what is cut rather than dropped
 
@@ -49,13 +48,6 @@ std::string Joined(const std::vector<Part>& parts) {
     line += (line.empty() ? "" : kBetween) + part.text;
   }
   return line;
-}
-
-/// "14:32", of this computer's time zone.
-std::string ClockTime(std::time_t time) {
-  std::tm local = {};
-  localtime_r(&time, &local);
-  return fmt::format("{:02}:{:02}", local.tm_hour, local.tm_min);
 }
 
 /// Without the parts of smallest worth, as far as they make it too wide.
@@ -129,11 +121,6 @@ void ProgressBar::Draw(const std::string& stage, std::uint64_t done, std::uint64
   out_ << Line(0) << '\n' << std::flush;
 }
 
-double ProgressBar::SecondsLeft(double share) const {
-  if (share < kPaceIsKnown && expected_s_ > 0) return expected_s_ * (1 - share);
-  return share > 0 && elapsed_s_ > 0 ? elapsed_s_ * (1 - share) / share : -1;
-}
-
 std::string ProgressBar::Line(std::size_t columns) const {
   const double share =
       total_ == 0
@@ -152,14 +139,7 @@ std::string ProgressBar::Line(std::size_t columns) const {
   if (done_ > 0 && elapsed_s_ > 0 && in_points_) {
     rate = client::ShortNumber(static_cast<double>(done_) / elapsed_s_) + "/s";
   }
-  std::string left, ends;
-  const double left_s = SecondsLeft(share);
-  if (done_ > 0 && elapsed_s_ > 0 && total_ > done_ && left_s >= 0) {
-    left = client::ShortDuration(left_s) + " left";
-    if (left_s >= kLongS) {
-      ends = "ends " + ClockTime(around_.now() + static_cast<std::time_t>(left_s));
-    }
-  }
+  const auto [left, ends] = TimeLeftOf(share, elapsed_s_, expected_s_, around_.now());
   const std::vector<Part> after = {
       {counts, 2}, {rate, 1}, {left, kKept}, {ends, 3}, {note_, kKept}};
   const auto with = [&after](const std::string& begin) {

@@ -52,8 +52,6 @@ class ProgressBar {
             double elapsed_s, const std::string& note);
   /// No wider than this; 0: as wide as it is.
   std::string Line(std::size_t columns) const;
-  /// Below 0: not known.
-  double SecondsLeft(double share) const;
   std::ostream& out_;
   bool interactive_;
   ProgressSurroundings around_;

@@ -1,7 +1,6 @@
 #include "services/cli/progress/stage_bars.h"
 
-#include <algorithm>
-
+#include "services/cli/progress/time_left.h"
 #include "services/client/figure_text.h"
 
 namespace intaglio::cli {
@@ -15,13 +14,6 @@ std::string EstimateNote(const client::JobView& job) {
          client::ShortDuration(static_cast<double>(job.estimate_ticks) / job.rate_hz);
 }
 
-double StageBars::ExpectedSeconds(const client::JobView& job) const {
-  if (speed_ <= 0 || job.rate_hz <= 0 || job.speed_percent == 0) return 0;
-  // Above 100 % the machine's limits and the lamp decide how much is gained.
-  return static_cast<double>(job.estimate_ticks) / job.rate_hz / speed_ * 100 /
-         std::min(job.speed_percent, 100u);
-}
-
 void StageBars::Show(const client::JobView& job, const std::string& note) {
   const client::JobView::Progress* at_work = client::StageAtWork(job);
   for (const client::JobView::Progress& p : job.progress) {
@@ -29,7 +21,7 @@ void StageBars::Show(const client::JobView& job, const std::string& note) {
       bar_.ShowShare(client::NameOf(p.stage), p.done_count, p.total_count, p.elapsed_s,
                      note);
     } else if (&p == at_work) {
-      bar_.Expect(p.stage == intaglio_STAGE_ENGRAVE ? ExpectedSeconds(job) : 0);
+      bar_.Expect(p.stage == intaglio_STAGE_ENGRAVE ? EngravingSeconds(job, speed_) : 0);
       bar_.Show(client::NameOf(p.stage), p.done_count, p.total_count, p.elapsed_s, note);
     } else if (p.ended() && ended_.insert(p.stage).second) {
       bar_.Show(client::NameOf(p.stage), p.done_count, p.total_count, p.elapsed_s);

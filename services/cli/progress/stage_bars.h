@@ -24,9 +24,6 @@ class StageBars {
   void Show(const client::JobView& job, const std::string& note);
 
  private:
-  /// How long the engraving takes by its plan; 0: not known.
-  double ExpectedSeconds(const client::JobView& job) const;
-
   ProgressBar& bar_;
   double speed_;
   std::set<intaglio_Stage> ended_;

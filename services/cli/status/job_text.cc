@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "services/cli/progress/time_left.h"
 #include "services/client/event_lines.h"
 #include "services/client/figure_text.h"
 #include "services/client/job_need.h"
@@ -67,7 +68,7 @@ std::string ReasonOf(const client::JobView& job) {
   return job.message + "; " + of_points;
 }
 
-std::string ListText(std::vector<client::JobView> jobs) {
+std::string ListText(std::vector<client::JobView> jobs, std::time_t now) {
   std::sort(jobs.begin(), jobs.end(),
             [](const client::JobView& a, const client::JobView& b) {
               return a.number < b.number;
@@ -79,6 +80,8 @@ std::string ListText(std::vector<client::JobView> jobs) {
     text += fmt::format(fmt::runtime(kLine), job.number, client::StateOf(job), job.cell,
                         job.verdict.empty() ? "-" : job.verdict, TimeOf(job),
                         ProgressOf(job), job.name);
+    if (const std::string left = TimeLeftText(job, now); !left.empty())
+      text += fmt::format("        {}\n", left);
     if (!job.alarm.empty()) text += fmt::format("        ALARM {}\n", job.alarm);
     if (const std::string reason = ReasonOf(job); !reason.empty())
       text += fmt::format("        {}\n", reason);
@@ -86,7 +89,7 @@ std::string ListText(std::vector<client::JobView> jobs) {
   return text;
 }
 
-std::string ShowText(const client::JobView& job) {
+std::string ShowText(const client::JobView& job, std::time_t now) {
   std::string text = fmt::format(
       "job        {} ({})\nname       {}\nstate      {}\nmachine    {}\nattempt    {}\n",
       job.number, job.uid, job.name, client::StateOf(job), job.cell, job.attempt);
@@ -100,6 +103,8 @@ std::string ShowText(const client::JobView& job) {
                         client::GroupedDigits(p.total_count), job.makes,
                         client::ShortDuration(p.elapsed_s));
   }
+  if (const std::string left = TimeLeftText(job, now); !left.empty())
+    text += fmt::format("at work    {}\n", left);
   for (const Warning& warning : job.warnings) text += client::WarningLine(warning) + "\n";
   if (!job.breakage_accepted_by.empty())
     text += fmt::format("accepted   breakage, by {}\n", job.breakage_accepted_by);

@@ -71,6 +71,29 @@ TEST(JobText, AnOpenJobHasItsProgressItsMessageAndItsAlarm) {
   EXPECT_THAT(ShowText(job), HasSubstr("alarm      no progress"));
 }
 
+TEST(JobText, AJobAtWorkHasTheTimeLeftAndTheClockTimeOfItsEnd) {
+  client::JobView job = ShownJob(7, intaglio_JOB_ENGRAVING);
+  job.progress = {{intaglio_STAGE_ENGRAVE, 1200, 4800, 100}};
+  job.counts = {4800, 1200, 0, 0, 0, 3595, 5};
+  std::tm noon = {};
+  noon.tm_year = 126;
+  noon.tm_hour = 12;
+  noon.tm_mday = 2;
+  noon.tm_isdst = -1;
+  const std::time_t now = std::mktime(&noon);
+  constexpr char kLeft[] = "25 %, 5 min 00 s left, ends 12:05\n";
+  EXPECT_THAT(ListText({job}, now), HasSubstr(std::string("        ") + kLeft));
+  EXPECT_THAT(ShowText(job, now), HasSubstr(std::string("at work    ") + kLeft));
+  // Before the pace is known, by the plan at the speed that was set.
+  job.progress[0].done_count = 48;
+  job.estimate_ticks = 10000;
+  job.rate_hz = 100;
+  job.speed_percent = 50;
+  EXPECT_THAT(ListText({job}, now), HasSubstr("1 %, 3 min 18 s left, ends 12:03\n"));
+  job.state = intaglio_JOB_PAUSED;
+  EXPECT_THAT(ListText({job}, now), Not(HasSubstr("left,"))) << "a person ends a pause";
+}
+
 TEST(JobText, AnEndThatIsNotSettledHasNoVerdict) {
   client::JobView job = ShownJob(7, intaglio_JOB_CANCELLED);
   job.counts = {392, 69, 0, 323, 0, 0, 0};
