@@ -13,6 +13,7 @@
 #include "tests/services/drivers/motion_conformance.h"
 #include "tests/services/drivers/planted/grbl_checks.h"
 #include "tests/services/drivers/planted/planted_protocols.h"
+#include "tests/services/drivers/planted/planted_rigs.h"
 
 namespace intaglio::drivers {
 namespace {
@@ -39,12 +40,7 @@ class MotionPlanted
 TEST_P(MotionPlanted, IsFound) {
   const auto& [protocol, fault] = GetParam();
   if (fault.by_hand && !Jogs(protocol)) GTEST_SKIP() << protocol << " does not jog";
-  const MotionRigMaker make = [&protocol = protocol,
-                               &fault = fault](const std::string& serial_number) {
-    auto rig = MakeMotionRig(protocol, serial_number);
-    rig->driver = fault.plant(std::move(rig->driver));
-    return rig;
-  };
+  const MotionRigMaker make = PlantedMotionRigs(protocol, fault.plant);
   std::string found;
   for (const MotionCheck& check : InOrder(MotionChecks(), fault.check)) {
     found = ViolationOf(check, make);
@@ -79,12 +75,7 @@ std::string FoundByGrblChecks(const LaserFault& fault) {
 
 TEST_P(LaserPlanted, IsFound) {
   const auto& [protocol, fault] = GetParam();
-  const LaserRigMaker make = [&protocol = protocol,
-                              &fault = fault](const std::string& serial_number) {
-    auto rig = MakeLaserRig(protocol, serial_number);
-    rig->driver = fault.plant(std::move(rig->driver));
-    return rig;
-  };
+  const LaserRigMaker make = PlantedLaserRigs(protocol, fault.plant);
   std::string found;
   for (const LaserCheck& check : InOrder(LaserChecks(), fault.check)) {
     found = ViolationOf(check, make);

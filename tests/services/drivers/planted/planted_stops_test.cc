@@ -12,6 +12,7 @@
 #include "tests/services/drivers/laser_conformance.h"
 #include "tests/services/drivers/motion_conformance.h"
 #include "tests/services/drivers/planted/planted_protocols.h"
+#include "tests/services/drivers/planted/planted_rigs.h"
 
 namespace intaglio::drivers {
 namespace {
@@ -49,12 +50,7 @@ class MotionStopPlanted
 
 TEST_P(MotionStopPlanted, IsFoundInEveryRow) {
   const auto& [protocol, fault] = GetParam();
-  const MotionRigMaker make = [&protocol = protocol,
-                               &fault = fault](const std::string& serial_number) {
-    auto rig = MakeMotionRig(protocol, serial_number);
-    rig->driver = fault.plant(std::move(rig->driver));
-    return rig;
-  };
+  const MotionRigMaker make = PlantedMotionRigs(protocol, fault.plant);
   const auto inflicts = [&protocol = protocol](ControllerFault one) {
     return MakeMotionRig(protocol)->Inflict(one);
   };
@@ -75,20 +71,12 @@ INSTANTIATE_TEST_SUITE_P(
 // What the rows find is the fault, not the wrapper.
 TEST(StopWrapper, IsFoundByNoRow) {
   for (const std::string& protocol : MotionProtocols()) {
-    const MotionRigMaker make = [&](const std::string& serial_number) {
-      auto rig = MakeMotionRig(protocol, serial_number);
-      rig->driver = PlantNothing(std::move(rig->driver));
-      return rig;
-    };
+    const MotionRigMaker make = PlantedMotionRigs(protocol, PlantNothing);
     for (const MotionCheck& check : MotionFaultChecks())
       EXPECT_EQ(ViolationOf(check, make), "") << protocol << ' ' << check.name;
   }
   for (const std::string& protocol : LaserProtocols()) {
-    const LaserRigMaker make = [&](const std::string& serial_number) {
-      auto rig = MakeLaserRig(protocol, serial_number);
-      rig->driver = PlantNothing(std::move(rig->driver));
-      return rig;
-    };
+    const LaserRigMaker make = PlantedLaserRigs(protocol, PlantNothing);
     for (const LaserCheck& check : LaserFaultChecks()) {
       EXPECT_EQ(ViolationOf(check, make),
                 MakeLaserRig(protocol)->stated_violation(check.name))
@@ -102,12 +90,7 @@ class LaserStopPlanted
 
 TEST_P(LaserStopPlanted, IsFoundInEveryRow) {
   const auto& [protocol, fault] = GetParam();
-  const LaserRigMaker make = [&protocol = protocol,
-                              &fault = fault](const std::string& serial_number) {
-    auto rig = MakeLaserRig(protocol, serial_number);
-    rig->driver = fault.plant(std::move(rig->driver));
-    return rig;
-  };
+  const LaserRigMaker make = PlantedLaserRigs(protocol, fault.plant);
   const auto inflicts = [&protocol = protocol](ControllerFault one) {
     return MakeLaserRig(protocol)->Inflict(one);
   };

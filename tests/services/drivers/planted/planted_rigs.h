@@ -1,0 +1,35 @@
+#pragma once
+
+// Rigs of a protocol whose driver has a planted fault. `plant` takes a driver and gives
+// the one with the fault.
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "tests/services/drivers/laser_conformance.h"
+#include "tests/services/drivers/motion_conformance.h"
+
+namespace intaglio::drivers {
+
+inline MotionRigMaker PlantedMotionRigs(
+    const std::string& protocol,
+    std::unique_ptr<MotionDriver> (*plant)(std::unique_ptr<MotionDriver> good)) {
+  return [protocol, plant](const std::string& serial_number) {
+    auto rig = MakeMotionRig(protocol, serial_number);
+    rig->driver = plant(std::move(rig->driver));
+    return rig;
+  };
+}
+
+inline LaserRigMaker PlantedLaserRigs(
+    const std::string& protocol,
+    std::unique_ptr<LaserController> (*plant)(std::unique_ptr<LaserController> good)) {
+  return [protocol, plant](const std::string& serial_number) {
+    auto rig = MakeLaserRig(protocol, serial_number);
+    rig->driver = plant(std::move(rig->driver));
+    return rig;
+  };
+}
+
+}  // namespace intaglio::drivers
