@@ -62,9 +62,8 @@ void BjjczDriver::CheckList() {
       std::chrono::duration<double>(clock_() - *playing_->executed_at).count();
   if (since_s > kLateFactor * playing_->seconds + kLateSeconds) {
     return BeginStop(
-        "the board does not end its list: it is slower than the profile has it to be, or "
-        "waits "
-        "for an input; switch it off and on, then reset");
+        "the board does not end its list: it is slower than the profile has it to be, "
+        "or waits for an input; switch it off and on, then reset");
   }
   // A host that was late may have missed that it was busy.
   if (busy_ || !(playing_->was_busy || since_s > playing_->seconds)) return;
