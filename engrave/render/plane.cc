@@ -5,17 +5,42 @@
 namespace intaglio::render {
 namespace {
 
-/// A running mean of `count` values `stride` apart, from `in` to `out`.
-void BoxFilter(const float* in, float* out, int count, std::size_t stride, int radius) {
+/// The running mean of each row.
+void BlurRows(const Plane& in, Plane& out, int radius) {
   const double share = 1.0 / (2 * radius + 1);
-  double sum = 0.0;
-  for (int i = 0; i < std::min(radius, count); ++i) {
-    sum += in[static_cast<std::size_t>(i) * stride];
+  const auto width = static_cast<std::size_t>(in.width);
+  for (std::size_t y = 0; y < static_cast<std::size_t>(in.height); ++y) {
+    const float* from = &in.values[y * width];
+    float* to = &out.values[y * width];
+    double sum = 0.0;
+    for (int x = 0; x < std::min(radius, in.width); ++x) sum += from[x];
+    for (int x = 0; x < in.width; ++x) {
+      if (x + radius < in.width) sum += from[x + radius];
+      if (x - radius > 0) sum -= from[x - radius - 1];
+      to[x] = static_cast<float>(sum * share);
+    }
   }
-  for (int i = 0; i < count; ++i) {
-    if (i + radius < count) sum += in[static_cast<std::size_t>(i + radius) * stride];
-    if (i - radius > 0) sum -= in[static_cast<std::size_t>(i - radius - 1) * stride];
-    out[static_cast<std::size_t>(i) * stride] = static_cast<float>(sum * share);
+}
+
+/// The running mean of each column. All columns advance together, row by row, as the
+/// memory lies.
+void BlurColumns(const Plane& in, Plane& out, int radius) {
+  const double share = 1.0 / (2 * radius + 1);
+  const auto width = static_cast<std::size_t>(in.width);
+  std::vector<double> sums(width, 0.0);
+  const auto row = [&](int y) { return &in.values[static_cast<std::size_t>(y) * width]; };
+  const auto add = [&](const float* values) {
+    for (std::size_t x = 0; x < width; ++x) sums[x] += values[x];
+  };
+  for (int y = 0; y < std::min(radius, in.height); ++y) add(row(y));
+  for (int y = 0; y < in.height; ++y) {
+    if (y + radius < in.height) add(row(y + radius));
+    if (y - radius > 0) {
+      const float* gone = row(y - radius - 1);
+      for (std::size_t x = 0; x < width; ++x) sums[x] -= gone[x];
+    }
+    float* to = &out.values[static_cast<std::size_t>(y) * width];
+    for (std::size_t x = 0; x < width; ++x) to[x] = static_cast<float>(sums[x] * share);
   }
 }
 
@@ -25,15 +50,9 @@ Plane Blurred(const Plane& plane, int radius_px) {
   Plane result = plane;
   if (radius_px < 1) return result;
   Plane other = plane;
-  const auto width = static_cast<std::size_t>(plane.width);
   for (int pass = 0; pass < 3; ++pass) {
-    for (std::size_t y = 0; y < static_cast<std::size_t>(plane.height); ++y) {
-      BoxFilter(&result.values[y * width], &other.values[y * width], plane.width, 1,
-                radius_px);
-    }
-    for (std::size_t x = 0; x < width; ++x) {
-      BoxFilter(&other.values[x], &result.values[x], plane.height, width, radius_px);
-    }
+    BlurRows(result, other, radius_px);
+    BlurColumns(other, result, radius_px);
   }
   return result;
 }

@@ -275,8 +275,9 @@ int RunSession::Follow(client::ServiceSet& services, client::JobClient& client,
       [&] { return client.OutcomeOf(job.uid, intaglio_STAGE_ENGRAVE).has_value(); },
       job.state == intaglio_JOB_FAILED ? 200ms : 2000ms);
   const client::JobEnd end = EndOf(client, job);
-  services.Stop();
+  services.EndMaking();
   const int proved = Prove(job, client, services);
+  services.Stop();
   if (options_.events) WriteEnd(end, job);
   if (fault) return Complain(*fault, client::kExitMachine);
   if (cancelled_) return client::kExitCancelled;

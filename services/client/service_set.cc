@@ -310,11 +310,21 @@ Status ServiceSet::AwaitReady(JobClient& client) {
                           kReadyTimeout.count(), missing, machine_file_.string()));
 }
 
-void ServiceSet::Stop() {
+void ServiceSet::EndMaking() {
   for (auto& service : services_) service->process().Terminate();
+  for (auto& service : services_) {
+    if (service->process().name() != "recorder") service->process().WaitForEnd(4s);
+  }
+  std::erase_if(services_, [](const auto& service) {
+    return service->process().name() != "recorder";
+  });
+  engraver_.clear();
+}
+
+void ServiceSet::Stop() {
+  EndMaking();
   for (auto& service : services_) service->process().WaitForEnd(4s);
   services_.clear();
-  engraver_.clear();
 }
 
 std::vector<std::string> ServiceSet::Processes() {

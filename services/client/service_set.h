@@ -66,7 +66,11 @@ class ServiceSet {
   /// with its last output when it was the machine, or a service that does so again and
   /// again.
   Result<std::vector<std::string>> Revive();
-  /// Ends the services, then the machine, so that the glass has everything.
+  /// Tells all services to end, and waits for those that make something, then for the
+  /// machine, so that the glass has everything. The recorder still writes what the others
+  /// reported at their end.
+  void EndMaking();
+  /// EndMaking, and waits for the recorder: the recording is whole.
   void Stop();
   /// "name pid" of each process.
   std::vector<std::string> Processes();
