@@ -10,9 +10,10 @@
 //             kBegun: before its first line    "ok" of its barrier: kDone
 //
 // One mark is in hand at a time. It begins when its kBegun was taken, and ends with a
-// barrier: "G4P0" is acknowledged when all motion before it was made. Its lines are sent
-// by character counting, never more than kAhead_s of motion ahead of what the controller
-// is known to have executed (Bf of its status, and the blocks of each line).
+// barrier: "G4P0" is acknowledged when all motion before it was made. A line is sent when
+// the one before it was acknowledged, so a line that is refused displaces none behind it;
+// and never more than kAhead_s of motion ahead of what the controller is known to have
+// executed (Bf of its status, and the blocks of each line).
 //
 // Frame: G54 of the controller, whose zero a person sets; z up, 0 on the work.
 //

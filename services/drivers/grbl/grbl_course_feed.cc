@@ -149,7 +149,10 @@ double GrblCourseDriver::AheadSeconds() const {
   return ahead_s;
 }
 
+// A controller goes on with the lines behind one that it refuses: from another place, at
+// another height, without a spindle.
 bool GrblCourseDriver::Send(const CourseLine& line, InFlight kind) {
+  if (!std::ranges::all_of(in_flight_, &InFlight::acknowledged)) return false;
   if (!line_.Send({line.text})) return false;
   kind.seconds = line.seconds;
   kind.blocks = line.blocks;

@@ -124,6 +124,8 @@ class GrblDriver final : public LockstepDriver {
   void FeedBarrier();
   void FeedEnable();
   bool SendPending();
+  /// No move that was sent can still be refused.
+  bool IsPlaceCertain() const;
   bool MaySendPulses() const;
   bool BarrierIsDue() const;
   double AheadSeconds() const;

@@ -164,7 +164,15 @@ void GrblDriver::FeedEnable() {
       {wanted_open_ ? InFlight::What::kEnable : InFlight::What::kDisable});
 }
 
+// Of the moves that were sent; what does not move displaces none behind it.
+bool GrblDriver::IsPlaceCertain() const {
+  return std::ranges::all_of(in_flight_, [](const InFlight& one) {
+    return one.acknowledged || one.what != InFlight::What::kMove || !one.move.has_line;
+  });
+}
+
 bool GrblDriver::SendPending() {
+  if (pending_->lights() && !IsPlaceCertain()) return false;
   if (!pending_->lines.empty() && !line_.Send(pending_->lines)) return false;
   for (GrblMove& move : pending_->moves) {
     if (move.pulse_tick != 0) {

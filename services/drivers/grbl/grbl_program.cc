@@ -29,14 +29,13 @@ std::string Short(double value, int digits) {
 
 }  // namespace
 
+bool GrblWrite::lights() const {
+  return std::ranges::any_of(moves, [](auto& move) { return move.pulse_tick != 0; });
+}
+
 void GrblProgram::SetController(const Vec3& steps_per_mm, double max_power) {
   pieces_.SetStepsPerMm(steps_per_mm);
   max_power_ = max_power;
-}
-
-void GrblProgram::ForgetModes() {
-  feed_text_.clear();
-  power_text_ = "S0";
 }
 
 void GrblProgram::Begin(std::uint64_t start_tick, const Vec3& from_mm) {
@@ -66,9 +65,8 @@ std::string GrblProgram::Line(const Vec3& to_mm, double speed_mm_s,
     if (std::abs(way) >= 0.5) line += "XYZ"[i] + Short(to_mm[i], 4);
   }
   const std::string feed = "F" + Short(std::max(kMinFeed_mm_min, speed_mm_s * 60), 0);
-  const std::string power = lit ? "S" + Short(PulsePower(pulse_tick), 0) : "S0";
   if (feed != feed_text_) line += feed_text_ = feed;
-  if (power != power_text_) line += power_text_ = power;
+  line += lit ? "S" + Short(PulsePower(pulse_tick), 0) : "S0";
   place_mm_ = to_mm;
   return line;
 }

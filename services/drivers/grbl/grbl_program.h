@@ -21,6 +21,10 @@
 // - Where no way follows (the end of the run, a knot that rests, a way of a few steps)
 // the
 //   stage does a step aside and back: a few steps, lit on the way out.
+// - A controller goes on with the lines behind one that it refuses. So a lit line is sent
+//   when each move before it was acknowledged: else it would begin where the refused one
+//   begins (lights(), GrblDriver::SendPending). And each line has its own S: a refused S0
+//   leaves none lit that follows.
 // - A lit block's line number (N) is its tick modulo 1000, plus 1: so a controller that
 //   reports or records line numbers shows which pulse it was.
 // - With M4 both are dark at rest, whatever becomes of the host.
@@ -62,6 +66,8 @@ struct GrblWrite {
   std::vector<std::string> lines;
   std::vector<GrblMove> moves;
   std::uint64_t knot_tick = 0;  ///< of the knot with a pulse that it begins at; else 0
+  /// One of the lines is lit: the place where it begins has to be certain.
+  bool lights() const;
 };
 
 class GrblProgram {
@@ -74,8 +80,8 @@ class GrblProgram {
   /// Of the pulses of this tick and later ones, 0..1 of the controller's largest S.
   void SetPowerRatio(std::uint64_t first_tick, double ratio);
   void SetTravel(const Box3& travel) { pieces_.SetTravel(travel); }
-  /// The controller's modal state is that after the set-up: G1, no F, S0.
-  void ForgetModes();
+  /// The controller's modal state is that after the set-up: G1, no F.
+  void ForgetModes() { feed_text_.clear(); }
 
   void Begin(std::uint64_t start_tick, const Vec3& from_mm);
   /// What the segments are appended to.
@@ -112,7 +118,7 @@ class GrblProgram {
   double max_power_ = 1000;
   // By the first tick that has it; before the first one, and without any, it is 1.
   std::map<std::uint64_t, double> power_ratios_;
-  std::string feed_text_, power_text_;
+  std::string feed_text_;
 
   PieceQueue pieces_;
   Vec3 place_mm_ = Vec3::Zero();  // of what was given out

@@ -145,10 +145,12 @@ void VirtualGrbl::TakeLines() {
       if (now_us_ < parses_until_us_) return;
       const std::string line = std::move(*parsing_);
       parsing_.reset();
-      if (std::exchange(refuses_next_, false))
+      if (takes_before_refusal_ && (*takes_before_refusal_)-- == 0) {
+        takes_before_refusal_.reset();
         Answer(kUnknownCommand);
-      else
+      } else {
         Execute(line);
+      }
       UpdateState();
       continue;
     }
@@ -340,7 +342,8 @@ void VirtualGrbl::PowerCycle() {
   spindle_ = Spindle::kOff;
   power_ = feed_mm_min_ = 0;
   absolute_ = rapid_ = true;
-  mute_ = crashed_ = homed_ = output_on_ = off_ = refuses_next_ = false;
+  mute_ = crashed_ = homed_ = output_on_ = off_ = false;
+  takes_before_refusal_.reset();
   reports_to_offset_ = 0;
   locked_ = options_.homing || emergency_stop_;
   state_ = State::kIdle;

@@ -73,8 +73,9 @@ class VirtualGrbl {
   void SetEmergencyStop(bool pressed);
   /// A drive's alarm that stops it at once.
   void FailDrive();
-  /// error:20 in place of the next line.
-  void RefuseNextLine() { refuses_next_ = true; }
+  /// error:20 in place of the line behind the next `lines`.
+  void RefuseLineBehind(std::uint64_t lines) { takes_before_refusal_ = lines; }
+  void RefuseNextLine() { RefuseLineBehind(0); }
   /// Without power nothing moves, is lit or answers.
   void SwitchOff();
   /// On again: everything but the work offset is forgotten. Also without SwitchOff.
@@ -90,6 +91,8 @@ class VirtualGrbl {
   /// Bytes that came while the receive buffer was full, and are lost.
   std::uint64_t lost_bytes() const { return lost_bytes_; }
   std::uint64_t lines_taken() const { return lines_taken_; }
+  /// Whether the line of RefuseLineBehind has not come yet.
+  bool refuses() const { return takes_before_refusal_.has_value(); }
   /// Every S above 0 that came.
   const std::set<double>& powers() const { return powers_; }
   /// Those of motions, in their order.
@@ -166,7 +169,8 @@ class VirtualGrbl {
   State state_ = State::kIdle;
   bool mute_ = false, crashed_ = false, locked_ = false, homed_ = false;
   bool door_open_ = false, reports_ = false, off_ = false;
-  bool emergency_stop_ = false, refuses_next_ = false;
+  bool emergency_stop_ = false;
+  std::optional<std::uint64_t> takes_before_refusal_;
   int reports_to_offset_ = 0;  // WCO comes with every tenth
 
   Steps home_from_{}, home_way_{};  // of $H

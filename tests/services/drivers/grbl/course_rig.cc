@@ -16,6 +16,12 @@ grbl::VirtualGrblOptions OptionsFor(CourseToolKind kind, CourseRig::Change chang
   return options;
 }
 
+double DistanceToChord(const Vec2& p, const Vec2& a, const Vec2& b) {
+  const Vec2 way = b - a;
+  const double t = std::clamp((p - a).dot(way) / way.squaredNorm(), 0.0, 1.0);
+  return (a + t * way - p).norm();
+}
+
 }  // namespace
 
 MachineSpec CourseProfile(CourseToolKind kind) {
@@ -56,6 +62,16 @@ mark::Mark SquareAt(double x, double y, double side) {
   mark.closed = true;
   mark.places = {{{x, y}}, {{x + side, y}}, {{x + side, y + side}}, {{x, y + side}}};
   return mark;
+}
+
+double DistanceToMark(const Vec2& p, const mark::Mark& mark) {
+  const auto chords = mark::PlacesOf(mark, 1e-5);
+  if (chords.size() == 1) return (p - chords[0]).norm();
+  double nearest = 1e9;
+  for (std::size_t i = 0; i + (mark.closed ? 0 : 1) < chords.size(); ++i)
+    nearest =
+        std::min(nearest, DistanceToChord(p, chords[i], chords[(i + 1) % chords.size()]));
+  return nearest;
 }
 
 mark::MarkSet Squares(const mark::Pen& pen, int count) {

@@ -73,6 +73,9 @@ mark::Mark SquareAt(double x, double y, double side);
 /// Of 2 mm, side by side.
 mark::MarkSet Squares(const mark::Pen& pen, int count);
 
+/// Of a place from a mark, by the chords that engrave/mark makes.
+double DistanceToMark(const Vec2& p, const mark::Mark& mark);
+
 /// The farthest place of a mark from every place of `seen` that `at_work` picks.
 template <typename AtWork>
 double FarthestMissed(const mark::Mark& mark, std::uint32_t number,

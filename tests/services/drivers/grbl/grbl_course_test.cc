@@ -32,23 +32,6 @@ mark::MarkSet Curves(const mark::Pen& pen) {
   return set;
 }
 
-double DistanceToChord(const Vec2& p, const Vec2& a, const Vec2& b) {
-  const Vec2 way = b - a;
-  const double t = std::clamp((p - a).dot(way) / way.squaredNorm(), 0.0, 1.0);
-  return (a + t * way - p).norm();
-}
-
-/// Of a place from a mark, by the chords that engrave/mark makes.
-double DistanceToMark(const Vec2& p, const mark::Mark& mark) {
-  const auto chords = mark::PlacesOf(mark, 1e-5);
-  if (chords.size() == 1) return (p - chords[0]).norm();
-  double nearest = 1e9;
-  for (std::size_t i = 0; i + (mark.closed ? 0 : 1) < chords.size(); ++i)
-    nearest =
-        std::min(nearest, DistanceToChord(p, chords[i], chords[(i + 1) % chords.size()]));
-  return nearest;
-}
-
 // grbl's arcs are chords within $12 = 0.001 mm, of which it rounds the number down;
 // places are printed to 0.1 um and are steps of 0.1 um.
 constexpr double kPathTolerance_mm = 0.002;
