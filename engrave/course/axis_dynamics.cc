@@ -68,10 +68,6 @@ void MoveApart(std::vector<std::complex<double>>& poles) {
 
 }  // namespace
 
-std::string_view LoopKindName(LoopKind kind) {
-  return kind == LoopKind::kCascade ? "cascade" : "first_order";
-}
-
 AxisDynamics::AxisDynamics(const AxisParameters& parameters) : parameters_(parameters) {
   Require(IsRate(parameters.bandwidth_rad_s), "bandwidth_rad_s {} is outside {}..{}",
           parameters.bandwidth_rad_s, kMinRate, kMaxRate);

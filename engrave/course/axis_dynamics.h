@@ -13,7 +13,6 @@
 #include <array>
 #include <complex>
 #include <span>
-#include <string_view>
 #include <vector>
 
 namespace intaglio::course {
@@ -22,9 +21,6 @@ enum class LoopKind {
   kFirstOrder,  ///< (5) of the source
   kCascade,     ///< 1 : 3 : 12
 };
-
-/// "first_order", "cascade".
-std::string_view LoopKindName(LoopKind kind);
 
 struct AxisParameters {
   LoopKind loop = LoopKind::kFirstOrder;

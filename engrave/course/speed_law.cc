@@ -121,10 +121,6 @@ SpeedLaw PlanSpeeds(const Path& path, std::span<const double> inner_node_mm_s,
   return PlanSpeeds(path, {nodes, speeds, accelerations});
 }
 
-double BrakingDistanceMm(double speed_mm_s, double acceleration_mm_s2) {
-  return speed_mm_s * speed_mm_s / (2 * acceleration_mm_s2);
-}
-
 std::vector<double> SampleLaw(const SpeedLaw& law, double period_s, double first_s,
                               std::size_t count, double smooth_s) {
   const auto half = static_cast<std::size_t>(std::lround(smooth_s / (2 * period_s)));

@@ -51,10 +51,6 @@ SpeedLaw PlanSpeeds(const Path& path, const SpeedLimits& limits);
 SpeedLaw PlanSpeeds(const Path& path, std::span<const double> inner_node_mm_s,
                     double acceleration_mm_s2);
 
-/// The longest distance that a node's limit acts back along the path: that of braking
-/// from `speed_mm_s`. A law is final that far before the last known node.
-double BrakingDistanceMm(double speed_mm_s, double acceleration_mm_s2);
-
 /// The law at the times first_s + i period_s, i from 0 to count - 1, as arc length, mm.
 /// Before its begin and behind its end it goes on with the speed there. With smooth_s >
 /// 0 it is the mean over a window of that length around each time, to whole periods: the

@@ -75,12 +75,4 @@ double DampingRatio(const ServoLoop& axis) {
          (2 * std::sqrt(axis.position_gain_per_s * axis.velocity_time_s));
 }
 
-double MotorCurrent(const Motor& motor, double inertia_kg_m2, double lead_m,
-                    double acceleration_m_s2, double speed_m_s, double torque_nm) {
-  const double metres = MetresPerRadian(lead_m);
-  return (inertia_kg_m2 * acceleration_m_s2 / metres + torque_nm +
-          motor.friction_nm_s * speed_m_s / metres) /
-         motor.torque_constant_nm_a;
-}
-
 }  // namespace intaglio::drive

@@ -76,9 +76,5 @@ double StaticError(const ServoLoop& axis, double load_acceleration);
 double LagSeconds(const ServoLoop& axis);
 /// zeta = (1 + D) / (2 sqrt(K tau)).
 double DampingRatio(const ServoLoop& axis);
-/// Motor current, A, of a screw axis that accelerates (m/s^2) and moves (m/s) against a
-/// torque.
-double MotorCurrent(const Motor& motor, double inertia_kg_m2, double lead_m,
-                    double acceleration_m_s2, double speed_m_s, double torque_nm);
 
 }  // namespace intaglio::drive

@@ -26,9 +26,4 @@ Result<PointTable> ParseCft(std::string_view bytes, const PointFileLimits& limit
   return ParseCoordinateLines(bytes, limits);
 }
 
-Result<PointTable> ReadCft(const std::filesystem::path& file,
-                           const PointFileLimits& limits) {
-  return ReadAndParse(file, limits, ParseCft);
-}
-
 }  // namespace intaglio::formats

@@ -246,9 +246,4 @@ Result<PointTable> ParseDxf(std::string_view bytes, const PointFileLimits& limit
   return PointReader(bytes, limits).Read();
 }
 
-Result<PointTable> ReadDxf(const std::filesystem::path& file,
-                           const PointFileLimits& limits) {
-  return ReadAndParse(file, limits, ParseDxf);
-}
-
 }  // namespace intaglio::formats

@@ -92,22 +92,16 @@ Result<PointTable> ReadPly(const std::filesystem::path& file,
 Result<PointTable> ReadXyz(const std::filesystem::path& file,
                            const PointFileLimits& limits = {});
 
-/// As ReadXyz().
-Result<PointTable> ReadCft(const std::filesystem::path& file,
-                           const PointFileLimits& limits = {});
-
-/// The POINT entities of an ASCII DXF's section ENTITIES, in mm by its $INSUNITS (taken
-/// for mm where it is absent or 0). All other entities are skipped, and a comment gives
-/// their number. kUnsupported: a binary DXF, or a unit that has no place in a block.
-Result<PointTable> ReadDxf(const std::filesystem::path& file,
-                           const PointFileLimits& limits = {});
-
-// The same for bytes in memory; errors do not name a file.
+// Bytes in memory; errors do not name a file.
 Result<PointTable> ParsePly(std::string_view bytes, const PointFileLimits& limits = {});
 Result<PointTable> ParseXyz(std::string_view bytes, const PointFileLimits& limits = {});
+/// As ParseXyz().
 Result<PointTable> ParseCft(std::string_view bytes, const PointFileLimits& limits = {});
 /// kUnreadable when cut off or damaged anywhere, kUnsupported when of a newer version.
 Result<PointTable> ParseScl(std::string_view bytes, const PointFileLimits& limits = {});
+/// The POINT entities of an ASCII DXF's section ENTITIES, in mm by its $INSUNITS (taken
+/// for mm where it is absent or 0). All other entities are skipped, and a comment gives
+/// their number. kUnsupported: a binary DXF, or a unit that has no place in a block.
 Result<PointTable> ParseDxf(std::string_view bytes, const PointFileLimits& limits = {});
 
 }  // namespace intaglio::formats

@@ -67,11 +67,11 @@ std::size_t BehindText(std::string_view source, std::size_t at) {
   return source.size();
 }
 
+}  // namespace
+
 bool IsOfName(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
 }
-
-}  // namespace
 
 std::string RetiredPartOf(std::string_view identifier, std::string_view path) {
   const bool of_vertices = path.find("engrave/mesh/") != std::string_view::npos;
@@ -89,17 +89,27 @@ std::string RetiredPartOf(std::string_view identifier, std::string_view path) {
   return {};
 }
 
-std::vector<std::string> IdentifiersOf(std::string_view source) {
-  std::vector<std::string> identifiers;
-  for (std::size_t at = 0; at < source.size();) {
-    if (const auto behind = BehindText(source, at); behind != at) {
-      at = behind;
-      continue;
+std::string WithoutText(std::string_view source) {
+  std::string code(source);
+  for (std::size_t at = 0; at < source.size(); ++at) {
+    const auto behind = BehindText(source, at);
+    if (behind == at) continue;
+    for (; at < behind; ++at) {
+      if (code[at] != '\n') code[at] = ' ';
     }
+    --at;
+  }
+  return code;
+}
+
+std::vector<std::string> IdentifiersOf(std::string_view source) {
+  const std::string code = WithoutText(source);
+  std::vector<std::string> identifiers;
+  for (std::size_t at = 0; at < code.size();) {
     auto end = at;
-    while (end < source.size() && IsOfName(source[end])) ++end;
-    if (end > at && std::isdigit(static_cast<unsigned char>(source[at])) == 0)
-      identifiers.emplace_back(source.substr(at, end - at));
+    while (end < code.size() && IsOfName(code[end])) ++end;
+    if (end > at && std::isdigit(static_cast<unsigned char>(code[at])) == 0)
+      identifiers.push_back(code.substr(at, end - at));
     at = std::max(end, at + 1);
   }
   return identifiers;

@@ -14,6 +14,12 @@ namespace intaglio::walls {
 /// there is none. `path` from the root: in engrave/mesh vertices are welded.
 std::string RetiredPartOf(std::string_view identifier, std::string_view path);
 
+/// Whether identifiers contain this character.
+bool IsOfName(char c);
+
+/// A source of the same size with blanks in place of comments and literals.
+std::string WithoutText(std::string_view source);
+
 /// The identifiers of a source, in order, without those of comments and literals.
 std::vector<std::string> IdentifiersOf(std::string_view source);
 

@@ -294,9 +294,4 @@ Result<std::vector<Edges>> LoopsOfDrawing(const drawing::Drawing& drawing,
   return WithoutRepeated(std::move(loops));
 }
 
-Result<Region> RegionOfDrawing(const drawing::Drawing& drawing,
-                               const LoopOptions& options) {
-  return RegionOfLoops(INTAGLIO_TRY(LoopsOfDrawing(drawing, options)));
-}
-
 }  // namespace intaglio::contour

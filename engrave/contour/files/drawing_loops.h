@@ -39,8 +39,4 @@ struct FollowedCurve {
 Result<std::vector<FollowedCurve>> CurvesOfDrawing(const drawing::Drawing& drawing,
                                                    const LoopOptions& options = {});
 
-/// The same as an area: inside is what an odd number of loops encloses.
-Result<Region> RegionOfDrawing(const drawing::Drawing& drawing,
-                               const LoopOptions& options = {});
-
 }  // namespace intaglio::contour

@@ -84,14 +84,9 @@ struct ProjectLimits {
 Result<Project> ReadProject(std::string_view text, std::string_view name,
                             const ProjectLimits& limits = {});
 
-/// A group alone, as the source prints it. Nodes are not checked.
-Result<ProjectGroup> ReadProjectGroup(std::string_view text, std::string_view name,
-                                      const ProjectLimits& limits = {});
-
-/// What ReadProject and ReadProjectGroup give back, but for sizes and places: rounded to
-/// 1 nm. Written, read and written again the text is the same.
+/// What ReadProject gives back, but for sizes and places: rounded to 1 nm. Written, read
+/// and written again the text is the same.
 std::string WriteProject(const Project& project);
-std::string WriteProjectGroup(const ProjectGroup& group);
 
 struct Board {
   std::vector<Element> elements;

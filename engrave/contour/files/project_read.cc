@@ -219,13 +219,4 @@ Result<Project> ReadProject(std::string_view text, std::string_view name,
   return reader.ReadAll(root);
 }
 
-Result<ProjectGroup> ReadProjectGroup(std::string_view text, std::string_view name,
-                                      const ProjectLimits& limits) {
-  ProjectReader reader(text, name, limits);
-  const pugi::xml_node root = INTAGLIO_TRY(reader.Root("group"));
-  ProjectGroup group;
-  INTAGLIO_TRY(reader.ReadGroup(root, group, 1));
-  return group;
-}
-
 }  // namespace intaglio::contour

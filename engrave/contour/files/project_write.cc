@@ -104,12 +104,6 @@ class BoardMaker {
 
 }  // namespace
 
-std::string WriteProjectGroup(const ProjectGroup& group) {
-  std::string text;
-  AppendGroup(group, 0, text);
-  return text;
-}
-
 std::string WriteProject(const Project& project) {
   std::string text =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<project>\n<settings>\n";

@@ -262,17 +262,4 @@ Edges PathOf(const Cut& cut) {
   return path;
 }
 
-Result<Region> Unreached(const Region& area, double tool_diameter_mm, CutSide side) {
-  const double radius = tool_diameter_mm / 2;
-  if (side == CutSide::kOutside) {
-    const Region grown = INTAGLIO_TRY(Outset(area, radius));
-    const Region back = INTAGLIO_TRY(Inset(grown, radius));
-    return Difference(back, area);
-  }
-  const Region shrunk = INTAGLIO_TRY(Inset(area, radius));
-  if (shrunk.loops.empty()) return area;
-  const Region back = INTAGLIO_TRY(Outset(shrunk, radius));
-  return Difference(area, back);
-}
-
 }  // namespace intaglio::contour

@@ -72,8 +72,4 @@ Result<std::vector<Cut>> CutOut(const Region& area, const CutOptions& options);
 /// All of a cut in the order of the way.
 Edges PathOf(const Cut& cut);
 
-/// What the tool leaves beyond the contour, with any path: corners sharper than it, slots
-/// narrower than it. Of parts outside the area, of openings inside.
-Result<Region> Unreached(const Region& area, double tool_diameter_mm, CutSide side);
-
 }  // namespace intaglio::contour

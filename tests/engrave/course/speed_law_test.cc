@@ -89,7 +89,7 @@ TEST(PlanSpeeds, IsFinalABrakingDistanceBeforeTheEnd) {
     const SpeedLaw whole = law_of(path);
     const std::size_t known = path.segment_count() / 2 + 1;
     const SpeedLaw part = law_of(path.Part(0, known));
-    const double final_mm = path.node_s_mm()[known] - BrakingDistanceMm(100, 2000);
+    const double final_mm = path.node_s_mm()[known] - 100.0 * 100 / (2 * 2000);
     for (std::size_t k = 0; k < known && path.node_s_mm()[k] <= final_mm; ++k)
       EXPECT_EQ(part.node_speed_mm_s[k], whole.node_speed_mm_s[k]);
   }

@@ -95,7 +95,7 @@ TEST(Tracking, CompensatedAxesAreOnTheSmoothedReference) {
       // Straight lines between setpoints, in place of the smooth command: its second
       // derivative times period^2 / 12, and it grows with the square of the period.
       EXPECT_LT(worst, (loop == LoopKind::kCascade ? 0.008 : 0.004) * period_s / 0.0005)
-          << LoopKindName(loop) << " " << period_s;
+          << (loop == LoopKind::kCascade ? "cascade " : "first order ") << period_s;
     }
   }
 }

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "engrave/formats/point_file.h"
+#include "engrave/formats/point_file_kinds.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::formats {
@@ -31,7 +32,7 @@ TEST(CftFile, RoundTripKeepsEveryBit) {
   }
   const auto file = test::FreshFolder() / "cloud.cft";
   ASSERT_TRUE(WriteCft(file, table).has_value());
-  const auto read = ReadCft(file);
+  const auto read = ReadPoints(file);
   ASSERT_TRUE(read.has_value()) << read.error().message;
   ASSERT_EQ(read->points_mm.size(), table.points_mm.size());
   for (std::size_t i = 0; i < table.points_mm.size(); ++i) {

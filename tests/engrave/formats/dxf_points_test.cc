@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "engrave/formats/point_file.h"
+#include "engrave/formats/point_file_kinds.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::formats {
@@ -33,7 +34,7 @@ TEST(DxfPoints, RoundTripKeepsEveryBit) {
   PointTable table{{{0.1, 1.0 / 3, -3e-17}, {1e17, 0, 2}}, {}, {"mm", "and so on"}};
   const fs::path file = test::FreshFolder() / "cloud.DXF";
   ASSERT_TRUE(WriteDxf(file, table).has_value());
-  const auto read = ReadDxf(file);
+  const auto read = ReadPoints(file);
   ASSERT_TRUE(read.has_value()) << read.error().message;
   EXPECT_EQ(read->points_mm, table.points_mm);
   EXPECT_EQ(read->comments, table.comments);
@@ -109,7 +110,7 @@ TEST(DxfPoints, ReportsWhatIsWrong) {
 }
 
 TEST(DxfPoints, DrawingsOfCurvesAreNamedAsSuch) {
-  const auto read = ReadDxf(INTAGLIO_SOURCE_DIR "/tests/data/trimesh/wrench.dxf");
+  const auto read = ReadPoints(INTAGLIO_SOURCE_DIR "/tests/data/trimesh/wrench.dxf");
   ASSERT_FALSE(read.has_value());
   EXPECT_THAT(read.error().message, HasSubstr("wrench.dxf: it has no POINT, only"));
 }

@@ -21,7 +21,10 @@ using ::testing::HasSubstr;
 
 Region RegionOf(const Result<drawing::Drawing>& drawing) {
   EXPECT_TRUE(drawing) << drawing.error().message;
-  auto region = RegionOfDrawing(*drawing);
+  const auto loops = LoopsOfDrawing(*drawing);
+  EXPECT_TRUE(loops) << loops.error().message;
+  if (!loops) return {};
+  auto region = RegionOfLoops(*loops);
   EXPECT_TRUE(region) << region.error().message;
   return region ? *region : Region{};
 }

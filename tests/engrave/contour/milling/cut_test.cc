@@ -200,16 +200,5 @@ TEST(Cut, RefusesWhatTheToolCannotCut) {
   EXPECT_THAT(RefusalOfCut(Plate(), {0}), HasSubstr("the tool's diameter is 0"));
 }
 
-// By hand: (1 - pi / 4) r^2 in each inner corner; a slot of 1 x 10 wholly.
-TEST(Cut, NamesWhatTheToolDoesNotReach) {
-  const auto corners = Unreached(Plate(), 2, CutSide::kOutside);
-  ASSERT_TRUE(corners) << corners.error().message;
-  EXPECT_NEAR(AreaOf(*corners), 4 - pi, 1e-5);
-  EXPECT_EQ(corners->loops.size(), 4U);
-  const auto inside = Unreached(Plate(), 2, CutSide::kInside);
-  ASSERT_TRUE(inside) << inside.error().message;
-  EXPECT_NEAR(AreaOf(*inside), 4 - pi, 1e-5);
-}
-
 }  // namespace
 }  // namespace intaglio::contour

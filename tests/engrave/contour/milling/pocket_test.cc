@@ -5,7 +5,8 @@
 
 #include <numbers>
 
-#include "engrave/contour/milling/cut.h"
+#include "engrave/contour/region/region.h"
+#include "engrave/core/try.h"
 #include "tests/engrave/contour/boards.h"
 
 namespace intaglio::contour {
@@ -35,6 +36,15 @@ double DistanceToLoops(const std::vector<Edges>& loops, const Vec2& p) {
     for (const Edge& edge : loop) nearest = std::min(nearest, DistanceTo(edge, p));
   }
   return nearest;
+}
+
+/// What a tool leaves inside an area, with any path: the area without the discs of the
+/// tool that fit into it. It knows nothing of passes.
+Result<Region> Unreached(const Region& area, double tool_diameter_mm) {
+  const double radius_mm = tool_diameter_mm / 2;
+  const Region shrunk = INTAGLIO_TRY(Inset(area, radius_mm));
+  if (shrunk.loops.empty()) return area;
+  return Difference(area, INTAGLIO_TRY(Outset(shrunk, radius_mm)));
 }
 
 /// A pocket with a slanted wall, an island, a neck and a bay with a round end.
@@ -178,6 +188,14 @@ TEST(Pocket, NamesThePartThatIsTooNarrow) {
               HasSubstr("the step is 1.5"));
 }
 
+// By hand: (1 - pi / 4) r^2 in each inner corner.
+TEST(Unreached, HasTheCornersOfARectangle) {
+  const auto corners = Unreached(Area({Rectangle({0, 0}, {30, 20})}), 2);
+  ASSERT_TRUE(corners) << corners.error().message;
+  EXPECT_NEAR(AreaOf(*corners), 4 - pi, 1e-5);
+  EXPECT_EQ(corners->loops.size(), 4U);
+}
+
 // The pocket around all pads and tracks of a board, without what they enclose.
 TEST(Pocket, ClearsAroundThePadsOfABoard) {
   for (unsigned seed = 1; seed <= 12; ++seed) {
@@ -190,8 +208,7 @@ TEST(Pocket, ClearsAroundThePadsOfABoard) {
     const Region area = ConnectedParts(*all)[0];
     const auto pocket = ClearPocket(area, {0.4, seed % 3 == 0 ? 0.45 : 0.7});
     ASSERT_TRUE(pocket) << pocket.error().message;
-    // By the border of what stays, which knows nothing of passes.
-    if (const auto left = Unreached(area, 0.4, CutSide::kInside)) {
+    if (const auto left = Unreached(area, 0.4)) {
       EXPECT_NEAR(pocket->left_area_mm2, AreaOf(*left), 1e-4);
     }
     EXPECT_LT(pocket->left_area_mm2, 0.05 * AreaOf(area));
