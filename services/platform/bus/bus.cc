@@ -30,6 +30,7 @@ constexpr char kConfiguration[] = R"(<CycloneDDS><Domain id="any">
     <LeaseDuration>2s</LeaseDuration>
   </Discovery>
   <Internal>
+    <MultipleReceiveThreads>false</MultipleReceiveThreads>
     <NackDelay>1ms</NackDelay>
     <AutoReschedNackDelay>10ms</AutoReschedNackDelay>
     <HeartbeatInterval min="2ms" minsched="5ms">10ms</HeartbeatInterval>
@@ -150,19 +151,20 @@ Bus::Entities::Entities(const BusOptions& bus_options)
       role(bus_options.roles.empty() ? std::string() : bus_options.roles.front()),
       security(SecurityOf(bus_options, identity_end, role)),
       control_domain(bus_options.control_domain, bus_options, security),
-      bulk_domain(bus_options.control_domain + 1, bus_options, security),
-      control(ParticipantIn(bus_options.control_domain, bus_options)) {
-  try {
-    bulk = ParticipantIn(bus_options.control_domain + 1, bus_options);
-  } catch (...) {
-    dds_delete(control);
-    throw;
-  }
-}
+      control(ParticipantIn(bus_options.control_domain, bus_options)) {}
 
 Bus::Entities::~Entities() {
-  dds_delete(bulk);
+  if (bulk != 0) dds_delete(bulk);
   dds_delete(control);
+}
+
+std::int32_t Bus::Entities::participant(DomainKind kind) {
+  if (kind == DomainKind::kControl) return control;
+  const std::lock_guard lock(bulk_mutex);
+  const int domain = options.control_domain + 1;
+  if (!bulk_domain) bulk_domain.emplace(domain, options, security);
+  if (bulk == 0) bulk = ParticipantIn(domain, options);
+  return bulk;
 }
 
 std::int32_t Bus::Entities::TopicOf(const internal::TopicView& view) {
@@ -195,7 +197,9 @@ std::string Bus::participant_name() const {
 }
 
 void Bus::Leave(std::chrono::milliseconds duration) {
+  const std::lock_guard lock(entities_->bulk_mutex);
   for (const dds_entity_t participant : {entities_->control, entities_->bulk}) {
+    if (participant == 0) continue;
     (void)dds_domain_set_deafmute(participant, true, true, DDS_MSECS(duration.count()));
   }
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "services/platform/bus/bus.h"
@@ -29,9 +30,9 @@ struct Bus::Entities {
   explicit Entities(const BusOptions& bus_options);
   ~Entities();
 
-  std::int32_t participant(DomainKind kind) const {
-    return kind == DomainKind::kControl ? control : bulk;
-  }
+  /// This process joins the bulk domain at the first call that asks for it: most clients
+  /// and the motion bridge never do, and save a participant with its threads and packets.
+  std::int32_t participant(DomainKind kind);
   /// One topic entity a name: the library wants no second one.
   std::int32_t TopicOf(const internal::TopicView& view);
 
@@ -39,8 +40,11 @@ struct Bus::Entities {
   std::chrono::sys_seconds identity_end = std::chrono::sys_seconds::max();
   std::string role;
   std::string security;
-  DomainHold control_domain, bulk_domain;
-  std::int32_t control = 0, bulk = 0;
+  DomainHold control_domain;
+  std::int32_t control = 0;
+  std::mutex bulk_mutex;
+  std::optional<DomainHold> bulk_domain;
+  std::int32_t bulk = 0;  ///< 0: not joined
   std::mutex mutex;
   std::map<std::string, std::int32_t> topics;
 };

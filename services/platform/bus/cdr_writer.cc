@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engrave/core/try.h"
+#include "services/platform/bus/bus_entities.h"
 #include "services/platform/bus/endpoint_qos.h"
 #include "services/platform/bus/qos.h"
 
@@ -151,6 +152,7 @@ CdrPublisher::CdrPublisher(Bus& bus) : parts_(std::make_unique<Parts>()) {
   const int control = bus.options().control_domain;
   for (const auto& [kind, number] :
        {std::pair(DomainKind::kControl, control), {DomainKind::kBulk, control + 1}}) {
+    (void)bus.entities().participant(kind);  // sets the domain up
     const dds_entity_t made =
         dds_create_participant(static_cast<dds_domainid_t>(number), nullptr, nullptr);
     if (made < 0) {

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <vector>
 
+#include "services/platform/bus/bus_entities.h"
 #include "services/platform/bus/endpoint_qos.h"
 #include "services/platform/bus/qos.h"
 #include "services/platform/bus/tap_entities.h"
@@ -61,8 +62,10 @@ TopicTap::Impl::Impl(Bus& bus, Filter filter_given, Complaint complaint_given)
   arrival = Must(dds_create_waitset(DDS_CYCLONEDDS_HANDLE), "a wait set");
   guard = Must(dds_create_guardcondition(DDS_CYCLONEDDS_HANDLE), "a guard condition");
   Must(dds_waitset_attach(arrival, guard, -1), "an attachment");
-  Join(DomainKind::kControl, bus.options().control_domain);
-  Join(DomainKind::kBulk, bus.options().control_domain + 1);
+  for (const DomainKind kind : {DomainKind::kControl, DomainKind::kBulk}) {
+    (void)bus.entities().participant(kind);  // sets the domain up
+    Join(kind, bus.options().control_domain + (kind == DomainKind::kBulk ? 1 : 0));
+  }
 }
 
 TopicTap::Impl::~Impl() {

@@ -2,7 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <filesystem>
+#include <fstream>
 #include <map>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -34,6 +37,29 @@ TEST(Bus, EveryTopicMakesItsWayFromOneBusToAnother) {
       return taken == 1;
     })) << topic.name;
   });
+}
+
+/// How many receiving threads the library has in this process: one for each domain.
+int ReceivingThreads() {
+  int count = 0;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    std::ifstream in(task.path() / "comm");
+    std::string name;
+    std::getline(in, name);
+    if (name.starts_with("recv")) ++count;
+  }
+  return count;
+}
+
+TEST(Bus, JoinsTheBulkDomainAtItsFirstBulkTopic) {
+  ASSERT_EQ(ReceivingThreads(), 0) << "no other test may have left its bus";
+  Bus bus(PrivateBusOptions());
+  const Reader<intaglio_JobStatus> control(bus, kJobStatus);
+  EXPECT_TRUE(Eventually([] { return ReceivingThreads() == 1; })) << ReceivingThreads();
+  const Reader<intaglio_PointBatch> points(bus, kPointBatch);
+  EXPECT_TRUE(Eventually([] { return ReceivingThreads() == 2; })) << ReceivingThreads();
+  const Reader<intaglio_PathBatch> paths(bus, kPathBatch);
+  EXPECT_TRUE(Eventually([] { return ReceivingThreads() == 2; })) << ReceivingThreads();
 }
 
 TEST(Bus, KeepsWhatIsInABatch) {
