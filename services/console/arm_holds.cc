@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "services/console/console_address.h"
+#include "services/platform/access/secret_file.h"
 #include "services/platform/web/request_rules.h"
 
 namespace intaglio::console {
@@ -13,7 +13,7 @@ std::string ArmHolds::Begin(const client::JobView& job, const std::string& block
                             Clock::time_point now) {
   std::erase_if(holds_, [&](const Hold& hold) { return hold.job.uid == job.uid; });
   if (holds_.size() >= kMaxCount) holds_.pop_front();
-  holds_.push_back({NewKey(), job, block, now});
+  holds_.push_back({access::NewKey(), job, block, now});
   return holds_.back().token;
 }
 

@@ -1,19 +1,13 @@
 #include "services/console/console_address.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/random.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
 #include <charconv>
-#include <cstring>
 
-#include "engrave/core/check.h"
 #include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
+#include "services/platform/access/secret_file.h"
 
 namespace intaglio::console {
 namespace {
@@ -25,22 +19,7 @@ constexpr std::uint64_t kMaxFileBytes = 4096;
 
 bool IsHex(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); }
 
-Error WriteError(const std::filesystem::path& file) {
-  return {ErrorCode::kIo,
-          fmt::format("cannot write {}: {}", file.string(), std::strerror(errno)),
-          file.string()};
-}
-
 }  // namespace
-
-std::string NewKey() {
-  std::array<unsigned char, kKeyDigits / 2> bytes{};
-  Require(getrandom(bytes.data(), bytes.size(), 0) == static_cast<ssize_t>(bytes.size()),
-          "getrandom failed with errno {}", errno);
-  std::string key;
-  for (const unsigned char byte : bytes) key += fmt::format("{:02x}", byte);
-  return key;
-}
 
 std::string TextOf(const ConsoleAddress& address) {
   return fmt::format("{}{}{}{}", kBegin, address.port, kKeyBegin, address.key);
@@ -73,21 +52,7 @@ Result<ConsoleAddress> ReadAddressFile(const std::filesystem::path& file) {
 
 Status WriteAddressFile(const std::filesystem::path& file,
                         const ConsoleAddress& address) {
-  const std::string temporary = fmt::format("{}.{}", file.string(), getpid());
-  unlink(temporary.c_str());
-  const int descriptor =
-      open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  if (descriptor < 0) return tl::unexpected(WriteError(file));
-  const std::string line = TextOf(address) + "\n";
-  const bool written =
-      write(descriptor, line.data(), line.size()) == static_cast<ssize_t>(line.size());
-  close(descriptor);
-  if (!written || rename(temporary.c_str(), file.c_str()) != 0) {
-    auto error = WriteError(file);
-    unlink(temporary.c_str());
-    return tl::unexpected(std::move(error));
-  }
-  return {};
+  return access::WriteSecretFile(file, TextOf(address) + "\n");
 }
 
 }  // namespace intaglio::console

@@ -16,9 +16,6 @@ struct ConsoleAddress {
   std::string key;  ///< 64 hex digits
 };
 
-/// 256 bits at random, as hex digits.
-std::string NewKey();
-
 /// "http://127.0.0.1:PORT/?key=KEY".
 std::string TextOf(const ConsoleAddress& address);
 /// kInvalidValue: another text.

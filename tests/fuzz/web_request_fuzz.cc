@@ -1,10 +1,12 @@
 // Any text as a target and as the headers that are checked: what is accepted is a path
-// that does not climb, and an own host has the port.
+// that does not climb, and an own host has the port. As a file of users: what is read is
+// written and read again as the same.
 
 #include <cstdint>
 #include <string>
 
 #include "engrave/core/check.h"
+#include "services/platform/access/users.h"
 #include "services/platform/web/request_rules.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
@@ -20,5 +22,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   if (web::IsOwnOrigin(text, 8850)) Require(text.starts_with("http://"), "a scheme");
   Require(web::CookieIn(text, "key").size() <= text.size(), "a longer cookie");
   Require(web::BearerKeyIn(text).size() <= text.size(), "a longer key");
+  if (const auto users = access::ParseUsers(text)) {
+    const std::string written = access::TextOf(*users);
+    const auto again = access::ParseUsers(written);
+    Require(again && access::TextOf(*again) == written, "other users");
+  }
   return 0;
 }

@@ -65,6 +65,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"services/platform/recording", {"engrave/core", "engrave/io"}},
     {"services/platform/command_line", {"engrave/core", "engrave/io"}},
     {"services/platform/text_format", {"engrave/core", "engrave/io"}},
+    {"services/platform/access", {"engrave/core", "engrave/io"}},
     {"services/platform/web", {"engrave/core"}},
     {"services/platform/security", {"engrave/core", "services/platform/bus", "idl"}},
     {"services/platform/host/threads", {"engrave/core"}},
@@ -173,6 +174,7 @@ struct Kept {
 const std::vector<Kept> kKept = {
     {"CLI/", false, {"services/platform/command_line"}},
     {"boost/", false, {"services/platform/web"}},
+    {"sodium", false, {"services/platform/access"}},
     {"hb", false, {"engrave/drawing"}},
     {"lcms2", false, {"engrave/image"}},
     {"dds/", false, {"services/platform/bus"}},
