@@ -7,12 +7,14 @@ namespace {
 
 class EventSession : public Peer, public std::enable_shared_from_this<EventSession> {
  public:
-  EventSession(CountedPtr counted, beast::tcp_stream stream, std::string path)
+  EventSession(CountedPtr counted, beast::tcp_stream stream, std::string path,
+               Caller caller)
       : counted_(std::move(counted)),
         core_(counted_->core()),
         stream_(std::move(stream)),
         silence_(core_.io),
         path_(std::move(path)),
+        caller_(std::move(caller)),
         queue_(core_.options.limits.queue_bytes) {}
   ~EventSession() override { core_.peers.erase(id_); }
 
@@ -27,7 +29,7 @@ class EventSession : public Peer, public std::enable_shared_from_this<EventSessi
       text.append(field.value().data(), field.value().size()).append("\r\n");
     }
     text += "\r\n";
-    id_ = core_.Add(path_, shared_from_this());
+    id_ = core_.Add(path_, caller_, shared_from_this());
     Push(std::make_shared<const std::string>(std::move(text)));
     Send(std::make_shared<const std::string>(core_.handlers.greeting(path_)));
     AwaitEnd();
@@ -85,6 +87,7 @@ class EventSession : public Peer, public std::enable_shared_from_this<EventSessi
   beast::tcp_stream stream_;
   net::steady_timer silence_;
   std::string path_;
+  Caller caller_;
   OutQueue queue_;
   PeerId id_ = 0;
   bool closed_ = false;
@@ -92,8 +95,10 @@ class EventSession : public Peer, public std::enable_shared_from_this<EventSessi
 
 }  // namespace
 
-void StartEvents(CountedPtr counted, beast::tcp_stream stream, std::string path) {
-  std::make_shared<EventSession>(std::move(counted), std::move(stream), std::move(path))
+void StartEvents(CountedPtr counted, beast::tcp_stream stream, std::string path,
+                 Caller caller) {
+  std::make_shared<EventSession>(std::move(counted), std::move(stream), std::move(path),
+                                 std::move(caller))
       ->Start();
 }
 

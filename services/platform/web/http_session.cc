@@ -28,13 +28,20 @@ bool Single(const RawRequest& request, http::field name, std::string_view& value
   return true;
 }
 
-bool HasKey(const Core& core, const RawRequest& request) {
+/// Empty: nobody's.
+std::string SessionOf(const Core& core, const RawRequest& request) {
   std::string_view cookies, bearer;
   if (!Single(request, http::field::cookie, cookies) ||
       !Single(request, http::field::authorization, bearer))
-    return false;
-  return IsSameKey(CookieIn(cookies, core.CookieName()), core.options.key) ||
-         IsSameKey(BearerKeyIn(bearer), core.options.key);
+    return {};
+  for (const std::string_view token :
+       {CookieIn(cookies, core.CookieName()), BearerKeyIn(bearer)}) {
+    if (IsSameKey(token, core.options.key)) return kKeySession;
+    if (token.empty() || !core.handlers.session) continue;
+    if (auto session = core.handlers.session(std::string(token)); !session.empty())
+      return session;
+  }
+  return {};
 }
 
 /// Why the request is refused whatever it asks for.
@@ -54,7 +61,11 @@ class HttpSession : public Waiting, public std::enable_shared_from_this<HttpSess
       : counted_(std::make_shared<Counted>(core)),
         core_(core),
         stream_(std::move(stream)),
-        answer_timer_(core_.io) {}
+        answer_timer_(core_.io) {
+    ErrorOf ignored;
+    const auto end = stream_.socket().remote_endpoint(ignored);
+    if (!ignored) address_ = end.address().to_string();
+  }
   ~HttpSession() override { StopWaiting(); }
 
   void Start() { Read(); }
@@ -99,7 +110,7 @@ class HttpSession : public Waiting, public std::enable_shared_from_this<HttpSess
   }
 
   void Decide(RawRequest request) {
-    if (auto foreign = WhyForeign(core_, request)) return Write(std::move(*foreign));
+    if (auto foreign = WhyForeign(core_, request)) return Write(*foreign);
     auto target = ParseTarget(ViewOf(request.target()));
     if (!target) return Write(Refusal(400, target.error().message));
     const bool get = request.method() == http::verb::get;
@@ -108,20 +119,21 @@ class HttpSession : public Waiting, public std::enable_shared_from_this<HttpSess
     const auto page = core_.options.pages.find(target->path);
     if (get && page != core_.options.pages.end())
       return WritePage(page->second, target->query);
-    if (!HasKey(core_, request)) {
+    const Caller caller{SessionOf(core_, request), address_};
+    if (caller.session.empty() && !IsOneOf(core_.options.open_paths, target->path)) {
       return Write(Refusal(401,
-                           "open the address that was printed, with its key, or send "
-                           "\"Authorization: Bearer KEY\""));
+                           "log in, or open the address that was printed, with its key, "
+                           "or send \"Authorization: Bearer KEY\""));
     }
     if (get && IsOneOf(core_.options.socket_paths, target->path))
-      return StartSocketOf(std::move(request), target->path);
+      return StartSocketOf(std::move(request), target->path, caller);
     if (get && IsOneOf(core_.options.event_paths, target->path)) {
       if (!HasRoom()) return;
       stream_.expires_never();
-      return StartEvents(counted_, std::move(stream_), target->path);
+      return StartEvents(counted_, std::move(stream_), target->path, caller);
     }
     Ask({std::string(ViewOf(request.method_string())), std::move(*target),
-         std::move(request.body())});
+         std::move(request.body()), caller});
   }
 
   static bool IsOneOf(const std::vector<std::string>& paths, const std::string& path) {
@@ -134,11 +146,11 @@ class HttpSession : public Waiting, public std::enable_shared_from_this<HttpSess
     return false;
   }
 
-  void StartSocketOf(RawRequest request, const std::string& path) {
+  void StartSocketOf(RawRequest request, const std::string& path, const Caller& caller) {
     if (!beast::websocket::is_upgrade(request))
       return Write(Refusal(426, "this path is a WebSocket"));
     if (!HasRoom()) return;
-    StartSocket(counted_, std::move(stream_), std::move(request), path);
+    StartSocket(counted_, std::move(stream_), std::move(request), path, caller);
   }
 
   void WritePage(const Response& page, const std::map<std::string, std::string>& query) {
@@ -146,11 +158,10 @@ class HttpSession : public Waiting, public std::enable_shared_from_this<HttpSess
     if (key == query.end() || !IsSameKey(key->second, core_.options.key))
       return Write(page);
     message_ = {};
-    message_.set(http::field::set_cookie,
-                 fmt::format("{}={}; Path=/; HttpOnly; SameSite=Strict",
-                             core_.CookieName(), core_.options.key));
     message_.set(http::field::location, "/");
-    WriteMessage(TextResponse(303, "text/plain; charset=utf-8", ""));
+    Response redirect = TextResponse(303, "text/plain; charset=utf-8", "");
+    redirect.token = core_.options.key;
+    WriteMessage(redirect);
   }
 
   /// The handler may answer from any thread, and late; only the first answer counts.
@@ -164,27 +175,33 @@ class HttpSession : public Waiting, public std::enable_shared_from_this<HttpSess
       if (!error) self->Answer(number, Refusal(504, "no answer in time"));
     });
     core_.handlers.request(request, [weak, number, &io](Response response) {
-      net::post(io, [weak, number, response = std::move(response)]() mutable {
-        if (const auto self = weak.lock()) self->Answer(number, std::move(response));
+      net::post(io, [weak, number, response = std::move(response)] {
+        if (const auto self = weak.lock()) self->Answer(number, response);
       });
     });
   }
 
-  void Answer(std::uint64_t number, Response response) {
+  void Answer(std::uint64_t number, const Response& response) {
     if (number != asked_ || answered_ == number) return;
     answered_ = number;
     answer_timer_.cancel();
-    Write(std::move(response));
+    Write(response);
   }
 
-  void Write(Response response) {
+  void Write(const Response& response) {
     message_ = {};
-    WriteMessage(std::move(response));
+    WriteMessage(response);
   }
 
   /// `message_` has the headers that this response alone has.
-  void WriteMessage(Response response) {
+  void WriteMessage(const Response& response) {
     body_ = response.body;
+    if (response.token) {
+      message_.set(
+          http::field::set_cookie,
+          fmt::format("{}={}; Path=/; HttpOnly; SameSite=Strict{}", core_.CookieName(),
+                      *response.token, response.token->empty() ? "; Max-Age=0" : ""));
+    }
     message_.result(static_cast<unsigned>(response.status));
     message_.version(11);
     SetSafeHeaders(message_);
@@ -203,6 +220,7 @@ class HttpSession : public Waiting, public std::enable_shared_from_this<HttpSess
   CountedPtr counted_;
   Core& core_;
   beast::tcp_stream stream_;
+  std::string address_;  // of the other computer
   net::steady_timer answer_timer_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::string_body>> parser_;

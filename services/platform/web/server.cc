@@ -54,7 +54,7 @@ Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Server::~Server() = default;
 
 Result<std::unique_ptr<Server>> Server::Open(ServerOptions options, Handlers handlers) {
-  Require(!options.key.empty(), "a server without a key");
+  Require(!options.key.empty() || handlers.session, "a server that nobody may use");
   ErrorOf error;
   const auto address = net::ip::make_address(options.address, error);
   if (error || !address.is_loopback()) {
@@ -104,6 +104,17 @@ void Server::Publish(const std::string& path, std::string text) {
       if (auto peer = open.peer.lock()) peers.push_back(std::move(peer));
     }
     for (const auto& peer : peers) peer->Send(shared);
+  });
+}
+
+void Server::EndSession(std::string session) {
+  net::post(impl_->core->io, [core = impl_->core.get(), session = std::move(session)] {
+    std::vector<std::shared_ptr<Peer>> peers;
+    for (const auto& [id, open] : core->peers) {
+      if (open.session != session) continue;
+      if (auto peer = open.peer.lock()) peers.push_back(std::move(peer));
+    }
+    for (const auto& peer : peers) peer->Close();
   });
 }
 

@@ -8,8 +8,9 @@
 //   Host            an own one, else 421: no name of somebody else leads here
 //   Origin          an own one where there is one, else 403: no page of somebody else
 //                   sends requests or opens a WebSocket
-//   key             in the cookie or as "Authorization: Bearer KEY", else 401; the pages
-//                   themselves need none. GET /?key=KEY sets the cookie.
+//   caller          a key or a token, in the cookie or as "Authorization: Bearer KEY",
+//                   else 401; pages and `open_paths` need none. GET /?key=KEY sets the
+//                   cookie.
 //
 // Boost.Beast is included in this folder alone: it costs the compiler half a minute.
 
@@ -18,6 +19,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,16 +28,28 @@
 
 namespace intaglio::web {
 
+/// Who sends a request.
+struct Caller {
+  std::string
+      session;  ///< kKeySession, what Handlers::session returned, or empty: nobody
+  std::string address;  ///< of the other computer
+};
+/// Of whoever has the server's key.
+inline constexpr char kKeySession[] = "key";
+
 struct Request {
   std::string method;  ///< "GET", "POST"
   Target target;
   std::string body;
+  Caller caller;
 };
 
 struct Response {
   int status = 200;
   std::string content_type = "application/json";
   std::shared_ptr<const std::string> body;  ///< shared: a large one is not copied
+  /// The token that the cookie has from now on; empty: the cookie is removed.
+  std::optional<std::string> token = {};
 };
 /// A response with a text that is its own.
 Response TextResponse(int status, std::string content_type, std::string body);
@@ -65,14 +79,17 @@ struct Handlers {
   /// What a new peer of a path gets first.
   std::function<std::string(const std::string& path)> greeting;
   /// A text from a WebSocket.
-  std::function<void(PeerId, std::string)> message;
+  std::function<void(PeerId, const Caller&, std::string)> message;
+  /// The session of a token, not empty; empty: it opens none. Null: the key alone counts.
+  std::function<std::string(const std::string& token)> session;
 };
 
 struct ServerOptions {
   std::string address = "127.0.0.1";
-  std::uint16_t port = 0;                 ///< 0: a free one
-  std::string key;                        ///< of whoever may use it; not empty
+  std::uint16_t port = 0;  ///< 0: a free one
+  std::string key;         ///< of whoever may use it; empty: only sessions count
   std::map<std::string, Response> pages;  ///< by path; GET without a key
+  std::vector<std::string> open_paths;    ///< of requests that need no session
   std::vector<std::string> event_paths;   ///< of server-sent events
   std::vector<std::string> socket_paths;  ///< of WebSockets
   Limits limits;
@@ -93,6 +110,8 @@ class Server {
   /// To every peer of the path: an event's data, a line, or a WebSocket's text.
   void Publish(const std::string& path, std::string text);
   void Send(PeerId peer, std::string text);
+  /// Closes the event streams and WebSockets of the session.
+  void EndSession(std::string session);
 
  private:
   struct Impl;

@@ -51,7 +51,7 @@ struct Core {
   std::list<Waiting*> waiting;  ///< the oldest first
   PeerId last_peer = 0;
   struct OpenPeer {
-    std::string path;
+    std::string path, session;
     std::weak_ptr<Peer> peer;
   };
   std::map<PeerId, OpenPeer> peers;
@@ -59,8 +59,9 @@ struct Core {
   net::io_context io{1};
 
   std::string CookieName() const { return "intaglio_" + std::to_string(port); }
-  PeerId Add(const std::string& path, const std::shared_ptr<Peer>& peer) {
-    peers[++last_peer] = {path, peer};
+  PeerId Add(const std::string& path, const Caller& caller,
+             const std::shared_ptr<Peer>& peer) {
+    peers[++last_peer] = {path, caller.session, peer};
     return last_peer;
   }
 };
@@ -102,9 +103,10 @@ class OutQueue {
 };
 
 /// Both begin with a request that was checked. They keep themselves alive.
-void StartEvents(CountedPtr counted, beast::tcp_stream stream, std::string path);
+void StartEvents(CountedPtr counted, beast::tcp_stream stream, std::string path,
+                 Caller caller);
 void StartSocket(CountedPtr counted, beast::tcp_stream stream, RawRequest request,
-                 std::string path);
+                 std::string path, Caller caller);
 /// Reads requests from a new connection.
 void StartHttp(Core& core, beast::tcp_stream stream);
 

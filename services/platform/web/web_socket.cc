@@ -11,11 +11,13 @@ namespace websocket = boost::beast::websocket;
 
 class SocketSession : public Peer, public std::enable_shared_from_this<SocketSession> {
  public:
-  SocketSession(CountedPtr counted, beast::tcp_stream stream, std::string path)
+  SocketSession(CountedPtr counted, beast::tcp_stream stream, std::string path,
+                Caller caller)
       : counted_(std::move(counted)),
         core_(counted_->core()),
         socket_(std::move(stream)),
         path_(std::move(path)),
+        caller_(std::move(caller)),
         queue_(core_.options.limits.queue_bytes) {}
   ~SocketSession() override { core_.peers.erase(id_); }
 
@@ -47,7 +49,7 @@ class SocketSession : public Peer, public std::enable_shared_from_this<SocketSes
  private:
   void Begin() {
     socket_.text(true);
-    id_ = core_.Add(path_, shared_from_this());
+    id_ = core_.Add(path_, caller_, shared_from_this());
     Send(std::make_shared<const std::string>(core_.handlers.greeting(path_)));
     Read();
   }
@@ -58,7 +60,7 @@ class SocketSession : public Peer, public std::enable_shared_from_this<SocketSes
       if (error) return self->Close();
       std::string text = beast::buffers_to_string(self->in_.data());
       self->in_.consume(self->in_.size());
-      self->core_.handlers.message(self->id_, std::move(text));
+      self->core_.handlers.message(self->id_, self->caller_, std::move(text));
       self->Read();
     });
   }
@@ -76,6 +78,7 @@ class SocketSession : public Peer, public std::enable_shared_from_this<SocketSes
   Core& core_;
   websocket::stream<beast::tcp_stream> socket_;
   std::string path_;
+  Caller caller_;
   OutQueue queue_;
   beast::flat_buffer in_;
   PeerId id_ = 0;
@@ -85,10 +88,10 @@ class SocketSession : public Peer, public std::enable_shared_from_this<SocketSes
 }  // namespace
 
 void StartSocket(CountedPtr counted, beast::tcp_stream stream, RawRequest request,
-                 std::string path) {
+                 std::string path, Caller caller) {
   const auto kept = std::make_shared<const RawRequest>(std::move(request));
   auto session = std::make_shared<SocketSession>(std::move(counted), std::move(stream),
-                                                 std::move(path));
+                                                 std::move(path), std::move(caller));
   session->Start(kept);
 }
 

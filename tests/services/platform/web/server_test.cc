@@ -35,7 +35,7 @@ class WebServer : public ::testing::Test {
         reply(TextResponse(200, "text/plain", request.method + request.body));
     };
     handlers.greeting = [](const std::string& path) { return "hello " + path; };
-    handlers.message = [this](PeerId peer, const std::string& text) {
+    handlers.message = [this](PeerId peer, const Caller&, const std::string& text) {
       server_->Send(peer, "echo " + text);
     };
     auto opened = Server::Open(options, handlers);
