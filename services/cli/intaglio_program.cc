@@ -2,6 +2,7 @@
 
 #include "services/cli/backup/backup_command.h"
 #include "services/cli/batch/batch_command.h"
+#include "services/cli/console/console_command.h"
 #include "services/cli/contour/contour_command.h"
 #include "services/cli/course/course_command.h"
 #include "services/cli/drive/drive_command.h"
@@ -80,6 +81,7 @@ std::unique_ptr<command_line::Program> IntaglioProgram() {
   AddRecordingCommand(root);
   AddReplayCommand(root);
   AddSecurityCommand(root);
+  AddConsoleCommand(root);
   program->AddHelpCommand();
   return program;
 }

@@ -227,7 +227,9 @@ Status ServiceSet::StartConsole(const ServiceSetOptions& options) {
   console_address_before_ = ConsoleStamp(console_address_);
   return Keep(options, "console",
               {"--port", std::to_string(options.console_port), "--address-file",
-               console_address_.string()});
+               console_address_.string(), "--users",
+               (options.folder / kConsoleUsersFile).string(), "--audit",
+               (options.folder / "console_audit.jsonl").string()});
 }
 
 Result<std::string> ServiceSet::AwaitConsole() {

@@ -26,6 +26,9 @@ struct VirtualMachine {
   std::vector<std::string> faults;  ///< "AT_TICK COMMAND", as --fault of virtual-engraver
 };
 
+/// Who may log in to the web console of a shop; in its folder.
+inline constexpr char kConsoleUsersFile[] = "console.users";
+
 struct ServiceSetOptions {
   std::filesystem::path folder;   ///< sockets, logs, database; made anew
   std::filesystem::path results;  ///< job folders

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <iostream>
 #include <optional>
 
 #include "services/client/shop/job_record.h"
@@ -30,6 +31,22 @@ web::Response ErrorResponse(int status, std::string message) {
 
 web::Response Unknown() {
   return ErrorResponse(404, "there is nothing at this path: docs/console.md has all");
+}
+
+constexpr char kNobody[] = "nobody is logged in here: log in";
+constexpr char kNoUsers[] =
+    "nobody can log in: on the console's computer, `intaglio console user add NAME "
+    "--role operator`; its log has the reason";
+
+ConsoleAudit EntryOf(const Visitor& visitor, const web::Caller& caller,
+                     const std::string& request, int status) {
+  ConsoleAudit entry;
+  entry.set_name(visitor.name);
+  if (!visitor.session.empty()) entry.set_role(access::NameOf(visitor.role));
+  entry.set_address(caller.address);
+  entry.set_request(request);
+  entry.set_status(static_cast<std::uint32_t>(status));
+  return entry;
 }
 
 constexpr char kBytes[] = "application/octet-stream";
@@ -139,34 +156,111 @@ Result<ConsoleRequest> ParseConsoleRequest(const std::string& text) {
               fmt::format("no ConsoleRequest: {}", parsed.ToString()));
 }
 
-std::string Api::AnswerMessage(const std::string& text) {
+std::string Api::AnswerMessage(const web::Caller& caller, const std::string& text) {
   const auto request = ParseConsoleRequest(text);
-  ConsoleState state;
+  const auto visitor = access_.VisitorOf(caller);
+  StopAnswer stop;
   ConsoleError error;
-  if (!request) {
+  if (!visitor) {
+    error.set_message(kNobody);
+  } else if (!request) {
     error.set_message(request.error().message);
   } else if (!request->has_stop()) {
     error.set_message("a request has a stop");
   } else {
-    *state.mutable_stop() = desk_.Press(request->stop().reason());
+    stop = desk_.Press(request->stop().reason());
+    audit_.Add(EntryOf(*visitor, caller, "WebSocket stop", stop.sent() ? 200 : 500));
   }
-  auto json = JsonTextOf(error, JsonLayout::kOneLine);
-  if (state.has_stop()) json = JsonTextOf(state.stop(), JsonLayout::kOneLine);
+  const bool is_stop = error.message().empty();
+  const auto json = is_stop ? JsonTextOf(stop, JsonLayout::kOneLine)
+                            : JsonTextOf(error, JsonLayout::kOneLine);
   return json ? *json : std::string("{}");
 }
 
 void Api::Answer(const web::Request& request, web::Reply reply) {
+  const Route* route = FindRoute(request.method, request.target.path);
+  if (route != nullptr && route->right == Right::kOpen) return LogIn(request, reply);
+  const auto visitor = access_.VisitorOf(request.caller);
+  if (!visitor) return reply(ErrorResponse(401, kNobody));
+  if (route == nullptr) return reply(Unknown());
+  if (request.method == "POST") reply = Audited(request, *visitor, std::move(reply));
+  if (const auto refusal = access_.WhyNot(route->right, *visitor)) {
+    CommandAnswer answer;
+    answer.set_code(refusal->code);
+    answer.set_message(refusal->message);
+    return reply(JsonResponse(refusal->status, answer));
+  }
+  Dispatch(request, *visitor, std::move(reply));
+}
+
+void Api::Dispatch(const web::Request& request, const Visitor& visitor,
+                   web::Reply reply) {
   const std::string& path = request.target.path;
-  if (path == "/metrics" && request.method == "GET") {
+  if (path == "/metrics") {
     return desk_.Order([reply](ShopDesk& desk) {
       reply(web::TextResponse(200, "text/plain; version=0.0.4; charset=utf-8",
                               desk.Metrics()));
     });
   }
-  if (!path.starts_with(kApi)) return reply(Unknown());
   const std::string rest = path.substr(kApi.size());
+  if (rest == "session" || rest == "logout" || rest == "charge")
+    return AnswerSession(rest, visitor, reply);
   if (request.method == "GET") return AnswerGet(rest, request, std::move(reply));
   AnswerPost(rest, request, std::move(reply));
+}
+
+web::Reply Api::Audited(const web::Request& request, const Visitor& visitor,
+                        web::Reply reply) {
+  return [&audit = audit_,
+          entry = EntryOf(visitor, request.caller,
+                          request.method + " " + request.target.path, 0),
+          reply = std::move(reply)](const web::Response& response) mutable {
+    entry.set_status(static_cast<std::uint32_t>(response.status));
+    audit.Add(entry);
+    reply(response);
+  };
+}
+
+void Api::LogIn(const web::Request& request, const web::Reply& reply) {
+  const auto given = BodyOf<LogInRequest>(request.body);
+  if (!given) return reply(ErrorResponse(400, "the body is no LogInRequest"));
+  Visitor visitor;
+  visitor.name = given->name();
+  const auto answer = Audited(request, visitor, reply);
+  const bool taken = log_ins_.Add(
+      [&desk_access = access_, answer, given = *given, address = request.caller.address] {
+        const auto opened = desk_access.log_ins().LogIn(
+            given.name(), given.password(), address, access::LogIns::Clock::now());
+        if (!opened) {
+          const Error& error = opened.error();
+          if (error.code == ErrorCode::kTimedOut || error.code == ErrorCode::kRefused) {
+            return answer(ErrorResponse(error.code == ErrorCode::kTimedOut ? 429 : 401,
+                                        error.message));
+          }
+          std::cerr << "log-in: " << error.message << "\n";
+          return answer(ErrorResponse(503, kNoUsers));
+        }
+        const access::Session& session = opened->session;
+        web::Response response = JsonResponse(
+            200, desk_access.SessionOf({session.id, session.name, session.role}));
+        response.token = opened->token;
+        answer(response);
+      });
+  if (!taken) answer(ErrorResponse(503, "too many log in at once: try again"));
+}
+
+void Api::AnswerSession(const std::string& path, const Visitor& visitor,
+                        const web::Reply& reply) {
+  if (path == "charge") {
+    access_.TakeCharge(visitor);
+    desk_.Order([](ShopDesk& desk) { desk.LetGo(); });
+  }
+  web::Response response = JsonResponse(200, access_.SessionOf(visitor));
+  if (path == "logout") {
+    access_.log_ins().LogOut(visitor.session);
+    response.token = "";
+  }
+  reply(response);
 }
 
 void Api::AnswerGet(const std::string& path, const web::Request& request,

@@ -7,26 +7,38 @@
 #include <memory>
 #include <string>
 
+#include "services/console/audit_log.h"
 #include "services/console/cloud_reader.h"
+#include "services/console/console_access.h"
 #include "services/console/shop_desk.h"
 #include "services/platform/web/server.h"
 
 namespace intaglio::console {
 
 inline constexpr char kEventsPath[] = "/api/v1/events";
+inline constexpr char kLogInPath[] = "/api/v1/login";
 inline constexpr char kControlPath[] = "/control";
 
 class Api {
  public:
   /// All live longer.
-  Api(ShopDesk& desk, CloudReader& clouds) : desk_(desk), clouds_(clouds) {}
+  Api(ShopDesk& desk, CloudReader& clouds, ConsoleAccess& access, AuditLog& audit,
+      WorkQueue& log_ins)
+      : desk_(desk), clouds_(clouds), access_(access), audit_(audit), log_ins_(log_ins) {}
 
   // In the server's thread.
   void Answer(const web::Request& request, web::Reply reply);
   /// The answer to a text from the WebSocket, in one line of JSON.
-  std::string AnswerMessage(const std::string& text);
+  std::string AnswerMessage(const web::Caller& caller, const std::string& text);
 
  private:
+  void LogIn(const web::Request& request, const web::Reply& reply);
+  void AnswerSession(const std::string& path, const Visitor& visitor,
+                     const web::Reply& reply);
+  /// The same, which is also written to the audit log.
+  web::Reply Audited(const web::Request& request, const Visitor& visitor,
+                     web::Reply reply);
+  void Dispatch(const web::Request& request, const Visitor& visitor, web::Reply reply);
   void AnswerGet(const std::string& path, const web::Request& request, web::Reply reply);
   void AnswerPost(const std::string& path, const web::Request& request, web::Reply reply);
   void AnswerJob(const std::string& job, const std::string& part, std::uint32_t from,
@@ -34,6 +46,9 @@ class Api {
 
   ShopDesk& desk_;
   CloudReader& clouds_;
+  ConsoleAccess& access_;
+  AuditLog& audit_;
+  WorkQueue& log_ins_;  // where passwords are checked
 };
 
 /// What a page asks for on the WebSocket. kInvalidValue: it is no ConsoleRequest.

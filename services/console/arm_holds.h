@@ -39,6 +39,8 @@ class ArmHolds {
   /// kRefused: no such hold, of another job, too early, too late, or of another block.
   Result<client::JobView> End(const std::string& token, const std::string& uid,
                               const std::string& block, Clock::time_point now);
+  /// Nothing that is held counts any more.
+  void LetGo() { holds_.clear(); }
 
  private:
   struct Hold {

@@ -3,16 +3,13 @@
 // Reads the points and the results of jobs in a thread of its own: neither a stop nor a
 // status waits for a disk. The last plan is kept and shared by all pages.
 
-#include <condition_variable>
-#include <deque>
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
-#include <thread>
 
 #include "engrave/core/result.h"
+#include "services/console/work_queue.h"
 
 namespace intaglio::console {
 
@@ -21,9 +18,6 @@ class CloudReader {
   using Bytes = std::shared_ptr<const std::string>;
   /// Called in the reader's thread.
   using Answer = std::function<void(Result<Bytes>)>;
-
-  CloudReader();
-  ~CloudReader();
 
   // From any thread. False: too many requests wait already.
   bool AskForPlan(std::filesystem::path folder, Answer answer);
@@ -37,15 +31,11 @@ class CloudReader {
     std::filesystem::file_time_type written;
     Bytes bytes;
   };
-  bool Ask(std::function<void()> work);
-  void Run(const std::stop_token& stop);
   Result<Bytes> Plan(const std::filesystem::path& folder);
 
-  Kept kept_;  // in the thread
-  std::mutex mutex_;
-  std::condition_variable_any changed_;
-  std::deque<std::function<void()>> work_;
-  std::jthread thread_;
+  static constexpr std::size_t kMaxWaiting = 32;
+  Kept kept_;  // in the queue's thread
+  WorkQueue queue_{kMaxWaiting};
 };
 
 }  // namespace intaglio::console

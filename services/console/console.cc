@@ -9,6 +9,7 @@
 #include "services/console/console_address.h"
 #include "services/console/page_files.h"
 #include "services/job/json_text.h"
+#include "services/platform/access/secret_file.h"
 #include "services/platform/web/server.h"
 
 namespace intaglio::console {
@@ -18,6 +19,8 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kStatePeriod = 100ms;
+// At 30 ms each; then a log-in is asked to come again.
+constexpr std::size_t kMaxLogIns = 16;
 
 /// Ends the server's thread before anything that it uses goes.
 class RunningServer {
@@ -39,7 +42,7 @@ class RunningServer {
 /// The one of the file where there is one, so that an open page finds a console that was
 /// started again.
 ConsoleAddress AddressBefore(const ConsoleOptions& options) {
-  ConsoleAddress address{static_cast<std::uint16_t>(options.port), NewKey()};
+  ConsoleAddress address{static_cast<std::uint16_t>(options.port), access::NewKey()};
   if (options.address_file.empty()) return address;
   const auto before = ReadAddressFile(options.address_file);
   if (!before) return address;
@@ -55,6 +58,7 @@ web::ServerOptions ServerOptionsOf(const ConsoleOptions& options,
   server.port = address.port;
   server.key = address.key;
   server.pages = PageFiles();
+  server.open_paths = {kLogInPath};
   server.event_paths = {kEventsPath};
   server.socket_paths = {kControlPath};
   return server;
@@ -66,14 +70,19 @@ std::string LineOf(const google::protobuf::Message& message) {
   return json ? std::move(*json) : std::string();
 }
 
-void Turn(ShopDesk& desk, web::Server& server, Clock::time_point& next_state) {
+void Turn(ShopDesk& desk, ConsoleAccess& access, web::Server& server,
+          Clock::time_point& next_state) {
   desk.Turn();
   for (std::string& line : desk.TakeEvents())
     server.Publish(kEventsPath, std::move(line));
   if (Clock::now() < next_state) return;
   next_state = Clock::now() + kStatePeriod;
-  if (std::string state = LineOf(desk.State()); !state.empty())
-    server.Publish(kControlPath, std::move(state));
+  for (std::string& session : access.TakeEnded(Clock::now()))
+    server.EndSession(std::move(session));
+  ConsoleState state = desk.State();
+  state.set_in_charge(access.InCharge());
+  if (std::string line = LineOf(state); !line.empty())
+    server.Publish(kControlPath, std::move(line));
 }
 
 }  // namespace
@@ -82,16 +91,24 @@ Status Serve(const ConsoleOptions& options, const std::function<bool()>& stoppin
              const std::function<void(const std::string& address)>& opened) {
   bus::Bus bus(options.bus);
   ShopDesk desk(bus);
+  ConsoleAccess access(options.users_file);
+  AuditLog audit(options.audit_file);
   std::unique_ptr<web::Server> server;
   CloudReader clouds;  // its answers go to the server, which lives longer
-  Api api(desk, clouds);
+  WorkQueue log_ins(kMaxLogIns);
+  Api api(desk, clouds, access, audit, log_ins);
   web::Handlers handlers;
   handlers.request = [&](const web::Request& request, web::Reply reply) {
     api.Answer(request, std::move(reply));
   };
   handlers.greeting = [](const std::string&) { return std::string(); };
-  handlers.message = [&](web::PeerId peer, const std::string& text) {
-    server->Send(peer, api.AnswerMessage(text));
+  handlers.message = [&](web::PeerId peer, const web::Caller& caller,
+                         const std::string& text) {
+    server->Send(peer, api.AnswerMessage(caller, text));
+  };
+  handlers.session = [&](const std::string& token) {
+    const auto session = access.log_ins().Find(token, Clock::now());
+    return session ? session->id : std::string();
   };
   ConsoleAddress address = AddressBefore(options);
   auto made = web::Server::Open(ServerOptionsOf(options, address), handlers);
@@ -107,7 +124,7 @@ Status Serve(const ConsoleOptions& options, const std::function<bool()>& stoppin
     INTAGLIO_TRY(WriteAddressFile(options.address_file, address));
   opened(TextOf(address));
   auto next_state = Clock::now();
-  while (!stopping()) Turn(desk, *server, next_state);
+  while (!stopping()) Turn(desk, access, *server, next_state);
   return {};
 }
 

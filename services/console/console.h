@@ -15,6 +15,8 @@ struct ConsoleOptions {
   std::string address = "127.0.0.1";
   int port = 0;                        ///< 0: that of the address file, or a free one
   std::filesystem::path address_file;  ///< empty: none
+  std::filesystem::path users_file;    ///< of who may log in; empty: nobody
+  std::filesystem::path audit_file;    ///< who pressed what; empty: none
 };
 
 /// Serves until `stopping`; `opened` gets the address once pages can be opened. kIo,

@@ -66,6 +66,10 @@ int main(int argc, char** argv) {
   root.AddOption("--address-file", options.address_file,
                  "file for the printed address; a console that is started again keeps "
                  "its port and key");
+  root.AddOption("--users", options.users_file,
+                 "file of who may log in, as `intaglio console user add` writes it");
+  root.AddOption("--audit", options.audit_file,
+                 "file that gets a line of each press and each log-in");
   command_line::AddParentFlag(root, starter);
   root.SetFooter(
       "Usually started by `intaglio up --console`; see docs/console.md.\n"

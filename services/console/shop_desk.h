@@ -51,6 +51,8 @@ class ShopDesk {
   /// A person who reads `block` as mounted begins to hold (arm_holds.h): 200 held,
   /// 404 no such job, 409 refused.
   std::pair<int, HoldAnswer> Hold(const std::string& job, const std::string& block);
+  /// Nothing that is held counts any more: another person is in charge.
+  void LetGo() { holds_.LetGo(); }
   /// Pause, cancel or speed. The answer comes in a later turn: 200 taken, 404 no such
   /// job, 409 refused, 503 not sent, 504 no answer in time (it is withdrawn then).
   void Command(const std::string& job, const client::JobOrder& order, Answer answer);

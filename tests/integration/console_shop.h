@@ -26,10 +26,11 @@ class ConsoleShop : public ::testing::Test {
     return options;
   }
   void Open() {
-    console_ =
-        std::make_unique<Running>(Program("intaglio-console"),
-                                  floor_.With({"--address-file", address_file_.string()}),
-                                  folder_ / fmt::format("console{}.txt", ++starts_));
+    console_ = std::make_unique<Running>(
+        Program("intaglio-console"),
+        floor_.With({"--address-file", address_file_.string(), "--users",
+                     users_file_.string(), "--audit", audit_file_.string()}),
+        folder_ / fmt::format("console{}.txt", ++starts_));
     std::smatch parts;
     ASSERT_TRUE(Eventually(
         [&] {
@@ -122,6 +123,8 @@ class ConsoleShop : public ::testing::Test {
 
   std::filesystem::path folder_ = test::FreshFolder();
   std::filesystem::path address_file_ = folder_ / "console.address";
+  std::filesystem::path users_file_ = folder_ / "console.users";
+  std::filesystem::path audit_file_ = folder_ / "console_audit.jsonl";
   ShopFloor floor_{folder_, OnABusOfItsOwn()};
   std::unique_ptr<Running> console_;
   std::optional<std::string> job_;

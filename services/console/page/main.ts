@@ -3,6 +3,7 @@
 import { Dict, endStates, make, post } from './dom';
 import { FirePanel } from './fire';
 import { ResultPanel } from './result';
+import { LogIn, SessionLine, readSession } from './session';
 import { text } from './text';
 
 /** The connection /control: the state, ten times a second, and Stop. */
@@ -20,7 +21,7 @@ class Control {
   }
 
   private open() {
-    const socket = new WebSocket(`ws://${location.host}/control`);
+    const socket = new WebSocket(`${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/control`);
     this.socket = socket;
     this.lastMessage = performance.now();
     socket.onmessage = (event) => {
@@ -313,6 +314,8 @@ class GlassView extends HTMLElement {
   }
 }
 
+customElements.define('session-line', SessionLine);
+customElements.define('log-in', LogIn);
 customElements.define('stop-button', StopButton);
 customElements.define('needs-list', NeedsList);
 customElements.define('machine-list', MachineList);
@@ -320,6 +323,8 @@ customElements.define('job-list', JobList);
 customElements.define('glass-view', GlassView);
 
 const stop = document.querySelector('stop-button') as StopButton;
+const sessionLine = document.querySelector('session-line') as SessionLine;
+const logIn = document.querySelector('log-in') as LogIn;
 const needs = document.querySelector('needs-list') as NeedsList;
 const machines = document.querySelector('machine-list') as MachineList;
 const jobs = document.querySelector('job-list') as JobList;
@@ -329,7 +334,22 @@ stop.control = control;
 control.onConnection = (connected) => {
   jobs.letGo();
   stop.connection(connected);
+  showSession();
 };
+
+/** The log-in in place of the shop, while nobody is logged in. */
+async function showSession() {
+  const session = await readSession();
+  if (session === null) return;
+  sessionLine.update(session);
+  logIn.hidden = !!session;
+  document.querySelector('main')!.hidden = !session;
+}
+sessionLine.onChange = logIn.onChange = () => {
+  jobs.letGo();
+  showSession();
+};
+showSession();
 document.addEventListener('visibilitychange', () => jobs.letGo());
 window.addEventListener('blur', () => jobs.letGo());
 control.onStop = (answer) => stop.answer(answer);
@@ -340,6 +360,7 @@ control.onState = (state) => {
   stop.follow(state.stop ?? undefined, held);
   if (performance.now() - drawnAt < 200 || document.hidden) return;
   drawnAt = performance.now();
+  sessionLine.showCharge(state.in_charge ?? '');
   needs.update(state.shop?.needs ?? []);
   machines.update(state.shop?.machines ?? [], state.stages ?? []);
   jobs.update(state.jobs ?? [], state.shop?.machines ?? []);

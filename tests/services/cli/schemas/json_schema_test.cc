@@ -87,6 +87,7 @@ constexpr Written kWritten[] = {
     {"history", "`intaglio history --json`", "shop", "JobHistory"},
     {"status", "`intaglio status --json`", "shop", "ShopStatus"},
     {"console_state", "the WebSocket /control of the console", "console", "ConsoleState"},
+    {"console_session", "POST /api/v1/login of the console", "console", "ConsoleSession"},
     {"stop_answer", "POST /api/v1/stop of the console", "console", "StopAnswer"},
     {"hold_answer", "POST /api/v1/jobs/N/hold of the console", "console", "HoldAnswer"},
     {"command_answer",

@@ -1,0 +1,70 @@
+#include "services/console/routes.h"
+
+#include <algorithm>
+
+namespace intaglio::console {
+namespace {
+
+constexpr std::string_view kJobPart = "{job}";
+
+// clang-format off
+constexpr Route kRoutes[] = {
+    {"POST", "/api/v1/login", Right::kOpen, "LogInRequest", "ConsoleSession",
+     "Log in; the answer sets the cookie of the session"},
+    {"POST", "/api/v1/logout", Right::kRead, "", "ConsoleSession", "End the session"},
+    {"GET", "/api/v1/session", Right::kRead, "", "ConsoleSession", "Who is logged in"},
+    {"POST", "/api/v1/charge", Right::kOperate, "", "ConsoleSession",
+     "Take over: the commands of everybody else are refused from now on"},
+    {"POST", "/api/v1/stop", Right::kRead, "StopRequest", "StopAnswer",
+     "Stop every machine"},
+    {"GET", "/api/v1/status", Right::kRead, "", "ShopStatus", "The shop"},
+    {"GET", "/api/v1/jobs", Right::kRead, "", "JobList", "Its jobs"},
+    {"GET", "/api/v1/jobs/{job}", Right::kRead, "", "JobRecord", "A job"},
+    {"GET", "/api/v1/jobs/{job}/plan", Right::kRead, "", "application/octet-stream",
+     "Its planned points"},
+    {"GET", "/api/v1/jobs/{job}/made", Right::kRead, "", "application/octet-stream",
+     "What was made of them, from the record `from` on"},
+    {"GET", "/api/v1/jobs/{job}/report", Right::kRead, "", "JobReport", "Its report"},
+    {"GET", "/api/v1/jobs/{job}/picture", Right::kRead, "", "image/png",
+     "The customer's picture"},
+    {"GET", "/api/v1/jobs/{job}/views", Right::kRead, "", "image/png", "Its views"},
+    {"POST", "/api/v1/jobs/{job}/hold", Right::kCharge, "HoldRequest", "HoldAnswer",
+     "Begin to hold the button of an arm or a resume"},
+    {"POST", "/api/v1/jobs/{job}/arm", Right::kCharge, "ArmRequest", "CommandAnswer",
+     "Arm at the end of the hold"},
+    {"POST", "/api/v1/jobs/{job}/resume", Right::kCharge, "ResumeRequest", "CommandAnswer",
+     "Resume at the end of the hold"},
+    {"POST", "/api/v1/jobs/{job}/pause", Right::kOperate, "", "CommandAnswer", "Pause"},
+    {"POST", "/api/v1/jobs/{job}/cancel", Right::kCharge, "", "CommandAnswer",
+     "Cancel for good"},
+    {"POST", "/api/v1/jobs/{job}/speed", Right::kCharge, "SpeedRequest", "CommandAnswer",
+     "Set the speed"},
+    {"GET", "/api/v1/events", Right::kRead, "", "text/event-stream",
+     "The lines of --events"},
+    {"GET", "/metrics", Right::kRead, "", "text/plain", "For Prometheus"},
+};
+// clang-format on
+
+bool IsPath(std::string_view pattern, std::string_view path) {
+  const auto part = pattern.find(kJobPart);
+  if (part == std::string_view::npos) return path == pattern;
+  if (!path.starts_with(pattern.substr(0, part))) return false;
+  path.remove_prefix(part);
+  pattern.remove_prefix(part + kJobPart.size());
+  const auto end = std::min(path.find('/'), path.size());
+  return end > 0 && path.substr(end) == pattern;
+}
+
+}  // namespace
+
+std::span<const Route> Routes() { return kRoutes; }
+
+const Route* FindRoute(std::string_view method, std::string_view path) {
+  const auto* found =
+      std::find_if(std::begin(kRoutes), std::end(kRoutes), [&](const Route& route) {
+        return route.method == method && IsPath(route.path, path);
+      });
+  return found == std::end(kRoutes) ? nullptr : found;
+}
+
+}  // namespace intaglio::console
