@@ -16,7 +16,6 @@
 namespace intaglio::console {
 
 inline constexpr char kEventsPath[] = "/api/v1/events";
-inline constexpr char kLogInPath[] = "/api/v1/login";
 inline constexpr char kControlPath[] = "/control";
 
 class Api {

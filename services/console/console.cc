@@ -58,7 +58,9 @@ web::ServerOptions ServerOptionsOf(const ConsoleOptions& options,
   server.port = address.port;
   server.key = address.key;
   server.pages = PageFiles();
-  server.open_paths = {kLogInPath};
+  for (const Route& route : Routes()) {
+    if (route.right == Right::kOpen) server.open_paths.emplace_back(route.path);
+  }
   server.event_paths = {kEventsPath};
   server.socket_paths = {kControlPath};
   return server;
