@@ -49,6 +49,7 @@ enum HalFlags : std::uint32_t {
   kHalInPlace = 1 << 11,
   kHalHostAlive = 1 << 12,  ///< the watchdog
   kHalLamp = 1 << 13,
+  kHalHomed = 1 << 14,  ///< the axes are where their feedback says
 };
 
 /// What one period has done.

@@ -14,6 +14,9 @@ constexpr int kStillSamples = 12;
 constexpr double kStill_mm = 0.0005;
 // The number of the first row of a session is far above any that may still be on its way.
 constexpr std::uint64_t kRowGap = 1'000'000;
+constexpr char kNotHomed[] =
+    "LinuxCNC does not know where the axes are: home them, until the axes' file sets "
+    "axes-homed, then resume";
 
 }  // namespace
 
@@ -189,6 +192,8 @@ void LinuxcncDriver::UpdateState(const HalSample& sample) {
   state_.link_up = state_.link_up || settled_;
   state_.refusal.clear();
   state_.position_mm = sample.actual_mm;
+  state_.homed = sample.Has(kHalHomed);
+  if (!state_.homed && run_in_flight_) SetFault(intaglio_MOTION_SAFE_STATE, kNotHomed);
   state_.covered_through_tick = course_.active() ? course_.covered_through_tick() : 0;
   state_.at_rest = settled_ && !course_.active() && !run_in_flight_ && !jog_in_flight_;
   ++state_.number;
@@ -279,7 +284,11 @@ Status LinuxcncDriver::BeginRun(std::uint32_t run, std::uint64_t start_tick,
   if (!state_.link_up) return LinkLost();
   if (state_.fault != intaglio_MOTION_OK)
     return Fail(ErrorCode::kRefused, "a fault is not cleared: " + state_.message);
-  if (course_.active() || run_in_flight_ || jog_in_flight_ || !settled_) {
+  if (!state_.homed) {
+    // With its number: else it would be taken for a fault of before (M18).
+    state_.run = run;
+    SetFault(intaglio_MOTION_SAFE_STATE, kNotHomed);
+  } else if (course_.active() || run_in_flight_ || jog_in_flight_ || !settled_) {
     SetFault(intaglio_MOTION_LATE,
              "the axes were not at rest at the beginning of the run");
   } else if (start_tick < next_tick_ || (start_tick == next_tick_ && next_period_ != 0)) {
@@ -324,6 +333,7 @@ Status LinuxcncDriver::Jog(const Vec3& axes, double speed_mm_s) {
   if (!state_.link_up) return LinkLost();
   if (state_.fault != intaglio_MOTION_OK)
     return Fail(ErrorCode::kRefused, "a fault is not cleared: " + state_.message);
+  if (!state_.homed) return Fail(ErrorCode::kRefused, kNotHomed);
   if (course_.active() || run_in_flight_ || jog_in_flight_ || !settled_)
     return Fail(ErrorCode::kRefused, "the axes are not at rest");
   if (!Inside(axes))

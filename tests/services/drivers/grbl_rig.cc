@@ -28,6 +28,10 @@ class GrblMotionRig final : public MotionRig {
     StepFor(1s);
     machine_.SwitchOn();
   }
+  bool LosePlace() override {
+    PowerCycle();
+    return true;
+  }
   bool Inflict(ControllerFault fault) override {
     return machine_.Inflict(fault) || MotionRig::Inflict(fault);
   }

@@ -190,6 +190,30 @@ void AnotherControllerMovesNothing(const MotionRigMaker& make) {
   bench.ExpectStill(1s, "M13: it moves");
 }
 
+void NothingRunsWhereThePlaceIsLost(const MotionRigMaker& make) {
+  MotionBench bench(make);
+  bench.Connect();
+  bench.ExpectGoodRun(1);
+  if (!bench.rig().LosePlace()) return;
+  const auto states_it = [&] {
+    return bench.state().link_up &&
+           (!bench.state().homed || !bench.state().place_lost.empty());
+  };
+  Expect(bench.Until(states_it), "M18: a place that is lost is not stated");
+  if (bench.state().fault != intaglio_MOTION_OK) bench.ClearFault();
+  bench.Begin(2);
+  bench.ExpectFault(intaglio_MOTION_SAFE_STATE, "M18: a run where the place is lost");
+  Expect(bench.state().run == 2, "M18: the fault of a run is without its number");
+  bench.ExpectStill(500ms, "M18: a run begins where the place is lost");
+  bench.ClearFault();
+  Expect(states_it(), "M18: ClearFault finds the place");
+  Expect(bench.rig().FindPlace(), "M18: a person cannot state the place");
+  Expect(bench.Until([&] { return !states_it(); }),
+         "M18: the place stays lost: " + bench.Message());
+  bench.positions.clear();
+  bench.ExpectGoodRun(3);
+}
+
 std::vector<MotionCheck> AllMotionChecks() {
   std::vector<MotionCheck> all = {
       {"M2M3M4M12_runs", &RunsFollowTheirSegments},
@@ -203,6 +227,7 @@ std::vector<MotionCheck> AllMotionChecks() {
       {"M9_cut_at_any_byte", &ALineCutAtAnyByteBringsTheStageToRest},
       {"M11_power_cycle", &APowerCycleEndsWhatWasBegun},
       {"M13_another_controller", &AnotherControllerMovesNothing},
+      {"M18_lost_place", &NothingRunsWhereThePlaceIsLost},
       {"M14_jog", &AJogGoesToItsPlaceAndRests},
       {"M15_hold", &HoldEndsAJog},
       {"M14_refusals", &AJogIsRefusedDuringARunAndAfterAFault},

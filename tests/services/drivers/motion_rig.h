@@ -55,6 +55,15 @@ class MotionRig {
     if (fault == ControllerFault::kUnplug) CutLine(false);
   }
 
+  /// The controller does not know any more where its axes are, and moves nothing; false:
+  /// one of this family always knows. Over when it returns.
+  virtual bool LosePlace() { return false; }
+  /// As a person then does, until it knows again.
+  virtual bool FindPlace() {
+    return driver->SetZero(actual_mm(), {true, true, true}) &&
+           Until([this] { return driver->state().at_rest; });
+  }
+
   // What the stage really does, whatever is reported.
   virtual Vec3 actual_mm() = 0;
   virtual bool moves() = 0;

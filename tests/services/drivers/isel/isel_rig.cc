@@ -22,6 +22,15 @@ class IselMotionRig final : public MotionRig {
     StepFor(1s);
     machine_.SwitchOn();
   }
+  bool LosePlace() override {
+    machine_.SwitchOff();
+    StepFor(1s);
+    machine_.SwitchOn(false);
+    return true;
+  }
+  bool FindPlace() override {
+    return driver->Home() && Until([this] { return driver->state().at_rest; }, 60s);
+  }
   // Its own stop key ends a move; door and stop button are its chain.
   bool Inflict(ControllerFault fault) override {
     if (fault == ControllerFault::kEmergencyStop) {

@@ -86,6 +86,8 @@ class Motion final : public drivers::MotionRig {
     StepFor(std::chrono::seconds(1));
     rig_.SwitchOn();
   }
+  bool LosePlace() override { return SetHomed(false); }
+  bool FindPlace() override { return SetHomed(true); }
   Vec3 actual_mm() override { return rig_.tap.newest().actual_mm; }
   bool moves() override { return rig_.tap.moves(); }
   double rate_hz() const override { return kMotionRate_hz; }
@@ -101,6 +103,12 @@ class Motion final : public drivers::MotionRig {
   double speed_margin() const override { return 1.5; }
 
  private:
+  /// By the axes' file.
+  bool SetHomed(bool homed) {
+    rig_.machine.Command(fmt::format("sets axes-homed {:d}", homed));
+    StepFor(std::chrono::milliseconds(100));
+    return true;
+  }
   void AdvanceController() override { rig_.Advance(); }
   Rig rig_;
 };
