@@ -159,7 +159,7 @@ CommandAnswer JobService::Mount(const CommandView& command, Nanoseconds now) {
       queue_.mounts().RecordFor(command, host::UtcText(std::chrono::system_clock::now()));
   if (!mount) return {};
   store_.KeepMount(*mount);
-  queue_.SetMount(*mount, now);
+  queue_.SetMount(*mount, command.basis, now);
   board_.Publish(*mount);
   host::LogInfo("{} has mounted in {}: {}", mount->operator_name, mount->cell,
                 TextOf(mount->parts));

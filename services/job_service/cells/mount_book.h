@@ -8,7 +8,8 @@
 //    nobody named is asked for. Of a virtual machine it is not compared.
 // 3. What a person says ends every arm at that machine, also when it is the same as
 //    before: the block is another one. A program that repeats what it was started with
-//    ends arms only when that differs.
+//    ends arms only when that differs; and where nobody had reported anything before,
+//    only those of jobs that are not for it: the machine is the one that was armed.
 // Used from one thread.
 
 #include <map>

@@ -77,11 +77,14 @@ CommandAnswer Arming::CheckArm(const JobRecord& job, const CommandView& command)
   return pieces_.Check(job, command);
 }
 
-void Arming::SetMount(const MountRecord& mount, Nanoseconds now) {
+void Arming::SetMount(const MountRecord& mount, intaglio_ArmBasis basis,
+                      Nanoseconds now) {
+  const bool is_first = !mounts_.mounts().contains(mount.cell);
   mounts_.Set(mount);
   const std::string what = TextOf(mount.parts);
   EndArms(intaglio_PAUSE_MACHINE_CHANGED, now, [&](const JobRecord& job) {
     if (job.cell != mount.cell) return std::string();
+    if (is_first && basis == intaglio_ARM_BY_PROGRAM) return mounts_.MisfitOf(job);
     return fmt::format("{} has reported what is mounted{}", mount.operator_name,
                        what.empty() ? "" : ", " + what);
   });

@@ -51,8 +51,9 @@ class Arming {
   /// What a job that waits for a consent asks for, for people.
   static std::string ConsentMessage(const JobRecord& job, const Warning& warning);
 
-  /// A person has reported what is mounted, or a program with another content.
-  void SetMount(const MountRecord& mount, Nanoseconds now);
+  /// A person has reported what is mounted, or a program with another content (rule 3 of
+  /// mount_book.h).
+  void SetMount(const MountRecord& mount, intaglio_ArmBasis basis, Nanoseconds now);
   /// Why the job may not be armed for what is mounted; empty: it may.
   const std::string& MountMisfitOf(JobRecord& job) const;
   /// Publishes of every job with a machine whether it awaits another block.

@@ -96,8 +96,8 @@ class JobQueue {
   }
   const MountBook& mounts() const { return mounts_; }
   /// The record was made by mounts(), and is kept.
-  void SetMount(const MountRecord& mount, Nanoseconds now) {
-    arming_.SetMount(mount, now);
+  void SetMount(const MountRecord& mount, intaglio_ArmBasis basis, Nanoseconds now) {
+    arming_.SetMount(mount, basis, now);
   }
   /// A person closes the shop: the person who opens it again arms again.
   void Close(Nanoseconds now) { take_up_.CloseShop(now); }

@@ -1,5 +1,8 @@
 #include "services/job_service/queue/arming.h"
 
+#include <gmock/gmock.h>
+
+#include "proto/task.pb.h"
 #include "tests/services/job_service/queue/queue_bench.h"
 
 namespace intaglio::job_service {
@@ -147,6 +150,37 @@ TEST_F(ArmingTest, AFaultWhileItIsTakenUpIsWhyItIsPaused) {
   arming_.TakePaused(*job_, Paused(intaglio_PAUSE_MACHINE_CHANGED, 0), now_);
   EXPECT_FALSE(job_->arm.armed());
   EXPECT_EQ(job_->pause_reason, intaglio_PAUSE_MACHINE_CHANGED);
+}
+
+// A shop that is being opened reports its block a moment after the first arm.
+TEST_F(ArmingTest, TheFirstReportOfAProgramEndsOnlyArmsOfJobsForSomethingElse) {
+  FrozenJob frozen;
+  Vector3& size_mm = *frozen.mutable_job()->mutable_block()->mutable_size_mm();
+  size_mm.set_x(50);
+  size_mm.set_y(50);
+  size_mm.set_z(30);
+  frozen.mutable_job()->mutable_lens()->set_numerical_aperture(0.06);
+  job_->frozen_job = frozen.SerializeAsString();
+  const auto armed_behind = [&](const Vec3& block_mm, intaglio_ArmBasis basis) {
+    if (!job_->arm.armed()) arming_.Arm(*job_, Of(intaglio_COMMAND_ARM), now_);
+    now_ += 1s;
+    CommandView command = Of(intaglio_COMMAND_MOUNT);
+    command.cell = "c";
+    command.basis = basis;
+    command.mounted.block_mm = block_mm;
+    if (const auto mount = mounts_.RecordFor(command, ""))
+      arming_.SetMount(*mount, basis, now_);
+    return job_->arm.armed();
+  };
+  EXPECT_TRUE(armed_behind({50, 50, 30}, intaglio_ARM_BY_PROGRAM)) << "what was armed";
+  EXPECT_TRUE(armed_behind({50, 50, 30}, intaglio_ARM_BY_PROGRAM)) << "repeated";
+  EXPECT_FALSE(armed_behind({60, 60, 30}, intaglio_ARM_BY_PROGRAM)) << "another one";
+  EXPECT_FALSE(armed_behind({60, 60, 30}, intaglio_ARM_BY_PERSON)) << "changed";
+  mounts_ = MountBook();
+  EXPECT_FALSE(armed_behind({50, 50, 30}, intaglio_ARM_BY_PERSON)) << "a first one";
+  mounts_ = MountBook();
+  EXPECT_FALSE(armed_behind({50, 50, 40}, intaglio_ARM_BY_PROGRAM)) << "too high";
+  EXPECT_THAT(job_->message, testing::HasSubstr("50 x 50 x 40 mm"));
 }
 
 TEST_F(ArmingTest, OnlyArmsWithAReasonEnd) {
