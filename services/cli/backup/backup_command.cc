@@ -13,8 +13,8 @@
 #include "services/cli/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
-#include "services/client/folder_lock.h"
 #include "services/client/fresh_paths.h"
+#include "services/client/locks/folder_lock.h"
 
 namespace intaglio::cli {
 namespace {

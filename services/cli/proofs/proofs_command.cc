@@ -11,7 +11,7 @@
 #include "services/cli/interrupt.h"
 #include "services/cli/proofs/cell_proofs.h"
 #include "services/client/exit_codes.h"
-#include "services/client/folder_lock.h"
+#include "services/client/locks/folder_lock.h"
 #include "services/platform/host/process/init_system.h"
 
 namespace intaglio::cli {

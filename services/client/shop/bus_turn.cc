@@ -1,8 +1,6 @@
 #include "services/client/shop/bus_turn.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -14,19 +12,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::chrono::milliseconds kRetry{20};
-
-enum class Lock { kTaken, kBusy, kImpossible };
-
-Lock TryLock(const fs::path& file, int& fd) {
-  const int opened = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
-  if (opened < 0) return Lock::kImpossible;
-  if (flock(opened, LOCK_EX | LOCK_NB) == 0) {
-    fd = opened;
-    return Lock::kTaken;
-  }
-  close(opened);
-  return Lock::kBusy;
-}
 
 }  // namespace
 
@@ -40,15 +25,13 @@ BusTurn::BusTurn(const fs::path& folder, std::chrono::milliseconds longest) {
   for (;;) {
     for (std::size_t i = 0; i < kPlaces; ++i) {
       const auto file = folder / fmt::format("client.{}", (first + i) % kPlaces);
-      if (TryLock(file, fd_) != Lock::kBusy) return;
+      auto lock = FileLock::TryLock(file);
+      if (lock) place_.emplace(std::move(*lock));
+      if (lock || lock.error().code != ErrorCode::kRefused) return;
     }
     if (std::chrono::steady_clock::now() >= end) return;
     std::this_thread::sleep_for(kRetry);
   }
-}
-
-void BusTurn::End() {
-  if (fd_ >= 0) close(std::exchange(fd_, -1));
 }
 
 fs::path BusTurn::DefaultFolder() {

@@ -8,7 +8,10 @@
 #include <chrono>
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <utility>
+
+#include "services/client/locks/file_lock.h"
 
 namespace intaglio::client {
 
@@ -27,18 +30,17 @@ class BusTurn {
   /// `folder`: default $XDG_RUNTIME_DIR/intaglio, else /tmp/intaglio-UID.
   explicit BusTurn(const std::filesystem::path& folder = DefaultFolder(),
                    std::chrono::milliseconds longest = kLongest);
-  ~BusTurn() { End(); }
-  BusTurn(BusTurn&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  BusTurn(BusTurn&& other) noexcept : place_(std::exchange(other.place_, {})) {}
   BusTurn& operator=(BusTurn&&) = delete;
 
   /// Gives the place back; the end of the process does it as well.
-  void End();
-  bool has_place() const { return fd_ >= 0; }
+  void End() { place_.reset(); }
+  bool has_place() const { return place_.has_value(); }
 
   static std::filesystem::path DefaultFolder();
 
  private:
-  int fd_ = -1;
+  std::optional<FileLock> place_;
 };
 
 }  // namespace intaglio::client

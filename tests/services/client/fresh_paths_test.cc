@@ -5,7 +5,7 @@
 #include <fstream>
 #include <optional>
 
-#include "services/client/folder_lock.h"
+#include "services/client/locks/folder_lock.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::client {

@@ -1,4 +1,4 @@
-#include "services/client/folder_lock.h"
+#include "services/client/locks/folder_lock.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

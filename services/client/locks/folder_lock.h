@@ -4,8 +4,10 @@
 // machines on one glass record, would spoil each other.
 
 #include <filesystem>
+#include <utility>
 
 #include "engrave/core/result.h"
+#include "services/client/locks/file_lock.h"
 
 namespace intaglio::client {
 
@@ -14,13 +16,12 @@ class FolderLock {
   /// Makes the folder if need be. kRefused names the process that has it; kIo when the
   /// folder cannot be written. The lock goes with the process, however it ends.
   static Result<FolderLock> Take(const std::filesystem::path& folder);
-  FolderLock(FolderLock&& other) noexcept;
+  FolderLock(FolderLock&&) noexcept = default;
   FolderLock& operator=(FolderLock&&) = delete;
-  ~FolderLock();
 
  private:
-  explicit FolderLock(int fd) : fd_(fd) {}
-  int fd_;
+  explicit FolderLock(FileLock file) : file_(std::move(file)) {}
+  FileLock file_;
 };
 
 }  // namespace intaglio::client
