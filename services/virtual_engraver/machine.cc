@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "services/virtual_engraver/late_line.h"
+#include "services/virtual_engraver/lines/late_line.h"
 
 namespace intaglio::virtual_engraver {
 namespace {
@@ -21,49 +21,8 @@ constexpr auto kIdle = 10ms;
 constexpr auto kLateLineIdle = 200us;
 // Between two reads of the lines.
 constexpr int kTicksAtOnce = 2048;
-// What the host has not taken yet stops the lockstep clock, so it stays bounded.
-constexpr std::size_t kMaxWaiting = 256;
-
-template <typename Frame>
-std::uint8_t Number(Frame type) {
-  return static_cast<std::uint8_t>(type);
-}
 
 }  // namespace
-
-void Machine::Line::Plug(std::unique_ptr<link::ByteStream> end,
-                         const link::SteadyClock& clock) {
-  waiting.clear();
-  link.reset();
-  if (end) {
-    link = std::make_unique<link::ReliableLink>(link::Side::kDevice, std::move(end),
-                                                clock, link::LinkOptions{}, epoch);
-  }
-}
-
-bool Machine::Line::Poll(const link::ReliableLink::Handler& handler) {
-  if (!link) return false;
-  bool fresh = false;
-  const auto polled =
-      link->Poll([&](std::uint8_t type, std::span<const std::byte> payload) {
-        handler(type, payload);
-      });
-  if (!polled) link.reset();
-  if (link && link->up() && link->session() != session) {
-    session = link->session();
-    waiting.clear();
-    next_status = nanoseconds{0};
-    fresh = true;
-  }
-  return fresh;
-}
-
-void Machine::Line::Flush() {
-  while (link && !waiting.empty() && link->CanSend()) {
-    if (!link->Send(waiting.front().first, waiting.front().second)) return;
-    waiting.pop_front();
-  }
-}
 
 Machine::Machine(const MachineOptions& options, Glass glass, link::SteadyClock clock)
     : options_(options),
@@ -98,12 +57,13 @@ void Machine::PlugOneLine(std::unique_ptr<link::ByteStream> end) {
 void Machine::PollLines() {
   // The identity goes first in a session, before what its frames are answered with.
   if (laser_line_.Poll([this](std::uint8_t type, std::span<const std::byte> payload) {
-        const bool motion = one_line_ && type >= Number(MotionFrame::kBeginRun);
+        const bool motion =
+            one_line_ && type >= static_cast<std::uint8_t>(MotionFrame::kBeginRun);
         motion ? HandleMotion(static_cast<MotionFrame>(type), payload)
                : HandleLaser(static_cast<LaserFrame>(type), payload);
       })) {
     laser_.NewSession();
-    laser_line_.Send(Number(LaserFrame::kLaserIdentity), Encode(laser_.Identity()));
+    laser_line_.Send(LaserFrame::kLaserIdentity, Encode(laser_.Identity()));
     if (one_line_) GreetMotionHost();
   }
   if (motion_line_.Poll([this](std::uint8_t type, std::span<const std::byte> payload) {
@@ -114,11 +74,11 @@ void Machine::PollLines() {
 }
 
 void Machine::GreetMotionHost() {
-  Line& line = MotionLine();
-  line.Send(Number(MotionFrame::kMotionIdentity), Encode(stage_.Identity()));
-  line.Send(Number(MotionFrame::kStageTolerance), Encode(stage_.Tolerance()));
+  DeviceLine& line = MotionLine();
+  line.Send(MotionFrame::kMotionIdentity, Encode(stage_.Identity()));
+  line.Send(MotionFrame::kStageTolerance, Encode(stage_.Tolerance()));
   if (const OwnClock* own = stage_.own_clock()) {
-    line.Send(Number(MotionFrame::kControllerClock),
+    line.Send(MotionFrame::kControllerClock,
               Encode(link::ControllerClock{own->power_up(), own->now_ns()}));
   }
 }
@@ -127,11 +87,11 @@ void Machine::HandleLaser(LaserFrame type, std::span<const std::byte> payload) {
   if (laser_.Obey(type, payload)) return;
   switch (type) {
     case LaserFrame::kLaserStatusRequest:
-      laser_line_.status_asked = true;
+      laser_line_.AskForStatus();
       return;
     case LaserFrame::kPastRequest:
       if (const auto m = link::Decode<link::PastRequest>(payload)) {
-        laser_line_.Send(Number(LaserFrame::kPastReport), Encode(laser_.Past(*m)));
+        laser_line_.Send(LaserFrame::kPastReport, Encode(laser_.Past(*m)));
       }
       return;
     default:
@@ -169,7 +129,7 @@ void Machine::HandleMotion(MotionFrame type, std::span<const std::byte> payload)
     case MotionFrame::kMotionReset:
       return stage_.Reset();
     case MotionFrame::kMotionStatusRequest:
-      motion_line_.status_asked = true;
+      motion_line_.AskForStatus();
       return;
     default:
       return;
@@ -200,8 +160,7 @@ bool Machine::MayPassTick() const {
   if (!laser_.CountsSync()) return false;
   if (!options_.laser.lockstep) return clock_() >= next_tick_at_;
   return laser_.NextIsDecided() && stage_.MayPass(laser_.rate_hz()) &&
-         laser_line_.waiting.size() < kMaxWaiting &&
-         motion_line_.waiting.size() < kMaxWaiting;
+         !laser_line_.is_full() && !motion_line_.is_full();
 }
 
 void Machine::DelaySync(double seconds) {
@@ -266,34 +225,28 @@ void Machine::SendReports(bool at_once) {
   const nanoseconds now = clock_();
   // Reports first: a status speaks of ticks whose outcomes are known already.
   for (const link::PulseReport& report : laser_.TakeReports()) {
-    laser_line_.Send(Number(LaserFrame::kPulseReport), Encode(report));
+    laser_line_.Send(LaserFrame::kPulseReport, Encode(report));
   }
   for (const link::Positions& positions : stage_.TakePositions()) {
-    MotionLine().Send(Number(MotionFrame::kPositions), Encode(positions));
+    MotionLine().Send(MotionFrame::kPositions, Encode(positions));
   }
   for (const link::TimedPositions& positions : stage_.TakeTimedPositions()) {
     // They arrive at rest, too: they are not kept for a host that is not there.
-    if (!MotionLine().link || !MotionLine().link->up()) break;
-    MotionLine().Send(Number(MotionFrame::kTimedPositions), Encode(positions));
+    if (!MotionLine().is_up()) break;
+    MotionLine().Send(MotionFrame::kTimedPositions, Encode(positions));
   }
   const link::LaserStatus status = laser_.Report();
   const std::uint32_t interlocks = status.interlocks | status.shutters_open << 8;
-  if (at_once || laser_line_.status_asked || interlocks != sent_interlocks_ ||
-      now >= laser_line_.next_status) {
+  if (at_once || interlocks != sent_interlocks_ || laser_line_.IsStatusDue(now)) {
     sent_interlocks_ = interlocks;
-    laser_line_.status_asked = false;
-    laser_line_.next_status = now + kStatusPeriod;
-    if (laser_line_.link && laser_line_.link->up()) {
-      laser_line_.Send(Number(LaserFrame::kLaserStatus), Encode(status));
-    }
+    laser_line_.SetNextStatus(now + kStatusPeriod);
+    if (laser_line_.is_up()) laser_line_.Send(LaserFrame::kLaserStatus, Encode(status));
   }
-  if (at_once || motion_line_.status_asked || stage_.fault() != sent_fault_ ||
-      now >= motion_line_.next_status) {
+  if (at_once || stage_.fault() != sent_fault_ || motion_line_.IsStatusDue(now)) {
     sent_fault_ = stage_.fault();
-    motion_line_.status_asked = false;
-    motion_line_.next_status = now + kStatusPeriod;
-    if (MotionLine().link && MotionLine().link->up()) {
-      MotionLine().Send(Number(MotionFrame::kMotionStatus), Encode(stage_.Report()));
+    motion_line_.SetNextStatus(now + kStatusPeriod);
+    if (MotionLine().is_up()) {
+      MotionLine().Send(MotionFrame::kMotionStatus, Encode(stage_.Report()));
     }
   }
   laser_line_.Flush();

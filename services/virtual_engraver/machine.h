@@ -16,16 +16,15 @@
 
 #include <array>
 #include <chrono>
-#include <deque>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "services/platform/link/reliable_link.h"
 #include "services/virtual_engraver/beam.h"
 #include "services/virtual_engraver/bodies.h"
 #include "services/virtual_engraver/glass.h"
 #include "services/virtual_engraver/laser.h"
+#include "services/virtual_engraver/lines/device_line.h"
 #include "services/virtual_engraver/positioner.h"
 #include "services/virtual_engraver/stage.h"
 #include "services/virtual_engraver/stations.h"
@@ -82,30 +81,11 @@ class Machine {
   std::string StatusLine();
 
  private:
-  /// One line's link, the data that wait to be sent on it, and when it sent last.
-  struct Line {
-    std::unique_ptr<link::ReliableLink> link;
-    std::shared_ptr<link::LineEpoch> epoch = std::make_shared<link::LineEpoch>();
-    std::uint32_t session = 0;
-    std::deque<std::pair<std::uint8_t, link::Bytes>> waiting;
-    std::chrono::nanoseconds next_status{0};
-    bool status_asked = false;
-
-    void Plug(std::unique_ptr<link::ByteStream> end, const link::SteadyClock& clock);
-    /// True when a new session has begun.
-    bool Poll(const link::ReliableLink::Handler& handler);
-    bool silent() const { return session != 0 && (!link || !link->up()); }
-    void Send(std::uint8_t type, link::Bytes payload) {
-      waiting.emplace_back(type, std::move(payload));
-    }
-    void Flush();
-  };
-
   std::unique_ptr<link::ByteStream> Delayed(std::unique_ptr<link::ByteStream> end);
   void PollLines();
   void GreetMotionHost();
   /// What carries the frames of the stage.
-  Line& MotionLine() { return one_line_ ? laser_line_ : motion_line_; }
+  DeviceLine& MotionLine() { return one_line_ ? laser_line_ : motion_line_; }
   void HandleLaser(link::LaserFrame type, std::span<const std::byte> payload);
   void HandleMotion(link::MotionFrame type, std::span<const std::byte> payload);
   void AdvanceJog();
@@ -124,7 +104,7 @@ class Machine {
   Glass glass_;
   Bodies bodies_;
   link::SteadyClock clock_;
-  Line laser_line_, motion_line_;
+  DeviceLine laser_line_, motion_line_;
   bool one_line_ = false;
   unsigned lines_plugged_ = 0;
   std::chrono::nanoseconds next_tick_at_;

@@ -8,7 +8,6 @@ namespace intaglio::virtual_engraver {
 namespace {
 
 using link::StageFault;
-constexpr double kNmPerMm = 1e6;
 
 Vec3 ToMm(std::int32_t x, std::int32_t y, std::int32_t z) {
   return Vec3(x, y, z) / kNmPerMm;

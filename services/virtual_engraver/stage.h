@@ -33,6 +33,8 @@
 namespace intaglio::virtual_engraver {
 
 inline constexpr std::uint64_t kSubticksPerTick = 65536;
+/// The motion line counts in nm.
+inline constexpr double kNmPerMm = 1e6;
 
 struct StageOptions {
   Vec3 travel_min_mm = Vec3::Zero();

@@ -7,7 +7,6 @@
 namespace intaglio::virtual_engraver {
 namespace {
 
-constexpr double kNmPerMm = 1e6;
 constexpr double kHomeSpeedMmS = 20;
 // Slower than braking, as a person wants it.
 constexpr double kJogAccelerationRatio = 0.1;

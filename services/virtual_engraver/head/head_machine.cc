@@ -12,7 +12,6 @@ constexpr std::chrono::milliseconds kHeadStatusPeriod{20};
 constexpr std::chrono::microseconds kHeadIdle{500};
 // Between two reads of the line.
 constexpr std::uint64_t kHeadTicksAtOnce = 2000;
-constexpr std::size_t kMaxHeadWaiting = 256;
 
 }  // namespace
 
@@ -47,13 +46,8 @@ HeadMachine::HeadMachine(const HeadOptions& options, std::ofstream record,
 
 void HeadMachine::Plug(std::unique_ptr<link::ByteStream> end) {
   controller_.LoseHost();
-  waiting_.clear();
-  link_.reset();
-  session_ = 0;
-  if (end) {
-    link_ = std::make_unique<link::ReliableLink>(link::Side::kDevice, std::move(end),
-                                                 clock_, link::LinkOptions{}, epoch_);
-  }
+  line_.Plug(std::move(end), clock_);
+  line_.ForgetSession();
 }
 
 void HeadMachine::Handle(HeadFrame type, std::span<const std::byte> payload) {
@@ -79,7 +73,7 @@ void HeadMachine::Handle(HeadFrame type, std::span<const std::byte> payload) {
       return controller_.Reset();
     case HeadFrame::kHeadPastRequest:
       if (const auto m = link::Decode<link::HeadPastRequest>(payload))
-        Send(HeadFrame::kHeadPast, Encode(controller_.memory().Past(*m)));
+        line_.Send(HeadFrame::kHeadPast, Encode(controller_.memory().Past(*m)));
       return;
     default:
       return;
@@ -87,30 +81,18 @@ void HeadMachine::Handle(HeadFrame type, std::span<const std::byte> payload) {
 }
 
 void HeadMachine::PollLine() {
-  if (!link_) return;
-  const auto polled =
-      link_->Poll([this](std::uint8_t type, std::span<const std::byte> payload) {
+  const bool is_new =
+      line_.Poll([this](std::uint8_t type, std::span<const std::byte> payload) {
         Handle(static_cast<HeadFrame>(type), payload);
       });
-  if (!polled) {
-    link_.reset();
-    controller_.LoseHost();
-    return;
-  }
-  if (!link_->up()) {
-    if (session_ != 0) controller_.LoseHost();
-    return;
-  }
-  if (link_->session() == session_) return;
-  session_ = link_->session();
-  waiting_.clear();
+  if (line_.silent()) controller_.LoseHost();
+  if (!is_new) return;
   controller_.NewSession();
-  next_status_ = std::chrono::nanoseconds{0};
-  Send(HeadFrame::kHeadIdentity, Encode(controller_.Identity()));
+  line_.Send(HeadFrame::kHeadIdentity, Encode(controller_.Identity()));
 }
 
 void HeadMachine::PassTicks() {
-  if (waiting_.size() >= kMaxHeadWaiting && lockstep_) return;
+  if (line_.is_full() && lockstep_) return;
   if (lockstep_) {
     for (std::uint64_t i = 0; i < kHeadTicksAtOnce && controller_.has_ticks(); ++i)
       controller_.PassTick();
@@ -126,24 +108,20 @@ void HeadMachine::PassTicks() {
 
 void HeadMachine::SendReports() {
   for (const link::HeadMarks& marks : controller_.memory().TakeReports())
-    Send(HeadFrame::kHeadMarks, Encode(marks));
+    line_.Send(HeadFrame::kHeadMarks, Encode(marks));
   const link::HeadStatus status = controller_.Status();
   // What a host has to know at once.
   const auto changed = std::tuple(status.openings, status.run_state, status.drops_taken,
                                   status.interlocks & ~link::kHeadLaserOn);
   const bool drained = lockstep_ && status.queued_ticks == 0 &&
                        status.run_state == link::HeadRunState::kOpen &&
-                       clock_() >= next_status_ - kHeadStatusPeriod + kHeadIdle;
-  if (changed != sent_state_ || clock_() >= next_status_ || drained) {
+                       clock_() >= line_.next_status() - kHeadStatusPeriod + kHeadIdle;
+  if (changed != sent_state_ || line_.IsStatusDue(clock_()) || drained) {
     sent_state_ = changed;
-    next_status_ = clock_() + kHeadStatusPeriod;
+    line_.SetNextStatus(clock_() + kHeadStatusPeriod);
     for (const link::HeadWeb& web : controller_.TakeWeb())
-      Send(HeadFrame::kHeadWeb, Encode(web));
-    Send(HeadFrame::kHeadStatus, Encode(status));
-  }
-  while (link_ && !waiting_.empty() && link_->CanSend()) {
-    if (!link_->Send(waiting_.front().first, waiting_.front().second)) return;
-    waiting_.pop_front();
+      line_.Send(HeadFrame::kHeadWeb, Encode(web));
+    line_.Send(HeadFrame::kHeadStatus, Encode(status));
   }
 }
 
@@ -152,8 +130,8 @@ std::chrono::nanoseconds HeadMachine::Turn() {
   controller_.Watch(clock_());
   PassTicks();
   (void)Flush();
-  if (link_ && link_->up() && session_ != 0 && waiting_.size() < kMaxHeadWaiting)
-    SendReports();
+  if (line_.is_up() && !line_.is_full()) SendReports();
+  line_.Flush();
   return lockstep_ && controller_.has_ticks() ? std::chrono::nanoseconds{0}
                                               : std::chrono::nanoseconds(kHeadIdle);
 }

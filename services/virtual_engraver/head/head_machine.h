@@ -5,15 +5,14 @@
 //
 // Lockstep: ticks pass as fast as blocks come. Real time: by the clock.
 
-#include <deque>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <string>
 #include <tuple>
 
-#include "services/platform/link/reliable_link.h"
 #include "services/virtual_engraver/head/head_controller.h"
+#include "services/virtual_engraver/lines/device_line.h"
 
 namespace intaglio::virtual_engraver {
 
@@ -42,9 +41,6 @@ class HeadMachine {
   void PollLine();
   void PassTicks();
   void SendReports();
-  void Send(link::HeadFrame type, link::Bytes payload) {
-    waiting_.emplace_back(static_cast<std::uint8_t>(type), std::move(payload));
-  }
 
   bool lockstep_;
   std::ofstream record_;
@@ -54,11 +50,7 @@ class HeadMachine {
   std::chrono::nanoseconds begun_at_;
   std::uint64_t passed_ticks_ = 0;
   HeadController controller_;
-  std::unique_ptr<link::ReliableLink> link_;
-  std::shared_ptr<link::LineEpoch> epoch_ = std::make_shared<link::LineEpoch>();
-  std::uint32_t session_ = 0;
-  std::deque<std::pair<std::uint8_t, link::Bytes>> waiting_;
-  std::chrono::nanoseconds next_status_{0};
+  DeviceLine line_;
   std::tuple<std::uint32_t, link::HeadRunState, std::uint32_t, int> sent_state_{};
 };
 

@@ -1,4 +1,4 @@
-#include "services/virtual_engraver/late_line.h"
+#include "services/virtual_engraver/lines/late_line.h"
 
 #include <gtest/gtest.h>
 
