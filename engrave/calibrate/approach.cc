@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engrave/core/check.h"
+#include "engrave/motion/point_plan.h"
 
 // The plan is sampled densely. An axis has turned when it has gone back from its farthest
 // place by more than the rounding of a plan.
@@ -46,16 +47,10 @@ class AxisWay {
 std::vector<Approach> ApproachesOf(motion::PlanOptions plan, const PointList& axes) {
   Require(!axes.empty(), "there is no point");
   plan.compensated = false;
-  std::vector<motion::Segment> segments;
-  const auto planner = motion::MakePlanner(plan, axes.front());
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    planner->Append(axes[i], static_cast<std::int32_t>(i), true, segments);
-  }
-  planner->Finish(segments);
   std::vector<Approach> approaches(axes.size());
   std::array<AxisWay, 3> ways;
   motion::KnotState from{axes.front(), Vec3::Zero()};
-  for (const motion::Segment& segment : segments) {
+  for (const motion::Segment& segment : motion::PlanPoints(plan, axes)) {
     const double duration_s =
         motion::DurationSeconds(segment.duration_subticks, plan.rate_hz);
     for (int s = 0; s <= kSamples; ++s) {

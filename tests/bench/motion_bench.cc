@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "engrave/motion/planner.h"
+#include "engrave/motion/point_plan.h"
 #include "engrave/sort/order.h"
 #include "tests/engrave/motion/paths.h"
 #include "tests/engrave/motion/verified_motion.h"
@@ -46,28 +47,17 @@ std::vector<NamedPath> Paths() {
   return paths;
 }
 
-/// Segments of the whole path; ticks by `ticks`.
-std::vector<Segment> Plan(const PlanOptions& options, const PointList& path_mm) {
-  std::vector<Segment> segments;
-  const auto planner = MakePlanner(options, path_mm.front());
-  for (std::size_t i = 0; i < path_mm.size(); ++i) {
-    planner->Append(path_mm[i], static_cast<std::int32_t>(i), true, segments);
-  }
-  planner->Finish(segments);
-  return segments;
-}
-
 void Measure(benchmark::State& state, const PointList& path_mm, PlanOptions options) {
   options.continuous = false;
   const auto report_of = [&](const std::vector<Segment>& segments) {
     return VerifyMotion({path_mm.front(), Vec3::Zero()}, segments, path_mm,
                         options.limits, options.rate_hz);
   };
-  const MotionReport stopping = report_of(Plan(options, path_mm));
+  const MotionReport stopping = report_of(PlanPoints(options, path_mm));
   options.continuous = true;
   std::vector<Segment> segments;
   for (auto _ : state) {
-    segments = Plan(options, path_mm);
+    segments = PlanPoints(options, path_mm);
     benchmark::DoNotOptimize(segments.data());
   }
   const MotionReport passing = report_of(segments);

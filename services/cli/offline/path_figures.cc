@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <memory>
 #include <numeric>
 #include <optional>
 
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
 #include "engrave/motion/planner.h"
+#include "engrave/motion/point_plan.h"
 #include "engrave/motion/verify.h"
 #include "engrave/sort/shadow.h"
 #include "engrave/sort/travel.h"
@@ -51,7 +51,8 @@ class MotionMeter {
       : rate_hz_(plan.rate_hz),
         bounds_(bounds),
         sink_(sink),
-        planner_(motion::MakePlanner(plan, path.front())),
+        plan_(plan, path.front(),
+              [this](std::span<const motion::Segment> segments) { PassOn(segments); }),
         verified_mm_(path) {
     for (Vec3& point : verified_mm_) point = AtFocus(point);
     motion::VerifyOptions options;
@@ -62,20 +63,10 @@ class MotionMeter {
 
   Status Plan(const PointList& path_mm, std::size_t begin, std::size_t end) {
     const auto began = Clock::now();
-    for (std::size_t i = begin; i < end; ++i) {
-      planner_->Append(path_mm[i], static_cast<std::int32_t>(i), true, segments_);
-    }
-    if (end == path_mm.size()) planner_->Finish(segments_);
+    for (std::size_t i = begin; i < end; ++i) plan_.Append(path_mm[i]);
+    if (end == path_mm.size()) plan_.Rest();
     planning_ += Clock::now() - began;
-    for (const motion::Segment& segment : segments_) {
-      verifier_->Append(AtFocus(segment));
-      subticks_ += segment.duration_subticks;
-      if (segment.point >= 0) subticks_of_last_point_ = subticks_;
-      if (auto taken = sink_(segment); !taken) return taken;
-    }
-    segment_count_ += segments_.size();
-    segments_.clear();
-    return {};
+    return status_;
   }
 
   PlannedMotion Finish(std::size_t point_count) {
@@ -95,7 +86,7 @@ class MotionMeter {
     planned.mutable_violations()->Assign(report.violations.begin(),
                                          report.violations.end());
     planned.set_segment_count(segment_count_);
-    planned.set_max_move_um(1e3 * planner_->moves().max_mm * bounds_.any_mm);
+    planned.set_max_move_um(1e3 * plan_.moves().max_mm * bounds_.any_mm);
     planned.set_planned_points_per_s(
         points / std::max(1e-9, std::chrono::duration<double>(planning_).count()));
     return planned;
@@ -104,6 +95,17 @@ class MotionMeter {
  private:
   using Clock = std::chrono::steady_clock;
 
+  void PassOn(std::span<const motion::Segment> segments) {
+    const auto began = Clock::now();
+    for (const motion::Segment& segment : segments) {
+      verifier_->Append(AtFocus(segment));
+      subticks_ += segment.duration_subticks;
+      if (segment.point >= 0) subticks_of_last_point_ = subticks_;
+      if (status_) status_ = sink_(segment);
+    }
+    segment_count_ += segments.size();
+    planning_ -= Clock::now() - began;
+  }
   Vec3 AtFocus(const Vec3& axes) const { return axes.cwiseProduct(bounds_.axis_mm); }
   motion::Segment AtFocus(motion::Segment segment) const {
     segment.end_position_mm = AtFocus(segment.end_position_mm);
@@ -114,10 +116,10 @@ class MotionMeter {
   double rate_hz_;
   machine::ScaleBounds bounds_;
   const SegmentSink& sink_;
-  std::unique_ptr<motion::Planner> planner_;
+  motion::PointPlan plan_;
   PointList verified_mm_;
   std::optional<motion::MotionVerifier> verifier_;
-  std::vector<motion::Segment> segments_;
+  Status status_;  ///< of the sink
   Clock::duration planning_{};
   std::uint64_t subticks_ = 0, subticks_of_last_point_ = 0, segment_count_ = 0;
 };

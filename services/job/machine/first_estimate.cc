@@ -6,6 +6,7 @@
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
 #include "engrave/motion/planner.h"
+#include "engrave/motion/point_plan.h"
 #include "engrave/motion/segment.h"
 #include "engrave/sort/local_samples.h"
 #include "services/job/machine/machine_axes.h"
@@ -51,22 +52,16 @@ class Estimator {
     for (const std::uint32_t index : order) path_mm.push_back(part_mm[index]);
     const auto places =
         INTAGLIO_TRY(machine::AxesAlong(axes_, path_mm, motion_.limits.travel_mm));
-    auto planner = motion::MakePlanner(motion_, places.front());
-    std::vector<motion::Segment> segments;
     std::uint64_t subticks = 0, of_last_point = 0;
-    const auto count = [&] {
-      for (const motion::Segment& segment : segments) {
-        subticks += segment.duration_subticks;
-        if (segment.point >= 0) of_last_point = subticks;
-      }
-      segments.clear();
-    };
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      planner->Append(places[i], static_cast<std::int32_t>(i), true, segments);
-      count();
-    }
-    planner->Finish(segments);
-    count();
+    motion::PointPlan plan(motion_, places.front(),
+                           [&](std::span<const motion::Segment> segments) {
+                             for (const motion::Segment& segment : segments) {
+                               subticks += segment.duration_subticks;
+                               if (segment.point >= 0) of_last_point = subticks;
+                             }
+                           });
+    for (const Vec3& place : places) plan.Append(place);
+    plan.Rest();
     return static_cast<double>(of_last_point) /
            static_cast<double>(motion::kSubticksPerTick);
   }

@@ -9,6 +9,7 @@
 #include "engrave/drive/first_order.h"
 #include "engrave/drive/second_order.h"
 #include "engrave/motion/planner.h"
+#include "engrave/motion/point_plan.h"
 
 namespace intaglio::motion {
 namespace {
@@ -74,16 +75,6 @@ std::vector<double> DistancesAtPoints(const std::vector<Segment>& commands,
   return distances;
 }
 
-std::vector<Segment> Commands(const PointList& points, const PlanOptions& options) {
-  const auto planner = MakePlanner(options, points.front());
-  std::vector<Segment> commands;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    planner->Append(points[i], static_cast<std::int32_t>(i), true, commands);
-  }
-  planner->Finish(commands);
-  return commands;
-}
-
 PointList WanderingPoints() {
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal(0, 0.15);
@@ -103,7 +94,7 @@ double LargestDistance(const Stage& stage, const DrivePtr& compensated, double r
   options.continuous = true;
   options.drives = drive::AllAxes(compensated);
   const auto distances =
-      DistancesAtPoints(Commands(points, options), points, stage, rate_hz);
+      DistancesAtPoints(PlanPoints(options, points), points, stage, rate_hz);
   EXPECT_EQ(distances.size(), points.size());
   return *std::max_element(distances.begin(), distances.end());
 }
@@ -145,9 +136,9 @@ TEST(DriveCompensation, KeepsTimesPointsAndTheRestAtTheEnd) {
     PlanOptions options;
     options.rate_hz = 100;
     options.continuous = true;
-    const auto plain = Commands(points, options);
+    const auto plain = PlanPoints(options, points);
     options.drives = drive::AllAxes(drive);
-    const auto commands = Commands(points, options);
+    const auto commands = PlanPoints(options, points);
     ASSERT_EQ(commands.size(), plain.size());
     for (std::size_t i = 0; i < plain.size(); ++i) {
       EXPECT_EQ(commands[i].duration_subticks, plain[i].duration_subticks);

@@ -11,6 +11,7 @@
 #include "engrave/drive/drive_kinds.h"
 #include "engrave/motion/commands/error_prediction.h"
 #include "engrave/motion/planner.h"
+#include "engrave/motion/point_plan.h"
 
 namespace intaglio::motion {
 namespace {
@@ -39,12 +40,10 @@ Planned PlanWith(const PointList& points, const drive::AxisDrives& drives,
   options.drives = drives;
   options.error_limit = error_limit;
   options.compensated = compensated;
-  const auto planner = MakePlanner(options, points.front());
-  Planned planned;
-  for (std::size_t i = 0; i < points.size(); ++i)
-    planner->Append(points[i], static_cast<std::int32_t>(i), true, planned.commands);
-  planner->Finish(planned.commands);
-  planned.ticks = planner->ticks();
+  Planned planned{PlanPoints(options, points)};
+  for (const Segment& command : planned.commands)
+    planned.ticks += command.duration_subticks;
+  planned.ticks /= kSubticksPerTick;
   return planned;
 }
 
@@ -102,11 +101,7 @@ TEST(ErrorJudge, AtTheEndsOfTheTravelThePlanStaysWithinIt) {
   const Vec3 lead_mm =
       drives[0]->lead_s2() * options.limits.max_acceleration_mm_s2 + Vec3::Constant(0.01);
   options.limits.travel_mm = {extent.min_mm - lead_mm, extent.max_mm + lead_mm};
-  const auto planner = MakePlanner(options, points.front());
-  std::vector<Segment> plan;
-  for (std::size_t i = 0; i < points.size(); ++i)
-    planner->Append(points[i], static_cast<std::int32_t>(i), true, plan);
-  planner->Finish(plan);
+  const std::vector<Segment> plan = PlanPoints(options, points);
   const Vec3 wall_mm = Vec3::Constant(0.0101);
   KnotState from{points.front(), Vec3::Zero()};
   for (const Segment& to : plan) {

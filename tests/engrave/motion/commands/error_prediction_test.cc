@@ -15,6 +15,7 @@
 
 #include "engrave/drive/drive_kinds.h"
 #include "engrave/motion/planner.h"
+#include "engrave/motion/point_plan.h"
 
 namespace intaglio::motion {
 namespace {
@@ -97,12 +98,7 @@ std::vector<Segment> CommandsOf(const PointList& points,
   options.rate_hz = kLampHz;
   options.continuous = true;
   options.drives = drive::AllAxes(drive);
-  const auto planner = MakePlanner(options, points.front());
-  std::vector<Segment> commands;
-  for (std::size_t i = 0; i < points.size(); ++i)
-    planner->Append(points[i], static_cast<std::int32_t>(i), true, commands);
-  planner->Finish(commands);
-  return commands;
+  return PlanPoints(options, points);
 }
 
 /// x and y of the axes at the points, integrated.
