@@ -9,6 +9,7 @@
 
 #include "tests/integration/shop_floor.h"
 #include "tests/test_folder.h"
+#include "tests/test_name.h"
 
 namespace intaglio {
 namespace {
@@ -80,7 +81,11 @@ INSTANTIATE_TEST_SUITE_P(Hours, ClockStep,
                                            std::pair{testing::kSynchronizer, kHour},
                                            std::pair{testing::kBridge, -kHour},
                                            std::pair{"all", -kHour},
-                                           std::pair{"all", kHour}));
+                                           std::pair{"all", kHour}),
+                         [](const auto& row) {
+                           return test::AsTestName(row.param.first) +
+                                  (row.param.second < 0 ? "_back" : "_forward");
+                         });
 
 }  // namespace
 }  // namespace intaglio

@@ -19,6 +19,7 @@
 #include "engrave/formats/journal_file.h"
 #include "tests/integration/shop_floor.h"
 #include "tests/test_folder.h"
+#include "tests/test_name.h"
 
 namespace intaglio {
 namespace {
@@ -37,7 +38,7 @@ double Since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// Of a process, MB.
+/// The resident memory of a process, MB.
 double ResidentOf(pid_t pid) {
   std::ifstream in("/proc/" + std::to_string(pid) + "/statm");
   long pages = 0, resident = 0;
@@ -114,7 +115,8 @@ TEST_P(IsFrozen, AndTheGlassIsTheSame) {
 INSTANTIATE_TEST_SUITE_P(Service, IsFrozen,
                          ::testing::Values(testing::kJobService, testing::kSynchronizer,
                                            testing::kBridge, testing::kDiscretizer,
-                                           testing::kSorter));
+                                           testing::kSorter),
+                         [](const auto& row) { return test::AsTestName(row.param); });
 
 // Readers that do not read: what is written to them neither waits nor grows.
 TEST_F(Resources, WatchersThatAreFrozenCostNothing) {

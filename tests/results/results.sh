@@ -71,7 +71,7 @@ report_skipped() { # LOG LOG_OF_CTEST_WITH_ALL_OUTPUT
 report_slowest() { # LOG
   sed -nE 's@^ *[0-9]+/[0-9]+ Test +#[0-9]+: (.*[^ ]) \.+.* ([0-9.]+) sec.*@\2 \1@p' "$1" |
     sort -k1,1rn |
-    sed -nE '1,10{s/ +# GetParam\(\).*//; s/^([^ ]+) (.*)/\2 \1 s/p}' |
+    sed -nE '1,10{s/^([^ ]+) (.*)/\2 \1 s/p}' |
     paste -sd ',' | sed 's/,/, /g; s/^/slowest: /'
 }
 

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <vector>
 
+#include "tests/test_name.h"
 #include "tests/walls/tree_files.h"
 
 namespace intaglio::walls {
@@ -158,7 +159,8 @@ TEST_P(SourceCoverage, ItsFilesAndTestsExist) {
 
 INSTANTIATE_TEST_SUITE_P(Sources, SourceCoverage,
                          ::testing::Values("docs/source_coverage.md",
-                                           "docs/source_coverage_corners.md"));
+                                           "docs/source_coverage_corners.md"),
+                         [](const auto& row) { return test::AsTestName(row.param); });
 
 }  // namespace
 }  // namespace intaglio::walls

@@ -11,6 +11,8 @@
 #include <sstream>
 #include <string>
 
+#include "tests/test_name.h"
+
 namespace intaglio::optics {
 namespace {
 
@@ -51,6 +53,10 @@ const Dispersion kHK12{kRiiPolynomial,
                        0.365,
                        1.014};
 
+std::string NameOf(const ::testing::TestParamInfo<Check>& info) {
+  return test::AsTestName(::testing::PrintToString(info.param));
+}
+
 class PublishedIndex : public ::testing::TestWithParam<Check> {};
 
 TEST_P(PublishedIndex, IsReached) {
@@ -75,7 +81,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Check{"fused silica", kFusedSilica, 532, 1.46071, kFiveDigits},
                       Check{"fused silica", kFusedSilica, 1064, 1.44963, kFiveDigits},
                       // nd of the maker's catalog, six digits.
-                      Check{"H-K12", kHK12, 587.5618, 1.533589, 5.1e-7}));
+                      Check{"H-K12", kHK12, 587.5618, 1.533589, 5.1e-7}),
+    NameOf);
 
 // Formulas whose records come without a published index: the equation worked out by hand
 // at l = 2 um with round coefficients, so that every term counts and the powers of two
@@ -160,7 +167,8 @@ INSTANTIATE_TEST_SUITE_P(
         // r = 0.25 + 0.5 - 0.25 = 0.5, n^2 = 2 / 0.5.
         Check{"rii 8", {kRiiRetro, {0.25, 0.25, 2, -0.0625}, 1, 3}, 2000, 2, 1e-15},
         // shift = 0.5: 2 * 0.5 / (0.25 + 0.25) = 2.
-        Check{"rii 9", {kRiiExotic, {1.5, 1, 2, 2, 1.5, 0.25}, 1, 3}, 2000, 2, 1e-15}));
+        Check{"rii 9", {kRiiExotic, {1.5, 1, 2, 2, 1.5, 0.25}, 1, 3}, 2000, 2, 1e-15}),
+    NameOf);
 
 TEST(Dispersion, FamiliesAgreeOnTheSameGlass) {
   // N-BK7 as refractiveindex.info formulas 2 and 1, whose resonances are b and b^2;

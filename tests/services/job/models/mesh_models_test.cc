@@ -10,6 +10,7 @@
 #include "services/job/models/model_file.h"
 #include "tests/services/job/models/one_model.h"
 #include "tests/test_folder.h"
+#include "tests/test_name.h"
 
 namespace intaglio {
 namespace {
@@ -106,7 +107,10 @@ TEST_P(UnitsOfMeshes, AreThoseOfTheFileUnlessTheJobHasOne) {
 
 INSTANTIATE_TEST_SUITE_P(Files, UnitsOfMeshes,
                          ::testing::Values(DeclaredUnit{"unit.3mf", {20, 30, 40}},
-                                           DeclaredUnit{"unit.dae", {25.4, 50.8, 76.2}}));
+                                           DeclaredUnit{"unit.dae", {25.4, 50.8, 76.2}}),
+                         [](const auto& row) {
+                           return test::AsTestName(row.param.file);
+                         });
 
 }  // namespace
 }  // namespace intaglio
