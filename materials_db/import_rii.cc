@@ -177,7 +177,7 @@ class RecordReader {
     }
   }
 
-  /// Of values that hold in different ranges of temperature, the one whose range reaches
+  /// Chooses, of values in different ranges of temperature, the one whose range reaches
   /// room temperature and ends first: thermal expansion grows with the temperature.
   static std::optional<double> ValueNearRoom(const YAML::Node& node) {
     if (!node.IsSequence()) return NumberOf(node);

@@ -142,7 +142,7 @@ void TurnBack(double angle_rad, std::vector<PassedMark>& marks) {
   for (PassedMark& mark : marks) mark.measured_mm = back * mark.measured_mm;
 }
 
-/// Of marks that are turned little.
+/// Fits marks that are turned little.
 Result<MachineFit> FitTurned(const std::vector<PassedMark>& marks, const Mat2& a0) {
   const AxisSolution x = INTAGLIO_TRY(SolveAxis(marks, 0));
   const AxisSolution y = INTAGLIO_TRY(SolveAxis(marks, 1));

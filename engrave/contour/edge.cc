@@ -35,7 +35,7 @@ Edge MakeArc(const Vec2& center_mm, double radius_mm, double begin_rad,
   arc.sweep_rad = sweep_rad;
   arc.length_mm = radius_mm * std::abs(sweep_rad);
   arc.begin_mm = PointAt(arc, 0);
-  // Of a full circle the ends are one place, to the last bit.
+  // The ends of a full circle are one place, to the last bit.
   const bool full = std::abs(sweep_rad) >= kTwoPi;
   arc.end_mm = full ? arc.begin_mm : PointAt(arc, arc.length_mm);
   return arc;

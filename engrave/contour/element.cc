@@ -90,7 +90,7 @@ class Nodes {
 Edge WithEnds(const Edge& edge, const Vec2& begin_mm, const Vec2& end_mm) {
   if (!edge.is_arc()) return MakeLine(begin_mm, end_mm);
   Edge moved = MakeArcBetween(begin_mm, end_mm, edge.center_mm, edge.sweep_rad > 0);
-  // Of a full circle the ends stay one place; of a short arc they stay two.
+  // The ends of a full circle stay one place; those of a short arc stay two.
   if (std::abs(std::abs(moved.sweep_rad) - std::abs(edge.sweep_rad)) > 1) return edge;
   return moved;
 }

@@ -108,7 +108,7 @@ bool CountsInLoops(const Edge& e, const Vec2& p) {
   const bool of_polygon =
       (e.begin_mm.y() <= p.y()) != (e.end_mm.y() <= p.y()) && (side > 0) == up;
   if (!e.is_arc()) return of_polygon;
-  // Of an arc that turns left the segment lies to the right of the chord. A point on
+  // The segment of an arc that turns left lies to the right of the chord. A point on
   // the chord is to the right of it, as for the polygon, which takes a point at the
   // height of a corner to be above it.
   const bool above = e.begin_mm.y() == e.end_mm.y() && e.end_mm.x() > e.begin_mm.x();

@@ -64,7 +64,7 @@ AxisFilter::AxisFilter(std::span<const double> denominator, double period_s)
 template <int kOrder>
 void AxisFilter::RunOf(std::span<const double> setpoints,
                        std::span<double> actual) const {
-  // Of the difference to the line of the first two setpoints, from rest.
+  // Filters the difference to the line of the first two setpoints, from rest.
   const std::size_t count = setpoints.size();
   const double slope = count > 1 ? setpoints[1] - setpoints[0] : 0;
   const double lag = lag_s_ / period_s_ * slope;

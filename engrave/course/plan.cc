@@ -60,7 +60,7 @@ namespace {
 
 /// Kernels to choose from, in units of KernelTime.
 constexpr double kKernelLengths[] = {1.6, 2.1, 2.7, 3.3, 3.9, 4.8, 6, 8, 11};
-/// Of what the motor's limit allows on a straight line.
+/// Shares of what the motor's limit allows on a straight line.
 constexpr double kAccelerationShares[] = {0.4, 0.55, 0.7, 0.85};
 
 /// 1 / w of the slowest mechanics; of stiff ones what rounding by the tolerance takes

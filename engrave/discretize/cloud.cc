@@ -14,8 +14,8 @@
 namespace intaglio::discretize {
 namespace {
 
-// Of candidates: a seam with its lead, what is between it and the next one, the filling
-// of that one; and the seam above all of them.
+// Candidates in memory: a seam with its lead, what is between it and the next, the
+// filling of that one; and the seam above all of them.
 constexpr std::uint64_t kRangesPerSlab = 4, kRangesPerSeam = 2;
 
 struct SlabResult {
@@ -26,7 +26,7 @@ struct SlabResult {
   std::vector<MethodStatistics> models;
 };
 
-/// Of a seam's front, in reaches: so far from its start it is as irregular as elsewhere.
+/// A seam's front is as irregular as elsewhere so many reaches from its start.
 constexpr double kLeadReaches = 4;
 
 /// The sources of a job and the direction in which its thinning rises: that of its

@@ -19,9 +19,10 @@ namespace intaglio::galvo {
 namespace {
 
 constexpr double kReach = 0.25;  // of the pitch, around where a neighbour is expected
-// Of the pitch, around the first neighbours: a turn of 20 degrees moves them by 0.35.
+// Share of the pitch around the first neighbours: a turn of 20 degrees moves them by
+// 0.35.
 constexpr double kFirstReach = 0.4;
-// Of the pitch, around where the disc that shows the direction may be.
+// Share of the pitch around where the disc that shows the direction may be.
 constexpr double kDirectionReach = 0.12;
 // Marks in the middle that are tried as the first node: one may be dust.
 constexpr std::size_t kFirstMarks = 8;

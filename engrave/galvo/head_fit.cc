@@ -24,12 +24,12 @@ using Normal = Eigen::Matrix<double, kHeadModelNumbers, kHeadModelNumbers>;
 
 constexpr std::size_t kMinMarks = 16;
 constexpr int kMaxIterations = 100;
-// Of the scaled normal equations, by the largest: below it a number is not determined.
+// Below this share of the largest eigenvalue a number is not determined.
 constexpr double kMinEigenvalue = 1e-10;
 constexpr double kNormal95 = 1.96;
 constexpr std::size_t kFolds = 5;
 constexpr unsigned kFoldSeed = 20091;
-// Of a rejected mark: residual by the median of all; 8 is 5.5 deviations of chance.
+// A mark is rejected above this many medians of all; 8 is 5.5 deviations of chance.
 constexpr double kRejectedMedians = 8;
 // How often its own standard error the gain of a surface has to be.
 constexpr double kSignificantErrors = 2;

@@ -9,7 +9,7 @@
 namespace intaglio::galvo {
 namespace {
 
-// Of the largest diagonal: holds weights that no vector determines.
+// This share of the largest diagonal holds weights that no vector determines.
 constexpr double kRidge = 1e-9;
 
 struct CellBasis {

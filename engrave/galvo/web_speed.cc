@@ -47,7 +47,7 @@ struct Ratio {
   double way_mm, time_s;
 };
 
-/// Of all i <= j the pair with the smallest way - v time.
+/// Finds the pair i <= j with the smallest way - v time.
 Ratio SmallestAt(std::span<const TimedMark> marks, double field_mm, double speed_mm_s) {
   double smallest = std::numeric_limits<double>::infinity(), sum_s = 0;
   double first = -smallest, first_way_mm = 0, first_s = 0;

@@ -224,7 +224,7 @@ class Runs {
   }
 
  private:
-  /// Of 4 bits two indices a byte, the upper first.
+  /// A byte has two indices of 4 bits, the upper first.
   unsigned Index(unsigned byte, unsigned i) const {
     if (b_.depth == 8) return byte;
     return i % 2 == 0 ? byte >> 4 : byte & 15U;

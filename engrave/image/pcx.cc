@@ -111,7 +111,7 @@ Result<PcxPicture> ReadPcxHeader(std::string_view bytes) {
   return picture;
 }
 
-/// Of a pixel of a row whose planes are one behind the other.
+/// The index of a pixel of a row whose planes are one behind the other.
 unsigned IndexAt(const PcxPicture& picture, const std::vector<std::uint8_t>& row,
                  std::size_t x) {
   const std::size_t bit = x * picture.depth;

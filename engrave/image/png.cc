@@ -47,7 +47,7 @@ static void OnPngError(png_structp png, png_const_charp text) {
   std::strncpy(reader->message, text, sizeof(reader->message) - 1);
   png_longjmp(png, 1);
 }
-/// Of a profile that libpng refuses it only warns.
+/// libpng only warns of a profile that it refuses.
 static void OnPngWarning(png_structp png, png_const_charp text) {
   auto* reader = static_cast<PngReader*>(png_get_error_ptr(png));
   if (std::strncmp(text, "iCCP", 4) != 0) return;
@@ -151,8 +151,8 @@ bool ReadEnd(PngReader& r) {
   return true;
 }
 
-/// Of the chunk eXIf, before or behind the pixels: the body of a JPEG's segment without
-/// its signature.
+/// Reads the chunk eXIf, before or behind the pixels: the body of a JPEG's segment
+/// without its signature.
 int OrientationIn(const PngReader& r) {
   png_uint_32 size = 0;
   png_bytep exif = nullptr;

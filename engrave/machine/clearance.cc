@@ -19,7 +19,7 @@ namespace {
 // Nothing is placed so exactly; it is above the rounding of a few thousand mm.
 constexpr double kTouchMm = 1e-6;
 
-/// Of t; empty: from > to.
+/// An interval of t; empty: from > to.
 struct Interval {
   double from = 0, to = 1;
 

@@ -17,7 +17,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little);
 constexpr char kMagic[] = "INTMRKS1";
 constexpr std::size_t kMagicSize = 8, kHeadSize = 12;
-// Of a pen without its name, and of a mark with one place.
+// A pen takes these without its name, a mark with one place.
 constexpr std::size_t kMinPenBytes = 48, kMinMarkBytes = 44, kPlaceBytes = 24;
 
 template <typename T>

@@ -25,7 +25,7 @@
 namespace intaglio::mesh {
 namespace {
 
-// Of an open or damaged surface the sign of the volume is certain when it encloses this
+// The sign of the volume of an open or damaged surface is certain when it encloses this
 // share of its bounding box, and few of its edges are open.
 constexpr double kVolumeShare = 0.02, kOpenEdgeShare = 0.05;
 constexpr double kDegenerateRatio = 1e-12;

@@ -61,7 +61,7 @@ Box3 BoundsAfter(const Mat3& linear, const PointList& vertices) {
   return box;
 }
 
-/// Of the upright model, mm.
+/// The pivot of the upright model, mm.
 Vec3 PivotOf(const Placement& p, const PointList& vertices, const Vec3& block_size_mm) {
   switch (p.pivot) {
     case Pivot::kOrigin:

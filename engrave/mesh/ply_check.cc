@@ -21,7 +21,7 @@ namespace {
 
 using namespace std::string_view_literals;
 
-/// Of the digits that it begins with; 0: there are none.
+/// The number of the digits that it begins with; 0: there are none.
 std::uint64_t NumberAt(std::string_view word) {
   std::uint64_t number = 0;
   const auto parsed = std::from_chars(word.data(), word.data() + word.size(), number);

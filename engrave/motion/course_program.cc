@@ -33,7 +33,7 @@ constexpr std::uint64_t kShortestArcSubticks = kSubticksPerTick / 64;
 struct Course {
   std::uint64_t ticks = 1;
   bool cubic = true;
-  std::uint64_t ramp_subticks = 0;  ///< Of a triangle or trapezoid: t_s.
+  std::uint64_t ramp_subticks = 0;  ///< t_s of a triangle or trapezoid
 
   std::uint64_t subticks() const { return ticks * kSubticksPerTick; }
 };

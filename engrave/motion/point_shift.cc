@@ -59,7 +59,7 @@ class Chain {
 
   const KnotState& start_;
   std::vector<Vec3>& shifted_mm_;
-  std::vector<double> per_s_;  ///< Of each step: one by its time.
+  std::vector<double> per_s_;  ///< one by the time of each step
 };
 
 }  // namespace

@@ -16,9 +16,9 @@
 namespace intaglio::motion {
 namespace {
 
-/// Of a limit, in steps of one tick, by experiment: the maximum needed was 14.
+/// The cost of a limit, in steps of one tick, by experiment: the maximum needed was 14.
 constexpr double kNodeCost = 16;
-/// Of the grid, by experiment: a cruise was faster by the acceleration over 1.8 at most.
+/// Steps of the grid, by experiment: a cruise was faster by acceleration / 1.8 at most.
 constexpr double kNodeSteps = 3;
 constexpr double kFlatShare = 0.2;  ///< of z, in the boxes for the plane
 

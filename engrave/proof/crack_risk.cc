@@ -21,7 +21,7 @@ double SphereVolume(double radius) {
   return 4.0 / 3.0 * std::numbers::pi * radius * radius * radius;
 }
 
-/// Of each place, the points in its ball.
+/// Counts the points in the ball of each place.
 std::vector<std::uint32_t> CountInBalls(const DistinctPlaces& places,
                                         const std::vector<std::uint32_t>& points_of,
                                         const PointTree& tree, double radius_mm,

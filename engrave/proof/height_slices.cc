@@ -18,7 +18,7 @@ namespace {
 
 // Corners so near in height make a level face, and points so near to it lie on it.
 constexpr double kLevelMm = 1e-6;
-// Of a million slices none shows anything.
+// No slice of a million shows anything.
 constexpr double kMaxSlices = 1e6;
 
 class Slices {
@@ -88,8 +88,8 @@ class Slices {
     return std::min(static_cast<std::size_t>(at), area_mm2_.size() - 1);
   }
 
-  /// Of a triangle's area, between two heights that the middle corner does not separate;
-  /// 0 when `low` is not below `high`.
+  /// The share of a triangle's area between heights that the middle corner does not
+  /// separate; 0 when `low` is not below `high`.
   static double PartOf(const std::array<double, 3>& z, double low, double high) {
     if (!(low < high)) return 0;
     const auto length = [&](double at) {

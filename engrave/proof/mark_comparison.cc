@@ -124,7 +124,7 @@ double MedianOf(std::vector<double> values) {
   return *middle;
 }
 
-/// Of each run of the web, the median of the deviations along it.
+/// Removes the median of the deviations along each run of the web.
 void TakeWebOut(const std::vector<MarkTicks>& ticks, std::vector<BurntMark>& marks) {
   std::map<std::uint32_t, std::vector<double>> of_run;
   for (std::size_t i = 0; i < marks.size(); ++i)

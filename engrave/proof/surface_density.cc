@@ -13,7 +13,7 @@ constexpr std::size_t kPointsPerTask = 8192;
 // Patches consist of whole pieces: the smaller the pieces, the more equal the patches.
 constexpr double kPiecesPerPatch = 8;
 
-/// Of a task's points.
+/// The farthest of a task's points.
 struct Farthest {
   double square_mm2 = -1, on_surface_square_mm2 = 0;
   std::uint32_t point = 0;

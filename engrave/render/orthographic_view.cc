@@ -42,7 +42,7 @@ Multiples MultiplesIn(double min_mm, double max_mm, double step_mm) {
           static_cast<int>(std::floor(max_mm / step_mm + 1e-9))};
 }
 
-/// Of a parallel view.
+/// The fine step of a parallel view.
 double FineStepOf(const Panel& panel) {
   const OrthographicView view = ViewOf(panel.kind);
   const Vec3 size_mm = panel.shown_mm.size_mm();

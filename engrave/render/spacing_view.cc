@@ -122,7 +122,7 @@ class Picture {
     }
   }
 
-  /// Of each pixel, from the slope of the front, and darker towards the back.
+  /// Shades each pixel by the slope of the front, and darker towards the back.
   Plane Shading() const {
     Plane depth(front_.width, front_.height, 0), there(front_.width, front_.height, 0);
     for (std::size_t i = 0; i < front_.values.size(); ++i) {

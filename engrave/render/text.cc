@@ -24,7 +24,7 @@ namespace intaglio::render {
 namespace {
 
 constexpr double kUnitsPerCap = 9.0;
-constexpr double kTopUnits = 12.5;   ///< Of the marks of capitals.
+constexpr double kTopUnits = 12.5;   ///< The marks of capitals.
 constexpr double kGapUnits = 2.3;    ///< Between glyphs.
 constexpr double kSpaceUnits = 4.2;  ///< A blank, gaps not counted.
 constexpr int kCurveSteps = 5;       ///< Chords for each corner of a curve.

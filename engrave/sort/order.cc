@@ -79,8 +79,8 @@ Result<Order> MakeOrder(const PointList& points_mm, const OrderOptions& options,
 
 namespace {
 
-/// Of the time that all have, and of their progress, what belongs to the points from
-/// `begin` to `end` of `size`.
+/// Gives what belongs, of the time that all have and of their progress, to the points
+/// from `begin` to `end` of `size`.
 OrderOptions WithShareOfTime(OrderOptions options, double begin, double end,
                              double size) {
   const auto& used = options.anneal.used_share;

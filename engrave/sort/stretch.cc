@@ -80,7 +80,7 @@ void Stretch::ChooseTicks() {
   before.ticks = ticks_[1] = cost_.MinTicks(before.step);
   const std::size_t last = at_.size() - 1;
   ticks_[last] = cost_.MinTicks(MoveTo(last).step);
-  // Of each window the second half is chosen again with the next one.
+  // The second half of each window is chosen again with the next one.
   constexpr std::size_t kHalf = TickCost::kMaxSteps / 2;
   for (std::size_t first = kFixed; first < last; first += kHalf) {
     Scaled steps[TickCost::kMaxSteps];
@@ -163,7 +163,7 @@ TimedMove Stretch::MoveAfter(const Change& change, std::size_t place) const {
   return {points_[at_[to]] - points_[at_[from]], ticks_[std::max(from, to)]};
 }
 
-/// Of each step one more on both sides, joined where they touch.
+/// Each step with one more on both sides, joined where they touch.
 std::size_t Stretch::WindowsAround(const std::size_t (&steps)[3],
                                    Window (&windows)[3]) const {
   std::size_t count = 0;

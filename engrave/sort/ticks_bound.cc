@@ -17,7 +17,7 @@ namespace {
 
 /// c(p) is looked for up to this; what is beyond counts as one more.
 constexpr int kMaxSum = 16;
-/// Of points looked at for one c(p).
+/// Points looked at for one c(p).
 constexpr int kMaxVisits = 800;
 /// The limits are taken as this much greater, for rounding.
 constexpr double kLooserLimits = 1 + 1e-6;

@@ -12,7 +12,7 @@ namespace intaglio::backup {
 
 /// Bytes of all files.
 std::uint64_t SumOf(const std::vector<ArchivedFile>& files);
-/// Of names, sizes and checksums: a row that is missing or changed changes it.
+/// The sum of names, sizes and checksums: a row that is missing or changed changes it.
 std::uint32_t Crc32Of(const std::vector<ArchivedFile>& files, const std::string& made_utc,
                       const std::string& results);
 

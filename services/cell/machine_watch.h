@@ -17,7 +17,7 @@
 
 namespace intaglio::cell {
 
-/// Of the laser controller.
+/// Counters of the laser controller.
 struct MachineCounters {
   std::uint32_t power_up = 0;  ///< drawn at power-up; 0: not known
   std::uint32_t openings = 0;  ///< of key, door and stop button, since that power-up

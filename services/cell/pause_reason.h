@@ -8,7 +8,7 @@
 
 namespace intaglio::cell {
 
-/// Of a grant that was spent by this; kNothing: by a fault of a run.
+/// Why a grant paused that was spent by this; kNothing: by a fault of a run.
 constexpr intaglio_PauseReason PauseReasonOf(Missing spent_by) {
   switch (spent_by) {
     case Missing::kEmergencyStop:

@@ -94,7 +94,7 @@ void SetMeshes(const JobFlags& flags, JobSpec& job) {
   }
 }
 
-/// Of the models; of the texts only where there is nothing else.
+/// Places the models; the texts only where there is nothing else.
 void SetPlacements(const JobFlags& flags, JobSpec& job) {
   const bool texts_alone = std::all_of(job.models().begin(), job.models().end(), IsText);
   for (Model& model : *job.mutable_models()) {
@@ -308,7 +308,7 @@ Result<JobAndMachine> BuildJob(const JobFlags& given) {
 
 namespace {
 
-/// Of a job of marks nothing is filled in here: the job service does it.
+/// Fills in nothing of a job of marks: the job service does it.
 Result<JobAndMachine> BuildMarkJob(const JobFlags& flags, JobSpec read) {
   if (flags.name) read.set_name(*flags.name);
   JobAndMachine built;

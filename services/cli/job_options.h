@@ -22,7 +22,7 @@ struct JobAndMachine {
   MachineSpec machine;
   std::vector<std::string>
       notes;  ///< what was chosen for the user, e.g. the block's size
-  /// Of its texts, as the discretizer will report them, each with its field.
+  /// Warnings of its texts, as the discretizer will report them, each with its field.
   Warnings warnings = {};
 };
 

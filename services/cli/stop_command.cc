@@ -63,7 +63,7 @@ int ComplainOfNoMachine() {
       client::kExitWrongInput);
 }
 
-/// Of those, the machines that do not hold the press.
+/// Those of the machines that do not hold the press.
 std::vector<std::string> Unconfirmed(const std::map<std::string, MachineStops>& machines,
                                      const std::string& source, std::uint64_t number,
                                      std::set<std::string>& confirmed) {

@@ -14,7 +14,7 @@
 
 namespace intaglio::cli {
 
-/// Of the commands of jobs.
+/// Options of the commands that submit jobs.
 struct JobsOptions {
   bus::BusOptions bus;
   JobFlags job;

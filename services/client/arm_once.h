@@ -28,7 +28,7 @@ struct ArmTerms {
   intaglio_ArmBasis basis = intaglio_ARM_BY_PROGRAM;
 };
 
-/// Of a command that a person types for one job: its block is in, unless another job has
+/// A person types this command for one job: its block is in, unless another job has
 /// the machine or waits for it; then the arm is a program's. `same_block`: the person has
 /// stated that every job goes into the block that is in.
 intaglio_ArmBasis BasisFor(const JobClient& client, const JobView& submitted,
@@ -45,7 +45,7 @@ class ArmOnce {
   /// The next step, by the newest status of the job. After every Poll of the client.
   State Follow(const JobView& job);
   State state() const { return state_; }
-  /// Of the status on which it arms: a greater one has taken its arm back.
+  /// The count of the status on which it arms: a greater one has taken its arm back.
   std::uint64_t disarm_count() const { return disarm_count_; }
   /// It waits for another block: what a person has to do; empty: it does not.
   std::string WhatBlockItAwaits(const JobView& job) const;

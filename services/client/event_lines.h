@@ -61,7 +61,7 @@ class EventLines {
 /// The fields that a JobStatus has.
 JobEvent EventOf(const char* event, const JobView& job, const std::string& id);
 
-/// Of a block that was engraved: 0 good, also with warnings, else 3.
+/// The exit code for a block that was engraved: 0 good, also with warnings, else 3.
 int ExitCodeOf(VerdictKind verdict);
 /// 0 done and good, 3 not good or not known, 4 failed, 5 cancelled (docs/cli.md).
 int ExitCodeOf(const JobView& job, const ShopVerdict& verdict);

@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t kMaxEnds = 5;
 constexpr auto kWithin = 60s;
-// Of services/platform/host/process/only_instance.h.
+// They are those of services/platform/host/process/only_instance.h.
 constexpr int kExitSecond = 3, kExitTakenOver = 4;
 
 }  // namespace

@@ -78,7 +78,7 @@ TruthPositioner PositionerOf(const MachineSpec& machine) {
   return positioner;
 }
 
-/// Of a machine into a stage, or of an axis into an axis.
+/// Copies from a machine into a stage, or from an axis into an axis.
 template <typename Profile, typename Truth>
 void SetDrive(const Profile& profile, Truth& truth) {
   switch (profile.drive_case()) {

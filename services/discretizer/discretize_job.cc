@@ -39,7 +39,7 @@ Result<host::StageResult> DiscretizePart(const PreparedJob& prepared,
                                          const ProgressSink& progress) {
   auto made = INTAGLIO_TRY(discretize::MakeCloud(
       prepared.sources.sources, CloudOptionsOf(prepared.job), part, executor, progress));
-  // Of several parts, one may be empty; the sorter refuses a job without points.
+  // One of several parts may be empty; the sorter refuses a job without points.
   if (part.count == 1 && made.cloud.size() == 0) {
     return tl::unexpected(discretize::NoPoints());
   }

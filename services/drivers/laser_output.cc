@@ -12,7 +12,7 @@ using link::LaserFrame;
 using namespace std::chrono_literals;
 
 constexpr auto kStatusPeriod = 20ms;
-// Of the host, with a laser that may fire.
+// The host may be silent for this time while the laser may fire.
 constexpr auto kSilenceLimit = 250ms;
 // As of a TCP line (tcp_stream.h): then another host may come.
 constexpr auto kHostIsGone = 2s;

@@ -90,7 +90,7 @@ Status LockstepDriver::Arm(const link::ArmWindow& window) {
     ticks_.Decide(window);
     return {};
   }
-  // Of a halt and a stop nothing comes back by itself.
+  // After a halt or a stop nothing comes back by itself.
   link::ArmWindow idle = window;
   idle.fire.assign(window.fire.size(), false);
   ticks_.Decide(idle);

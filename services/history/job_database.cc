@@ -103,8 +103,8 @@ JobDatabase Inspect(SQLite::Database& database) {
                             more > 0 ? fmt::format(" and {} more", more) : "")};
 }
 
-/// Of a file that SQLite does not read: it may have been ours ("Database File Format",
-/// chapter 1.3: the text at 0, the application id at 68, big endian).
+/// Judges a file that SQLite does not read: it may have been ours ("Database File
+/// Format", chapter 1.3: the text at 0, the application id at 68, big endian).
 JobDatabase Unread(const fs::path& file, const SQLite::Exception& error) {
   constexpr char kText[] = "SQLite format 3";
   std::array<unsigned char, 100> header{};
@@ -119,7 +119,7 @@ JobDatabase Unread(const fs::path& file, const SQLite::Exception& error) {
   return {JobDatabaseKind::kForeign, 0, "it is no SQLite database"};
 }
 
-/// Of a file that is not there or has no bytes. SQLite would remove a log beside it.
+/// Describes a file that is missing or has no bytes. SQLite would remove a log beside it.
 JobDatabase Absent(const fs::path& file) {
   if (HasContent(file.string() + "-wal")) {
     return {JobDatabaseKind::kDamaged, 0,

@@ -26,7 +26,7 @@ inline constexpr int kHistoryVersion = 3;
 
 /// An empty field does not restrict the result.
 struct Filter {
-  /// Of the job's end, UTC: "2026-11-21", or with a time behind it, "2026-11-21T15:30".
+  /// When the job ended, UTC: "2026-11-21", or with a time behind it, "2026-11-21T15:30".
   /// Both ends are included: until a day is until its end.
   std::string since{}, until{};
   std::string piece{};  ///< part of the job's name, in any case

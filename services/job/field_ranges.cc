@@ -14,7 +14,7 @@ namespace {
 
 namespace pb = google::protobuf;
 
-/// Of all but the methods.
+/// Ranges of all fields but those of the methods.
 constexpr std::array kRanges = {
     FieldRange{"Placement", "unit_mm", 0.000001, 1000000},
     FieldRange{"Placement", "scale_ratio", 0.000001, 1000000},

@@ -219,7 +219,7 @@ void FillPlanar(PlanarDrive& drive) {
   if (!drive.has_period_s()) drive.set_period_s(kDefaultPlanarPeriodS);
 }
 
-/// Of a beam that fills no lens: half of its width over the focal length.
+/// Gives a beam that fills no lens half of its width over the focal length.
 void FillApertures(MachineSpec& machine) {
   const double beam_mm = machine.laser().beam_diameter_mm();
   for (MachineLens& lens : *machine.mutable_lenses()) {

@@ -214,7 +214,7 @@ void CheckNameOf(const MachineSpec& machine, std::vector<Error>& errors) {
 std::vector<Error> CheckMarkingMachine(const MachineSpec& machine) {
   std::vector<Error> errors;
   CheckNameOf(machine, errors);
-  // Of a machine that engraves points, where they are required.
+  // They are required of a machine that engraves points.
   MachineSpec of_marks = machine;
   if (of_marks.repeatability_um() == 0) of_marks.set_repeatability_um(1);
   if (of_marks.position_tolerance_um() == 0) of_marks.set_position_tolerance_um(1);

@@ -20,8 +20,8 @@ namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 
-// Of the position tolerance; the rest is for friction, cogging and play, which no plan
-// predicts.
+// Share of the position tolerance; the rest is for friction, cogging and play, which no
+// plan predicts.
 constexpr double kPlannedErrorRatio = 0.8;
 
 mesh::Fit FitOf(const Placement& placement, const Block& block) {

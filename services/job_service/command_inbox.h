@@ -9,7 +9,7 @@
 //      |-----answered before-----------------------------^
 //      +--withdrawn by its client before it was read: ARM, RESUME, SPEED are dropped
 //
-// Of commands that are read together, PAUSE and CANCEL are decided first; otherwise the
+// PAUSE and CANCEL are decided first of commands that are read together; otherwise the
 // commands of one sender are decided in their order. Used from one thread.
 
 #include <chrono>

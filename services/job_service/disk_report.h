@@ -18,7 +18,7 @@ struct DiskRoom {
   std::uint64_t total = 0;
 };
 
-/// Of the disk of `folder`, or of the nearest folder above it that exists.
+/// The room on the disk of `folder`, or of the nearest folder above it that exists.
 Result<DiskRoom> RoomOf(const std::filesystem::path& folder);
 
 class DiskReport {

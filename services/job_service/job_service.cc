@@ -45,7 +45,7 @@ TaskView ViewOf(const intaglio_TaskStatus& status) {
   return view;
 }
 
-/// Of a partition's pattern a permission would reach other machines, too.
+/// A permission with a partition's pattern would reach other machines, too.
 bool IsCellName(const std::string& cell) {
   return !cell.empty() && std::all_of(cell.begin(), cell.end(), [](unsigned char c) {
     return std::isalnum(c) != 0 || c == '-' || c == '_';

@@ -75,7 +75,7 @@ class JobService : private JobActions {
   /// The topics of a job's machine.
   void OpenCell(const std::string& cell);
   void TakeTasks(Nanoseconds now);
-  /// Of the job, when the end of this task of its running attempt has changed them.
+  /// The job's warnings, if the end of this task of its running attempt has changed them.
   std::optional<Warnings> WarningsAfter(const TaskView& view, const JobRecord& job);
   void TakeHealth(Nanoseconds now);
   void TakeSubmissions(Nanoseconds now);

@@ -89,7 +89,7 @@ void LoadParts(SQLite::Database& database, JobRecord& job) {
   }
 }
 
-// Of an open job; an ended one is loaded without its frozen job.
+// An open job has all of them; an ended one is loaded without its frozen job.
 constexpr const char* kColumns =
     "number, uid, submission_uid, epoch, name, cell, material, priority, rate_hz, "
     "result_directory, state, attempt, lost_attempts, message, estimate_ticks, "

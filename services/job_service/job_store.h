@@ -46,7 +46,7 @@ class StoreError : public std::runtime_error {
   bool passes_;
 };
 
-/// Of a job that has ended.
+/// The result of a job that has ended.
 struct JobResult {
   std::string verdict;  ///< VerdictName; empty: not settled yet
   intaglio_PointCounts counts{};
@@ -102,11 +102,11 @@ class JobStore {
   }
   /// What KeepVerdict has kept; nothing for a job that is not there.
   JobResult ResultOf(const std::string& job_uid);
-  /// Of a job that was kept, as it is now.
+  /// The statistics of a job that was kept, as it is now.
   JobStatistics StatisticsOf(const JobRecord& job,
                              std::chrono::system_clock::time_point now);
 
-  /// Of the machines: a piece replaces that of its machine, a block stays with the job
+  /// What machines have: a piece replaces that of its machine, a block stays with the job
   /// that it was loaded for first, and every mount is kept.
   void KeepPiece(const PieceRecord& piece);
   std::vector<PieceRecord> LoadPieces();

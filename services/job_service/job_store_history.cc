@@ -17,7 +17,7 @@
 namespace intaglio::job_service {
 namespace {
 
-/// Of the job's newest engraving, once it has reported one.
+/// Loads that of the job's newest engraving, once it has reported one.
 std::optional<EngraveOutcome> OutcomeIn(SQLite::Database& database,
                                         const std::string& job_uid) {
   SQLite::Statement select(database,

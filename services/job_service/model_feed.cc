@@ -20,7 +20,7 @@ using bus::Borrow;
 // How often it is checked whether a discretizer that gave credit is matched by now.
 constexpr auto kWatchPeriod = 50ms;
 
-// Of a file that is joined from several, in memory; discretizers have bounds of their
+// A file that is joined from several is in memory; discretizers have bounds of their
 // own.
 constexpr std::uint64_t kMaxJoinedBytes = std::uint64_t{1} << 30;
 

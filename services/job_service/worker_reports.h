@@ -33,7 +33,7 @@ class WorkerReports {
   void TakeTasks(const TaskSink& sink, Nanoseconds now);
   void TakeHealth(const HealthSink& sink, Nanoseconds now);
 
-  /// Of the stage workers alone: cells are added while the loop runs.
+  /// Attaches the readers of stage workers alone: cells are added while the loop runs.
   template <typename Loop>
   void AttachTo(Loop& loop) {
     for (auto& [partition, readers] : readers_) {

@@ -46,7 +46,7 @@ class BegunZero {
 
   std::string job_uid_;
   std::optional<Vec3> zero_mm_;
-  /// Of zero_mm_; 0 of a job that was begun before the driver was there.
+  /// The number for zero_mm_; 0 for a job that was begun before the driver was there.
   std::uint32_t axes_number_ = 0;
   bool taken_up_ = false;
   std::string refusal_;

@@ -26,7 +26,7 @@
 
 namespace intaglio::marker {
 
-/// Of a controller's text, never 0; of an empty one 0.
+/// Makes a number of a controller's text, never 0; of an empty one 0.
 std::uint32_t PowerUpNumber(const std::string& power_up);
 
 struct ArmedMark {

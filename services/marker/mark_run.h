@@ -23,7 +23,7 @@ class MarkRun {
   /// a millisecond each at least, or two.
   static constexpr std::size_t kMaxArmed = 256, kMinArmed = 2;
   static constexpr double kArmedAheadS = 0.25;
-  /// Of a controller that remembers no marks: of all that are armed nobody knows what
+  /// For a controller that remembers no marks: nobody knows of all that are armed what
   /// became of them when this process dies. A disk's sync between two marks is the price.
   static constexpr std::size_t kMaxArmedUnremembered = 1;
   /// For the answer of a controller that was asked, and how often it is. On a busy
@@ -47,7 +47,7 @@ class MarkRun {
   /// Arms and hands over what there is room for, and finishes the run behind the last
   /// open mark. An error of the driver: it refuses a mark that it has room for.
   Status Turn();
-  /// Of a run that was finished: all that was handed over has ended.
+  /// The run was finished, and all that was handed over has ended.
   bool is_over() const { return finished_ && armed_.empty(); }
   std::uint32_t count() const { return count_; }
   std::uint64_t session() const { return session_; }
@@ -55,10 +55,10 @@ class MarkRun {
   /// Nothing more is handed over: what was not is skipped, for it cannot be made.
   void End();
   bool all_settled() const { return armed_.empty(); }
-  /// Of a controller that is up and settled: asks it about what is armed, or gives up,
+  /// Asks a controller that is up and settled about what is armed, or gives up,
   /// and then it is uncertain. Returns the number of marks that became uncertain.
   std::uint64_t Settle(std::chrono::nanoseconds now);
-  /// Of marks made, known only by the controller's memory.
+  /// Counts marks made that only the controller's memory knows.
   std::uint64_t settled_by_memory_count() const { return by_memory_; }
 
  private:
@@ -84,7 +84,7 @@ class MarkRun {
   bool finished_ = false;
   std::uint32_t count_ = 0;
   std::uint64_t session_ = 0;
-  // Of settling.
+  // They belong to settling.
   std::uint64_t asked_session_ = 0;
   int questions_ = 0;
   std::chrono::nanoseconds ask_again_at_{0};

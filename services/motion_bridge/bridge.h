@@ -44,7 +44,7 @@ class Bridge {
   bus::Reader<intaglio_EmergencyStop>& stops() { return stops_; }
   cell::ManualDesk& manual() { return manual_; }
   int fd() const { return driver_->fd(); }
-  /// Of the controller; null: it only moves.
+  /// The laser of the controller; null: it only moves.
   drivers::LaserController* laser() { return driver_->laser(); }
   const drivers::DriverState& state() const { return driver_->state(); }
   /// The fault, or what a person should know of the controller; empty: all is well.

@@ -54,7 +54,7 @@ using Item = std::variant<bus::TapSample, recording::Attachment, Unrecorded>;
 constexpr char kTooSlow[] = "the disk is too slow";
 constexpr char kGaps[] = "gaps in their sequence numbers: they were not received";
 
-/// Of messages that are not in the file.
+/// Counts of messages that are not in the file.
 struct Lost {
   std::uint32_t channel = 0;
   bus::TapKind kind = bus::TapKind::kValue;

@@ -93,7 +93,7 @@ class RecordingSeries {
     return trouble_ ? trouble_ : no_next_file_;
   }
   const std::filesystem::path& file() const { return writer_->file(); }
-  /// Of this file, on the disk for certain.
+  /// Bytes of this file that are on the disk for certain.
   std::uint64_t synced_bytes() const { return writer_->synced_bytes(); }
   std::uint64_t message_count() const { return message_count_; }
   std::uint64_t missing_count() const { return missing_count_; }

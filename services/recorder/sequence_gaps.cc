@@ -16,7 +16,7 @@ constexpr std::array kTypes = {SequencedType{"intaglio::Alarm", "s"},
                                SequencedType{"intaglio::PositionReport", "su"},
                                SequencedType{"intaglio::PulseEventBatch", "s"}};
 
-/// Of streams that ended long ago nothing has to be remembered.
+/// Nothing has to be remembered of streams that ended long ago.
 constexpr std::size_t kMaxStreams = 4096;
 
 /// Reads a message from its beginning (XTypes 1.3, 7.4: a header of four bytes, members

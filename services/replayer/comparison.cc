@@ -17,7 +17,7 @@ struct Found {
   std::string member, then, now;
 };
 
-/// Of one point.
+/// Compares one point.
 std::optional<Found> ComparePoint(const CloudBatch& a, const CloudBatch& b,
                                   std::size_t i) {
   const auto text = [](double value) { return fmt::format("{}", value); };

@@ -77,7 +77,7 @@ struct StreamExtent {
   std::uint64_t count = 0;  ///< samples from number 0 on, without gaps
   bool whole = false;       ///< up to the last one
 };
-/// Of all streams of a topic of batches or chunks.
+/// The extents of all streams of a topic of batches or chunks.
 Result<std::map<StreamId, StreamExtent>> ExtentsOf(const recording::McapReader& reader,
                                                    const std::string& topic);
 

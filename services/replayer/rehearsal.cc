@@ -211,7 +211,7 @@ Result<Rehearsal::Performed> Rehearsal::Perform(const RecordedTask& task,
   return performed;
 }
 
-/// Of the first task that made something else.
+/// Searches the first task that made something else.
 Status Rehearsal::FindCause(const RecordedTask& task, const Performed& performed) {
   return NameCause(result_, [&]() -> Result<bool> {
     const auto again = INTAGLIO_TRY(Perform(task, task.id.job_uid + "-again"));

@@ -18,7 +18,8 @@ class Retained {
  public:
   Retained(const recording::McapReader& reader, const Selection& selection)
       : reader_(reader), selection_(selection) {}
-  /// Of the messages before this log time, in their order; `stream` is the channel.
+  /// Selects from the messages before this log time, in their order; `stream` is the
+  /// channel.
   std::vector<recording::RetainedSample> Before(std::uint64_t log_time_ns);
   /// Instances that could not be distinguished, a sentence each.
   const std::vector<std::string>& complaints() const { return complaints_; }

@@ -23,7 +23,7 @@ class StageInput {
 template <typename Batch>
 class CloudInput final : public StageInput {
  public:
-  /// Of the task; under `job_uid`.
+  /// The input of the task, under `job_uid`.
   CloudInput(bus::Writer<Batch>& writer, const recording::McapReader& reader,
              const RecordedTask& task, std::string job_uid);
   Result<bool> Advance(const bus::CreditBook& credit) override;

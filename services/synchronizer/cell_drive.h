@@ -37,7 +37,7 @@ class CellDrive {
   bool drives() const { return drives_; }
   /// Why the last place was not reached; empty: it was.
   const std::string& message() const { return message_; }
-  /// Of the last place.
+  /// The name of the last place.
   const std::string& name() const { return name_; }
   const std::string& job_uid() const { return job_uid_; }
 

@@ -48,7 +48,7 @@ constexpr bool IsLateMotion(intaglio_MotionFault fault) {
 /// The state of the world outside, of one turn.
 struct EngravingInputs : GrantInputs {
   MotionView motion;
-  /// Of a controller with a clock of its own; lives as long as the Engraving.
+  /// A controller with a clock of its own has it; lives as long as the Engraving.
   MotionClock* motion_clock = nullptr;
   /// The stage is driven to where the job begins: no run begins meanwhile.
   bool stage_approaches = false;

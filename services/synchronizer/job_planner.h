@@ -29,8 +29,8 @@ class JobPlanner {
   /// Once per task, when it is prepared or has failed, and nullopt before and after. From
   /// then on the summary is computed. To be called in every turn of the loop.
   std::optional<Result<PreparedJob>> TakePrepared();
-  /// Of the task that was prepared last; null until it is computed, and when there is
-  /// none. To be called in every turn until it is there.
+  /// The summary of the task that was prepared last; null until it is computed, and if
+  /// there is none. To be called in every turn until it is there.
   const Result<PlanSummary>* summary();
 
  private:

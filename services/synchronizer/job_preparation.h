@@ -30,7 +30,7 @@ struct PreparationTask {
 struct PreparedJob {
   EngravingJob engraving;
   std::unique_ptr<JournalWriter> journal;
-  /// Of the whole path: what Summarize takes.
+  /// What Summarize takes of the whole path.
   FrozenJob job;
   PlanInput plan;
 };

@@ -10,7 +10,7 @@
 namespace intaglio::synchronizer {
 namespace {
 constexpr std::size_t kBatchSegments = 128;
-// Of one turn of the loop: a window of the planner that does not stop has more, so no
+// Points of one turn of the loop: a window of a planner without stops has more, so no
 // turn plans two of them, which take up to 10 ms each at 200 Hz.
 constexpr std::size_t kTurnSegments = 256;
 // What a better knowledge of the controller's clock may change in a segment's duration at

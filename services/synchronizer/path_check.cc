@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kAllowedMm = 1e-3, kAllowedRad = 1e-5;
 
-// Of the glass.
+// The axes of the glass frame.
 constexpr std::array<machine::Axis, 3> kGlassAxes = {{{"x"}, {"y"}, {"z"}}};
 
 Box3 Wider(const Box3& box, const std::array<machine::Axis, 3>& axes) {

@@ -109,7 +109,7 @@ class Synchronizer final : private Maker {
   std::unique_ptr<Engraving> engraving_;
   CellTask task_;
 
-  PlanSummary plan_;  ///< Of the whole job, without pauses; empty until it is computed.
+  PlanSummary plan_;  ///< The whole job's, without pauses; empty until it is computed.
   bool planned_ = false;  ///< The computation of plan_ has ended.
   /// kDue: the job begins with a drive, or at least where another one ended, as soon as
   /// it has a grant.

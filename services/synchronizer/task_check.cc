@@ -55,7 +55,7 @@ class Differences final : public MessageDifferencer::Reporter {
   }
   void ReportModified(const Message& of_job, const Message& own,
                       const FieldPath& path) override {
-    // Of a message its fields are reported besides.
+    // The fields of a message are reported besides.
     if (path.back().field->message_type() != nullptr) return;
     Add(path, ValueOf(of_job, path.back(), path.back().index),
         ValueOf(own, path.back(), path.back().new_index));

@@ -19,7 +19,7 @@ struct BlockInMachine {
 struct Focus {
   Vec3 position_mm = Vec3::Zero();  ///< glass frame
   bool in_glass = false;            ///< within the block
-  /// Of an oblique beam: depth between the meetings of the rays beside its plane of
+  /// An oblique beam has it: depth between the meetings of the rays beside its plane of
   /// incidence and of those in it.
   double apart_mm = 0;
 };

@@ -10,7 +10,7 @@
 namespace intaglio::virtual_engraver {
 namespace {
 
-// Of a length: what rounding leaves.
+// Rounding leaves this much of a length.
 constexpr double kSameMm = 1e-9;
 
 }  // namespace

@@ -90,8 +90,8 @@ class Laser {
   /// One lamp sync later, which comes `late_s` after its time. Returns the mask of
   /// channels that fire; 0: no pulse.
   std::uint8_t AdvanceTick(bool in_position, double late_s = 0);
-  /// Of the pulse that AdvanceTick returned, before a splitter; detectors measure it
-  /// exactly.
+  /// Energy of the pulse that AdvanceTick returned, before a splitter; detectors measure
+  /// it exactly.
   double pulse_energy_mj() const { return pulse_energy_mj_; }
   /// The photosensors of these channels saw no flash of the pulse that AdvanceTick
   /// returned.

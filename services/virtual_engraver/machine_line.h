@@ -23,7 +23,7 @@ class MachineLine {
   /// no host, and takes written bytes all the same. A share of the bytes that come in is
   /// lost (DropBytes). One at a time is used; a new one after each host that has gone.
   std::unique_ptr<link::ByteStream> MachineEnd();
-  /// Of every byte that comes in, this share is lost, 0..1; drawn from `seed`.
+  /// Every byte that comes in is lost with this probability, 0..1; drawn from `seed`.
   void DropBytes(double ratio, unsigned seed);
 
   /// True once each time when the host has gone; before that the next host is not taken.

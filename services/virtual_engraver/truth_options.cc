@@ -44,7 +44,7 @@ PlanarOptions LoopOf(const TruthPlanar& truth) {
   return planar;
 }
 
-/// Of a stage, or of one of its axes.
+/// Options of a stage, or of one of its axes.
 template <typename Truth>
 void SetMechanics(const Truth& truth, MechanicsOptions& mechanics) {
   if (truth.has_first_order_lag_s()) mechanics.lag_s = truth.first_order_lag_s();

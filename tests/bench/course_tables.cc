@@ -215,7 +215,7 @@ void PrintPlanningTime() {
   fmt::print("\n| planning {} segments, {:.1f} m | s |\n|---|---|\n",
              SegmentCount(program), LengthMm(program) / 1e3);
   const auto measure = [&](const std::string& name, const PlanOptions& options) {
-    // Of the processor, so that a busy machine does not count.
+    // The processor's time, so that a busy machine does not count.
     const std::clock_t begin = std::clock();
     const Cut cut = CutByPlan(program, options);
     const double took_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;

@@ -135,7 +135,7 @@ std::optional<PeerRun> CloudCompareThinning(const PointList& points_mm,
 #ifdef INTAGLIO_HAS_EMBREE
 namespace {
 
-/// Of a packet, all lanes at once, until none hits anything.
+/// Casts all lanes of a packet at once, until none hits anything.
 std::size_t CrossingsOf(RTCScene scene, RTCRayHit16& packet, int* valid) {
   std::size_t count = 0;
   for (bool any = true; any;) {

@@ -16,7 +16,7 @@
 namespace intaglio::sort {
 namespace {
 
-/// Of a lens with numerical aperture 0.3 in N-BK7.
+/// The cone of a lens with numerical aperture 0.3 in N-BK7.
 const BeamCone kCone(0.2);
 
 PointList InOrder(const PointList& points_mm, const Order& order) {

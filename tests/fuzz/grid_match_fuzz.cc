@@ -11,7 +11,7 @@
 #include "engrave/galvo/calibration_grid.h"
 #include "engrave/galvo/grid_match.h"
 
-// Of each place: which node of the grid it is near, and how far from it, so that whole
+// Each place has the node of the grid that it is near, and how far from it, so that whole
 // grids are not rare.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace intaglio;

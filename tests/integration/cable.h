@@ -53,7 +53,7 @@ class Cable {
 
   void Cut(bool a_to_b, bool b_to_a);
   void Restore() { Cut(false, false); }
-  /// Of each way's frames, at random; 0..1.
+  /// Loses this share of each way's frames, at random; 0..1.
   void Lose(double ratio) { loss_ = ratio; }
   std::uint64_t carried() const { return carried_; }
   std::uint64_t lost() const { return lost_; }

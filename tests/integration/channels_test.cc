@@ -128,7 +128,7 @@ TEST_F(FourBlocks, OfDifferentSizesEachHasItsPointsWithinItself) {
     const Box3 block{Vec3(Vec3::Zero()), sizes_mm[channel[i]]};
     ASSERT_TRUE(block.Contains(glass->points_mm[i])) << "channel " << channel[i] + 1;
   }
-  // Of each model: the knot, then the names.
+  // The source of each model: the knot, then the names.
   const auto& source = *path->Find<std::uint32_t>("source");
   for (std::uint32_t model = 0; model <= kChannels; ++model) {
     Box3 bounds;

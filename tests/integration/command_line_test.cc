@@ -115,7 +115,7 @@ TEST(CommandLine, BrokenModelsAreNamedWithARemedyAndNothingIsMade) {
   const fs::path broken = INTAGLIO_SOURCE_DIR "/tests/data/broken";
   std::size_t tried = 0;
   for (const fs::path& file : fs::directory_iterator(broken)) {
-    // Of an open drawing the lines are engraved; other tests have what is said of it.
+    // The lines of an open drawing are engraved; other tests have what is reported of it.
     if (file.extension() == ".dxf") continue;
     ++tried;
     const fs::path out = test::FreshFolder("command_line_broken") / "out";

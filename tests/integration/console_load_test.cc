@@ -44,7 +44,7 @@ class ConsoleUnderLoad : public ConsoleShop {
       EXPECT_TRUE(broken.Ends(20s));
     }
   }
-  /// Of the console.
+  /// The memory of the console.
   double MemoryMb() const {
     double size_pages = 0, resident_pages = 0;
     std::ifstream("/proc/" + std::to_string(console_->pid()) + "/statm") >> size_pages >>

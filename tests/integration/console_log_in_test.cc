@@ -25,7 +25,7 @@ using ::testing::Not;
 constexpr char kAnnasPassword[] = "correct horse";
 constexpr char kBertsPassword[] = "battery staple";
 
-/// Of the job 1 where it names one.
+/// The path of a route, of the job 1 where it names one.
 std::string PathOf(const Route& route) {
   return std::regex_replace(std::string(route.path), std::regex("\\{job\\}"), "1");
 }

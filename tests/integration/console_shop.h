@@ -61,7 +61,7 @@ class ConsoleShop : public ::testing::Test {
                            std::chrono::seconds(20)))
         << Job();
   }
-  /// Of a sample that waits for its arm in a machine with a reported block.
+  /// Waits until a sample waits for its arm in a machine with a reported block.
   void AwaitArm() {
     floor_.StartAll();
     Open();

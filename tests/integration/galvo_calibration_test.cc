@@ -140,7 +140,7 @@ class GalvoCalibration : public ::testing::Test {
     return {};
   }
 
-  /// Of each place of the grid's table: its disc beside it, the largest, um.
+  /// How far a disc is beside its place of the grid's table, the largest, um.
   double WorstUm(const std::string& name, const std::vector<BurntDisc>& discs) const {
     std::istringstream table(testing::TextIn(folder_ / (name + "-job/grid.csv")));
     std::string line;

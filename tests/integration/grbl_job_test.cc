@@ -55,7 +55,7 @@ void ExpectEveryPointOnce(const GrblShop::Options& options, std::chrono::seconds
   EXPECT_EQ(judgement.uncertain, 0U);
 }
 
-// Of a bunny 20 mm high: 5000 points.
+// A bunny 20 mm high has 5000 points.
 constexpr double kBunny5000Spacing_mm = 0.4;
 
 struct Controller {
@@ -150,8 +150,8 @@ TEST(GrblKills, LeaveFewUncertainPointsAndDoubleNone) {
   EXPECT_EQ(judgement.doubled, 0U);
   EXPECT_EQ(judgement.stray, 0U);
   EXPECT_EQ(judgement.unknown, 0U);
-  // Of a kill; a busy computer that is silent for 250 ms between two kills loses its line
-  // once more, so the largest number of one interval is only printed.
+  // They are of a kill; a busy computer that is silent for 250 ms between two loses its
+  // line once more, so the largest number of one interval is only printed.
   EXPECT_LE(judgement.uncertain, 16U * static_cast<unsigned>(killed));
   EXPECT_EQ(judgement.lit_at_rest_us, 0);
   EXPECT_LE(judgement.farthest_mm, 1.5 * kGrblStepMm);

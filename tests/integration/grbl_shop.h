@@ -30,7 +30,7 @@ class GrblShop {
   struct Options {
     bool hal = true;   ///< grblHAL, with a buffer of 1023 bytes; else grbl 1.1, 128
     bool tcp = false;  ///< else a pseudo-terminal, as a serial line
-    /// Of a job file: models, block, discretization.
+    /// The text of a job file: models, block, discretization.
     std::string job = Knot(2.2);
   };
   /// The supplied model, so high; and a file of one's own.
@@ -65,7 +65,7 @@ class GrblShop {
 
   std::filesystem::path folder_;
   std::string tag_, shown_;
-  // Of a short path: that of a socket has 107 bytes.
+  // Its path is short: that of a socket has 107 bytes.
   std::string socket_;
   int opened_ = 0;
   std::unique_ptr<Running> controller_, shop_;

@@ -65,7 +65,7 @@ class HeadOverBlockJob : public RunJob {
                 folder_ / "output.txt");
     return run.WaitForEnd(3 * testing::kBound);
   }
-  /// Of each point the nearest crack counts; they are 3.8 mm apart.
+  /// The nearest crack counts for each point; they are 3.8 mm apart.
   Misses Missed() const {
     Misses misses;
     const auto glass = formats::ReadGlassRecord(folder_ / "out/session/glass.rec");
@@ -91,7 +91,7 @@ TEST_F(HeadOverBlockJob, EachCrackOfACubeIsInItsPlace) {
   const Ended run = RunOn(ProfileWith(kEnergy, kStrong));
   ASSERT_TRUE(run.in_time);
   ASSERT_EQ(run.exit_code, 0) << run.output;
-  // Of points with two foci it warns.
+  // It warns of points with two foci.
   EXPECT_EQ(Report().verdict().kind(), "good_with_warnings");
   const Misses misses = Missed();
   EXPECT_EQ(misses.cracks, points_mm_.size());

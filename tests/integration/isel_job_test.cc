@@ -132,7 +132,7 @@ class IselJob : public ::testing::Test {
 
   fs::path folder_;
   std::string tag_, shown_;
-  // Of a short path: that of a socket has 107 bytes.
+  // Its path is short: that of a socket has 107 bytes.
   std::string socket_ = "/tmp/isel" + std::to_string(getpid());
   std::unique_ptr<Running> controller_, shop_;
 };
@@ -220,7 +220,7 @@ TEST_F(IselJob, KillsOfTheBridgeDoubleNoPoint) {
   const Judgement judgement = Judge();
   EXPECT_GT(killed, 0U);
   EXPECT_EQ(judgement.doubled + judgement.stray, 0U);
-  // Of the points that the profile allows open when the bridge dies.
+  // They are of the points that the profile allows open when the bridge dies.
   EXPECT_LE(judgement.uncertain, 4U * killed);
   EXPECT_GE(judgement.made + judgement.uncertain, judgement.points);
   EXPECT_FALSE(judgement.moved);

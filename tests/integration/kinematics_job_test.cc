@@ -109,7 +109,7 @@ TEST_F(KinematicsJob, WithAPlanarMotorIsInPlace) {
   ExpectAllMadeInPlace(RunOn(kMachines + "planar.textproto"));
 }
 
-/// Of the same points without any limit of the stage but its laser's rate.
+/// That of the same points without any limit of the stage but its laser's rate.
 constexpr double kIdealUtilisation = 1;
 
 // Trochimczuk 2008, ch. 7 and 8: each positioner engraves the whole object, and none

@@ -45,7 +45,8 @@ class ManyClients : public ::testing::Test {
     return std::make_unique<Running>(Program("intaglio"), InShop(words),
                                      folder_ / (name + ".txt"));
   }
-  /// Of all clients at once, each with its id; every fifth gives a job that is refused.
+  /// Starts all clients at once, each with its id; every fifth gives a job that is
+  /// refused.
   std::vector<Ended> SubmitAll(const std::string& run) const {
     std::vector<std::unique_ptr<Running>> clients;
     for (std::size_t i = 0; i < count_; ++i) {

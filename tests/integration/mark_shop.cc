@@ -20,7 +20,7 @@ namespace {
 
 constexpr auto kOpenBound = 60s;
 
-/// Of each shop of this process its own.
+/// Each shop of this process has its own.
 std::string NextTag() {
   static int number = 0;
   return "marks" + std::to_string(getpid()) + "-" + std::to_string(++number);

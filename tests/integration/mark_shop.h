@@ -47,7 +47,7 @@ class MarkShop {
   bool AwaitDone(std::chrono::seconds bound);
   /// True once the shop is open; opens it when it was closed.
   bool IsOpenOrOpens() { return IsOpen() || Open(); }
-  /// Of an `intaglio` command.
+  /// Runs an `intaglio` command, and gives its output.
   std::string Type(const std::vector<std::string>& words);
 
   /// SIGKILL; "intaglio-up" is the program that started all others, which end with it.
@@ -64,7 +64,7 @@ class MarkShop {
  private:
   bool IsOpen() { return up_ && up_->running(); }
   std::vector<std::string> With(std::vector<std::string> words) const;
-  /// Of this and of earlier openings of the shop.
+  /// The records of this and of earlier openings of the shop.
   std::vector<std::filesystem::path> Records() const;
   std::vector<formats::PointOutcome> LastOutcomes() const;
 

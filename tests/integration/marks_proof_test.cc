@@ -91,7 +91,8 @@ struct Circle {
   double radius_mm = 0;
 };
 
-/// Of each mark of the record the mean of its ticks' ways: nothing of the report is used.
+/// Takes the mean of the ticks' ways of each mark of the record, and nothing of the
+/// report.
 std::vector<Circle> AllCirclesIn(const fs::path& file) {
   const auto record = formats::ReadMarkRecord(file);
   EXPECT_TRUE(record) << file;

@@ -85,7 +85,7 @@ class WebShop : public ::testing::Test {
         << R"(<text x="1" y="20">price</text>)"
         << R"(</svg>)";
   }
-  /// Of a web that runs at `truth_mm_s` and is said to run at `asked_mm_s`.
+  /// A shop of a web that runs at `truth_mm_s`, and is declared to run at `asked_mm_s`.
   MarkShop ShopOf(double asked_mm_s, double truth_mm_s) const {
     const fs::path truth = folder_ / "truth.textproto";
     std::ofstream(truth) << fmt::format("head {{ web_mm_s: {} }}", truth_mm_s);

@@ -72,7 +72,7 @@ class OfflineChain : public ::testing::TestWithParam<Chain> {
                        "20", "--rotate", "30", "20", "10", "--spacing", "0.5"}),
         GetParam().points);
   }
-  /// Of one that has them.
+  /// Adds the order to one that has points.
   static Tokens WithOrder(const Tokens& words) {
     return Joined(Joined(words, {"--block", "20", "20", "20", "--spacing", "0.5"}),
                   GetParam().order);

@@ -88,7 +88,7 @@ TEST_F(PreviewCommand, OfModelsTakesTheOptionsOfAJob) {
   EXPECT_THAT(ended.output, HasSubstr("\"UP_AXIS_MINUS_Y\""));
   const JobPreview figures = Figures("p");
   EXPECT_EQ(figures.models_size(), 2);
-  // Of its points, which end up to a spacing below and above.
+  // The size is that of its points, which end up to a spacing below and above.
   EXPECT_NEAR(figures.size_mm().z(), 20, 2 * 0.4);
 }
 

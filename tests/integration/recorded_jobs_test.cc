@@ -67,7 +67,7 @@ void WriteRow(const RecordedJob& job) {
   }
 }
 
-/// Of the arguments, those of a command that makes points but orders and moves nothing.
+/// Those of the arguments that belong to making points, without order and motion.
 Tokens OfPoints(const Tokens& arguments) {
   static const std::set<std::string> kOthers = {"--name", "--order", "--profile",
                                                 "--rate"};

@@ -108,7 +108,7 @@ class Security : public ::testing::Test {
               << std::regex_replace(wrong_->Output(), std::regex("\n"), "; ") << "\n";
     return received;
   }
-  /// Of a listener's lines `heard ("right", 12) ("wrong", 3)`.
+  /// Reads a count from a listener's lines `heard ("right", 12) ("wrong", 3)`.
   static int CountOf(const std::string& word, const Running& listener) {
     const std::string text = listener.Output();
     const auto line = text.rfind("heard ");

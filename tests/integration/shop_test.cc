@@ -60,7 +60,7 @@ class Shop : public ::testing::Test {
                 folder_ / ("typed" + std::to_string(++typed_) + ".txt"));
     return run.WaitForEnd(60s);
   }
-  /// Of a command that needs no shop.
+  /// Runs a command that needs no shop.
   Ended Ask(const std::vector<std::string>& words) {
     Running run(Program("intaglio"), words,
                 folder_ / ("typed" + std::to_string(++typed_) + ".txt"));

@@ -221,7 +221,7 @@ class Forger {
 
   [[noreturn]] void Run() {
     for (;;) {
-      // Of two that serve one machine, that of the smaller name stays.
+      // The one with the smaller name stays of two that serve one machine.
       Health("a-job-service", intaglio_ROLE_JOB_SERVICE, "");
       Health("a-synchronizer", intaglio_ROLE_SYNCHRONIZER, cell_);
       Health("a-bridge", intaglio_ROLE_MOTION_BRIDGE, cell_);

@@ -74,7 +74,7 @@ TEST(ImportAgf, KeepsTheInternalTransmittanceByWavelength) {
   const Imported imported = ImportAgf(kCatalog, "SCHOTT");
   ASSERT_THAT(imported.materials, SizeIs(3));
   const Material& crown = imported.materials[0];
-  // Of the two at 500 nm that of the longer way; what is not measured is left out.
+  // The longer way counts of the two at 500 nm; what is not measured is left out.
   EXPECT_THAT(crown.transmittance, ElementsAre(optics::Transmittance{0.3, 0.05, 25},
                                                optics::Transmittance{0.5, 0.994, 25},
                                                optics::Transmittance{1.06, 0.999, 10}));

@@ -9,7 +9,7 @@
 namespace intaglio::motion {
 namespace {
 
-// Of the right side: what is left of it is rounding of a decomposition of a few rows.
+// Less of the right side that is left is rounding of a decomposition of a few rows.
 constexpr double kUnsolvedRatio = 1e-9;
 
 }  // namespace

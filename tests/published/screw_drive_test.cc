@@ -43,7 +43,7 @@ ScrewDriveState Midpoint(const ScrewDrive& d, const ScrewDriveState& s, double v
   return Along(s, SlopeOf(d, Along(s, SlopeOf(d, s, volt), h / 2), volt), h);
 }
 
-// Of the energy that the voltage gives, what is not stored became heat: (109)-(114)
+// What is not stored of the energy that the voltage gives became heat: (109)-(114)
 // belong together.
 TEST(ScrewDrive, EnergyIsKept) {
   const ScrewDrive d = Drive();

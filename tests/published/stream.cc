@@ -63,7 +63,7 @@ CourseStream::CourseStream(const Vec2& begin_mm, const AxisPair& axes,
   allowed_.error_mm /= kFinalSlack;
   allowed_.motor_mm_s2 /= kFinalSlack;
   allowed_.jerk_mm_s3 /= kFinalSlack;
-  // Of the lowest acceleration that a correction reaches in a few rounds: half.
+  // A correction reaches half of the lowest acceleration in a few rounds.
   const double braking_mm = max_feed_mm_s * max_feed_mm_s / (2 * acceleration_mm_s2_);
   look_ahead_mm_ = 2 * braking_mm + 2 * memory_mm_ + 20 * allowed_.error_mm;
   // A window is planned once for several segments: half of its work is for the

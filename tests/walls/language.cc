@@ -67,6 +67,36 @@ std::size_t BehindText(std::string_view source, std::size_t at) {
   return source.size();
 }
 
+/// In the order of their paths.
+std::vector<fs::path> FilesBelow(const fs::path& root) {
+  std::vector<fs::path> files;
+  for (const char* top :
+       {"engrave", "idl", "materials_db", "proto", "services", "tests"}) {
+    if (!fs::exists(root / top)) continue;
+    for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
+      const auto extension = entry.path().extension();
+      if (extension == ".h" || extension == ".cc" || extension == ".idl" ||
+          extension == ".proto")
+        files.push_back(entry.path());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// Whose comments are not all sentences yet.
+constexpr std::string_view kFoldersWithOf[] = {"engrave/",      "idl/",
+                                               "proto/",        "services/drivers/",
+                                               "services/job/", "services/platform/"};
+
+/// Whether a comment of this line begins with "Of".
+bool BeginsWithOf(std::string_view line) {
+  const auto slashes = line.find("//");
+  if (slashes == std::string_view::npos) return false;
+  const auto text = line.find_first_not_of("/<", slashes);
+  return text != std::string_view::npos && line.substr(text).starts_with(" Of ");
+}
+
 }  // namespace
 
 bool IsOfName(char c) {
@@ -116,21 +146,9 @@ std::vector<std::string> IdentifiersOf(std::string_view source) {
 }
 
 std::vector<std::string> RetiredNames(const fs::path& root) {
-  std::vector<fs::path> files;
-  for (const char* top :
-       {"engrave", "idl", "materials_db", "proto", "services", "tests"}) {
-    if (!fs::exists(root / top)) continue;
-    for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
-      const auto extension = entry.path().extension();
-      if (extension == ".h" || extension == ".cc" || extension == ".idl" ||
-          extension == ".proto")
-        files.push_back(entry.path());
-    }
-  }
-  std::sort(files.begin(), files.end());
   std::set<std::string> found;
   std::vector<std::string> sentences;
-  for (const fs::path& file : files) {
+  for (const fs::path& file : FilesBelow(root)) {
     const std::string path = file.lexically_relative(root).string();
     std::ifstream in(file);
     const std::string source{std::istreambuf_iterator<char>(in), {}};
@@ -139,6 +157,25 @@ std::vector<std::string> RetiredNames(const fs::path& root) {
       if (word.empty() || !found.insert(identifier).second) continue;
       sentences.push_back(path + ": " + identifier + " has the retired word '" + word +
                           "'; docs/glossary.md has what replaced it");
+    }
+  }
+  return sentences;
+}
+
+std::vector<std::string> CommentsThatBeginWithOf(const fs::path& root) {
+  std::vector<std::string> sentences;
+  for (const fs::path& file : FilesBelow(root)) {
+    const std::string path = file.lexically_relative(root).string();
+    if (std::ranges::any_of(kFoldersWithOf, [&](std::string_view folder) {
+          return path.starts_with(folder);
+        }))
+      continue;
+    std::ifstream in(file);
+    int number = 1;
+    for (std::string line; std::getline(in, line); ++number) {
+      if (!BeginsWithOf(line)) continue;
+      sentences.push_back(path + ":" + std::to_string(number) +
+                          ": a comment begins with 'Of'; give it a subject and a verb");
     }
   }
   return sentences;

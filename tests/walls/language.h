@@ -27,4 +27,9 @@ std::vector<std::string> IdentifiersOf(std::string_view source);
 /// Reads every .h, .cc, .idl and .proto of the product and of its tests.
 std::vector<std::string> RetiredNames(const std::filesystem::path& root);
 
+/// One sentence for each line of a comment that begins with "Of": a comment is a sentence
+/// with subject and verb. Reads every .h and .cc below folders that are not excepted in
+/// language.cc.
+std::vector<std::string> CommentsThatBeginWithOf(const std::filesystem::path& root);
+
 }  // namespace intaglio::walls

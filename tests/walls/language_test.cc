@@ -59,5 +59,20 @@ TEST(Language, ARetiredNameIsFoundWithItsFile) {
                                            HasSubstr("kMost"), HasSubstr("glossary"))));
 }
 
+TEST(Language, CommentsAreSentences) {
+  EXPECT_THAT(CommentsThatBeginWithOf(INTAGLIO_SOURCE_DIR), IsEmpty());
+}
+
+TEST(Language, ACommentThatBeginsWithOfIsFoundWithItsLine) {
+  const fs::path root = test::FreshFolder();
+  fs::create_directories(root / "services/cell");
+  std::ofstream(root / "services/cell/a.h")
+      << "// Offers a place. Of two it takes the first.\n"
+         "int a;  ///< "
+         "Of a cell.\nint b;  // Often 0.\n";
+  EXPECT_THAT(CommentsThatBeginWithOf(root),
+              ElementsAre(HasSubstr("services/cell/a.h:2: ")));
+}
+
 }  // namespace
 }  // namespace intaglio::walls

@@ -170,7 +170,7 @@ Shape Moved(const Shape& shape, const Vec2& by_mm) {
 }
 
 Outline SweptBox(const Vec2& sides_mm, const Vec2& from_mm, const Vec2& to_mm) {
-  // Of both boxes the corners that lie outermost, by Andrew's monotone chain.
+  // The corners of both boxes that lie outermost, by Andrew's monotone chain.
   std::vector<Vec2> corners;
   for (const Vec2& center : {from_mm, to_mm}) {
     for (const double x : {-0.5, 0.5}) {

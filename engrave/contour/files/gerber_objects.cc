@@ -10,7 +10,7 @@
 namespace intaglio::contour {
 namespace {
 
-// Of a run of clear objects the boxes of all objects before it are compared.
+// A run of clear objects is compared with the boxes of all objects before it.
 constexpr std::uint64_t kMaxComparisons = 1'000'000'000;
 
 }  // namespace

@@ -55,7 +55,7 @@ std::uint32_t NearestLoop(const Region& area, const Vec2& place) {
   return nearest;
 }
 
-/// Of each loop of the area its path: there has to be one, that follows no other loop.
+/// Each loop of the area has to have a path, which follows no other loop.
 Result<std::vector<std::uint32_t>> PathsOfLoops(const Region& area, const Region& paths,
                                                 double tool_mm) {
   std::vector<std::uint32_t> path_of(area.loops.size(), UINT32_MAX);

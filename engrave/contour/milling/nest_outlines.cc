@@ -14,7 +14,7 @@
 namespace intaglio::contour {
 namespace {
 
-// Of the sheet's longer side: 0.75 mm of 600.
+// The sheet's longer side has these cells: 0.75 mm of 600.
 constexpr double kCellsALong = 800;
 
 /// A row of cells, as bits.
@@ -90,7 +90,7 @@ struct Direction {
   double middle_mm = 0;     ///< of what it touches, above its box's bottom
 };
 
-/// Of a part's directions.
+/// Which of a part's directions is chosen.
 enum class Choice {
   kLowestTop,
   kLowestMiddle,  ///< of what it covers
@@ -286,7 +286,7 @@ class OutlineNester {
   int border_, columns_, rows_;
   std::vector<Sheet> sheets_;
   std::vector<Direction> directions_;  ///< of the part in hand
-  /// Of each sheet and direction: below this row it has no place.
+  /// Each sheet has no place below this row, for each direction.
   std::vector<std::vector<int>> searched_;
   Nest nest_;
 };

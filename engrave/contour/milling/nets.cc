@@ -18,7 +18,7 @@ namespace intaglio::contour {
 namespace {
 
 constexpr std::uint32_t kNoIsland = UINT32_MAX;
-// Of a pad without copper at its centre, places of its copper are tried so far inside.
+// Places of the copper of a pad without any at its centre are tried so far inside.
 constexpr double kInside_mm = 0.01;
 
 struct Island {

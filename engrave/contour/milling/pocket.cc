@@ -108,7 +108,7 @@ class Clearing {
     return Inset(area_, offset_mm);
   }
 
-  /// Of what is open the rest that neither the next pass cuts nor those behind it: they
+  /// The rest of what is open that neither the next pass cuts nor those behind it: they
   /// are inside of it.
   Result<Region> Uncut(const Region& open, const Region& next) const {
     if (next.loops.empty()) return open;

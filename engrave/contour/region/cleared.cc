@@ -19,7 +19,7 @@ FlatBox BoxOfLoops(const Region& region) {
   return box;
 }
 
-/// Of a shape a box around it, not always the smallest.
+/// A box around a shape, not always the smallest.
 struct Reach {
   static FlatBox About(const Vec2& center, double half) {
     return {center - Vec2::Constant(half), center + Vec2::Constant(half)};

@@ -107,7 +107,7 @@ class SurfaceGrid::Walk {
         own_(grid.options_.step_mm),
         wider_(own_.WholeCubes(range)) {}
 
-  /// Of the triangles that matter: cubes reach out of the range.
+  /// The range of triangles that matter: cubes reach out of the other.
   const HeightRange& wider() const { return wider_; }
 
   Status Triangle(std::uint32_t triangle) {

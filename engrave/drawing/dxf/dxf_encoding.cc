@@ -157,7 +157,7 @@ std::string_view HeaderText(std::string_view file, std::string_view variable) {
   return rest.substr(0, 32);
 }
 
-/// Of "ANSI_1252" or "dos850", as iconv names it.
+/// Names "ANSI_1252" or "dos850" as iconv does.
 std::string NameForIconv(std::string_view code_page) {
   const auto digits = code_page.find_first_of("0123456789");
   if (digits == code_page.npos) return "CP1252";

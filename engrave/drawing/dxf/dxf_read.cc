@@ -73,7 +73,7 @@ class DxfReader {
     return Decode();
   }
 
-  /// Of files whose names and texts are in a code page.
+  /// Decodes files whose names and texts are in a code page.
   bool Decode() {
     std::string code_page;
     auto utf8 = DxfInUtf8(text_, code_page);
@@ -244,7 +244,7 @@ class DxfReader {
     return floats && !in.layer.empty() ? in.layer : common.layer;
   }
 
-  /// Of a block inserted on a layer that is off, the entities on other layers are shown.
+  /// A block inserted on a layer that is off shows its entities on other layers.
   bool IsShown(const DxfCommon& common, std::string_view layer, bool is_insert) {
     const DxfLayers::State state = layers_.StateOf(layer);
     std::string_view reason;

@@ -83,7 +83,7 @@ std::string_view Cut(std::string_view& rest, std::string_view stops) {
   return part;
 }
 
-/// Of printing, fonts and time, or of what is drawn.
+/// Whether a rule is about printing, fonts and time, or about what is drawn.
 Effect EffectOfAtRule(std::string_view name) {
   constexpr std::string_view kChange[] = {"@media", "@import", "@supports", "@layer"};
   return std::ranges::find(kChange, name) == std::end(kChange) ? Effect::kNothingSeen

@@ -20,7 +20,7 @@ struct Layout {
 constexpr Layout kVersion2 = {28, 36, 4, 36 + kCorCells * 8 + 4};
 constexpr Layout kVersion1 = {24 + 43 * 8, 528, 8, 528 + kCorCells * 16};
 
-/// Of a name in bytes or in UTF-16, as both occur.
+/// Compares a name in bytes or in UTF-16, as both occur.
 bool BeginsWith(std::string_view bytes, std::string_view title) {
   if (bytes.starts_with(title)) return true;
   if (bytes.size() < 2 * title.size()) return false;

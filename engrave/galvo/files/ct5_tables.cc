@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kMiddle = (kCt5Nodes - 1) / 2;
 constexpr double kFullOutput = (1 << 20) - 1;
-// Of full output that the calibration angle stands for, by the maker.
+// The share of full output that the calibration angle means, by the maker.
 constexpr double kCalibratedShare = 0.96;
 
 double NodeBits(int i) { return static_cast<double>(i - kMiddle) * kCt5NodeBits; }

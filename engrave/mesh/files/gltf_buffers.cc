@@ -11,7 +11,7 @@
 namespace intaglio::mesh {
 namespace {
 
-/// Of the closing quote of the string that opens there; npos: none.
+/// The place of the closing quote of the string that opens there; npos: none.
 std::size_t EndOfString(std::string_view json, std::size_t open) {
   for (std::size_t at = open + 1; at < json.size(); ++at) {
     if (json[at] == '\\') {

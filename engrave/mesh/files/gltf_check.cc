@@ -48,7 +48,7 @@ std::vector<std::string_view> StringsOf(std::string_view json, std::string_view 
   return strings;
 }
 
-/// Of the appearance alone: materials, textures, lights, and what programs note for
+/// They change the appearance alone: materials, textures, lights, what programs note for
 /// themselves.
 bool IsOfAppearance(std::string_view extension) {
   constexpr std::string_view kBeginnings[] = {"KHR_materials_",

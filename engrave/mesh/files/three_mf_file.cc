@@ -168,7 +168,7 @@ class ThreeMfReader {
     return parts_.emplace(path, std::move(part)).first->second.get();
   }
 
-  /// Of the prefixes in requiredextensions.
+  /// Checks the prefixes in requiredextensions.
   Status CheckExtensions(const pugi::xml_node& model) const {
     constexpr std::string_view kRead[] = {"/production/2015/06", "/material/2015/02",
                                           "/trianglesets/2021/07"};

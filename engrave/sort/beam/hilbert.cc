@@ -78,7 +78,7 @@ std::vector<std::uint32_t> AlongHilbertCurve(const PointList& points_mm,
   Box3 box;
   for (const std::uint32_t i : members) box.Extend(points_mm[i]);
   const double side_mm = box.size_mm().maxCoeff();
-  // Of a single place the scale does not matter.
+  // The scale of a single place does not matter.
   const double cells_per_mm = side_mm > 0 ? (kCells - 1) / side_mm : 0;
   std::vector<Keyed> items;
   items.reserve(members.size());

@@ -120,7 +120,7 @@ void ManualControl::Take(const ManualOrder& order, Nanoseconds now) {
   }
 }
 
-// Of axes whose place is lost a person may need the whole length, in either direction.
+// A person may need the whole length of axes whose place is lost, in either direction.
 Box3 ManualControl::LimitsNow() const {
   if (driver_.state().place_lost.empty()) return limits_;
   const Vec3 length = limits_.max_mm - limits_.min_mm;
@@ -276,7 +276,7 @@ void ManualControl::Turn(const ManualConditions& conditions, Nanoseconds now) {
   }
   if (phase_ == Phase::kBraking) {
     if (hold_owed_) hold_owed_ = !driver_.Hold();
-    // Of a lost line the controller itself has ended the motion.
+    // The controller itself ends the motion when its line is lost.
     if (state.link_up && (hold_owed_ || !state.at_rest)) return;
     phase_ = Phase::kResting;
     Answer(order_, intaglio_MANUAL_STOPPED, stopped_by_);

@@ -110,7 +110,7 @@ class ManualControl {
                 std::array<std::string, 3> names)
       : driver_(driver), limits_(limits), names_(std::move(names)) {}
 
-  /// Of the machine, whose shutters and lamp are switched by hand; default 1, 0: it has
+  /// Channels whose shutters and lamp are switched by hand; default 1, 0: the machine has
   /// none.
   void SetChannels(std::uint32_t count) { channels_ = count; }
   void SetLimits(const Box3& limits) { limits_ = limits; }

@@ -26,7 +26,7 @@ class Teacher {
  public:
   virtual ~Teacher() = default;
   virtual TaughtAxes axes() const = 0;
-  /// Of the lamp and the shutters that are switched by hand; 0: none.
+  /// Channels whose lamp and shutters are switched by hand; 0: none.
   virtual std::uint32_t channel_count() const = 0;
   /// The zero is kept by the controller (HandMotion::SetZero), and not saved here.
   virtual bool zero_is_in_controller() const { return false; }

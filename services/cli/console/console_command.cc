@@ -57,7 +57,7 @@ std::string AskFor(const char* question) {
   return line;
 }
 
-/// Of a terminal twice; else the first line of the standard input.
+/// Asks twice at a terminal; else it is the first line of the standard input.
 Result<std::string> AskForPassword() {
   std::string password = AskFor("password: ");
   INTAGLIO_TRY(access::CheckPassword(password));

@@ -9,7 +9,7 @@
 namespace intaglio::cli {
 namespace {
 
-/// Of all passes of all paths.
+/// Sums over all passes of all paths.
 struct PassSums {
   double work_mm = 0;
   double over_tabs_mm = 0;  ///< from part to part of a path

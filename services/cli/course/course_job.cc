@@ -58,7 +58,7 @@ Result<course::AxisDynamics> SecondOrderOf(const std::string& owner,
   return course::AxisDynamics(parameters);
 }
 
-/// Of a drive of the machine profile.
+/// Reads them from a drive of the machine profile.
 Result<course::AxisDynamics> DynamicsOf(const std::string& owner,
                                         const drive::DriveParameters& drive) {
   const std::vector<double>& v = drive.values;

@@ -25,7 +25,7 @@ Result<std::vector<course::Path>> ReadContours(const std::string& file, double f
 /// screw, a planar drive.
 Result<course::AxisPair> AxesOf(const MachineSpec& machine);
 
-/// Of a drive profile: its axes x and y, or its first two. A servo without derivative
+/// Reads a drive profile: its axes x and y, or its first two. A servo without derivative
 /// gain and feed-forward is of second order, w = sqrt(K / tau), xi = 1 / (2 sqrt(K tau));
 /// kUnsupported: others, named by axis and field. kMissing: fewer than two axes.
 Result<course::AxisPair> AxesOf(const DriveProfile& profile);

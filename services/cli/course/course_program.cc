@@ -12,7 +12,7 @@
 namespace intaglio::cli {
 namespace {
 
-/// Of a picture: more samples than it has pixels are not seen.
+/// A picture does not show more samples than it has pixels.
 constexpr std::size_t kMaxDrawnSamples = 200'000;
 
 /// The course of the model's axes, with the nearest place of each of its points.

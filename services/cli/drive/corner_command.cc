@@ -24,7 +24,7 @@
 namespace intaglio::cli {
 namespace {
 
-// Of figure 2: w1 in steps, up to what the source draws.
+// Figure 2 has w1 in steps, up to what the source draws.
 constexpr int kFirstNatural = 40, kLastNatural = 200, kNaturalStep = 5;
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 

@@ -32,7 +32,7 @@ struct DriveIdentifyOptions {
   bool json = false;
 };
 
-// Of a recorded job: more do not make the figures better, and the search slower.
+// More of a recorded job do not make the figures better, and the search slower.
 constexpr std::uint64_t kMaxTicks = 1000;
 
 Result<double> NumberIn(const io::CsvTable& table, const io::CsvRow& row,

@@ -19,7 +19,7 @@ struct RecordedAxis {
   double rate_hz = 0;
 };
 
-/// Of the longest run of the recording, its first ticks. `axis`: 0..2. kMissing: no run,
+/// Reads the first ticks of the recording's longest run. `axis`: 0..2. kMissing: no run,
 /// or no positions of it. kUnsupported: a stage on a clock of its own, a recording whose
 /// samples are not known.
 Result<RecordedAxis> ReadAxis(const recording::McapReader& reader, std::size_t axis,

@@ -10,7 +10,7 @@ namespace intaglio::cli {
 /// because a flag that is a number is counted: it begins at 0, and 0 counts as "no".
 void AddConsoleFlag(command_line::Command command, std::string& port);
 
-/// Of ServiceSetOptions::console_port: -1 without a console.
+/// A value of ServiceSetOptions::console_port: -1 without a console.
 int ConsolePortOf(const std::string& port);
 
 }  // namespace intaglio::cli

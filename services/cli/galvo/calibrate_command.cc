@@ -33,12 +33,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of the correction that is written: the fit is smooth, so that 129 are exact to 1 nm.
+// The written correction has these: the fit is smooth, so that 129 are exact to 1 nm.
 constexpr int kFitNodes = 129;
-// Of the field: commands of a correction reach beyond it by their distortion.
+// Commands of a correction reach beyond the field by their distortion.
 constexpr double kMaxCommandWidth = 1.25;
 
-// Of a .ctb file and of half a .ct5 file over the field of a profile.
+// The field of a profile has so many steps of a .ctb file, and of half a .ct5 file.
 constexpr double kCtbSteps = 1 << 16, kHalfCt5Steps = 1 << 19;
 
 struct CalibrateOptions {
@@ -148,8 +148,8 @@ Status DrawResiduals(const std::string& picture,
                                       figures));
 }
 
-/// Of places in a frame of their own, from one mark of which they are given: the middle
-/// of the field comes to 0 by all of them, and not by that mark with its noise.
+/// Moves places in a frame of their own, which are given from one of its marks: the
+/// middle of the field comes to 0 by all of them, and not by that mark with its noise.
 Status CentreMarks(const galvo::HeadFitOptions& head, const CorrectionSource* before,
                    std::vector<galvo::GridMark>& marks,
                    std::vector<galvo::GridMark>& as_marked) {

@@ -13,7 +13,7 @@ namespace intaglio::cli {
 
 struct GridMarksOptions {
   client::MarksFile measured;
-  /// Of the grid, when its commands are not in the file; 0: they are.
+  /// Nodes of the grid, when its commands are not in the file; 0: they are.
   int nodes = 0;
   std::optional<double> pitch_mm;
 };

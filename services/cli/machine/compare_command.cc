@@ -81,7 +81,7 @@ bool IsPlanar(const MachineSpec& machine) {
   return machine.drive_case() == MachineSpec::kPlanarDrive;
 }
 
-/// Of the first two axes, N/mm or N mm/rad; none: the profile does not have them.
+/// Both of the first two axes, N/mm or N mm/rad; none: the profile does not have them.
 std::optional<Vec2> StiffnessOf(const MachineSpec& machine) {
   if (machine.has_polar()) {
     const PolarKinematics& polar = machine.polar();

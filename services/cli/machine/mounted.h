@@ -32,7 +32,7 @@ void AddNamedMountFlags(command_line::Command command, MountFlags& flags);
 Result<MountedParts> NamedParts(const MountFlags& flags, const MachineSpec& machine,
                                 const std::filesystem::path& materials_db);
 
-/// Of a virtual machine everything is known, by default 50 x 50 x 30 mm of N-BK7 and
+/// Everything is known of a virtual machine, by default 50 x 50 x 30 mm of N-BK7 and
 /// the profile's first lens; of a real one what was given, and the profile's
 /// mounted_lens. A machine that makes marks has a piece, in words. kNotFound: no such
 /// lens in the profile, or no such glass in the material base; the error of ComputeOptics

@@ -9,8 +9,8 @@
 
 namespace intaglio::cli {
 
-/// Of the largest speed, and the time that a place of the web is in the field if that is
-/// slower: room for a computer that is late.
+/// Share of the largest speed, and time that a place of the web is in the field if that
+/// is slower: room for a computer that is late.
 inline constexpr double kVirtualWebShare = 0.9;
 inline constexpr double kVirtualWebS = 0.5;
 

@@ -65,7 +65,7 @@ struct Beam {
   MachineLens lens = {};
 };
 
-/// Of the machine's laser and of its mounted lens, or of that with --focal; what is given
+/// Reads the machine's laser and its mounted lens, or that with --focal; what is given
 /// on the command line comes first.
 Result<Beam> BeamOf(const Flags& flags) {
   if (flags.wavelength_nm && flags.numerical_aperture) {

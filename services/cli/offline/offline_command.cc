@@ -50,7 +50,7 @@ struct OfflineOptions {
   CameraFlags camera;
 };
 
-/// Of the cloud the points of these models, numbered from 1; of none given all.
+/// Keeps the points of these models, numbered from 1; of none given all.
 Status KeepModels(const std::vector<int>& only, int model_count, PointCloud& cloud) {
   if (only.empty()) return {};
   for (const int model : only) {

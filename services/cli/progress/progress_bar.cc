@@ -24,7 +24,7 @@ struct Part {
   int worth = 0;
 };
 
-/// Of UTF-8 text, a column a character.
+/// Counts a column for each character of UTF-8 text.
 std::size_t WidthOf(const std::string& text) {
   return static_cast<std::size_t>(
       std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));

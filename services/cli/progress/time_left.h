@@ -21,11 +21,11 @@ struct TimeLeft {
 /// twentieth of the work. Nothing where nothing or all is done.
 TimeLeft TimeLeftOf(double share, double elapsed_s, double expected_s, std::time_t now);
 
-/// Of a job's engraving by its plan and the speed that was set, s; 0: not known.
+/// The time of a job's engraving by its plan and the speed that was set, s; 0: not known.
 /// `machine_speed`: multiple of real time; 0: as fast as it can.
 double EngravingSeconds(const client::JobView& job, double machine_speed = 1);
 
-/// Of the stage at work, with its share: "52 %, 7 min 02 s left, ends 14:32"; empty where
+/// Describes the stage at work: "52 %, 7 min 02 s left, ends 14:32"; empty where
 /// nothing is at work: before the first point, paused, ended.
 std::string TimeLeftText(const client::JobView& job, std::time_t now);
 

@@ -47,7 +47,7 @@ void PrintMissing(const McapReader& reader) {
     std::cerr << "warning     " << sentence << "\n";
 }
 
-/// Of one file: what `message_of` makes of it, for people or for programs.
+/// Prints what `message_of` makes of one file, for people or for programs.
 template <typename Message>
 int Print(const Options& options, Message (*message_of)(const McapReader&)) {
   const auto readers = OpenAll(options);

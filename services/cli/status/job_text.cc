@@ -14,7 +14,7 @@
 namespace intaglio::cli {
 namespace {
 
-/// Of an ended job: what became of its points.
+/// Names what became of the points of an ended job.
 std::string VerdictReasonOf(const client::JobView& job) {
   if (!client::IsSettled(job))
     return fmt::format("its machine has not reported yet which {} were made", job.makes);

@@ -99,7 +99,7 @@ class TeachScreen {
       return "";
     }
     const std::string all(bytes, static_cast<std::size_t>(count));
-    // Of several that were held back only the last counts.
+    // When several were held back, only the last counts.
     const auto escape = all.rfind('\x1b');
     return escape == std::string::npos ? all.substr(all.size() - 1) : all.substr(escape);
   }

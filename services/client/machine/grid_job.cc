@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kCoveredShare = 0.96;  // of the field, by default
-// Of a disc's diameter: lines that overlap with any usual spot, and a dozen a disc.
+// With this share of a disc's diameter lines overlap with any usual spot, a dozen a disc.
 constexpr double kHatchShare = 0.1;
 constexpr double kMaxDiscShare = 0.2;  // of the pitch, or discs are taken for each other
 

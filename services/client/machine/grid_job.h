@@ -22,7 +22,7 @@ struct GridJob {
 struct WrittenGrid {
   std::filesystem::path job_file;
   double pitch_mm = 0;
-  /// Of the profile: the marks are made with this correction; "": with none.
+  /// The profile's correction, with which the marks are made; "": with none.
   std::string correction_file;
 };
 

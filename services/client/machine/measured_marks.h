@@ -12,13 +12,13 @@ namespace intaglio::client {
 
 struct MarksFile {
   std::filesystem::path file;
-  /// Of a picture: the side of a pixel in the block, and the diameter of a mark; > 0.
+  /// A picture has the side of a pixel in the block, and the diameter of a mark; > 0.
   double pixel_um = 0, mark_um = 0;
 };
 
 struct MeasuredMarks {
   std::vector<Vec2> places_mm;  ///< from above, x to the right, y up
-  /// Of each, its number in the pattern, from 0; empty: they are not known.
+  /// The number of each in the pattern, from 0; empty: they are not known.
   std::vector<int> numbers;
 };
 

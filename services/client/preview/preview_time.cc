@@ -102,7 +102,7 @@ Result<std::uint64_t> TicksOf(const FrozenJob& job, const CloudToTime& cloud,
   return summary.ticks;
 }
 
-/// Of all points, whatever was planned of them.
+/// Bounds the ticks of all points, whatever was planned of them.
 Status AddBound(const FrozenJob& job, const PointList& points_mm,
                 const Executor& executor, TimePreview& time) {
   const auto axes = INTAGLIO_TRY(machine::AxesAlong(

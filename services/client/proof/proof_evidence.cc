@@ -36,7 +36,7 @@ Status ReadCracks(const fs::path& file, Evidence& evidence) {
   const auto glass = INTAGLIO_TRY(formats::ReadPly(file));
   const auto tick = INTAGLIO_TRY(ColumnOf<double>(glass, "tick", file));
   const auto channel = INTAGLIO_TRY(ColumnOf<std::uint8_t>(glass, "channel", file));
-  // Of a folder that was completed before there were stations: none.
+  // A folder that was completed before there were stations has none.
   const auto* station = glass.Find<std::uint8_t>("station");
   const std::uint32_t own = std::max(1u, evidence.job.job().station());
   for (std::size_t i = 0; i < glass.points_mm.size(); ++i) {

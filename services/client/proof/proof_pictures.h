@@ -34,7 +34,7 @@ Status WriteViews(const std::filesystem::path& folder, const Evidence& evidence,
 /// kIo.
 Status WriteCustomerPicture(const std::filesystem::path& file, const Evidence& evidence,
                             const render::CustomerPicture& picture);
-/// Of a folder with path.ply and job.json.
+/// Draws it for a folder with path.ply and job.json.
 Status WriteCustomerPicture(const std::filesystem::path& file,
                             const std::filesystem::path& folder,
                             const render::CustomerPicture& picture);

@@ -10,7 +10,7 @@ namespace intaglio::client {
 
 namespace {
 
-/// Of the points whose energy has this place in `energies`.
+/// Reports the points whose energy has this place in `energies`.
 PulseEnergyReport PulseEnergiesOf(std::span<const formats::PointHistory> history,
                                   const PointEnergies& energies, std::uint32_t place) {
   const double commanded_mj = energies.distinct_mj[place];

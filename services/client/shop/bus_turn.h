@@ -20,7 +20,7 @@ namespace intaglio::client {
 /// they never wait for others.
 class BusTurn {
  public:
-  /// Of a user on one computer, at a time.
+  /// A user of one computer has so many at a time.
   static constexpr std::size_t kPlaces = 4;
   /// A client goes on without a place after this time: those that have the places may
   /// have been stopped.

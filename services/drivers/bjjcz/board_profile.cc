@@ -21,7 +21,7 @@ using enum LmcOperation;
 constexpr std::size_t kMaxCorBytes = 1 << 20;
 constexpr int kCorNodesASide = 65;
 constexpr double kCorNodePlaces = 1024;  // between two nodes
-// Of a corrected field's width: what rounding in a file leaves.
+// Rounding in a file leaves this share of a corrected field's width.
 constexpr double kFieldTolerance = 1e-3;
 // A list begins with a jump: the rest of its time is for the mark.
 constexpr double kMaxJumpSeconds = 0.09;

@@ -21,7 +21,7 @@ constexpr double kFibreClock_hz = 20e6, kCo2Clock_hz = 10e6, kWidthClock_hz = 20
 constexpr double kMaxCurrent = 4095;
 // The first pulses that a tube or a UV laser holds back: 6.7 us at 30 kHz.
 constexpr double kFirstPulsePart = 67.0 / 333;
-// Of a fibre laser's master oscillator, 10 us.
+// The master oscillator of a fibre laser takes this time, 10 us.
 constexpr std::uint16_t kOscillatorDelay = 800;
 constexpr std::size_t kMaxCommands = kMaxListPackets * kLmcPacketCommands - 1;
 // A piece of a line that is cut is not shorter than a tenth of a list.

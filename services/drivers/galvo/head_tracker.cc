@@ -5,7 +5,7 @@
 namespace intaglio::drivers {
 namespace {
 
-// Of samples each millisecond: the speed is known to a count in this time.
+// With a sample each millisecond the speed is known to a count in this time.
 constexpr std::size_t kFirstSamples = 50;
 // At 1 kHz: settled within 0.1 s, a fifth of a count.
 constexpr double kTrackerAlpha = 0.05, kTrackerBeta = 0.00125;

@@ -14,7 +14,7 @@ namespace {
 
 // Arcs as chords: far below a step of the outputs.
 constexpr double kChordTolerance_mm = 1e-4;
-// Of one mark, with all its passes: 50 s.
+// One mark takes 50 s at most, with all its passes.
 constexpr double kMaxTicksOfMark = 5e6;
 // Those of more are made aside: they take longer than a host may be silent.
 constexpr double kTicksMadeAtOnce = 1e5;

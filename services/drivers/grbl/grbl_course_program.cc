@@ -12,9 +12,9 @@ namespace {
 
 using std::numbers::pi;
 constexpr double kSlowestFeed_mm_min = 0.1;
-/// Of the coordinates of a line.
+/// Coordinates of a line are printed in these steps.
 constexpr double kPrinted_mm = 1e-4;
-/// Of a way, whatever its speed.
+/// A way has no more pieces, whatever its speed.
 constexpr double kMaxPieces = 1e9;
 /// An arc that bends less than it is printed is a line.
 constexpr double kFlat_mm = kPrinted_mm;

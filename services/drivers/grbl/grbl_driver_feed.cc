@@ -10,7 +10,7 @@ namespace {
 
 using Outcome = link::TickOutcome;
 
-// Of a step aside and back.
+// A step aside and back takes this time.
 constexpr double kAside_s = 0.012;
 constexpr char kBarrier[] = "G4P0";
 constexpr char kJogCancel = static_cast<char>(0x85);

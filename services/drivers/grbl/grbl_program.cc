@@ -11,7 +11,7 @@ namespace intaglio::drivers {
 namespace {
 
 constexpr double kMinFeed_mm_min = 1;
-// Of a step aside; and a way shorter than twice that is too short to light its beginning.
+// A step aside has these; a way shorter than twice that is too short to light its begin.
 constexpr double kAsideSteps = 4;
 constexpr double kAside_mm_s = 10;
 // Far more than the pulses that are decided and not given out

@@ -74,7 +74,7 @@ bool IselDriver::FeedJog() {
   return true;
 }
 
-// Of a point where the stage is. False: none is there, or it is not decided yet.
+// Feeds that of the point where the stage is. False: none is there, or not decided yet.
 bool IselDriver::FeedPulse() {
   if (pulse_tick_ == 0 || is_fired_) return false;
   if (pulse_tick_ > DecidedThrough()) return false;

@@ -15,7 +15,7 @@ namespace {
 // What a laser controller's identity can list (services/platform/link/laser_protocol.h).
 constexpr int kMaxRates = 32;
 
-// Of proto/machine.proto.
+// proto/machine.proto states both.
 constexpr double kQSwitchDelay_us = 5, kQSwitchWidth_us = 120;
 constexpr double kMaxQSwitchDelay_us = 20, kMinQSwitchWidth_us = 100;
 

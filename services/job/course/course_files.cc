@@ -29,11 +29,11 @@ namespace {
 namespace fs = std::filesystem;
 /// Ends of curves that are one contour: below what a drawing program rounds to.
 constexpr double kJoinedEndsMm = 0.01;
-/// Of splines and ellipses: below the resolution of every machine.
+/// Chords of splines and ellipses: below the resolution of every machine.
 constexpr double kChordsMm = 0.001;
 /// A drill file declares itself in its first lines.
 constexpr std::size_t kHeadBytes = 4096;
-/// Of KiCad: the layer that has the outline of the board.
+/// KiCad's layer that has the outline of the board.
 constexpr std::string_view kOutlineLayer = "Edge.Cuts";
 
 std::string FileName(const std::string& file) {

@@ -11,7 +11,7 @@
 namespace intaglio {
 namespace {
 
-/// Of the widths of rings, whose holes end where their copper begins.
+/// Widths of rings are exact to this: their holes end where their copper begins.
 constexpr double kTouchesMm = 0.01;
 /// Places that differ by rounding are not over each other.
 constexpr double kOverMm = 0.001;

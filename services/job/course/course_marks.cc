@@ -95,7 +95,7 @@ std::uint32_t PenAtDepth(const Course& course, double depth_mm, mark::MarkSet& s
   return static_cast<std::uint32_t>(set.pens.size() - 1);
 }
 
-/// Of a path with tabs what is left of it in each pass; of others one mark of all passes.
+/// Adds what is left of a path with tabs in each pass; of others one mark of all passes.
 void AddPath(const post::ToolPath& path, const Course& course, mark::MarkSet& set) {
   if (!post::HasTabs(path)) {
     set.marks.push_back(MarkOfPath(path, 0));

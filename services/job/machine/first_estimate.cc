@@ -27,7 +27,7 @@ class Estimator {
     order_.executor = executor;
   }
 
-  /// Of points that are made in the same channels.
+  /// Estimates points that are made in the same channels.
   Result<double> TicksOf(const PointList& points_mm) const {
     if (points_mm.size() < 2) return 0.0;
     double ticks = 0, steps = 0;

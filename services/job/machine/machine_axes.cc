@@ -133,7 +133,7 @@ FocusLimits FocusLimitsOf(const MachineSpec& machine) {
     const double arm_mm = machine.polar().arm_length_mm();
     scale_mm = Vec3(arm_mm, machine.polar().axis_distance_mm() + arm_mm, 1);
   } else if (machine.has_head_over_block()) {
-    // Of a profile that is not checked yet, whose correction may have no inverse.
+    // A profile that is not checked yet may have a correction without an inverse.
     scale_mm = Vec3(1, 1, LinearAxisOf(machine.head_over_block().z()).scale_ratio);
   } else {
     scale_mm = KinematicsOf(machine)->BoundsOver({Vec3::Zero(), Vec3::Zero()}).axis_mm;

@@ -14,8 +14,8 @@ namespace {
 
 namespace pb = google::protobuf;
 
-/// Of a message with the oneof `drive`: its number is a lag, its messages have the names
-/// of their kinds and the parameters of these in their order. nullptr: not set.
+/// Reads a message with the oneof `drive`: its number is a lag, its messages have the
+/// names of their kinds and the parameters of these in their order. nullptr: not set.
 const pb::FieldDescriptor* DriveFieldOf(const pb::Message& of) {
   return of.GetReflection()->GetOneofFieldDescriptor(
       of, of.GetDescriptor()->FindOneofByName("drive"));

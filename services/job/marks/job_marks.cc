@@ -131,7 +131,7 @@ class JobMarks {
     return error;
   }
 
-  /// Of the first repeat's place.
+  /// Makes the marks at the first repeat's place.
   Result<std::vector<mark::Mark>> MarksOf(const MarkItem& item, std::uint32_t pen) {
     const auto shapes =
         INTAGLIO_TRY(ShapesOf(item, item_files_[pen], limits_, warnings_));

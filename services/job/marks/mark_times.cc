@@ -22,7 +22,7 @@ constexpr double kArcToleranceMm = 0.001;
 constexpr double kUnitsPerField = 16;
 constexpr std::size_t kMaxUnits = 100'000;  // a look-ahead of some seconds
 
-/// Of the material, as they move with the web.
+/// Places of the material, as they move with the web.
 std::vector<Vec2> PlacesOnWeb(const mark::Mark& mark) {
   std::vector<Vec2> places_mm = mark::PlacesOf(mark, kArcToleranceMm);
   for (Vec2& p : places_mm) p.x() -= mark.web_mm;
@@ -35,7 +35,7 @@ Box3 ExtentOf(const mark::Mark& mark) {
   return box;
 }
 
-/// Of the material, as it moves with the web.
+/// The place of the material, as it moves with the web.
 Vec2 OnWeb(const mark::Mark& mark, const mark::Place& place) {
   return place.at_mm - Vec2(mark.web_mm, 0);
 }
@@ -86,7 +86,7 @@ Timed TimeFrom(const Vec2& from_mm, const mark::Mark& mark, const mark::Pen& pen
       galvo::CountMarkTicks(StrokesOf(mark, pen), begin_mm + within * way_mm, ticks);
   if (counted)
     return {static_cast<double>(counted->count) / ticks.rate_hz, counted->end_mm};
-  // Of a mark that no head makes: its driver names it.
+  // No head makes this mark: its driver names it.
   return {pen.pass_count * mark::LengthOf(mark) / pen.speed_mm_s, EndOnWeb(mark)};
 }
 

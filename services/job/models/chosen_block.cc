@@ -49,8 +49,8 @@ Vec3 LargestBlockOf(const MachineSpec& machine) {
   return {travel_mm(machine.x()), travel_mm(machine.y()), 1.5 * travel_mm(machine.z())};
 }
 
-/// Of meshes and drawings, whose files have a unit that may be forgotten: an error, or
-/// notes for the user.
+/// Judges meshes and drawings, whose files have a unit that may be forgotten: an error,
+/// or notes for the user.
 Status CheckSizes(const JobSpec& job, const MachineSpec& machine,
                   const std::vector<ModelSize>& sizes, std::vector<std::string>& notes) {
   const std::string room = "the largest block of " + machine.name();

@@ -16,7 +16,7 @@
 namespace intaglio {
 namespace {
 
-// Of a degree or two, as a person turns a model by hand.
+// A person turns a model by hand to a degree or two.
 constexpr double kUprightCosine = 0.999;
 
 std::string NameOf(const Model& model) {

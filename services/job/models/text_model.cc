@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 // As the range of height_mm.
 constexpr double kMinHeightMm = 0.1;
 constexpr double kHeightStepMm = 0.01;
-// Of the texts in a DXF; of the package on which that of intaglio depends.
+// Texts in a DXF have it; its package is one on which that of intaglio depends.
 constexpr const char* kUsualFont = "DejaVu Sans";
 
 drawing::TextAlignment AlignmentOf(TextAlignment alignment) {
@@ -95,7 +95,7 @@ class Outliner {
   }
 
  private:
-  /// Of all copies, 1 at most.
+  /// The scale that fits all copies, 1 at most.
   Result<double> LargestScale(const std::vector<std::string>& texts) const {
     double scale = 1;
     for (std::size_t i = 0; i < texts.size(); ++i) {

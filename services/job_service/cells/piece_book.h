@@ -33,14 +33,14 @@ namespace intaglio::job_service {
 /// Key and door of a machine, as its laser controller reports them.
 enum class DoorState : std::uint8_t { kUnknown, kOpen, kClosed };
 
-/// Of a serialized FrozenJob; of one that is not readable: nowhere.
+/// The place of a serialized FrozenJob; one that is not readable is nowhere.
 JobPlace PlaceOf(const std::string& frozen_job);
 
 class PieceBook {
  public:
   explicit PieceBook(JobActions& actions) : actions_(actions) {}
 
-  /// Of an earlier run of the job service.
+  /// Restores those of an earlier run of the job service.
   void Restore(const std::vector<PieceRecord>& pieces,
                const std::vector<LoadedBlock>& blocks);
   void SetDoor(const std::string& cell, DoorState state) { doors_[cell] = state; }

@@ -68,7 +68,7 @@ class Arming {
 
   /// Why the arm of a job ends, for people; empty: it does not.
   using WhyItEnds = std::function<std::string(const JobRecord& job)>;
-  /// Of every armed job; `reason` of those that are paused by it.
+  /// Ends the arm of every job; `reason` is that of those that are paused by it.
   void EndArms(intaglio_PauseReason reason, Nanoseconds now, const WhyItEnds& why);
 
   /// For every cell that has a job.

@@ -25,7 +25,7 @@ class JobActions {
   virtual void Forgotten(const JobRecord& job) = 0;
   /// So does a worker that was lost long ago: its task is withdrawn.
   virtual void WorkerForgotten(const std::string& instance) = 0;
-  /// Of what is known of a machine's block: to be kept before anything that follows.
+  /// What is known of a machine's block is to be kept before anything that follows.
   virtual void PieceChanged(const PieceRecord& piece) = 0;
   virtual void BlockLoaded(const LoadedBlock& block) = 0;
 };

@@ -80,7 +80,7 @@ class JobArm {
   void Arm(const CommandView& command, Nanoseconds now);
   void Disarm(const std::string& reason, Nanoseconds now);
   void ForbidUncertain() { kept_.fire_uncertain = false; }
-  /// Of a job that was restored: not a Disarm, for no ARM can be on its way.
+  /// Drops that of a restored job: not a Disarm, for no ARM can be on its way.
   void Drop() { kept_.armed = false; }
   /// After a loss: armed as it was, a while later; not when the job asks before it goes
   /// on, nor for the 21st time without a point made. `renewal`: greater than any before,

@@ -45,7 +45,7 @@ struct CommandView {
   MountedParts mounted;
   std::string mount_error;  ///< why `mounted` cannot be read; empty: it can
 };
-/// Of the speed override, per cent of the job's speed limits (Trochimczuk 2008, 6.4.2).
+/// Range of the speed override, % of the job's speed limits (Trochimczuk 2008, 6.4.2).
 inline constexpr std::uint32_t kMinSpeedPercent = 1, kMaxSpeedPercent = 140;
 
 /// JobCommandAnswer.
@@ -68,7 +68,7 @@ struct TaskView {
   intaglio_ErrorCode error_code = intaglio_ERROR_NONE;
   intaglio_PauseReason pause_reason = intaglio_PAUSE_NONE;
   std::string message;
-  /// Of its job, as far as they are known with this report; nullopt: as before.
+  /// Its job's warnings, as far as they are known with this report; nullopt: as before.
   std::optional<Warnings> warnings;
   intaglio_PointCounts counts{};
   std::string alarm;

@@ -38,7 +38,7 @@ constexpr char kConfiguration[] = R"(<CycloneDDS><Domain id="any">
   </Internal>{3}
 </Domain></CycloneDDS>)";
 
-// Of the control domain: what a writer there may keep unacknowledged is bounded by its
+// On the control domain, what a writer may keep unacknowledged is bounded by its
 // history (qos.h), 512 batches of 14 kB at the most, so a reader that acknowledges
 // nothing never makes it wait. Bulk keeps the library's own, which fit its sockets.
 constexpr char kControlWatermarks[] =

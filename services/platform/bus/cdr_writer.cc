@@ -179,7 +179,7 @@ Result<std::unique_ptr<CdrWriter>> CdrPublisher::MakeWriter(const CdrTopic& topi
   const std::string what = "cannot write " + topic.name;
   const dds_entity_t participant = parts_->participants.at(topic.domain);
   const auto qos = internal::WriterQosOf(topic.qos);
-  // Of one type each, that of the first.
+  // Each topic has one type, that of the first writer.
   auto& entity = parts_->topics[{topic.domain, topic.name}];
   if (entity <= 0) {
     entity = Allowed(dds_create_topic(participant, &parts_->types.back().descriptor(),

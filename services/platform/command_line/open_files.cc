@@ -9,7 +9,7 @@
 namespace intaglio::command_line {
 namespace {
 
-/// Of the descriptors below `limit`, at most kMinFreeDescriptors.
+/// Counts those of the descriptors below `limit`, at most kMinFreeDescriptors.
 std::size_t FreeBelow(rlim_t limit) {
   std::size_t free = 0;
   for (rlim_t fd = 0; fd < limit && free < kMinFreeDescriptors; ++fd) {

@@ -23,7 +23,7 @@ void Velocity(auto& io, auto& m) {
   io.Number(m.vz_counts);
 }
 
-/// Of Segments and TimedSegments.
+/// The first segment of Segments and TimedSegments.
 void FirstSegment(auto& io, auto& m, std::size_t max_count) {
   io.Number(m.run);
   io.Number(m.first_number);
@@ -31,7 +31,7 @@ void FirstSegment(auto& io, auto& m, std::size_t max_count) {
   io.Require(!GoesRound(m.first_number, m.segments.size()));
 }
 
-/// Of Positions and TimedPositions.
+/// The first position of Positions and TimedPositions.
 void FirstPosition(auto& io, auto& m, std::size_t max_count) {
   io.Number(m.run);
   io.Number(m.first_tick);

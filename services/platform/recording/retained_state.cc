@@ -10,7 +10,7 @@ namespace intaglio::recording {
 namespace {
 
 constexpr char kKeepLast[] = "keep_last ";
-// Of a sample and an instance besides their bytes.
+// A sample and an instance take this memory besides their bytes.
 constexpr std::uint64_t kSampleOverhead = sizeof(RetainedSample) + 32;
 constexpr std::uint64_t kInstanceOverhead = 256;
 

@@ -106,7 +106,7 @@ class CellListener {
   void Take(const PulseMessages& messages, std::uint64_t at_ns);
   void Take(const StatusMessage& messages);
   const std::vector<CellRun>& runs() const { return messages_.runs; }
-  /// Of all runs.
+  /// Pulses of all runs.
   std::size_t fired_count() const { return fired_count_; }
   const std::string& message() const { return message_; }  ///< of the newest status
   const std::optional<StatusMessage>& end() const { return messages_.end; }

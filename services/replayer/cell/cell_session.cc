@@ -30,7 +30,7 @@ Status ForEach(const recording::McapReader& reader, const char* topic, Sink&& si
   }
 }
 
-/// Of one task: from its being given to the next task of the cell.
+/// Reads one task: from its being given to the next task of the cell.
 class SessionReader {
  public:
   SessionReader(const recording::McapReader& reader, CellSession& session,
@@ -45,7 +45,7 @@ class SessionReader {
 
  private:
   bool Within(std::uint64_t at_ns) const { return at_ns >= from_ns_ && at_ns < to_ns_; }
-  /// Of the cell; nothing for a value without the member.
+  /// Whether it is of the cell; nothing for a value without the member.
   std::optional<bool> Ours(const Value& value) const;
   Status ReadMessages();
   Status ReadPermission();

@@ -31,7 +31,7 @@ struct PermissionMessage {
   bool fire_uncertain = false;
   bool operator==(const PermissionMessage&) const = default;
 };
-/// Of the machine's own interlocks, those that no process on the bus can change.
+/// Those of the machine's own interlocks that no process on the bus can change.
 struct InterlockMessage {
   bool key_on = true, door_closed = true;
   bool stop_released = true, safe_state = false;
@@ -69,8 +69,8 @@ struct CellSession {
   std::string ends_early;
 };
 
-/// Of all engraving tasks of which something was recorded. kUnsupported for a recording
-/// whose samples are not known.
+/// Reads all engraving tasks of which something was recorded. kUnsupported for a
+/// recording whose samples are not known.
 Result<std::vector<CellSession>> ReadCellSessions(const recording::McapReader& reader);
 
 }  // namespace intaglio::replayer

@@ -31,7 +31,7 @@ struct EngravingJob {
   const PulseTrigger* trigger = &TriggerAtTick();
   ChannelMask shutter_mask = 1;  ///< of all points
   PointEnergies energies = {};   ///< of the pulses, before a splitter
-  /// Of each point, when they differ: it is made with exactly these shutters open.
+  /// When points differ, each is made with exactly these shutters open.
   std::vector<ChannelMask> masks = {};
   /// Number of pulses in a row for which no crack was seen, until it pauses.
   std::uint32_t max_missed_in_a_row = 5;

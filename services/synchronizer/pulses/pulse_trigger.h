@@ -28,7 +28,7 @@ class PulseTrigger {
   virtual ~PulseTrigger() = default;
 
   virtual PulseTriggerKind kind() const = 0;
-  /// Of the profile's value, e.g. "at_tick".
+  /// The name of the profile's value, e.g. "at_tick".
   virtual std::string_view name() const = 0;
   /// kUnsupported with the remedy when this laser controller cannot do it.
   virtual Status CheckLaser(const link::LaserIdentity& laser) const = 0;

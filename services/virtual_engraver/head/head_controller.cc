@@ -11,7 +11,7 @@ using link::HeadRunState;
 constexpr double kHeadRate_hz = 1e5;
 constexpr std::chrono::milliseconds kPermitLease{250};
 constexpr std::uint16_t kWebStepTicks = 100;
-// Of a host that does not take them: the newest are kept.
+// Only the newest are kept for a host that does not receive them.
 constexpr std::size_t kMaxWebSamples = 4096;
 
 }  // namespace

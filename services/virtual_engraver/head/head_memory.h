@@ -19,7 +19,7 @@ class HeadMemory {
   link::HeadPast Past(const link::HeadPastRequest& asked) const;
   /// Since the last call, in order.
   std::vector<link::HeadMarks> TakeReports();
-  /// Of a session that has ended.
+  /// Drops those of a session that has ended.
   void DropReports() { reports_.clear(); }
 
  private:

@@ -12,13 +12,13 @@ constexpr double kTwoPi = 2 * std::numbers::pi;
 
 // At 80 mm/s a tooth of 0.64 mm lasts 8 ms: 160 steps.
 constexpr double kLongestStepS = 50e-6;
-// Of the fastest time constant, of which FastestRate is a bound: the error of a step is
+// Share of the fastest time constant, which FastestRate bounds: the error of a step is
 // below its fifth power over 120, 1e-5 of what decays fastest.
 constexpr double kStepRatio = 0.25;
 // An axis that is slower and nearer than 1 pm on a constant command stays.
 constexpr double kRestMmS = 1e-9, kRestMmS2 = 1e-6;
 
-// Of a field in which no stage gets so far from its command that the sine counts.
+// In such a field no stage gets so far from its command that the sine counts.
 constexpr double kLongStepMm = 1000;
 
 constexpr double kDivision = 4096;  // of the sensor's period

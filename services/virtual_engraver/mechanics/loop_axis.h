@@ -101,7 +101,7 @@ class LoopAxis {
   State state_ = {};
   double longest_step_s_;
   double friction_sign_ = 0;  // of a servo, during a step; 0 and resting: it is held
-  // Of a controller that samples.
+  // The time to the next sample, for a controller that samples.
   double to_sample_s_ = 0;
   double held_mm_s2_ = 0, last_error_ = 0, error_before_ = 0;
 };

@@ -45,7 +45,7 @@ TEST(CircleCheck, AnExactCircleHasNoDeviation) {
   EXPECT_NEAR(check->gap_rad, 2 * std::numbers::pi / 360, 1e-9);
 }
 
-// Of the second order in what is set: 1e-6 of 30 mm.
+// What is left is of the second order in what is set: 1e-6 of 30 mm.
 TEST(CircleCheck, HasScaleAndSquarenessOfTheAxes) {
   WrongCircle wrong;
   wrong.scale_ratio = 1e-3;
@@ -92,7 +92,7 @@ TEST(CircleCheck, NoiseIsRestAndDoesNotMoveTheFigures) {
   wrong.noise_mm = 0.002;
   const auto check = CheckCircle(wrong.Points(720), 30, std::nullopt);
   ASSERT_TRUE(check);
-  // Of 720 points: sigma sqrt(2 / 720) of a, twice over the radius.
+  // 720 points give sigma sqrt(2 / 720) of a, twice over the radius.
   EXPECT_NEAR(check->scale_ratio, 5e-4, 4 * 2 * 0.002 * std::sqrt(2.0 / 720) / 30);
   EXPECT_GT(check->rest_mm, 4 * 0.002);
   EXPECT_LT(check->rest_mm, 10 * 0.002);

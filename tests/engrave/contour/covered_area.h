@@ -8,11 +8,11 @@
 
 namespace intaglio::contour::test {
 
-/// Of circles, squares, octagons and tracks, grown with sharp corners. A line of constant
-/// y meets each in one interval; their union's length is integrated over y exactly:
-/// between heights where outlines meet or end it is analytic but for square roots at
-/// those heights, which y = middle + half sin(t) removes, so few
-/// points of Gauss suffice.
+/// Covers circles, squares, octagons and tracks, grown with sharp corners. A line of
+/// constant y meets each in one interval; their union's length is integrated over y
+/// exactly: between heights where outlines meet or end it is analytic but for square
+/// roots at those heights, which y = middle + half sin(t) removes, so few points of Gauss
+/// suffice.
 double CoveredArea_mm2(std::span<const Element> elements, double tool_radius_mm,
                        int points = 12);
 

@@ -59,7 +59,7 @@ TEST(CornerResponse, DependsOnWhichAxisComesFirst) {
   EXPECT_NEAR(SourceCornerError(std::numbers::pi / 2, 0.3, 150, 220), 2.1649e-3, 1e-7);
 }
 
-/// Of a corner passed at 1 mm/s, by the stepped loops: mm are s.
+/// The error of a corner passed at 1 mm/s, by the stepped loops: mm are s.
 CornerError StepThrough(const AxisPair& axes, const Vec2& before, const Vec2& behind) {
   constexpr double kPeriodS = 2.5e-4;
   constexpr int kFine = 4;
@@ -186,7 +186,7 @@ TEST(SourceFormula, OfEqualAxesErrsByMoreThan26Percent) {
     s.Add(SourceCornerError(std::numbers::pi / 2, xi, 1, ratio),
           WorstOrder(TunedAxes(1, ratio, xi, xi), std::numbers::pi / 2));
   }
-  // Of the reference's draws: -16..+42 %, 66 % of them within 26 %.
+  // The reference's draws: -16..+42 %, 66 % of them within 26 %.
   EXPECT_NEAR(s.lowest, -0.16, 0.04);
   EXPECT_NEAR(s.highest, 0.42, 0.05);
   EXPECT_NEAR(s.Share(0.26), 0.66, 0.08);

@@ -100,7 +100,7 @@ TEST(Tracking, CompensatedAxesAreOnTheSmoothedReference) {
   }
 }
 
-// Of the load on a circle at constant speed: v^2 / R, and the motor's more by the
+// The load on a circle at constant speed has v^2 / R, and the motor more by the
 // mechanics' gain at that rate.
 TEST(Tracking, ReportsTheMotorsAcceleration) {
   const AxisPair axes = TunedAxes(150, 150, 0.3, 0.3);

@@ -36,7 +36,7 @@ struct SliceRatio {
   double ratio;  ///< of points to those expected
 };
 
-/// Of the slices of this thickness, from the lowest point of the mesh up, in which at
+/// Counts the slices of this thickness, from the lowest point of the mesh up, in which at
 /// least min_expected points are expected: of all points as many as it has of the area. A
 /// level face is in the slice that holds its height.
 inline std::vector<SliceRatio> SliceRatios(const mesh::TriangleMesh& mesh,

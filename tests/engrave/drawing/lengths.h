@@ -31,7 +31,7 @@ double DenseLength(const At& at, int steps = 200'000) {
   return length;
 }
 
-/// Of all points, mm; empty when there are none.
+/// The extent of all points, mm; empty when there are none.
 inline Box3 ExtentOf(const FlatDrawing& flat) {
   Box3 box;
   for (const FlatCurve& curve : flat.curves) {

@@ -105,7 +105,7 @@ TEST(RepeatedContours, ManyAlikeEndSoon) {
     }
     alike.push_back(std::move(wave));
   }
-  // Of the processor: others may be busy.
+  // The processor's time counts: others may be busy.
   const std::clock_t begin = std::clock();
   EXPECT_EQ(CountLeft(std::move(alike)), 200U);
   EXPECT_LT(std::clock() - begin, 2 * test::kSanitizersTake * CLOCKS_PER_SEC);

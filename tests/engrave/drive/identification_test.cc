@@ -52,7 +52,7 @@ TEST(Identification, FindsFrequencyTo2AndDampingTo10PercentUnderNoise) {
   }
 }
 
-// Of 60 records the true value is outside the interval of 3; of more than 9 with a
+// The true value is outside the interval of 3 of 60 records; of more than 9 with a
 // probability of 1e-3.
 TEST(Identification, TheIntervalsAreThoseOfTheNoise) {
   int outside = 0;

@@ -45,7 +45,7 @@ class MeshesOfOthers : public ::testing::TestWithParam<FileArea> {};
 TEST_P(MeshesOfOthers, HaveTheAreaOfTheirStandard) {
   const auto mesh = ImportMesh(kFolder + GetParam().file);
   ASSERT_TRUE(mesh) << mesh.error().message;
-  // Of 32-bit floats, 1 part in 10^7 each.
+  // 32-bit floats have 1 part in 10^7 each.
   EXPECT_NEAR(AreaOf(*mesh), GetParam().area_mm2, 1e-5 * GetParam().area_mm2);
 }
 

@@ -28,7 +28,7 @@ struct Expected {
   std::uint64_t triangle_count;
   std::uint64_t component_count;
   bool closed;
-  /// Of a closed surface, 2 (1 - genus) a part, one less for each pinched vertex.
+  /// A closed surface has 2 (1 - genus) a part, one less for each pinched vertex.
   std::int64_t euler_characteristic;
 };
 

@@ -52,7 +52,7 @@ TEST(LqProgram, FollowsTheClosedForm) {
     double t = 0.0;
     for (const Segment& segment : step.segments) {
       t += DurationSeconds(segment.duration_subticks, kLqRateHz);
-      // Of 2 stages in 1 / w.
+      // There are 2 stages in 1 / w.
       EXPECT_NEAR(segment.end_position_mm.x() / way_mm,
                   ClosedForm(t, duration, 7000.0 / 80.0), 0.01)
           << way_mm;
@@ -143,7 +143,7 @@ TEST(LqProgram, APlantsRateIsThatOfItsClosedForm) {
   double t = 0;
   for (const Segment& segment : segments) {
     t += DurationSeconds(segment.duration_subticks, kLqRateHz);
-    // Of 2 stages in 1 / w, as above.
+    // There are 2 stages in 1 / w, as above.
     EXPECT_NEAR(segment.end_position_mm.x() / 20, ClosedForm(t, duration, w_per_s), 0.01);
   }
 }

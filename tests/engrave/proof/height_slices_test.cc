@@ -12,7 +12,7 @@
 namespace intaglio::proof {
 namespace {
 
-/// Of a sphere the slices of equal thickness have equal areas (Archimedes): as fine as
+/// Slices of a sphere of equal thickness have equal areas (Archimedes): as fine as
 /// this its mesh comes near that.
 mesh::TriangleMesh Globe(double radius_mm) {
   constexpr std::uint32_t kRings = 200, kSides = 200;

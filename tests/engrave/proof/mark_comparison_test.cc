@@ -8,7 +8,7 @@
 namespace intaglio::proof {
 namespace {
 
-/// Of 1 mm, closed, its centre there.
+/// A closed circle of 1 mm, its centre there.
 mark::Mark Circle(const Vec2& centre_mm, double web_mm) {
   mark::Mark mark;
   mark.closed = true;

@@ -40,7 +40,7 @@ std::vector<std::pair<float, std::uint32_t>> Others(const std::vector<Scaled>& p
   return others;
 }
 
-/// Of every point to its nearest one elsewhere, the median.
+/// The median distance of points to their nearest one elsewhere.
 float TypicalDistance(const std::vector<Scaled>& points) {
   std::vector<float> nearest;
   for (std::uint32_t i = 0; i < points.size(); ++i) {

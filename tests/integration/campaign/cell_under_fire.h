@@ -50,8 +50,8 @@ class CellUnderFire {
   /// later.
   void KillShop();
   void AwaitShopGone();
-  /// Of the newest job, at a byte of its last 64 KB that `choice` picks; its header and
-  /// its first session, which are on the disk before the job is begun, remain.
+  /// Cuts that of the newest job at a byte of its last 64 KB that `choice` picks; its
+  /// header and its first session, which are on the disk before the job is begun, remain.
   void CutJournal(std::uint32_t choice) const;
   /// A job of about 500 points, armed. The next one's block is another: its cracks are
   /// those that come from now on.

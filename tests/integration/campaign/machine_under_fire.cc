@@ -41,7 +41,7 @@ MachineUnderFire::MachineUnderFire(const MachineRow& row, fs::path folder,
     : row_(row),
       folder_(std::move(folder)),
       tag_(std::move(tag)),
-      // Of a short path: that of a socket has 107 bytes.
+      // Its path is short: that of a socket has 107 bytes.
       socket_(fmt::format("/tmp/fire{}", getpid())) {
   fs::create_directories(folder_ / "records");
   fs::create_directories(socket_);

@@ -17,7 +17,7 @@ class StopButton {
   /// Waits until a service of the cell would receive it; false after the time.
   bool AwaitReceived(std::chrono::milliseconds bound) const;
   void Press() { Write(true); }
-  /// Of its own last press.
+  /// Takes its own last press back.
   void Reset() { Write(false); }
 
  private:

@@ -11,7 +11,7 @@ using formats::PointOutcome;
 // Places of an item that are looked at, away from the one where it closes.
 constexpr int kPlaces = 16;
 constexpr double kFirstPlace = 0.4;
-// Of a piece of work, between the places that are compared with the items.
+// The places of a piece of work that are compared with the items are so far apart.
 constexpr double kSpacing_mm = 0.25;
 
 double DistanceToWay(const Vec3& place_mm, const Vec3& from_mm, const Vec3& to_mm) {

@@ -85,7 +85,7 @@ class FaultAtTheController : public ::testing::TestWithParam<FaultCase> {
     EXPECT_EQ(Record().size(), before.size()) << what << ":\n"
                                               << Record().substr(before.size(), 300);
   }
-  /// Of all work, from the contours of the job.
+  /// How far all work is from the contours of the job.
   double Stray_mm() const {
     std::vector<ToolStep> contours;
     for (const mark::Mark& mark : shop_.Marks().marks) {

@@ -31,7 +31,7 @@ constexpr const char* kPlate =
     R"(viewBox="0 0 40 30"><rect x="5" y="5" width="30" height="20"/>)"
     R"(<circle cx="14" cy="18" r="4"/></svg>)";
 
-/// Of that plate; below zero inside the part.
+/// The distance from that plate; below zero inside the part.
 double DistanceFromPlate(const Vec2& place_mm) {
   const Vec2 beyond = (place_mm - Vec2(20, 15)).cwiseAbs() - Vec2(15, 10);
   const double outside =

@@ -19,7 +19,7 @@
 
 namespace intaglio::testing {
 
-/// Of a small job, on a computer that is busy.
+/// A small job takes no longer, on a computer that is busy.
 inline constexpr std::chrono::seconds kJobBound{200};
 
 class CourseShop {
@@ -69,7 +69,7 @@ class CourseShop {
   void AtPanel(const std::string& command) const;
 
   std::vector<ToolStep> Way() const { return ReadToolWay(folder_ / "way.txt"); }
-  /// Of job 1, in their order.
+  /// The marks of job 1, in their order.
   mark::MarkSet Marks() const;
   /// The last of each, by the journal of job 1.
   std::vector<formats::PointOutcome> Outcomes(std::size_t count) const;

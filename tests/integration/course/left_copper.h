@@ -11,7 +11,7 @@ namespace intaglio::testing {
 
 class LeftCopper {
  public:
-  /// Of the sheet around `work`, 3 mm wider on each side.
+  /// The copper of the sheet around `work`, 3 mm wider on each side.
   LeftCopper(const std::vector<ToolStep>& work, double tool_radius_mm);
 
   /// Number of the island, from 1; 0: there is no copper.

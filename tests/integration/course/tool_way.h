@@ -21,12 +21,12 @@ struct ToolStep {
   double lowest_mm() const { return std::min(from_mm.z(), to_mm.z()); }
 };
 
-/// Of axes that began at zero. Steps without a way are left out.
+/// Reads the way of axes that began at zero. Steps without a way are left out.
 std::vector<ToolStep> ReadToolWay(const std::filesystem::path& file);
 
-/// Of `place_mm` from the step, in the plane.
+/// The distance of `place_mm` from the step, in the plane.
 double DistanceToStep(const Vec2& place_mm, const ToolStep& step);
-/// Of the nearest step; 1e9 without one.
+/// That from the nearest step; 1e9 without one.
 double DistanceToWay(const Vec2& place_mm, const std::vector<ToolStep>& way);
 /// Places on a step, both ends among them, no farther apart than `spacing_mm`.
 std::vector<Vec2> PlacesOn(const ToolStep& step, double spacing_mm);

@@ -23,7 +23,7 @@ using job_service::JobRecord;
 using job_service::JobStore;
 using ::testing::HasSubstr;
 
-/// Of all files but SQLite's index of its log, which readers write as well.
+/// Reads all files but SQLite's index of its log, which readers write as well.
 std::map<std::string, std::string> ContentsOf(const fs::path& folder) {
   std::map<std::string, std::string> contents;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {

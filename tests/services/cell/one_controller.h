@@ -58,7 +58,7 @@ class OneController final : public drivers::MotionDriver,
  public:
   OneController(OneMachine& machine, std::string serial_number);
 
-  // Of both.
+  // Both interfaces have it.
   int fd() const override { return -1; }
 
   // The motion driver.

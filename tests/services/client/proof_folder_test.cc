@@ -277,7 +277,7 @@ TEST_F(ProofFolderTest, WhatIsNotThereOrNotWhatItShouldBeIsNamed) {
   for (const char* file : {"job.json", "path.ply", "glass.ply", "journal.bin"}) {
     WriteFolder();
     fs::remove(folder_ / file);
-    // Of a real machine there is no glass.
+    // There is no glass of a real machine.
     const bool needed = std::string(file) != "glass.ply";
     const auto gone = VerifyFolder(folder_);
     ASSERT_EQ(gone.has_value(), !needed) << file;
@@ -528,7 +528,7 @@ TEST_F(ProofFolderTest, WhatCannotBeWrittenIsNamedAndTheVerdictIsThere) {
   EXPECT_FALSE(fs::exists(folder_ / "report.json")) << "it is not complete";
 }
 
-// Of a report from before warnings had a weight.
+// The report is from before warnings had a weight.
 TEST_F(ProofFolderTest, SentencesOfAnOlderReportAreNotes) {
   std::ofstream(folder_ / "report.json") << R"({"warnings": ["the model is open"]})";
   const JobReport report = Verified();

@@ -5,7 +5,7 @@
 namespace intaglio::client {
 namespace {
 
-/// Of a job whose points were all made where they are planned.
+/// The report of a job whose points were all made where they are planned.
 JobReport Made(std::uint64_t count) {
   JobReport report;
   report.set_min_spacing_mm(0.1);

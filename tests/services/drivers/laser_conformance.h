@@ -22,7 +22,7 @@ struct LaserCheck {
   std::function<void(const LaserRigMaker& make)> run;
 };
 
-/// Of L14 one for each fault and instant of controller_fault.h.
+/// L14 has one for each fault and instant of controller_fault.h.
 std::span<const LaserCheck> LaserChecks();
 /// Those of L14 alone.
 std::vector<LaserCheck> LaserFaultChecks();

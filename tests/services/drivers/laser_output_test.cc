@@ -16,7 +16,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Of the one controller, and of every driver that switches a laser.
+/// The one controller, and every driver that switches a laser.
 std::vector<std::string> Controllers() {
   std::vector<std::string> all = {"one-controller"};
   for (const MotionDriverKind& kind : MotionDriverKinds())

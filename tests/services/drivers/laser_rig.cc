@@ -18,7 +18,7 @@ class VirtualLaserRig final : public LaserRig {
     driver = kind.make(Profile(serial_number), machine_.Opener(machine_.laser),
                        machine_.clock());
   }
-  /// Of the engraver with one line.
+  /// A rig of the engraver with one line.
   VirtualLaserRig(const MotionDriverKind& kind, const std::string& serial_number)
       : machine_(Options(), true) {
     driver = LaserOf(kind.make(Profile(serial_number), machine_.Opener(machine_.laser),

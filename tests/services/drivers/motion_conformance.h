@@ -22,7 +22,7 @@ struct MotionCheck {
   std::function<void(const MotionRigMaker& make)> run;
 };
 
-/// Of M17 one for each fault and instant of controller_fault.h.
+/// M17 has one for each fault and instant of controller_fault.h.
 std::span<const MotionCheck> MotionChecks();
 /// Those of M17 alone.
 std::vector<MotionCheck> MotionFaultChecks();

@@ -67,7 +67,7 @@ class MotionRig {
   // What the stage really does, whatever is reported.
   virtual Vec3 actual_mm() = 0;
   virtual bool moves() = 0;
-  /// Of the controller, Hz.
+  /// The rate of the controller, Hz.
   virtual double rate_hz() const = 0;
   virtual Vec3 travel_min_mm() const = 0;
   virtual Vec3 travel_max_mm() const = 0;

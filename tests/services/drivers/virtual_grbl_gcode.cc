@@ -174,7 +174,7 @@ void VirtualGrbl::ExecuteGcode(const std::string& line, bool jog) {
   if (const int bad = QueueMotion(words, false)) Answer(bad);
 }
 
-// Of its limits grblHAL checks none before it was homed.
+// grblHAL checks none of its limits before it was homed.
 bool VirtualGrbl::range_is_checked() const {
   return options_.soft_limits && (!options_.hal || homed_);
 }

@@ -13,7 +13,7 @@ namespace {
 
 using Host = VirtualHost;
 
-// Of grblHAL it was measured with a full line, of the 328P with one line at a time: only
+// grblHAL was measured with a full line, the 328P with one line at a time: only
 // so the figures agree with the pulses a second. 10 %: the turn of the host, 0.1 ms.
 TEST(VirtualGrbl, TakesAsManyLinesASecondAsMeasuredAt115200) {
   const auto streamed = [](const std::string& line) {

@@ -54,7 +54,7 @@ class DamagedQueueTest : public testing::Test {
     ASSERT_FALSE(fs::exists(file_.string() + "-wal")) << "all is in the file";
   }
 
-  /// Of the job service's store; empty: it has all jobs.
+  /// What the job service's store reports; empty: it has all jobs.
   std::string ReportOfStore() {
     try {
       job_service::JobStore store(file_);
@@ -65,7 +65,7 @@ class DamagedQueueTest : public testing::Test {
       return error.what();
     }
   }
-  /// Of the readers; empty: all ended jobs are found, each by its number.
+  /// What the readers report; empty: all ended jobs are found, each by its number.
   std::string ReportOfHistory() {
     const auto jobs = ReadHistory(file_, {});
     if (!jobs) return jobs.error().message;

@@ -65,7 +65,7 @@ TEST_F(WriteAheadLog, DamageInItIsReportedAndNoEmptyQueue) {
   EXPECT_TRUE(fs::exists(log_)) << "nothing is changed";
 }
 
-// Of a shop that is closed: as if the jobs had never been.
+// In a shop that is closed it is as if the jobs had never been.
 TEST_F(WriteAheadLog, ItIsReportedToWhoReadsAsWell) {
   EXPECT_TRUE(ReadHistory(file_, {}).has_value());
   Damage(fs::file_size(log_) / 3);

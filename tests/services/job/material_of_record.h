@@ -8,7 +8,7 @@
 
 namespace intaglio {
 
-/// Of a record with a dispersion formula that is known.
+/// Makes it of a record with a dispersion formula that is known.
 inline materials_db::Material MaterialOf(const MaterialRecord& record) {
   materials_db::Material material;
   material.name = record.name();

@@ -90,7 +90,7 @@ TEST(PublishedOrder, ItsAngleIsTheTangentOfBothWeights) {
                                                 "90 is outside 0..89")));
 }
 
-/// Of one drawing or image that lies flat or stands, in layers 0.4 mm apart.
+/// A job of one drawing or image, flat or upright, in layers 0.4 mm apart.
 JobSpec LayeredJob(const std::string& file, UpAxis up, int layer_count) {
   JobSpec job = GoodJob();
   Model& model = *job.mutable_models(0);

@@ -56,7 +56,7 @@ class CommandInboxTest : public testing::Test {
         now_);
     return decided;
   }
-  /// Of the answers that are there: sender and number, and those that ended.
+  /// The answers that are there: sender and number, and those that ended.
   std::vector<std::string> Answers() {
     std::vector<std::string> seen;
     answers_.TakeAll(

@@ -59,7 +59,7 @@ class FakeShop {
 
   void Submit(const std::string& submission_uid, const JobSpec& job,
               std::uint64_t epoch = 0);
-  /// Of a client that has seen this status; it stays until the shop ends.
+  /// The command of a client that has seen this status; it stays until the shop ends.
   void Command(const StatusCopy& job, intaglio_JobCommandKind kind, std::uint64_t number,
                bool fire_uncertain = false, const std::string& sender = "ann");
   void Accept(const StatusCopy& job, std::uint64_t number);  ///< an arm with consent

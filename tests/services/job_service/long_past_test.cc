@@ -49,7 +49,7 @@ double SecondsSince(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// Of a process, MB.
+/// The resident memory of a process, MB.
 double ResidentOf(int pid) {
   std::ifstream in("/proc/" + std::to_string(pid) + "/statm");
   long pages = 0, resident = 0;
@@ -66,7 +66,7 @@ class LongPast : public testing::Test {
   ~LongPast() override { fs::remove_all(folder_); }
   fs::path Database(std::uint32_t count) const { return Folder(count) / "jobs.db"; }
   fs::path Folder(std::uint32_t count) const { return folder_ / std::to_string(count); }
-  /// Of a hundred times as many jobs not much more is read. The trees of the tables are
+  /// Not much more is read of a hundred times as many jobs. The trees of the tables are
   /// one level deeper, and a page has 4 kB.
   void ExpectBounded(const char* what,
                      const std::function<void(const fs::path&)>& body) const {

@@ -131,7 +131,7 @@ TEST_F(MarkingTest, MakesEachMarkOnceInItsOrder) {
 }
 
 TEST_F(MarkingTest, HandsOverNothingWhoseIntentIsNotOnDisk) {
-  // Of a turn that nobody gives the disk its time.
+  // Nobody gives the disk its time in these turns.
   for (int i = 0; i < 200; ++i) {
     inputs_.now += 5ms;
     marking_->Turn(inputs_);
@@ -324,7 +324,7 @@ TEST_F(MarkingTest, AControllerWhoseProcessDoesNotRunIsWaitedFor) {
   EXPECT_LE(marking_->ledger().count(PointState::kUncertain), 1u);
 }
 
-// Of a run that is longer than its memory it does not know what never came to it.
+// It does not know what never came of a run that is longer than its memory.
 TEST_F(MarkingTest, WhatNeverCameIsMade) {
   ASSERT_TRUE(TillMade(3));
   head_.forgets_of_run = 1;

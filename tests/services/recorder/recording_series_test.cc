@@ -124,7 +124,7 @@ TEST_F(Series, OldestFilesGoWhenThereAreTooMany) {
   EXPECT_NE(Names().front(), "s.mcap");
 }
 
-// Of recorders before this one, which itself never splits.
+// They are of recorders before this one, which itself never splits.
 TEST_F(Series, OldFilesGoWithoutANewOne) {
   for (int i = 0; i < 3; ++i) ASSERT_TRUE(Open().Close());
   const auto now = fs::file_time_type::clock::now();

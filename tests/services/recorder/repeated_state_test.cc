@@ -37,7 +37,7 @@ struct Reported {
   auto operator<=>(const Reported&) const = default;
 };
 
-/// Of the messages, or of the repeats.
+/// Reads the messages, or the repeats.
 std::vector<Reported> Read(const fs::path& file, bool repeated) {
   const auto reader = McapReader::Open(file).value();
   EXPECT_TRUE(reader.contents().complete);

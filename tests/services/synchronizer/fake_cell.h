@@ -131,7 +131,7 @@ class FakeCell {
   std::vector<PulseResult> results;
   /// The journal's disk is as slow as it likes; otherwise every turn waits for it.
   bool wait_for_disk = true;
-  /// Of a lockstep machine: what it is able to pass in a millisecond.
+  /// A lockstep machine is able to pass so many in a millisecond.
   int lockstep_ticks_a_step = 64;
 
  private:

@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 
 constexpr bool kSanitized = test::kSanitizersTake > 1;
 
-/// Of this thread alone: what others do on the computer does not count.
+/// That of this thread alone: what others do on the computer does not count.
 std::chrono::nanoseconds ProcessorTime() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);

@@ -79,7 +79,7 @@ TEST_F(LightByHandTest, GoesOffWithAJobAndWithAStop) {
   EXPECT_TRUE(bench_.laser.lamp_on()) << "it is still held";
 }
 
-// Of what ended nothing is left: a stored state, or the first of a bridge.
+// Nothing is left of what ended: a stored state, or the first of a bridge.
 TEST_F(LightByHandTest, AStateAloneSwitchesNothingOn) {
   lamp_ = true;
   shutters_ = 1;

@@ -41,7 +41,7 @@ void AddCounts(const MarkEvidence& evidence, MarkCounts& counts) {
   counts.set_stray_ticks(evidence.compared.stray_tick_count);
 }
 
-/// Of a mark that was made; none: it has no such measure.
+/// Measures a mark that was made; none: it has no such measure.
 using MeasureOf = std::function<std::optional<double>(const BurntMark&)>;
 
 MarkMeasure Measure(const MarkEvidence& evidence, double tolerance_um,

@@ -28,7 +28,7 @@ std::set<std::string> SerialNumbersIn(const fs::path& folder, const std::string&
   return numbers;
 }
 
-/// Of each power-up the job's runs; power-ups in the order of the journal.
+/// The job's runs in each power-up, and the power-ups in the order of the journal.
 struct RunsOf {
   std::vector<std::uint32_t> power_ups;
   std::map<std::uint32_t, std::set<std::uint32_t>> runs;
@@ -46,7 +46,7 @@ RunsOf RunsIn(const formats::Journal& journal) {
   return of;
 }
 
-/// Of the ticks that are kept; others are left out.
+/// Keeps the ticks of these runs, and leaves out the others.
 void KeepTicks(const std::set<std::uint32_t>& runs,
                std::vector<formats::BurntTick>& ticks) {
   const auto is_own = [&](const formats::BurntTick& tick) {

@@ -20,7 +20,7 @@ namespace intaglio::client {
 /// In the folder of a shop: the record of the head that runs. Older ones, of which an
 /// open job may have marks, are marks-POWERUP.rec.
 inline constexpr const char* kMarkRecord = "marks.rec";
-/// Of ticks that belong to no mark of the job.
+/// Ticks with this number belong to no mark of the job.
 inline constexpr std::uint32_t kNoMark = 0xffffffff;
 
 /// By the power-up that a journal has. `serial_number` is the profile's; that of the

@@ -21,7 +21,7 @@ std::string MarksText(std::uint64_t count) {
 }
 const char* IsOrAre(std::uint64_t count) { return count == 1 ? "is" : "are"; }
 
-/// Of the findings that `has`, the first ones by name: ": mark 3 (..) at (..), ..".
+/// Names the first of the findings that `has`: ": mark 3 (..) at (..), ..".
 template <typename Has>
 std::string Named(const MarkReport& marks, std::uint64_t count, const Has& has) {
   std::vector<std::string> names;

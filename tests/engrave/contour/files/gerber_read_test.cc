@@ -26,7 +26,7 @@ std::vector<Element> ElementsOf(const std::string& commands) {
   return elements ? *elements : std::vector<Element>{};
 }
 
-/// Of the copper, as lines and arcs; -1 when it is refused.
+/// The area of the copper, as lines and arcs; -1 when it is refused.
 double AreaOfLayer(const std::string& commands) {
   const auto united = Unite(ElementsOf(commands));
   EXPECT_TRUE(united) << united.error().message;

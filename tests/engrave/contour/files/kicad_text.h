@@ -84,7 +84,7 @@ class KicadText {
   void Raw(const std::string& text) { body_ += text; }
 
   std::string Text() const { return text_ + declared_ + body_ + ")\n"; }
-  /// Of those with a pad.
+  /// Counts those with a pad.
   std::size_t NetCount() const { return used_.size(); }
 
  private:

@@ -76,8 +76,8 @@ double NearestOf(const Edges& path, const Vec2& place) {
   return nearest;
 }
 
-/// Of points everywhere on each path: what lies beside them towards the wall, in the next
-/// pass that goes all around, is made later.
+/// Checks points everywhere on each path: what lies beside them towards the wall, in the
+/// next pass that goes all around, is made later.
 void ExpectTowardsTheWall(const Pocket& pocket, const std::vector<PocketStep>& steps) {
   for (std::size_t late = 0; late < steps.size(); ++late) {
     const double deep_mm = pocket.passes[steps[late].pass].offset_mm;

@@ -121,7 +121,7 @@ TEST(Rays, EveryRayThroughAVertexOfADividedCubeCountsOnce) {
       SpacedCloud cloud;
       const auto statistics = Cast(cube, distance_mm, cloud, {axis, Vec3::Zero()});
       EXPECT_EQ(statistics.odd_ray_count, 0u);
-      // Of the 13 x 13 rays those on two of the four sides pass outside.
+      // Those of the 13 x 13 rays on two of the four sides pass outside.
       EXPECT_EQ(statistics.ray_count, 144u) << distance_mm;
       EXPECT_EQ(statistics.point_count, 288u);
     }

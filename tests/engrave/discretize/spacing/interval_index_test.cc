@@ -20,7 +20,7 @@ std::vector<Interval> RandomIntervals(std::uint32_t count, std::uint32_t reach,
   std::uniform_int_distribution<std::uint32_t> place(0, reach);
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::uint32_t first = place(random);
-    // Of all lengths, zero among them, from one to the reach.
+    // Intervals have all lengths, zero among them, from one to the reach.
     const std::uint32_t length = place(random) >> (random() % 32);
     intervals.push_back({first, std::min(reach, first + length)});
   }

@@ -130,8 +130,8 @@ std::string Repeated(const std::string& part, int count) {
 
 TEST(SvgStyle, SheetsWithoutEndAreRefusedOrReadSoon) {
   const auto code_of = [](const std::string& content) -> std::optional<ErrorCode> {
-    // Of the processor: others may be busy, and the host may take some of it. Without a
-    // bound on the work each of these takes minutes.
+    // The processor's time counts: others may be busy, and the host may take some.
+    // Without a bound on the work each of these takes minutes.
     const std::clock_t begin = std::clock();
     const auto drawing = ReadSvg("<svg>" + content + "</svg>");
     EXPECT_LT(std::clock() - begin, 10 * test::kSanitizersTake * CLOCKS_PER_SEC)

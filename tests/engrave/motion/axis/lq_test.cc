@@ -120,7 +120,7 @@ TEST(Lq, ShortStagesTendToTheContinuousStationaryCase) {
     const Matrix2d value = ValueOf(recursion, stage, Matrix2d::Identity());
     const double off = (value - wanted).cwiseAbs().maxCoeff();
     EXPECT_LT(off, 10 * stage_s);
-    // Of first order.
+    // The error is of first order.
     if (before > 0) {
       EXPECT_NEAR(off, before / 2, 0.05 * before);
     }
@@ -141,7 +141,7 @@ TEST(Lq, MinimumEnergyIsTheClosedFormOfTheDoubleIntegrator) {
 }
 
 TEST(Lq, MinimumEnergyFromRestToRestIsLinearInTime) {
-  // Of held controls exactly u[j] = 6 (N - 1 - 2 j) / (N (N^2 - 1)) in units of stages.
+  // Held controls are exactly u[j] = 6 (N - 1 - 2 j) / (N (N^2 - 1)) in units of stages.
   for (const std::size_t count : {2u, 3u, 8u, 100u}) {
     const LqRecursion recursion(AxisStage({}, {}, 1.0), count, Matrix2d::Zero());
     const Course run = Follow(recursion, {-1.0, 0.0});

@@ -62,7 +62,7 @@ class ManualControlTest : public ::testing::Test {
   }
 
   void Publish() { control_.NotePublished(++number_, now_); }
-  /// Of key, door and stop, as long as the test wants them.
+  /// Sends key, door and stop, as long as the test wants them.
   void Turn() {
     if (are_reported_) conditions_.interlocks_at = now_;
     control_.Turn(conditions_, now_);

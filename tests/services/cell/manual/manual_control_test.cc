@@ -190,7 +190,7 @@ INSTANTIATE_TEST_SUITE_P(
         Opened{"Stop", &ManualConditions::stop_released, false, "stop button"}),
     [](const auto& opened) { return std::string(opened.param.name); });
 
-// Of a process that has died nothing comes; the order is held all the time.
+// Nothing comes of a process that has died; the order is held all the time.
 TEST_F(ManualControlTest, AMotionEndsWhenKeyDoorAndStopAreOlderThan150ms) {
   BeginJog();
   are_reported_ = false;

@@ -86,7 +86,7 @@ TEST_F(ContourCommand, IsolatesABoardAndDrillsIt) {
   EXPECT_THAT(holes, HasSubstr("Z-3.0000"));
 }
 
-// Of a circle of 2 mm alone everything is known.
+// Everything is known of a circle of 2 mm alone.
 TEST_F(ContourCommand, FiguresAreThoseOfTheGeometry) {
   const std::string circle = Write(
       "circle.gbr", "%FSLAX46Y46*%\n%MOMM*%\n%ADD10C,2*%\nD10*\nX3000000Y0D03*\nM02*\n");

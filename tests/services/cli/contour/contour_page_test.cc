@@ -102,8 +102,8 @@ TEST(ContourPage, ItsDataAreTheMotion) {
       EXPECT_NEAR(FieldOf(leg, "diameter").number_value(), 0.8, 1e-9);
     }
   }
-  // Of arcs 65 places: the highest is missed by r (1 - cos(pi / 64)) at most, 0.0015 mm.
-  // The disc of 2 mm with its tool, a margin of 1.5 mm, and the way from the origin.
+  // Arcs have 65 places: the highest is missed by r (1 - cos(pi / 64)) at most, 0.0015
+  // mm. The disc of 2 mm with its tool, a margin of 1.5 mm, and the way from the origin.
   const auto& extent = FieldOf(data, "extent").list_value();
   EXPECT_NEAR(extent.values(0).number_value(), -1.5, 1e-6);
   EXPECT_NEAR(extent.values(2).number_value(), 9 + 1.5, 1e-6);

@@ -36,7 +36,7 @@ class Protos {
     tree_.MapPath("", INTAGLIO_SOURCE_DIR);
     tree_.MapPath("", "/usr/include");
   }
-  /// Of the file proto/FILE.proto.
+  /// Finds a message of the file proto/FILE.proto.
   const pb::Descriptor& Message(const std::string& file, const std::string& name) {
     const auto* imported = importer_.Import("proto/" + file + ".proto");
     const auto* message =

@@ -268,7 +268,7 @@ TEST(BjjczDriver, SetsOutputsByPermissionAndRun) {
   EXPECT_EQ(host.board().outputs(), 1U << board.guide_output());
 }
 
-// Of a field of 65 nodes: version 2 of the files, with a step at two nodes.
+// The field has 65 nodes: version 2 of the files, with a step at two nodes.
 std::string CorFile(const std::string& folder, double scale) {
   std::string bytes(36 + 65 * 65 * 8 + 4, '\0');
   const std::string title = "JCZ_COR_2_1";

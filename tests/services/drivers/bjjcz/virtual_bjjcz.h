@@ -80,7 +80,7 @@ class VirtualBjjcz {
   std::uint16_t inputs_ = 0xFFFF, outputs_ = 0;
   bool enabled_ = false, oscillator_ = false, executes_ = false;
   std::deque<Numbers> list_;
-  // Of the command in hand.
+  // They belong to the command in hand.
   bool moves_ = false, waits_ = false;
   Stroke stroke_;
   double left_us_ = 0, total_us_ = 0, settle_us_ = 0;

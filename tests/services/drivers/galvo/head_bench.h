@@ -29,7 +29,7 @@ class HeadBench {
   void Restart();
   /// At the end of a new line to the head; the caller polls it, and moves the time.
   std::unique_ptr<MarkDriver> NewDriver(const MachineSpec& profile);
-  /// Of the head alone.
+  /// Moves the time of the head alone.
   void AdvanceHead(std::chrono::milliseconds time);
   /// Since the head's newest power-up.
   std::uint64_t burnt_ticks() const { return machine_ ? machine_->burnt_ticks() : 0; }
@@ -60,7 +60,7 @@ class HeadBench {
   const MarkDeviceState& state() { return driver_->state(); }
   virtual_engraver::HeadController& head() { return machine_->controller(); }
   std::vector<formats::BurntTick> Burnt();
-  /// Of a mark, in order.
+  /// The fates of a mark, in order.
   std::vector<MarkFate> FatesOf(std::uint32_t mark) const;
   bool Has(std::uint32_t mark, MarkFate fate) const;
 

@@ -70,10 +70,10 @@ mark::Pen LaserPen();
 /// 0.6 mm in three passes.
 mark::Pen MillPen();
 mark::Mark SquareAt(double x, double y, double side);
-/// Of 2 mm, side by side.
+/// Squares of 2 mm, side by side.
 mark::MarkSet Squares(const mark::Pen& pen, int count);
 
-/// Of a place from a mark, by the chords that engrave/mark makes.
+/// The distance of a place from a mark, by the chords that engrave/mark makes.
 double DistanceToMark(const Vec2& p, const mark::Mark& mark);
 
 /// The farthest place of a mark from every place of `seen` that `at_work` picks.

@@ -10,9 +10,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Of the controller's arcs (grbl_course_test.cc) and of a corner's braking.
+// The controller's arcs (grbl_course_test.cc) and a corner's braking leave this much.
 constexpr double kNear_mm = 0.002;
-// Of a busy computer; long enough for all that the driver sends ahead.
+// A busy computer stalls so long; enough for all that the driver sends ahead.
 constexpr int kStall_ms = 200;
 
 /// Corners, an arc, and chords far shorter than the driver's pieces.

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kPoints = 24;
 constexpr double kPitch_mm = 0.3;
-// Of a busy computer; long enough for all that the driver sends ahead.
+// A busy computer stalls so long; enough for all that the driver sends ahead.
 constexpr int kStall_ms = 200;
 
 Vec3 PlaceOf(const grbl::Steps& at, double steps_per_mm) {

@@ -21,7 +21,7 @@ MachineSpec Supplied() {
   return ReadMachineFile(INTAGLIO_SOURCE_DIR "/deploy/machines/grbl.textproto").value();
 }
 
-/// Of a controller that the supplied profile is right for.
+/// Settings of a controller that the supplied profile is right for.
 GrblSettings Good() {
   GrblSettings settings;
   settings.serial_number = "G-03";
@@ -37,7 +37,7 @@ TEST(GrblSettingsOf, AGoodControllerDifferInNothing) {
   EXPECT_THAT(CompareGrbl(machine, Good()), IsEmpty());
   machine.mutable_motion_line()->set_serial_number("G-03");
   EXPECT_THAT(CompareGrbl(machine, Good()), IsEmpty());
-  // Of what is not reported only what the driver needs is missed.
+  // Only what the driver needs is missed of what is not reported.
   EXPECT_EQ(CompareGrbl(machine, {"", "G-03", {}}).size(), 2u) << "$32, $30";
 }
 

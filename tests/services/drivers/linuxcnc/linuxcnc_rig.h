@@ -42,7 +42,7 @@ class HalTap {
   int still_samples_ = 1000;
 };
 
-/// Of this machine, in a folder of the running test's own; null when HAL cannot run here.
+/// A rig of this machine, in a folder of the test's own; null when HAL cannot run here.
 std::unique_ptr<drivers::MotionRig> MakeMotionRig(const std::string& serial_number = "");
 std::unique_ptr<drivers::LaserRig> MakeLaserRig(const std::string& serial_number = "");
 

@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Of the permission, which lapses after it.
+// The permission lapses after it.
 constexpr auto kLapse = 250ms;
 
 void NothingIsTakenWithoutALineOrARun(const MarkRigMaker& make) {

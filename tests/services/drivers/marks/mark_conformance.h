@@ -21,7 +21,7 @@ struct MarkCheck {
   std::function<void(const MarkRigMaker& make)> run;
 };
 
-/// Of K9 and K10 one for each fault and instant of controller_fault.h.
+/// K9 and K10 have one for each fault and instant of controller_fault.h.
 const std::vector<MarkCheck>& MarkChecks();
 
 /// The first violation, in a sentence; empty when the check passes.

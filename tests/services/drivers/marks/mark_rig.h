@@ -42,7 +42,7 @@ class MarkRig {
   /// The beam is on, or the spindle turns.
   virtual bool is_on() = 0;
 
-  /// Of a tool as it is here, each some tenths of a second.
+  /// Marks for a tool as it is here, each some tenths of a second.
   virtual mark::MarkSet MarksFor(int count) = 0;
   /// From Stop to rest, dark.
   virtual std::chrono::milliseconds stop_time() const = 0;

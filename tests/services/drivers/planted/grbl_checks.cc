@@ -26,7 +26,7 @@ struct GrblBench {
   LaserBench bench;
 };
 
-/// Of the ticks from `first` on the memory is the truth or "not known", and the latter
+/// The memory of ticks from `first` on is the truth or "not known", and the latter
 /// at most for the window of uncertainty.
 void ExpectMemoryWithUncertain(GrblBench& grbl, std::uint64_t first) {
   LaserBench& bench = grbl.bench;

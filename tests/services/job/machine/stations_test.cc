@@ -31,7 +31,7 @@ MachineSpec Polar(const std::string& loading) {
       loading);
 }
 
-/// Of a block of that size at a station; "" when nothing is wrong.
+/// Checks a block of that size at a station; "" when nothing is wrong.
 std::string Wrong(const MachineSpec& machine, std::uint32_t station,
                   const Vec3& size_mm) {
   JobSpec job = GoodJob();

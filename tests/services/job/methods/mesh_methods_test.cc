@@ -42,7 +42,7 @@ class MeshMethod : public testing::Test {
     return discretize::Sorted(points);
   }
 
-  /// Of the job as it is, its defaults filled in.
+  /// Makes the points of the job as it is, its defaults filled in.
   Points Made(std::map<std::string_view, image::GreyImage> images = {}) const {
     const JobSpec whole = WithDefaults(job_, GoodMachine());
     const Model& model = whole.models(0);

@@ -33,7 +33,7 @@ std::string TextOf(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Of the product's C++ below a folder, without its comments, by its path in the tree.
+/// Reads the product's C++ below a folder, without its comments, by its path in the tree.
 std::map<std::string, std::string> SourcesBelow(const std::string& folder) {
   std::map<std::string, std::string> sources;
   for (const auto& entry : fs::recursive_directory_iterator(kRoot / folder)) {

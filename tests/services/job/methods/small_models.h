@@ -14,7 +14,7 @@ struct SmallModel {
   FileBytes bytes;   ///< what it would hold
 };
 
-/// Of a text that of a drawing, which its methods take as well.
+/// A text has that of a drawing, which its methods take as well.
 SmallModel SmallModelOf(ModelKind kind);
 
 }  // namespace intaglio

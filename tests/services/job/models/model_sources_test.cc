@@ -173,7 +173,7 @@ std::string GreyBitmap(char grey) {
   return file;
 }
 
-// Of a curve that makes all brightness one, the picture's grey is no matter.
+// The picture's grey is no matter to a curve that makes all brightness one.
 TEST(ModelSources, APhotosToneFollowsItsCurve) {
   const auto count_of = [](char grey, double to) {
     OneModel one;

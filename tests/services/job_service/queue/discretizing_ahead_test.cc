@@ -48,7 +48,7 @@ TEST_F(PartsAheadTest, WhoHasAcceptedAPartGetsTheNextOne) {
   EXPECT_THAT(actions_.Orders(), ElementsAre("d j1 1 4.0/16 > s"));
 }
 
-// Of a worker's tasks only the newest is retained: two on their way could become one.
+// Only the newest of a worker's tasks is retained: two on their way could become one.
 TEST_F(PartsAheadTest, NoOtherUntilTheOneGivenAheadIsAccepted) {
   BeginWithTwo();
   Accept(0);

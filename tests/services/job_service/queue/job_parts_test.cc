@@ -67,7 +67,7 @@ TEST(JobParts, ALostOneWaitsAndCountsItsLossesUnlessItWasGivenAhead) {
   EXPECT_EQ(parts.NextOpen(102s), 0u);
 }
 
-// Of n open parts and k workers, k stay for when each has ended what it has.
+// k of n open parts stay for k workers, for when each has ended what it has.
 TEST(JobParts, NoneIsGivenAheadTowardsTheEnd) {
   JobParts parts = CutFor(2);
   parts.Give(0, "a");

@@ -37,7 +37,7 @@ TEST_F(JobQueueTest, HappyPath) {
       << "when the points are made, and at the end";
 }
 
-// Of the sorter while it works, of the synchronizer when the motion is planned.
+// It is the sorter's while it works, the synchronizer's when the motion is planned.
 TEST_F(JobQueueTest, TheFirstEstimateIsKeptWhenTheMotionIsPlanned) {
   ReadyAll();
   Add(1);

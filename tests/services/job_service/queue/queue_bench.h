@@ -133,7 +133,7 @@ class JobQueueTest : public testing::Test {
     task.state = state;
     return task;
   }
-  /// Of a client that has seen the newest status of the job.
+  /// The order of a client that has seen the newest status of the job.
   CommandView Order(intaglio_JobCommandKind kind, const std::string& uid = "j1") {
     CommandView command;
     command.basis = intaglio_ARM_BY_PERSON;

@@ -51,7 +51,7 @@ class RecordingCopy : public ::testing::Test {
   fs::path folder_;
 };
 
-/// Of other writers: files that are closed without a summary.
+/// Files of other writers, which are closed without a summary.
 fs::path OfOthers(const char* name) {
   return fs::path(INTAGLIO_SOURCE_DIR) / "tests/data/recordings/others" / name;
 }

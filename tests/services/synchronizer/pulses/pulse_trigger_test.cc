@@ -85,7 +85,7 @@ class Trigger : public MachineBench,
     for (const auto& crack : Cracks()) ticks.insert(crack.tick);
     return ticks;
   }
-  /// Of the armed ticks; each is reported once.
+  /// The outcomes of the armed ticks; each is reported once.
   std::map<std::uint64_t, TickOutcome> Outcomes() const {
     std::map<std::uint64_t, TickOutcome> outcomes;
     for (const link::PulseReport& report : received.reports) {

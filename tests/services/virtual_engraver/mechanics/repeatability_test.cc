@@ -36,7 +36,7 @@ TEST(Repeatability, EveryPlaceThatIsGoneToDeviatesWithinItsBound) {
     min_mm = min_mm.cwiseMin(mm);
     max_mm = max_mm.cwiseMax(mm);
   }
-  // Of 200 uniform draws none is within a tenth of an end with 1e-9 probability.
+  // None of 200 uniform draws is within a tenth of an end with 1e-9 probability.
   EXPECT_LE(max_mm.maxCoeff(), 0.01);
   EXPECT_GE(max_mm.minCoeff(), 0.008);
   EXPECT_GE(min_mm.minCoeff(), -0.01);

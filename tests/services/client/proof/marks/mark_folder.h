@@ -96,7 +96,7 @@ class MarkFolder {
   FrozenJob frozen_;
   mark::MarkSet marks_;
   std::vector<std::vector<BurntCircle>> burnt_;  ///< of each mark
-  /// Of each mark; kNone: never begun; kUncertain: an intent and that.
+  /// What became of each mark; kNone: never begun; kUncertain: an intent and that.
   std::vector<formats::PointOutcome> journal_;
   std::uint32_t stray_ticks_ = 0;
 

@@ -56,7 +56,7 @@ TEST(IdentityRole, ACellNamedAfterARoleIsNotThatRole) {
   EXPECT_FALSE(Counts(HealthOf("sorter", intaglio_ROLE_SORTER), "cell-stage-worker"));
 }
 
-// Of several partitions an identity has one; a list of them is no role.
+// An identity has one of several partitions; a list of them is no role.
 TEST(IdentityRole, SeveralPartitionsAreNoRole) {
   EXPECT_FALSE(Counts(HealthOf("sorter", intaglio_ROLE_SORTER), "stage-worker,role/x"));
 }
