@@ -1,5 +1,7 @@
 #include "services/console/console.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <memory>
 #include <thread>
@@ -10,6 +12,7 @@
 #include "services/console/page_files.h"
 #include "services/job/json_text.h"
 #include "services/platform/access/secret_file.h"
+#include "services/platform/access/users.h"
 #include "services/platform/web/server.h"
 
 namespace intaglio::console {
@@ -39,14 +42,46 @@ class RunningServer {
   std::thread thread_;
 };
 
+bool IsOfThisComputer(const std::string& address) {
+  return address.starts_with("127.") || address == "::1";
+}
+
+/// What a console of a network lacks. kInvalidValue with the remedy.
+Status CheckExposure(const ConsoleOptions& options) {
+  if (IsOfThisComputer(options.address)) return {};
+  std::string missing;
+  if (options.certificate_file.empty()) {
+    missing +=
+        " an encrypted connection (--certificate FILE --private-key FILE, for the names "
+        "by which this computer is opened);";
+  }
+  const auto users = access::ReadUsers(options.users_file);
+  if (!users || users->empty()) {
+    missing += fmt::format(
+        " a log-in (intaglio console user add NAME --role operator --users FILE, and "
+        "--users FILE: {});",
+        users ? "it has no user" : users.error().message);
+  }
+  if (options.bus.security.empty())
+    missing += " an identity of an operator (--security FOLDER);";
+  if (missing.empty()) return {};
+  return Fail(ErrorCode::kInvalidValue,
+              fmt::format("address {}: a network needs{} or use 127.0.0.1 and a tunnel "
+                          "(ssh -L)",
+                          options.address, missing),
+              options.address);
+}
+
 /// The one of the file where there is one, so that an open page finds a console that was
 /// started again.
 ConsoleAddress AddressBefore(const ConsoleOptions& options) {
-  ConsoleAddress address{static_cast<std::uint16_t>(options.port), access::NewKey()};
+  ConsoleAddress address;
+  address.port = static_cast<std::uint16_t>(options.port);
+  if (IsOfThisComputer(options.address)) address.key = access::NewKey();
   if (options.address_file.empty()) return address;
   const auto before = ReadAddressFile(options.address_file);
   if (!before) return address;
-  address.key = before->key;
+  if (!address.key.empty() && !before->key.empty()) address.key = before->key;
   if (options.port == 0) address.port = before->port;
   return address;
 }
@@ -57,6 +92,8 @@ web::ServerOptions ServerOptionsOf(const ConsoleOptions& options,
   server.address = options.address;
   server.port = address.port;
   server.key = address.key;
+  server.certificate_file = options.certificate_file;
+  server.key_file = options.key_file;
   server.pages = PageFiles();
   for (const Route& route : Routes()) {
     if (route.right == Right::kOpen) server.open_paths.emplace_back(route.path);
@@ -91,6 +128,7 @@ void Turn(ShopDesk& desk, ConsoleAccess& access, web::Server& server,
 
 Status Serve(const ConsoleOptions& options, const std::function<bool()>& stopping,
              const std::function<void(const std::string& address)>& opened) {
+  INTAGLIO_TRY(CheckExposure(options));
   bus::Bus bus(options.bus);
   ShopDesk desk(bus);
   ConsoleAccess access(options.users_file);
@@ -120,6 +158,7 @@ Status Serve(const ConsoleOptions& options, const std::function<bool()>& stoppin
   }
   if (!made) return tl::unexpected(made.error());
   server = std::move(*made);
+  address.origin = server->origin();
   address.port = server->port();
   const RunningServer running(*server);
   if (!options.address_file.empty())

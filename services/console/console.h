@@ -12,15 +12,16 @@ namespace intaglio::console {
 
 struct ConsoleOptions {
   bus::BusOptions bus;
-  std::string address = "127.0.0.1";
-  int port = 0;                        ///< 0: that of the address file, or a free one
-  std::filesystem::path address_file;  ///< empty: none
-  std::filesystem::path users_file;    ///< of who may log in; empty: nobody
-  std::filesystem::path audit_file;    ///< who pressed what; empty: none
+  std::string address = "127.0.0.1";  ///< another than of loopback needs all that follows
+  std::string certificate_file, key_file;  ///< PEM; empty: not encrypted
+  int port = 0;                            ///< 0: that of the address file, or a free one
+  std::filesystem::path address_file;      ///< empty: none
+  std::filesystem::path users_file;        ///< of who may log in; empty: nobody
+  std::filesystem::path audit_file;        ///< who pressed what; empty: none
 };
 
 /// Serves until `stopping`; `opened` gets the address once pages can be opened. kIo,
-/// kInvalidValue: it cannot serve there.
+/// kInvalidValue, kUnreadable: it cannot serve there.
 Status Serve(const ConsoleOptions& options, const std::function<bool()>& stopping,
              const std::function<void(const std::string& address)>& opened);
 

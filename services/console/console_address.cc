@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <charconv>
+#include <regex>
 
 #include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
@@ -12,37 +12,31 @@
 namespace intaglio::console {
 namespace {
 
-constexpr std::string_view kBegin = "http://127.0.0.1:";
-constexpr std::string_view kKeyBegin = "/?key=";
-constexpr std::size_t kKeyDigits = 64;
+constexpr char kKeyBegin[] = "?key=";
+constexpr std::size_t kMaxAddressBytes = 400;
 constexpr std::uint64_t kMaxFileBytes = 4096;
-
-bool IsHex(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); }
 
 }  // namespace
 
 std::string TextOf(const ConsoleAddress& address) {
-  return fmt::format("{}{}{}{}", kBegin, address.port, kKeyBegin, address.key);
+  return fmt::format("{}:{}/{}{}", address.origin, address.port,
+                     address.key.empty() ? "" : kKeyBegin, address.key);
 }
 
 Result<ConsoleAddress> ParseAddress(const std::string& text) {
-  ConsoleAddress address;
-  const auto wrong = [&] {
-    return Fail(ErrorCode::kInvalidValue,
-                fmt::format("no address of a console: '{}'", text.substr(0, 100)));
-  };
-  if (!text.starts_with(kBegin)) return wrong();
-  const char* end = text.data() + text.size();
-  const auto [read, error] =
-      std::from_chars(text.data() + kBegin.size(), end, address.port);
-  const std::string_view rest(read, static_cast<std::size_t>(end - read));
-  if (error != std::errc() || address.port == 0 || !rest.starts_with(kKeyBegin))
-    return wrong();
-  address.key = rest.substr(kKeyBegin.size());
-  if (address.key.size() != kKeyDigits ||
-      !std::all_of(address.key.begin(), address.key.end(), IsHex))
-    return wrong();
-  return address;
+  static const std::regex kForm(
+      R"((http://127\.0\.0\.1|http://\[::1\]|https://[0-9a-zA-Z.:\[\]-]{1,253}))"
+      R"(:([1-9][0-9]{0,4})/(\?key=([0-9a-f]{64}))?)");
+  std::smatch parts;
+  std::uint16_t port = 0;
+  if (text.size() <= kMaxAddressBytes && std::regex_match(text, parts, kForm)) {
+    const std::string digits = parts[2];
+    const auto [end, error] =
+        std::from_chars(digits.data(), digits.data() + digits.size(), port);
+    if (error == std::errc()) return ConsoleAddress{parts[1], port, parts[4]};
+  }
+  return Fail(ErrorCode::kInvalidValue,
+              fmt::format("no address of a console: '{}'", text.substr(0, 100)));
 }
 
 Result<ConsoleAddress> ReadAddressFile(const std::filesystem::path& file) {

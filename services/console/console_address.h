@@ -12,11 +12,12 @@
 namespace intaglio::console {
 
 struct ConsoleAddress {
+  std::string origin = "http://127.0.0.1";  ///< scheme and name
   std::uint16_t port = 0;
-  std::string key;  ///< 64 hex digits
+  std::string key;  ///< 64 hex digits; empty: a log-in is needed
 };
 
-/// "http://127.0.0.1:PORT/?key=KEY".
+/// "http://127.0.0.1:PORT/?key=KEY", "https://shop.example:PORT/".
 std::string TextOf(const ConsoleAddress& address);
 /// kInvalidValue: another text.
 Result<ConsoleAddress> ParseAddress(const std::string& text);

@@ -61,8 +61,16 @@ int main(int argc, char** argv) {
       .Within(0, 65535)
       .ShowDefault();
   root.AddOption("--address", options.address,
-                 "address to serve; only one of this computer is served")
+                 "address to serve; one of a network, e.g. 0.0.0.0, needs --certificate, "
+                 "--users and --security")
       .ShowDefault();
+  const auto certificate =
+      root.AddOption("--certificate", options.certificate_file,
+                     "PEM file of the names by which this computer is opened; "
+                     "connections are encrypted then");
+  certificate.Need(
+      root.AddOption("--private-key", options.key_file, "PEM file, of the certificate")
+          .Need(certificate));
   root.AddOption("--address-file", options.address_file,
                  "file for the printed address; a console that is started again keeps "
                  "its port and key");

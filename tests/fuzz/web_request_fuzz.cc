@@ -11,6 +11,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace intaglio;
+  const web::OwnNames own{.port = 8850};
   const std::string text(reinterpret_cast<const char*>(bytes), size);
   if (const auto target = web::ParseTarget(text)) {
     Require(target->path.starts_with('/'), "no absolute path");
@@ -18,8 +19,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     Require(path.find("/../") == std::string::npos, "a path that climbs");
     Require(path.find('\\') == std::string::npos, "a backslash");
   }
-  if (web::IsOwnHost(text, 8850)) Require(text.ends_with(":8850"), "another port");
-  if (web::IsOwnOrigin(text, 8850)) Require(text.starts_with("http://"), "a scheme");
+  if (web::IsOwnHost(text, own)) Require(text.ends_with(":8850"), "another port");
+  if (web::IsOwnOrigin(text, own)) Require(text.starts_with("http://"), "a scheme");
   Require(web::CookieIn(text, "key").size() <= text.size(), "a longer cookie");
   Require(web::BearerKeyIn(text).size() <= text.size(), "a longer key");
   if (const auto users = access::ParseUsers(text)) {

@@ -7,8 +7,7 @@ namespace {
 
 class EventSession : public Peer, public std::enable_shared_from_this<EventSession> {
  public:
-  EventSession(CountedPtr counted, beast::tcp_stream stream, std::string path,
-               Caller caller)
+  EventSession(CountedPtr counted, Stream stream, std::string path, Caller caller)
       : counted_(std::move(counted)),
         core_(counted_->core()),
         stream_(std::move(stream)),
@@ -68,8 +67,9 @@ class EventSession : public Peer, public std::enable_shared_from_this<EventSessi
 
   /// The reader sends nothing more; what it sends is its end.
   void AwaitEnd() {
-    stream_.socket().async_wait(net::ip::tcp::socket::wait_read,
-                                [self = shared_from_this()](ErrorOf) { self->Close(); });
+    stream_.tcp().socket().async_wait(
+        net::ip::tcp::socket::wait_read,
+        [self = shared_from_this()](ErrorOf) { self->Close(); });
   }
 
   /// A reader that is gone is found by what is sent to it.
@@ -84,7 +84,7 @@ class EventSession : public Peer, public std::enable_shared_from_this<EventSessi
 
   CountedPtr counted_;
   Core& core_;
-  beast::tcp_stream stream_;
+  Stream stream_;
   net::steady_timer silence_;
   std::string path_;
   Caller caller_;
@@ -95,8 +95,7 @@ class EventSession : public Peer, public std::enable_shared_from_this<EventSessi
 
 }  // namespace
 
-void StartEvents(CountedPtr counted, beast::tcp_stream stream, std::string path,
-                 Caller caller) {
+void StartEvents(CountedPtr counted, Stream stream, std::string path, Caller caller) {
   std::make_shared<EventSession>(std::move(counted), std::move(stream), std::move(path),
                                  std::move(caller))
       ->Start();

@@ -47,28 +47,36 @@ std::string SessionOf(const Core& core, const RawRequest& request) {
 /// Why the request is refused whatever it asks for.
 std::optional<Response> WhyForeign(const Core& core, const RawRequest& request) {
   std::string_view host, origin;
-  if (!Single(request, http::field::host, host) || !IsOwnHost(host, core.port))
-    return Refusal(421, fmt::format("this is http://127.0.0.1:{}", core.port));
+  if (!Single(request, http::field::host, host) || !IsOwnHost(host, core.own))
+    return Refusal(421, fmt::format("this is {}:{}", OriginOf(core.own), core.own.port));
   if (!Single(request, http::field::origin, origin) ||
-      (!origin.empty() && !IsOwnOrigin(origin, core.port)))
+      (!origin.empty() && !IsOwnOrigin(origin, core.own)))
     return Refusal(403, "a page of another origin may not use this console");
   return std::nullopt;
 }
 
 class HttpSession : public Waiting, public std::enable_shared_from_this<HttpSession> {
  public:
-  HttpSession(Core& core, beast::tcp_stream stream)
+  HttpSession(Core& core, Stream stream)
       : counted_(std::make_shared<Counted>(core)),
         core_(core),
         stream_(std::move(stream)),
         answer_timer_(core_.io) {
     ErrorOf ignored;
-    const auto end = stream_.socket().remote_endpoint(ignored);
+    const auto end = stream_.tcp().socket().remote_endpoint(ignored);
     if (!ignored) address_ = end.address().to_string();
   }
   ~HttpSession() override { StopWaiting(); }
 
-  void Start() { Read(); }
+  void Start() {
+    place_ = core_.waiting.insert(core_.waiting.end(), this);
+    stream_.expires_after(core_.options.limits.request_time);
+    stream_.transport().Open([self = shared_from_this()](ErrorOf error) {
+      self->StopWaiting();
+      if (error) return self->Close();
+      self->Read();
+    });
+  }
   void Close() override {
     StopWaiting();
     stream_.close();
@@ -199,8 +207,9 @@ class HttpSession : public Waiting, public std::enable_shared_from_this<HttpSess
     if (response.token) {
       message_.set(
           http::field::set_cookie,
-          fmt::format("{}={}; Path=/; HttpOnly; SameSite=Strict{}", core_.CookieName(),
-                      *response.token, response.token->empty() ? "; Max-Age=0" : ""));
+          fmt::format("{}={}; Path=/; HttpOnly; SameSite=Strict{}{}", core_.CookieName(),
+                      *response.token, core_.own.is_encrypted ? "; Secure" : "",
+                      response.token->empty() ? "; Max-Age=0" : ""));
     }
     message_.result(static_cast<unsigned>(response.status));
     message_.version(11);
@@ -219,7 +228,7 @@ class HttpSession : public Waiting, public std::enable_shared_from_this<HttpSess
 
   CountedPtr counted_;
   Core& core_;
-  beast::tcp_stream stream_;
+  Stream stream_;
   std::string address_;  // of the other computer
   net::steady_timer answer_timer_;
   beast::flat_buffer buffer_;
@@ -238,7 +247,7 @@ Response TextResponse(int status, std::string content_type, std::string body) {
           std::make_shared<const std::string>(std::move(body))};
 }
 
-void StartHttp(Core& core, beast::tcp_stream stream) {
+void StartHttp(Core& core, Stream stream) {
   std::make_shared<HttpSession>(core, std::move(stream))->Start();
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "engrave/core/try.h"
@@ -56,6 +57,10 @@ bool ClimbsUp(std::string_view path) {
   return climbs;
 }
 
+std::string_view SchemeOf(const OwnNames& own) {
+  return own.is_encrypted ? "https://" : "http://";
+}
+
 }  // namespace
 
 Result<Target> ParseTarget(std::string_view target) {
@@ -82,16 +87,20 @@ Result<Target> ParseTarget(std::string_view target) {
   return parsed;
 }
 
-bool IsOwnHost(std::string_view host, std::uint16_t port) {
-  for (const char* name : {"127.0.0.1", "localhost", "[::1]"}) {
-    if (host == fmt::format("{}:{}", name, port)) return true;
-  }
-  return false;
+std::string OriginOf(const OwnNames& own) {
+  return fmt::format("{}{}", SchemeOf(own), own.names.front());
 }
 
-bool IsOwnOrigin(std::string_view origin, std::uint16_t port) {
-  constexpr std::string_view kScheme = "http://";
-  return origin.starts_with(kScheme) && IsOwnHost(origin.substr(kScheme.size()), port);
+bool IsOwnHost(std::string_view host, const OwnNames& own) {
+  const bool usual = own.port == (own.is_encrypted ? 443 : 80);
+  return std::any_of(own.names.begin(), own.names.end(), [&](const std::string& name) {
+    return host == fmt::format("{}:{}", name, own.port) || (usual && host == name);
+  });
+}
+
+bool IsOwnOrigin(std::string_view origin, const OwnNames& own) {
+  const std::string_view scheme = SchemeOf(own);
+  return origin.starts_with(scheme) && IsOwnHost(origin.substr(scheme.size()), own);
 }
 
 std::string_view CookieIn(std::string_view header, std::string_view name) {

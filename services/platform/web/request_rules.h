@@ -7,6 +7,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engrave/core/result.h"
 
@@ -22,12 +23,24 @@ struct Target {
 /// ".." even after decoding.
 Result<Target> ParseTarget(std::string_view target);
 
-/// "127.0.0.1", "localhost" or "[::1]" with this port. A page of another name that was
-/// made to point to this computer (DNS rebinding) has another Host.
-bool IsOwnHost(std::string_view host, std::uint16_t port);
+/// By what a server is opened.
+struct OwnNames {
+  bool is_encrypted = false;
+  std::uint16_t port = 0;
+  /// Those of its certificate, then those of every computer for itself.
+  std::vector<std::string> names = {"127.0.0.1", "localhost", "[::1]"};
+};
 
-/// "http://" and an own host: a page of this server.
-bool IsOwnOrigin(std::string_view origin, std::uint16_t port);
+/// "http://127.0.0.1", by the first name.
+std::string OriginOf(const OwnNames& own);
+
+/// One of the names with the port, which may be left out where it is the scheme's. A page
+/// of another name that was made to point to this computer (DNS rebinding) has another
+/// Host.
+bool IsOwnHost(std::string_view host, const OwnNames& own);
+
+/// The scheme and an own host: a page of this server.
+bool IsOwnOrigin(std::string_view origin, const OwnNames& own);
 
 /// The value of a cookie in a Cookie header; empty when it is not there.
 std::string_view CookieIn(std::string_view header, std::string_view name);

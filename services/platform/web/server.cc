@@ -7,6 +7,7 @@
 #include <boost/asio/post.hpp>
 
 #include "engrave/core/check.h"
+#include "engrave/core/try.h"
 #include "services/platform/web/sessions.h"
 
 namespace intaglio::web {
@@ -45,7 +46,9 @@ struct Server::Impl {
     }
     ErrorOf ignored;
     socket.set_option(tcp::no_delay(true), ignored);
-    StartHttp(*core, beast::tcp_stream(std::move(socket)));
+    beast::tcp_stream stream(std::move(socket));
+    StartHttp(*core, Stream(core->tls ? core->tls->Encrypt(std::move(stream))
+                                      : PlainTransport(std::move(stream))));
   }
 };
 
@@ -57,16 +60,29 @@ Result<std::unique_ptr<Server>> Server::Open(ServerOptions options, Handlers han
   Require(!options.key.empty() || handlers.session, "a server that nobody may use");
   ErrorOf error;
   const auto address = net::ip::make_address(options.address, error);
-  if (error || !address.is_loopback()) {
+  if (error) {
     return Fail(ErrorCode::kInvalidValue,
-                fmt::format("address {}: only an address of this computer (127.0.0.1) is "
-                            "served: a network needs an encrypted connection and a "
-                            "log-in, which this version does not have; from another "
-                            "computer, use a tunnel (ssh -L)",
+                fmt::format("address '{}': give an IP address of this computer, for "
+                            "example 127.0.0.1, or 0.0.0.0 for all",
                             options.address),
                 options.address);
   }
   auto impl = std::make_unique<Impl>();
+  if (!options.certificate_file.empty()) {
+    impl->core->tls = INTAGLIO_TRY(ReadTls(options.certificate_file, options.key_file));
+    impl->core->own.is_encrypted = true;
+    const auto& names = impl->core->tls->names();
+    impl->core->own.names.insert(impl->core->own.names.begin(), names.begin(),
+                                 names.end());
+  } else if (!address.is_loopback()) {
+    return Fail(ErrorCode::kInvalidValue,
+                fmt::format("address {}: only an address of this computer (127.0.0.1) is "
+                            "served without a certificate: a network needs an encrypted "
+                            "connection; or use a tunnel (ssh -L)",
+                            options.address),
+                options.address);
+  }
+  Require(address.is_loopback() || options.key.empty(), "a key for a network");
   const tcp::endpoint end(address, options.port);
   impl->acceptor.open(end.protocol(), error);
   if (!error) impl->acceptor.set_option(tcp::acceptor::reuse_address(true), error);
@@ -79,14 +95,18 @@ Result<std::unique_ptr<Server>> Server::Open(ServerOptions options, Handlers han
                     "free one",
                     options.address, options.port, error.message()));
   }
-  impl->core->port = impl->acceptor.local_endpoint().port();
+  if (!impl->core->tls && address.is_v6())
+    impl->core->own.names = {"[" + address.to_string() + "]", "localhost"};
+  impl->core->own.port = impl->acceptor.local_endpoint().port();
   impl->core->options = std::move(options);
   impl->core->handlers = std::move(handlers);
   impl->Accept();
   return std::unique_ptr<Server>(new Server(std::move(impl)));
 }
 
-std::uint16_t Server::port() const { return impl_->core->port; }
+std::uint16_t Server::port() const { return impl_->core->own.port; }
+
+std::string Server::origin() const { return OriginOf(impl_->core->own); }
 
 void Server::Run() {
   const auto work = net::make_work_guard(impl_->core->io);

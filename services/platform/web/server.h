@@ -1,8 +1,9 @@
 #pragma once
 
-// A small web server for one computer: HTTP/1.1, server-sent events, WebSockets. One
-// thread runs it; everything that a client can make it keep is bounded. There is no TLS
-// yet, so it serves loopback alone and refuses every other address.
+// A small web server: HTTP/1.1, server-sent events, WebSockets. One thread runs it;
+// everything that a client can make it keep is bounded. Without a certificate it serves
+// loopback alone and refuses every other address; with one every connection is encrypted
+// (TLS 1.2 or later).
 //
 // Every request is checked here, before a handler sees it:
 //   Host            an own one, else 421: no name of somebody else leads here
@@ -88,6 +89,8 @@ struct ServerOptions {
   std::string address = "127.0.0.1";
   std::uint16_t port = 0;  ///< 0: a free one
   std::string key;         ///< of whoever may use it; empty: only sessions count
+  /// PEM, of the names by which the server is opened (subjectAltName); empty: no TLS.
+  std::string certificate_file, key_file;
   std::map<std::string, Response> pages;  ///< by path; GET without a key
   std::vector<std::string> open_paths;    ///< of requests that need no session
   std::vector<std::string> event_paths;   ///< of server-sent events
@@ -97,11 +100,14 @@ struct ServerOptions {
 
 class Server {
  public:
-  /// kInvalidValue: the address is not of loopback. kIo: the port is in use.
+  /// kInvalidValue: no address, or not of loopback without a certificate. kIo: the port
+  /// is in use. kUnreadable: the certificate.
   static Result<std::unique_ptr<Server>> Open(ServerOptions options, Handlers handlers);
   ~Server();
 
   std::uint16_t port() const;
+  /// "https://shop.example": by the first name of its certificate.
+  std::string origin() const;
   /// Until Stop; once.
   void Run();
 

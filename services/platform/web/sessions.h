@@ -7,7 +7,6 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/message.hpp>
 #include <boost/beast/http/string_body.hpp>
@@ -18,13 +17,11 @@
 #include <string>
 
 #include "services/platform/web/server.h"
+#include "services/platform/web/stream.h"
 
 namespace intaglio::web {
 
-namespace net = boost::asio;
-namespace beast = boost::beast;
 namespace http = boost::beast::http;
-using ErrorOf = boost::system::error_code;
 using RawRequest = http::request<http::string_body>;
 
 /// A connection that stays open and is written to.
@@ -46,7 +43,8 @@ class Waiting {
 struct Core {
   ServerOptions options;
   Handlers handlers;
-  std::uint16_t port = 0;
+  OwnNames own;
+  std::unique_ptr<Tls> tls;  ///< null: not encrypted
   std::size_t connection_count = 0;
   std::list<Waiting*> waiting;  ///< the oldest first
   PeerId last_peer = 0;
@@ -58,7 +56,7 @@ struct Core {
   /// The last, and so destroyed first: its pending handlers keep connections.
   net::io_context io{1};
 
-  std::string CookieName() const { return "intaglio_" + std::to_string(port); }
+  std::string CookieName() const { return "intaglio_" + std::to_string(own.port); }
   PeerId Add(const std::string& path, const Caller& caller,
              const std::shared_ptr<Peer>& peer) {
     peers[++last_peer] = {path, caller.session, peer};
@@ -103,12 +101,11 @@ class OutQueue {
 };
 
 /// Both begin with a request that was checked. They keep themselves alive.
-void StartEvents(CountedPtr counted, beast::tcp_stream stream, std::string path,
+void StartEvents(CountedPtr counted, Stream stream, std::string path, Caller caller);
+void StartSocket(CountedPtr counted, Stream stream, RawRequest request, std::string path,
                  Caller caller);
-void StartSocket(CountedPtr counted, beast::tcp_stream stream, RawRequest request,
-                 std::string path, Caller caller);
 /// Reads requests from a new connection.
-void StartHttp(Core& core, beast::tcp_stream stream);
+void StartHttp(Core& core, Stream stream);
 
 /// Headers of every response.
 template <typename Message>

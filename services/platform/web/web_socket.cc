@@ -11,8 +11,7 @@ namespace websocket = boost::beast::websocket;
 
 class SocketSession : public Peer, public std::enable_shared_from_this<SocketSession> {
  public:
-  SocketSession(CountedPtr counted, beast::tcp_stream stream, std::string path,
-                Caller caller)
+  SocketSession(CountedPtr counted, Stream stream, std::string path, Caller caller)
       : counted_(std::move(counted)),
         core_(counted_->core()),
         socket_(std::move(stream)),
@@ -22,7 +21,7 @@ class SocketSession : public Peer, public std::enable_shared_from_this<SocketSes
   ~SocketSession() override { core_.peers.erase(id_); }
 
   void Start(const std::shared_ptr<const RawRequest>& request) {
-    beast::get_lowest_layer(socket_).expires_never();
+    socket_.next_layer().expires_never();
     websocket::stream_base::timeout times{};
     times.handshake_timeout = core_.options.limits.request_time;
     times.idle_timeout = core_.options.limits.write_time;
@@ -43,7 +42,7 @@ class SocketSession : public Peer, public std::enable_shared_from_this<SocketSes
 
   void Close() override {
     closed_ = true;
-    beast::get_lowest_layer(socket_).close();
+    socket_.next_layer().close();
   }
 
  private:
@@ -76,7 +75,7 @@ class SocketSession : public Peer, public std::enable_shared_from_this<SocketSes
 
   CountedPtr counted_;
   Core& core_;
-  websocket::stream<beast::tcp_stream> socket_;
+  websocket::stream<Stream> socket_;
   std::string path_;
   Caller caller_;
   OutQueue queue_;
@@ -87,8 +86,8 @@ class SocketSession : public Peer, public std::enable_shared_from_this<SocketSes
 
 }  // namespace
 
-void StartSocket(CountedPtr counted, beast::tcp_stream stream, RawRequest request,
-                 std::string path, Caller caller) {
+void StartSocket(CountedPtr counted, Stream stream, RawRequest request, std::string path,
+                 Caller caller) {
   const auto kept = std::make_shared<const RawRequest>(std::move(request));
   auto session = std::make_shared<SocketSession>(std::move(counted), std::move(stream),
                                                  std::move(path), std::move(caller));

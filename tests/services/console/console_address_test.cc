@@ -13,7 +13,7 @@ namespace {
 
 TEST(ConsoleAddress, ComesBackFromItsFileWhichOnlyItsUserReads) {
   const auto file = test::FreshFolder() / "console.address";
-  const ConsoleAddress address{8850, access::NewKey()};
+  const ConsoleAddress address{.port = 8850, .key = access::NewKey()};
   ASSERT_TRUE(WriteAddressFile(file, address));
   const auto read = ReadAddressFile(file);
   ASSERT_TRUE(read) << read.error().message;
@@ -27,6 +27,12 @@ TEST(ConsoleAddress, ComesBackFromItsFileWhichOnlyItsUserReads) {
 TEST(ConsoleAddress, AnotherTextIsNone) {
   const std::string key(64, 'a');
   EXPECT_TRUE(ParseAddress("http://127.0.0.1:8850/?key=" + key));
+  EXPECT_TRUE(ParseAddress("http://[::1]:8850/?key=" + key));
+  const std::string network = "https://shop.example:8850/";
+  const auto without_key = ParseAddress(network);
+  ASSERT_TRUE(without_key);
+  EXPECT_EQ(without_key->key, "");
+  EXPECT_EQ(TextOf(*without_key), network);
   for (const std::string& wrong :
        {std::string(), "http://127.0.0.1:0/?key=" + key,
         "http://127.0.0.1:99999/?key=" + key, "http://127.0.0.1:1/?key=" + key + "a",

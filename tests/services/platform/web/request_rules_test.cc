@@ -24,18 +24,30 @@ TEST(RequestRules, RefusesWhatClimbsOutOrIsNoPath) {
 }
 
 TEST(RequestRules, OnlyNamesOfThisComputerAreOwnHosts) {
-  EXPECT_TRUE(IsOwnHost("127.0.0.1:8850", 8850));
-  EXPECT_TRUE(IsOwnHost("localhost:8850", 8850));
+  const OwnNames own{.port = 8850};
+  EXPECT_TRUE(IsOwnHost("127.0.0.1:8850", own));
+  EXPECT_TRUE(IsOwnHost("localhost:8850", own));
   for (const char* foreign :
        {"", "127.0.0.1", "127.0.0.1:8851", "evil.example:8850", "127.0.0.1.evil:8850",
         "localhost:8850.evil", "LOCALHOST:8850"}) {
-    EXPECT_FALSE(IsOwnHost(foreign, 8850)) << foreign;
+    EXPECT_FALSE(IsOwnHost(foreign, own)) << foreign;
   }
-  EXPECT_TRUE(IsOwnOrigin("http://localhost:8850", 8850));
+  EXPECT_TRUE(IsOwnOrigin("http://localhost:8850", own));
   for (const char* foreign : {"null", "https://localhost:8850", "http://evil:8850",
                               "http://localhost:8850/", "http://localhost"}) {
-    EXPECT_FALSE(IsOwnOrigin(foreign, 8850)) << foreign;
+    EXPECT_FALSE(IsOwnOrigin(foreign, own)) << foreign;
   }
+}
+
+TEST(RequestRules, NamesOfACertificateAreOwnHostsByItsSchemeAlone) {
+  const OwnNames own{.is_encrypted = true, .port = 443, .names = {"shop.example"}};
+  EXPECT_EQ(OriginOf(own), "https://shop.example");
+  EXPECT_TRUE(IsOwnHost("shop.example:443", own));
+  EXPECT_TRUE(IsOwnHost("shop.example", own)) << "browsers leave the usual port out";
+  EXPECT_FALSE(IsOwnHost("shop.example.evil", own));
+  EXPECT_TRUE(IsOwnOrigin("https://shop.example", own));
+  EXPECT_FALSE(IsOwnOrigin("http://shop.example", own));
+  EXPECT_FALSE(IsOwnOrigin("https://shop.example:8443", own));
 }
 
 TEST(RequestRules, ReadsCookiesAndKeys) {

@@ -193,14 +193,17 @@ TEST_F(WebServer, MorePeersThanAllowedAreRefused) {
 }
 
 TEST(WebServerAddress, ANetworkIsRefusedByName) {
-  for (const char* address : {"0.0.0.0", "192.168.1.4", "::", "shop.example", ""}) {
+  const auto why_not = [](const std::string& address) {
     ServerOptions options;
     options.address = address;
     options.key = "key";
     const auto opened = Server::Open(options, {});
-    ASSERT_FALSE(opened) << address;
-    EXPECT_THAT(opened.error().message, HasSubstr("only an address of this computer"));
-  }
+    return opened ? std::string() : opened.error().message;
+  };
+  for (const char* address : {"0.0.0.0", "192.168.1.4", "::"})
+    EXPECT_THAT(why_not(address), HasSubstr("only an address of this computer"));
+  for (const char* address : {"shop.example", ""})
+    EXPECT_THAT(why_not(address), HasSubstr("give an IP address"));
 }
 
 TEST(WebServerAddress, AUsedPortIsNamed) {
