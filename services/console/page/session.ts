@@ -6,7 +6,7 @@ function field(type: string, label: string, autocomplete: string): [HTMLElement,
   const line = make('label', label);
   const input = document.createElement('input');
   input.type = type;
-  input.autocomplete = autocomplete as AutoFill;
+  input.autocomplete = autocomplete;
   input.required = true;
   line.append(' ', input);
   return [line, input];

@@ -46,7 +46,7 @@ class Cloud {
     drawn.scale.set(size[0] / longest, size[1] / longest, size[2] / longest);
     drawn.position.set(-0.5 * drawn.scale.x, -0.5 * drawn.scale.y, -0.5 * drawn.scale.z);
     const box = new THREE.Box3(drawn.position.clone(), drawn.position.clone().negate());
-    this.group.add(drawn, new THREE.Box3Helper(box, 0x5b6a7a as any));
+    this.group.add(drawn, new THREE.Box3Helper(box, 0x5b6a7a));
   }
 
   limit(points: number) {
@@ -154,7 +154,10 @@ async function poll() {
       const before = of.made;
       const more = of.take(bytes);
       isDirty = isDirty || more || of.made !== before;
-      if (more) return setTimeout(poll, 0);
+      if (more) {
+        setTimeout(poll, 0);
+        return;
+      }
     }
   }
   setTimeout(poll, pollMs);
