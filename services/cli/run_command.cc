@@ -32,7 +32,6 @@
 #include "services/client/service_set.h"
 #include "services/client/virtual_truth.h"
 #include "services/job/checks/mark_job_check.h"
-#include "services/job/course/course_check.h"
 #include "services/job/job_check.h"
 #include "services/job/options.h"
 
@@ -114,7 +113,9 @@ MountedParts RunSession::PartsOfJob() const {
 
 Result<client::VirtualMachine> RunSession::MachineOf() const {
   client::VirtualMachine machine;
-  machine.truth = client::TruthOf(job_.machine, PartsOfJob());
+  machine.truth = job_.job.has_course()
+                      ? client::TruthOfMill(job_.machine, job_.job.course())
+                      : client::TruthOf(job_.machine, PartsOfJob());
   const double web_mm_s =
       INTAGLIO_TRY(VirtualWebSpeed(job_.job, job_.machine, options_.job.size_limits));
   if (web_mm_s > 0) machine.truth.mutable_head()->set_web_mm_s(web_mm_s);
@@ -143,7 +144,7 @@ Result<client::ServiceSet> RunSession::StartServices(
 }
 
 int RunSession::Run() {
-  if (job_.job.has_marks()) bar_.CountIn("marks");
+  if (MakesMarks(job_.job)) bar_.CountIn("marks");
   for (const std::string& note : job_.notes) std::cerr << note << "\n";
   if (auto made = MakeFolders(); !made)
     return Complain(made.error(), client::kExitWrongInput);
@@ -330,8 +331,6 @@ int RunJob(const RunOptions& given) {
   RunOptions options = given;
   auto job = BuildJobToEngrave(options.job);
   if (!job) return Complain(job.error(), client::kExitWrongInput);
-  if (const auto refused = RefuseCourse(job->job); !refused.empty())
-    return Complain(JoinErrors(refused), client::kExitWrongInput);
   if (options.materials_db.empty())
     options.materials_db = materials_db::DefaultDatabasePath().string();
   if (MakesMarks(job->job))
@@ -345,10 +344,10 @@ int RunJob(const RunOptions& given) {
 
 void AddRunCommand(command_line::Command app) {
   auto options = std::make_shared<RunOptions>();
-  command_line::Command run =
-      app.AddCommand("run",
-                     "make one job in the virtual engraver or scan head, with a separate "
-                     "set of processes, and prove the result");
+  command_line::Command run = app.AddCommand(
+      "run",
+      "make one job in the virtual engraver, scan head or mill, with a separate "
+      "set of processes, and prove the result");
   run.SetFooter(
       "Example: intaglio run bunny.obj --height 40 --lockstep --out DIR\n"
       "Example: intaglio run label.textproto --lockstep --out DIR\n"

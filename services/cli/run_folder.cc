@@ -13,12 +13,21 @@ namespace intaglio::cli {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+const char* FilesOf(const JobReport& report) {
+  if (report.marks().has_cut()) return "marks.bin, cut.rec, sheet.png";
+  return report.has_marks() ? "marks.bin, burnt.rec" : "glass.ply, path.ply";
+}
+
+}  // namespace
+
 Status PrepareRunFolder(const fs::path& out, const fs::path& session) {
   std::error_code error;
   fs::remove_all(session, error);
   for (const char* file :
        {"report.json", "glass.ply", "path.ply", "views.png", "customer.png",
-        "journal.bin", "job.json", "marks.bin", "burnt.rec"}) {
+        "journal.bin", "job.json", "marks.bin", "burnt.rec", "cut.rec", "sheet.png"}) {
     fs::remove(out / file, error);
   }
   const std::string recordings = session.filename().string();
@@ -46,8 +55,7 @@ std::string PrivateTag() {
 Status PresentProof(std::ostream& human, const JobReport& report, const fs::path& out,
                     bool is_recorded, const CustomerPictureFlags& picture) {
   human << SummaryOf(report) << "\n";
-  human << "folder      " << out.string() << "  (report.json, "
-        << (report.has_marks() ? "marks.bin, burnt.rec" : "glass.ply, path.ply")
+  human << "folder      " << out.string() << "  (report.json, " << FilesOf(report)
         << ", views.png" << (is_recorded ? ", session.mcap)\n" : ")\n");
   if (!picture.asked() || report.has_marks()) return {};
   const fs::path file = picture.FileIn(out);

@@ -153,7 +153,9 @@ Result<JobReport> MakeProof(const ProofInputs& inputs) {
   for (const char* file : {marks ? kMarksFile : "path.ply", "job.json", "journal.bin"}) {
     INTAGLIO_TRY(CopyInto(inputs.job_folder / file, inputs.folder / file));
   }
-  if (marks) {
+  if (inputs.glass_record.filename() == kCutRecord) {
+    INTAGLIO_TRY(CopyInto(inputs.glass_record, inputs.folder / kCutFile));
+  } else if (marks) {
     const auto journal =
         INTAGLIO_TRY(formats::ReadJournal(inputs.folder / "journal.bin"));
     INTAGLIO_TRY(

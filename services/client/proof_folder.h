@@ -2,7 +2,8 @@
 
 // The proof of a job: glass.ply (the cracks), path.ply (the plan), report.json, views.png
 // (of several channels, one each as well), and the verdict. Of a job of marks burnt.rec
-// (what was burnt) and marks.bin (the plan) are in place of the first two. `run` makes it
+// (what was burnt) and marks.bin (the plan) are in place of the first two, on a virtual
+// mill cut.rec (what its tool did) and sheet.png (what it left). `run` makes it
 // of everything that its machine's glass or piece holds; in a shop a job's folder is
 // completed when the job has ended.
 

@@ -10,6 +10,7 @@
 #include "engrave/io/whole_file.h"
 #include "services/client/patience.h"
 #include "services/client/proof/glass_search.h"
+#include "services/client/proof/marks/cut_evidence.h"
 #include "services/client/proof/marks/mark_search.h"
 #include "services/job/job_check.h"
 #include "services/job/job_file.h"
@@ -48,6 +49,31 @@ constexpr Expected kExpected[] = {{intaglio_ROLE_JOB_SERVICE, "job-service"},
                                   {intaglio_ROLE_SYNCHRONIZER, "synchronizer"},
                                   {intaglio_ROLE_MOTION_BRIDGE, "motion-bridge"},
                                   {intaglio_ROLE_RECORDER, "recorder"}};
+
+/// That there is a virtual machine in place of this one.
+Status CheckVirtual(const MachineSpec& spec, const VirtualMachine& machine) {
+  constexpr const char* kMillProtocol = "grbl-course";
+  const std::string& protocol = spec.mark_line().protocol();
+  const bool mill = machine.truth.has_mill();
+  if (mill && protocol == kMillProtocol && machine.speed == "lockstep") {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("--lockstep: the virtual mill of {} goes by the clock; give "
+                            "--speed, e.g. 10, in its place",
+                            spec.name()),
+                "lockstep");
+  }
+  if (!spec.has_mark_line() || spec.has_scan_head() ||
+      (mill && protocol == kMillProtocol))
+    return {};
+  return Fail(
+      ErrorCode::kUnsupported,
+      fmt::format("{} has no virtual machine here: of those that mark, scan heads "
+                  "have one, and for `intaglio run` mills and cutters with the "
+                  "protocol {}; start it with --real-machine on its controller, "
+                  "or play the job by `intaglio contour JOB --page FILE`",
+                  spec.name(), kMillProtocol),
+      protocol);
+}
 
 /// Changes when the file is written; empty: there is none.
 std::string ConsoleStamp(const fs::path& file) {
@@ -130,22 +156,18 @@ Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
 Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
                                  const VirtualMachine& machine) {
   const bool marks = machine_.has_mark_line();
-  if (marks && !machine_.has_scan_head()) {
-    return Fail(
-        ErrorCode::kUnsupported,
-        fmt::format("{} has no virtual machine: of those that mark only scan heads "
-                    "have one; start it with --real-machine on its controller. Without "
-                    "one, `intaglio contour JOB --page FILE` plays a job of contours",
-                    machine_.name()),
-        machine_.mark_line().protocol());
-  }
+  const bool mill = machine.truth.has_mill();
+  INTAGLIO_TRY(CheckVirtual(machine_, machine));
   const fs::path laser = options.folder / "laser", motion = options.folder / "motion";
-  const fs::path head = options.folder / "head";
+  const fs::path head = options.folder / (mill ? "mill" : "head");
   panel_ = options.folder / "panel";
   // A job that is open may have cracks in the block of the engraver before, or marks on
   // its piece.
-  glass_record_ = options.folder / (marks ? kMarkRecord : kGlassRecord);
-  INTAGLIO_TRY(marks ? KeepMarkRecord(glass_record_) : KeepGlassRecord(glass_record_));
+  glass_record_ = options.folder / (mill    ? kCutRecord
+                                    : marks ? kMarkRecord
+                                            : kGlassRecord);
+  if (!mill)
+    INTAGLIO_TRY(marks ? KeepMarkRecord(glass_record_) : KeepGlassRecord(glass_record_));
   const fs::path truth = options.folder / "truth.textproto";
   INTAGLIO_TRY(WriteTruthFile(truth, machine.truth));
   ChildProcess::Command command{"virtual-engraver",
@@ -155,11 +177,13 @@ Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
   command.arguments = {"--truth",       truth.string(), "--panel",
                        panel_.string(), "--speed",      machine.speed};
   const std::vector<std::string> lines =
-      marks ? std::vector<std::string>{"--head-line", head.string(), "--mark-record",
-                                       glass_record_.string()}
-            : std::vector<std::string>{"--laser-line",   laser.string(),
-                                       "--motion-line",  motion.string(),
-                                       "--glass-record", glass_record_.string()};
+      mill    ? std::vector<std::string>{"--mill-line", head.string(), "--cut-record",
+                                         glass_record_.string()}
+      : marks ? std::vector<std::string>{"--head-line", head.string(), "--mark-record",
+                                         glass_record_.string()}
+              : std::vector<std::string>{"--laser-line",   laser.string(),
+                                         "--motion-line",  motion.string(),
+                                         "--glass-record", glass_record_.string()};
   command.arguments.insert(command.arguments.end(), lines.begin(), lines.end());
   for (const std::string& fault : machine.faults) {
     command.arguments.insert(command.arguments.end(), {"--fault", fault});
@@ -171,7 +195,7 @@ Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
   auto started = INTAGLIO_TRY(std::move(process));
   engraver_.push_back(std::make_unique<ChildProcess>(std::move(started)));
   if (marks) {
-    machine_.mutable_mark_line()->set_protocol("scan-head");
+    if (!mill) machine_.mutable_mark_line()->set_protocol("scan-head");
     machine_.mutable_mark_line()->set_device(head.string());
     return AwaitLines();
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "services/client/proof/marks/cut_evidence.h"
 #include "services/job/job_defaults.h"
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/head_clearance.h"
@@ -239,6 +240,15 @@ MachineTruth TruthOf(const MachineSpec& machine, const MountedParts& mounted) {
   if (lens == nullptr) return truth;
   SetBodies(machine, *lens, truth);
   SetStart(machine, truth);
+  return truth;
+}
+
+MachineTruth TruthOfMill(const MachineSpec& machine, const Course& course) {
+  MachineTruth truth;
+  MillTruth& mill = *truth.mutable_mill();
+  mill.set_laser(machine.course_tool().kind() == COURSE_TOOL_LASER);
+  mill.set_tool_diameter_mm(ToolDiameterOf(course));
+  mill.set_serial_number(machine.mark_line().serial_number());
   return truth;
 }
 

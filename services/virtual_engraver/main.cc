@@ -13,6 +13,7 @@
 #include "services/platform/link/real_time.h"
 #include "services/virtual_engraver/commands.h"
 #include "services/virtual_engraver/head/head_program.h"
+#include "services/virtual_engraver/mill/mill_program.h"
 #include "services/virtual_engraver/panel.h"
 #include "services/virtual_engraver/truth/truth_file.h"
 #include "services/virtual_engraver/truth_options.h"
@@ -28,6 +29,7 @@ struct Options {
   std::string truth_file;
   std::string laser_line, motion_line, panel, glass_record;
   std::string head_line, mark_record;
+  std::string mill_line, cut_record;
   MachineOptions machine;
   std::string speed = "1";
   std::vector<std::string> faults;
@@ -48,6 +50,10 @@ void AddOptions(command_line::Command app, Options& o) {
   app.AddOption("--head-line", o.head_line,
                 "in place of the three: a scan head behind this line, as --laser-line");
   app.AddOption("--mark-record", o.mark_record, "file that records what it burns");
+  app.AddOption("--mill-line", o.mill_line,
+                "in place of the three: a mill or a laser cutter with a controller of "
+                "the grbl family behind this line, as --laser-line");
+  app.AddOption("--cut-record", o.cut_record, "file that records what its tool does");
   app.AddOption("--panel", o.panel, "Unix socket for buttons and injected faults");
   command_line::AddParentFlag(app, o.die_with_parent);
   app.AddOption("--speed", o.speed, "1, N times real time, or lockstep").ShowDefault();
@@ -55,12 +61,13 @@ void AddOptions(command_line::Command app, Options& o) {
 }
 
 Status CheckLines(const Options& o) {
-  const bool head = !o.head_line.empty();
+  const bool mill = !o.mill_line.empty(), head = mill || !o.head_line.empty();
   const std::pair<const char*, bool> needed[] = {
       {"--laser-line", head || !o.laser_line.empty()},
       {"--motion-line", head || !o.motion_line.empty()},
       {"--glass-record", head || !o.glass_record.empty()},
-      {"--mark-record", !head || !o.mark_record.empty()}};
+      {"--mark-record", !head || mill || !o.mark_record.empty()},
+      {"--cut-record", !mill || !o.cut_record.empty()}};
   for (const auto& [name, given] : needed) {
     if (!given) return Fail(ErrorCode::kMissing, std::string(name) + " is required");
   }
@@ -76,8 +83,28 @@ int ServeScanHead(const Options& o) {
   return ServeHead(head, stop_asked);
 }
 
+int ServeContours(const Options& o) {
+  const auto truth = ReadTruthFile(o.truth_file);
+  if (!truth) throw std::runtime_error(truth.error().message);
+  MillProgramOptions mill = MillOptionsOf(*truth);
+  mill.line = o.mill_line;
+  mill.panel = o.panel;
+  mill.cut_record = o.cut_record;
+  mill.speed = o.machine.speed;
+  return ServeMill(mill, stop_asked);
+}
+
+/// A mill goes by the clock, and has no ticks.
+Status CheckMill(const Options& o) {
+  if (o.mill_line.empty() || (o.speed != "lockstep" && o.faults.empty())) return {};
+  return Fail(ErrorCode::kUnsupported,
+              "a virtual mill has neither lockstep nor --fault: give --speed, e.g. 10, "
+              "and press its buttons at its --panel");
+}
+
 Status Finish(Options& o) {
   INTAGLIO_TRY(CheckLines(o));
+  INTAGLIO_TRY(CheckMill(o));
   const auto truth = INTAGLIO_TRY(ReadTruthFile(o.truth_file));
   MachineOptions& m = o.machine;
   m = OptionsOf(truth);
@@ -190,6 +217,7 @@ int main(int argc, char** argv) {
   sigaction(SIGTERM, &action, nullptr);
   signal(SIGPIPE, SIG_IGN);
   try {
+    if (!options.mill_line.empty()) return ServeContours(options);
     return options.head_line.empty() ? Serve(options) : ServeScanHead(options);
   } catch (const std::exception& error) {
     std::cerr << "virtual-engraver: " << error.what() << "\n";

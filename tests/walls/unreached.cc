@@ -44,6 +44,18 @@ const std::map<std::string, std::string> kStay = {
     {"ReflectanceAtAngle", "what normal incidence neglects: docs/source_coverage.md"},
     {"SourceNodeSpeeds", "the published law beside ours: docs/measurements.md"},
     {"memory_s", "the memory of the stream in tests/published"},
+    // What tests ask the virtual grbl, and how it began.
+    {"Grbl11", "the controller with a small memory"},
+    {"crashed", "virtual grbl"},
+    {"lines_taken", "virtual grbl"},
+    {"lost_bytes", "virtual grbl"},
+    {"motion_powers", "virtual grbl"},
+    {"now_us", "virtual grbl"},
+    {"output_at", "virtual grbl"},
+    {"output_on", "virtual grbl"},
+    {"refuses", "virtual grbl"},
+    {"spindle_on", "virtual grbl"},
+    {"steps_made", "virtual grbl"},
     // What tests need to ask or to begin with.
     {"AllAxes", "one drive for the axes of a test"},
     {"AsVector", "the command of a head as the numbers of a test"},

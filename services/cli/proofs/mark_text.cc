@@ -74,6 +74,7 @@ std::string MarkLines(const JobReport& report) {
   if (report.evidence() != client::kControllerEvidence)
     text += MeasuresText(marks.measures());
   for (const MarkEnergy& energy : marks.energies()) text += EnergyText(energy);
+  if (marks.has_cut()) text += client::CutLines(marks.cut());
   if (marks.has_web()) text += WebText(marks.web());
   text += fmt::format("length      {:.4g} m in all passes\n", marks.length_mm() / 1000);
   if (report.machining_time_s() > 0) {

@@ -116,8 +116,9 @@ std::vector<Finding> RefuseCourse(const JobSpec& job) {
     findings.Wrong("course", job.course().files_size(),
                    "files of contours, and this makes points in a block: play such a job "
                    "by intaglio contour JOB --page FILE, write its program by intaglio "
-                   "post JOB --template NAME --out FILE, or submit it to a shop with a "
-                   "mill or a laser cutter");
+                   "post JOB --template NAME --out FILE, make it on a virtual mill by "
+                   "intaglio run JOB, or submit it to a shop with a mill or a laser "
+                   "cutter");
   }
   return std::move(findings.found());
 }

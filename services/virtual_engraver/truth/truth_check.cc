@@ -108,6 +108,11 @@ constexpr TruthRange kRanges[] = {
     {"HeadTruth", "edge_sensor_mm", 0, 10000},
     {"HeadTruth", "laser_w", 0.001, 100000},
     {"HeadTruth", "queue_ticks", 10000, 10000000},
+    {"MillTruth", "tool_diameter_mm", 0.001, 100},
+    {"MillTruth", "sheet_thickness_mm", 0.01, 1000},
+    {"MillTruth", "sheet_height_mm", -10, 10},
+    {"MillTruth", "acceleration_mm_s2", 1, 100000},
+    {"MillTruth", "max_speed_mm_s", 0.1, 10000},
     {"MachineTruth", "line_jitter_ms", 0, 2},
 };
 
@@ -274,6 +279,7 @@ std::vector<Error> CheckTruth(const MachineTruth& truth) {
   checker.CheckObstacles(truth);
   checker.CheckSerialNumber(truth.laser().serial_number(), "laser.serial_number");
   checker.CheckSerialNumber(truth.head().serial_number(), "head.serial_number");
+  checker.CheckSerialNumber(truth.mill().serial_number(), "mill.serial_number");
   return checker.Take();
 }
 

@@ -8,9 +8,9 @@
 #include <string>
 
 #include "services/drivers/grbl/grbl_driver.h"
+#include "services/virtual_engraver/mill/virtual_grbl.h"
 #include "tests/services/drivers/laser_rig.h"
 #include "tests/services/drivers/motion_rig.h"
-#include "tests/services/drivers/virtual_grbl.h"
 #include "tests/services/platform/link/faulty_line.h"
 
 namespace intaglio::drivers {

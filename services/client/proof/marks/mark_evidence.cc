@@ -15,6 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kNameChordMm = 0.01;
+constexpr double kDefaultToleranceUm = 20;  // as machine.proto
 
 std::vector<Vec2> WayOf(const mark::Mark& mark, double chord_mm) {
   auto way = mark::PlacesOf(mark, chord_mm);
@@ -42,6 +43,13 @@ bool HasMarks(const fs::path& folder) {
   return fs::exists(folder / kMarksFile, error);
 }
 
+double MarkToleranceOf(const MachineSpec& machine) {
+  if (machine.scan_head().has_tolerance_um()) return machine.scan_head().tolerance_um();
+  return !machine.has_scan_head() && machine.position_tolerance_um() > 0
+             ? machine.position_tolerance_um()
+             : kDefaultToleranceUm;
+}
+
 Result<MarkEvidence> ReadMarkEvidence(const fs::path& folder) {
   MarkEvidence evidence;
   evidence.job = INTAGLIO_TRY(ReadFrozenJob(folder / "job.json"));
@@ -49,6 +57,15 @@ Result<MarkEvidence> ReadMarkEvidence(const fs::path& folder) {
   const auto journal = INTAGLIO_TRY(formats::ReadJournal(folder / "journal.bin"));
   INTAGLIO_TRY(CheckJournal(folder / "journal.bin", journal, evidence.marks));
   evidence.history = formats::HistoryOf(journal);
+  if (fs::exists(folder / kCutFile)) {
+    evidence.has_material = true;
+    evidence.cut =
+        INTAGLIO_TRY(ReadCutEvidence(folder, evidence.job.job().course(), evidence.marks,
+                                     MarkToleranceOf(evidence.job.machine())));
+    evidence.compared = evidence.cut->compared.marks;
+    evidence.account = proof::AccountMarks(evidence.history, evidence.compared);
+    return evidence;
+  }
   if (!fs::exists(folder / kBurntFile)) {
     evidence.account = proof::AccountMarks(evidence.history);
     return evidence;

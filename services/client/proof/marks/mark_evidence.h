@@ -4,6 +4,7 @@
 // in their order, the journal, and what was burnt where the material is known.
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "engrave/core/result.h"
@@ -14,6 +15,7 @@
 #include "engrave/proof/mark_comparison.h"
 #include "proto/report.pb.h"
 #include "proto/task.pb.h"
+#include "services/client/proof/marks/cut_evidence.h"
 
 namespace intaglio::client {
 
@@ -27,7 +29,8 @@ struct MarkEvidence {
   mark::MarkSet marks;
   bool has_material = false;              ///< A real machine has no record of it.
   std::vector<formats::BurntTick> burnt;  ///< in the order of the record
-  proof::MarkComparison compared;         ///< of them; empty without the material
+  std::optional<CutEvidence> cut;  ///< of a mill or a cutter, in place of the ticks
+  proof::MarkComparison compared;  ///< of them; empty without the material
   proof::MarkAccount account;
   std::vector<formats::PointHistory> history;
 
@@ -36,6 +39,9 @@ struct MarkEvidence {
 
 /// The folder has marks in place of points.
 bool HasMarks(const std::filesystem::path& folder);
+
+/// Of places of marks: of the scan head, else the machine's, um.
+double MarkToleranceOf(const MachineSpec& machine);
 
 /// Errors name the file and what is wrong with it. kInvalidValue: the journal belongs to
 /// other marks.

@@ -22,7 +22,6 @@ using proof::BurntMark;
 using proof::MarkOutcome;
 
 constexpr double kTickS = 1e-5;
-constexpr double kDefaultToleranceUm = 20;  // as machine.proto
 
 void AddCounts(const MarkEvidence& evidence, MarkCounts& counts) {
   const proof::MarkAccount& account = evidence.account;
@@ -186,12 +185,6 @@ void AddEstimate(const MarkEvidence& evidence, JobReport& report) {
       TimesOf(evidence.marks, HeadFiguresOf(evidence.job.machine())).time_s);
 }
 
-double ToleranceOf(const MachineSpec& machine) {
-  if (!machine.has_scan_head()) return machine.position_tolerance_um();
-  return machine.scan_head().has_tolerance_um() ? machine.scan_head().tolerance_um()
-                                                : kDefaultToleranceUm;
-}
-
 }  // namespace
 
 double LargestErrorUm(const BurntMark& mark) {
@@ -251,11 +244,15 @@ JobReport FiguresOf(const MarkEvidence& evidence) {
   report.set_evidence(evidence.has_material ? kMaterialEvidence : kControllerEvidence);
   MarkReport& marks = *report.mutable_marks();
   AddCounts(evidence, *marks.mutable_counts());
-  marks.mutable_measures()->set_tolerance_um(ToleranceOf(frozen.machine()));
+  marks.mutable_measures()->set_tolerance_um(MarkToleranceOf(frozen.machine()));
   if (evidence.has_material) {
     AddMeasures(evidence, *marks.mutable_measures());
     AddEnergies(evidence, marks);
     AddTime(evidence, report);
+  }
+  if (evidence.cut) {
+    *marks.mutable_cut() = CutReportOf(*evidence.cut);
+    report.set_machining_time_s(evidence.cut->compared.figures.work_s);
   }
   AddEstimate(evidence, report);
   if (evidence.on_web()) AddWeb(evidence, *marks.mutable_web());

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <set>
 
+#include "engrave/core/try.h"
+#include "engrave/proof/way_index.h"
 #include "engrave/render/png_file.h"
 #include "services/client/figure_text.h"
 #include "services/client/proof/marks/mark_figures.h"
@@ -21,6 +23,7 @@ using render::Figure;
 using render::Tone;
 
 constexpr double kPictureChordMm = 0.005;
+constexpr double kCutNearMm = 0.05;          // as the comparison of cuts
 constexpr std::size_t kCandidates = 10'000;  // for close-ups
 constexpr double kShownFields = 3;           // a web of a thousand repeats is a thin line
 
@@ -113,6 +116,25 @@ std::vector<std::size_t> CloseUpMarks(const MarkEvidence& evidence, double toler
   return chosen;
 }
 
+/// Steps of the tool along that mark.
+void AddCutStrokes(const std::vector<proof::CutStep>& steps,
+                   const render::ShownMark& mark,
+                   std::vector<render::BurntStroke>& strokes) {
+  std::vector<proof::CutStep> chords;
+  for (std::size_t i = 1; i < mark.way_mm.size(); ++i) {
+    const Vec2 &from = mark.way_mm[i - 1], &to = mark.way_mm[i];
+    chords.push_back({Vec3(from.x(), from.y(), 0), Vec3(to.x(), to.y(), 0)});
+  }
+  const proof::WayIndex way(chords);
+  const auto is_near = [&](const Vec3& place) {
+    return way.ToNearest(place.head<2>(), 0, kCutNearMm).has_value();
+  };
+  for (const proof::CutStep& step : steps) {
+    if (step.to_mm.z() >= 0 || !is_near(step.from_mm) || !is_near(step.to_mm)) continue;
+    strokes.push_back({step.from_mm.head<2>(), step.to_mm.head<2>()});
+  }
+}
+
 void AddCloseUps(const MarkEvidence& evidence, render::MarkViews& views) {
   if (!evidence.has_material) return;
   for (const std::size_t place : CloseUpMarks(evidence, views.tolerance_um)) {
@@ -120,6 +142,8 @@ void AddCloseUps(const MarkEvidence& evidence, render::MarkViews& views) {
     close_up.title = fmt::format("Mark {}", place + 1);
     close_up.lines = CloseUpLines(evidence, place);
     close_up.mark = ShownOf(evidence, place);
+    if (evidence.cut)
+      AddCutStrokes(evidence.cut->compared.sheet_steps, close_up.mark, close_up.burnt);
     const Vec2 shift_mm(evidence.compared.marks[place].web_shift_mm, 0);
     for (const formats::BurntTick& tick : evidence.burnt) {
       if (tick.mark != place) continue;
@@ -240,8 +264,8 @@ render::ViewsCaption MarkCaption(const JobReport& report) {
   caption.figures = MarkFigures(report);
   caption.verdict = VerdictTitle(report.verdict(), measured ? "PROVED" : "COMPLETE");
   caption.verdict_tone = ToneOf(report.verdict());
-  caption.notes = NotesOf(report, measured ? "Measured: everything that was burnt was "
-                                             "compared with the job."
+  caption.notes = NotesOf(report, measured ? "Measured: everything that the machine did "
+                                             "was compared with the job."
                                            : "Not measured: the controller reports what "
                                              "became of each mark; nobody looked at the "
                                              "piece.");
@@ -270,6 +294,7 @@ render::MarkViews MarkViewsOf(const MarkEvidence& evidence, const JobReport& rep
 
 Status WriteViews(const std::filesystem::path& folder, const MarkEvidence& evidence,
                   const JobReport& report) {
+  if (evidence.cut) INTAGLIO_TRY(WriteSheetPicture(folder / kSheetFile, *evidence.cut));
   return render::WritePng(folder / kViewsFile,
                           render::DrawMarkViews(MarkViewsOf(evidence, report)));
 }

@@ -107,6 +107,7 @@ void AddMarkFaults(const JobReport& report, Verdict& verdict) {
     return fmt::format("the beam was on for {} ticks of 10 us outside the job's marks",
                        counts.stray_ticks());
   });
+  if (marks.has_cut()) AddCutFaults(marks.cut(), verdict);
   const MarkMeasures& measures = marks.measures();
   const NamedMeasure all[] = {{"place", measures.place()},
                               {"shape", measures.shape()},

@@ -7,7 +7,7 @@
 
 #include "services/drivers/motion_driver.h"
 #include "services/job/job_file.h"
-#include "tests/services/drivers/virtual_grbl.h"
+#include "services/virtual_engraver/mill/virtual_grbl.h"
 
 namespace intaglio::drivers {
 namespace {

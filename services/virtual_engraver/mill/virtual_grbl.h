@@ -22,7 +22,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tests/services/drivers/virtual_grbl_motion.h"
+#include "services/virtual_engraver/mill/virtual_grbl_motion.h"
 
 namespace intaglio::grbl {
 

@@ -1,4 +1,4 @@
-#include "tests/services/drivers/virtual_grbl_motion.h"
+#include "services/virtual_engraver/mill/virtual_grbl_motion.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "tests/services/drivers/virtual_grbl.h"
+#include "services/virtual_engraver/mill/virtual_grbl.h"
 
 namespace intaglio::grbl {
 namespace {

@@ -74,7 +74,6 @@ class VirtualGrblMotion {
   /// Brakes to rest and stays there; the blocks stay.
   void Hold() { holding_ = true; }
   void Resume() { holding_ = false; }
-  bool holding() const { return holding_; }
   bool moving() const { return speed_mm_s_ > 0; }
   /// Stops the steps at once and forgets all blocks: steps may be lost.
   void Kill();

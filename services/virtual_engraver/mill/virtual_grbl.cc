@@ -1,4 +1,4 @@
-#include "tests/services/drivers/virtual_grbl.h"
+#include "services/virtual_engraver/mill/virtual_grbl.h"
 
 #include <fmt/format.h>
 
