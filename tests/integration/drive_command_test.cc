@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "proto/drive_report.pb.h"
 #include "tests/integration/run_program.h"
 #include "tests/test_folder.h"
 
@@ -148,6 +150,36 @@ TEST_F(DriveCommand, SimulateWritesTableAndPicture) {
                            "--picture", picture.string()});
   EXPECT_EQ(step.exit_code, 0) << step.output;
   EXPECT_EQ(Type({"simulate", kProfile, "--axis", "w"}).exit_code, 2);
+}
+
+// Tirnovean 2016, ch. 4.6: R 30 mm at 2000 mm/min. With the published gains in V per mm,
+// K = 327.5 1/s, each axis lags by F / K = 102 um, and the circle shrinks by it squared
+// over twice the radius.
+TEST_F(DriveCommand, SimulateTurnsACircleAndACornerOfTwoAxes) {
+  const fs::path table = folder_ / "circle.csv", picture = folder_ / "circle.png";
+  const Ended circle =
+      Type({"simulate", kProfile, "--circle", "30", "--speed", "33.3333", "--ideal",
+            "--csv", table.string(), "--picture", picture.string(), "--json"});
+  EXPECT_EQ(circle.exit_code, 0) << circle.output;
+  DriveCourse course;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(circle.output, &course).ok())
+      << circle.output;
+  ASSERT_EQ(course.axes_size(), 2);
+  EXPECT_EQ(course.axes(0).axis(), "x");
+  EXPECT_NEAR(course.axes(0).max_error_um(), 102, 8);
+  EXPECT_LT(course.settled_inside_um() + course.settled_outside_um(), 2);
+  EXPECT_TRUE(IsPng(picture));
+  EXPECT_THAT(testing::TextIn(table), HasSubstr("y_following_error_m"));
+  const Ended corner = Type({"simulate", kProfile, "--corner", "90", "--speed", "33.3333",
+                             "--load", "1.58", "--ideal"});
+  EXPECT_EQ(corner.exit_code, 0) << corner.output;
+  EXPECT_THAT(corner.output,
+              AllOf(HasSubstr("axis          x: error"),
+                    HasSubstr("axis          y: error"), HasSubstr("um inside at most")));
+  const Ended both = Type({"simulate", kProfile, "--corner", "90", "--circle", "30"});
+  EXPECT_EQ(both.exit_code, 2);
+  EXPECT_THAT(both.output, HasSubstr("not both"));
+  EXPECT_EQ(Type({"simulate", kProfile, "--corner", "190"}).exit_code, 2);
 }
 
 TEST_F(DriveCommand, IdentifyFindsTheDriveOfARecord) {

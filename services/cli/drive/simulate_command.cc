@@ -1,4 +1,5 @@
-// `intaglio drive simulate`: a move or a step of one axis as its controller drives it.
+// `intaglio drive simulate`: a move or a step of one axis as its controller drives it;
+// course_simulation.cc has circles and corners of two.
 
 #include <fmt/format.h>
 
@@ -12,28 +13,20 @@
 
 #include "engrave/core/try.h"
 #include "engrave/drive/continuous_axis.h"
+#include "engrave/drive/two_axes.h"
 #include "engrave/io/atomic_file.h"
 #include "engrave/render/chart.h"
 #include "engrave/render/png_file.h"
 #include "proto/drive_report.pb.h"
 #include "services/cli/complain.h"
 #include "services/cli/drive/drive_command.h"
+#include "services/cli/drive/simulate_options.h"
 #include "services/cli/json/print_json.h"
 #include "services/client/exit_codes.h"
 #include "services/job/drive/drive_profile.h"
 
 namespace intaglio::cli {
 namespace {
-
-constexpr auto kSimulatedRule = drive::CylinderRule::kSolid;
-// Samples of a run: what a table and a picture can hold.
-constexpr double kMaxSamples = 2e6;
-
-struct DriveSimulateOptions {
-  std::string profile, axis, csv, picture;
-  double length_mm = 10, speed_mm_s = 100, acceleration_mm_s2 = 1000, rest_s = 0.1;
-  bool step = false, ideal = false, json = false;
-};
 
 Result<DriveAxis> AxisNamed(const DriveProfile& profile, const std::string& name) {
   std::string known;
@@ -57,22 +50,8 @@ Result<std::vector<double>> SetpointsOf(const DriveSimulateOptions& options,
   }
   double total_s = 0;
   for (const drive::CommandPiece& piece : pieces) total_s += piece.duration_s;
-  if (total_s / period_s > kMaxSamples) {
-    return Fail(ErrorCode::kTooLarge,
-                fmt::format("{:.4g} s are {:.4g} periods of the controller; simulate a "
-                            "shorter move",
-                            total_s, total_s / period_s));
-  }
-  std::vector<double> setpoints = {0};
-  double begin_s = 0;
-  std::size_t piece = 0;
-  for (std::size_t i = 1; static_cast<double>(i) * period_s <= total_s; ++i) {
-    const double t_s = static_cast<double>(i) * period_s;
-    while (piece + 1 < pieces.size() && t_s > begin_s + pieces[piece].duration_s)
-      begin_s += pieces[piece++].duration_s;
-    setpoints.push_back(pieces[piece].command.At(t_s - begin_s));
-  }
-  return setpoints;
+  INTAGLIO_TRY(CheckSampleCount(total_s, period_s));
+  return drive::SampleCommand(pieces, period_s);
 }
 
 Status WriteTable(const std::string& file, double period_s,
@@ -108,29 +87,6 @@ Status WritePicture(const DriveSimulateOptions& options, double period_s,
   return render::WritePng(options.picture, render::DrawChart({commanded, actual}, chart));
 }
 
-DriveSimulation SimulatedFigures(const DriveSimulateOptions& options,
-                                 const std::vector<double>& setpoints,
-                                 const std::vector<drive::AxisSample>& samples) {
-  double error_m = 0, volt = 0, farthest_m = 0, a_min = 0, a_max = 0;
-  for (const drive::AxisSample& s : samples) {
-    error_m = std::max(error_m, std::abs(s.following_error_m));
-    volt = std::max(volt, std::abs(s.volt));
-    farthest_m = std::max(farthest_m, s.position_m);
-    a_min = std::min(a_min, s.acceleration_m_s2);
-    a_max = std::max(a_max, s.acceleration_m_s2);
-  }
-  DriveSimulation figures;
-  figures.set_axis(options.axis);
-  figures.set_sample_count(samples.size());
-  figures.set_max_error_um(1e6 * error_m);
-  figures.set_end_error_um(1e6 * samples.back().following_error_m);
-  figures.set_overshoot_um(1e6 * std::max(0.0, farthest_m - setpoints.back()));
-  figures.set_min_acceleration_m_s2(a_min);
-  figures.set_max_acceleration_m_s2(a_max);
-  figures.set_max_output_v(volt);
-  return figures;
-}
-
 void PrintFigures(const DriveSimulation& figures) {
   std::cout << fmt::format(
       "axis          {}, {} samples\n"
@@ -143,26 +99,31 @@ void PrintFigures(const DriveSimulation& figures) {
       figures.max_acceleration_m_s2(), figures.max_output_v());
 }
 
-Result<DriveSimulation> SimulateAndWrite(DriveSimulateOptions options) {
-  const auto profile = INTAGLIO_TRY(ReadDriveProfile(options.profile));
+Result<DriveSimulation> SimulateAndWrite(DriveSimulateOptions options,
+                                         const DriveProfile& profile) {
   const auto of_profile = INTAGLIO_TRY(AxisNamed(profile, options.axis));
   options.axis = of_profile.name();
-  drive::SampledAxis axis = SampledAxisOf(profile, of_profile, kSimulatedRule);
-  if (options.ideal) {
-    axis.volt_per_step = axis.max_volt = axis.counts_per_m = std::nullopt;
-    axis.friction_m_s2 = 0;
-  }
+  const drive::SampledAxis axis = SimulatedAxis(options, profile, of_profile);
   const auto setpoints = INTAGLIO_TRY(SetpointsOf(options, axis.period_s));
   const auto samples = INTAGLIO_TRY(drive::Simulate(axis, setpoints));
   if (!options.csv.empty())
     INTAGLIO_TRY(WriteTable(options.csv, axis.period_s, setpoints, samples));
   if (!options.picture.empty())
     INTAGLIO_TRY(WritePicture(options, axis.period_s, setpoints, samples));
-  return SimulatedFigures(options, setpoints, samples);
+  return FiguresOfAxis(options.axis, setpoints, samples);
 }
 
 int SimulateAxis(const DriveSimulateOptions& options) {
-  const auto figures = SimulateAndWrite(options);
+  const auto profile = ReadDriveProfile(options.profile);
+  if (!profile) return Complain(profile.error(), client::kExitWrongInput);
+  if (options.is_course()) {
+    const auto course = SimulateCourse(options, *profile);
+    if (!course) return Complain(course.error(), client::kExitWrongInput);
+    if (options.json) return PrintJson(*course);
+    PrintCourse(*course);
+    return client::kExitGood;
+  }
+  const auto figures = SimulateAndWrite(options, *profile);
   if (!figures) return Complain(figures.error(), client::kExitWrongInput);
   if (options.json) return PrintJson(*figures);
   PrintFigures(*figures);
@@ -171,10 +132,55 @@ int SimulateAxis(const DriveSimulateOptions& options) {
 
 }  // namespace
 
+drive::SampledAxis SimulatedAxis(const DriveSimulateOptions& options,
+                                 const DriveProfile& profile, const DriveAxis& of) {
+  drive::SampledAxis axis = SampledAxisOf(profile, of, kSimulatedRule);
+  axis.load_m_s2 =
+      drive::LoadAcceleration(MotorOf(of), VelocityLoopOf(of, kSimulatedRule),
+                              of.screw().lead_m(), options.load_nm);
+  if (options.ideal) {
+    axis.volt_per_step = axis.max_volt = axis.counts_per_m = std::nullopt;
+    axis.friction_m_s2 = 0;
+  }
+  return axis;
+}
+
+Status CheckSampleCount(double total_s, double period_s) {
+  if (total_s / period_s <= kMaxSimulatedSamples) return {};
+  return Fail(ErrorCode::kTooLarge,
+              fmt::format("{:.4g} s are {:.4g} periods of the controller; simulate a "
+                          "shorter move",
+                          total_s, total_s / period_s));
+}
+
+DriveSimulation FiguresOfAxis(const std::string& name, std::span<const double> setpoints,
+                              std::span<const drive::AxisSample> samples) {
+  double error_m = 0, volt = 0, farthest_m = 0, a_min = 0, a_max = 0;
+  for (const drive::AxisSample& s : samples) {
+    error_m = std::max(error_m, std::abs(s.following_error_m));
+    volt = std::max(volt, std::abs(s.volt));
+    farthest_m = std::max(farthest_m, s.position_m);
+    a_min = std::min(a_min, s.acceleration_m_s2);
+    a_max = std::max(a_max, s.acceleration_m_s2);
+  }
+  DriveSimulation figures;
+  figures.set_axis(name);
+  figures.set_sample_count(samples.size());
+  figures.set_max_error_um(1e6 * error_m);
+  figures.set_end_error_um(1e6 * samples.back().following_error_m);
+  figures.set_overshoot_um(1e6 * std::max(0.0, farthest_m - setpoints.back()));
+  figures.set_min_acceleration_m_s2(a_min);
+  figures.set_max_acceleration_m_s2(a_max);
+  figures.set_max_output_v(volt);
+  return figures;
+}
+
 void AddDriveSimulateCommand(command_line::Command drive) {
   auto o = std::make_shared<DriveSimulateOptions>();
   command_line::Command simulate =
-      drive.AddCommand("simulate", "a move or a step of an axis with its controller");
+      drive.AddCommand("simulate",
+                       "a move or a step of an axis, a circle or a corner of two, with "
+                       "the controller");
   simulate.AddOption("profile", o->profile, "drive profile, .textproto").Require();
   simulate.AddOption("--axis", o->axis, "its name, default the first");
   simulate.AddOption("--length", o->length_mm, "of the move, mm")
@@ -187,6 +193,19 @@ void AddDriveSimulateCommand(command_line::Command drive) {
   simulate.AddOption("--rest", o->rest_s, "seconds after the move")
       .Positive()
       .ShowDefault();
+  simulate
+      .AddOption("--load", o->load_nm,
+                 "constant torque at the motor, Nm, against the direction +")
+      .ShowDefault();
+  simulate.AddOption("--circle", o->circle_mm,
+                     "the first two axes turn a circle of this radius, mm, at --speed");
+  simulate.AddOption("--turns", o->turns, "of the circle").ShowDefault();
+  simulate.AddOption(
+      "--corner", o->corner_deg,
+      "the first two axes go --length, turn by this angle, degrees, and go "
+      "as far again");
+  simulate.AddFlag("--stop-at-corner", o->stops,
+                   "the command rests at the corner; default: at full speed");
   simulate.AddFlag("--step", o->step, "the setpoint jumps by --length");
   simulate.AddFlag("--ideal", o->ideal, "no quantization, no limit, no friction");
   simulate.AddFlag("--json", o->json, "the figures for programs");
@@ -195,6 +214,8 @@ void AddDriveSimulateCommand(command_line::Command drive) {
   simulate.SetFooter(
       "Example: intaglio drive simulate deploy/drives/tirnovean-2016.textproto --step "
       "--length 1 --picture step.png\n"
+      "Example: intaglio drive simulate deploy/drives/tirnovean-2016.textproto --circle "
+      "30 --speed 33.333\n"
       "Exit code: 0 good, 2 wrong input or a loop that is not stable.");
   simulate.SetAction([o] { return SimulateAxis(*o); });
 }

@@ -75,6 +75,8 @@ constexpr Written kWritten[] = {
      "drive_report", "DriveLoops"},
     {"drive_simulation", "`intaglio drive simulate --json`", "drive_report",
      "DriveSimulation"},
+    {"drive_course", "`intaglio drive simulate --circle --json`, and of `--corner`",
+     "drive_report", "DriveCourse"},
     {"drive_identification", "`intaglio drive identify --json`", "drive_report",
      "DriveIdentification"},
     {"course_plan", "`intaglio course plan --json`", "drive_report", "CoursePlan"},

@@ -1,4 +1,4 @@
-#include "tests/published/circle.h"
+#include "engrave/drive/circle.h"
 
 #include <cmath>
 #include <numbers>
@@ -9,7 +9,7 @@ namespace intaglio::drive {
 
 CircularInterpolator::CircularInterpolator(double radius, double speed, double period_s,
                                            RotationRule rule)
-    : radius_(radius), at_(radius, 0) {
+    : at_(radius, 0) {
   Require(radius > 0 && speed > 0 && period_s > 0,
           "a circle of {} with speed {} and a period of {} s", radius, speed, period_s);
   const double steps = std::round(2 * std::numbers::pi * radius / (speed * period_s));
@@ -32,11 +32,6 @@ CircularInterpolator::CircularInterpolator(double radius, double speed, double p
 Vec2 CircularInterpolator::Next() {
   at_ = Vec2(a_ * at_.x() - b_ * at_.y(), a_ * at_.y() + b_ * at_.x());
   return at_;
-}
-
-double CircularInterpolator::chord_sag() const {
-  const double half = std::sin(std::numbers::pi / (2 * steps_));
-  return radius_ * 2 * half * half;
 }
 
 }  // namespace intaglio::drive

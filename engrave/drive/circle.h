@@ -26,11 +26,8 @@ class CircularInterpolator {
   /// The next setpoint.
   Vec2 Next();
   const Vec2& at() const { return at_; }
-  /// How far a chord between two setpoints is inside the circle at most.
-  double chord_sag() const;
 
  private:
-  double radius_;
   int steps_;
   double a_, b_;
   Vec2 at_;
