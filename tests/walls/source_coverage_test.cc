@@ -159,7 +159,10 @@ TEST_P(SourceCoverage, ItsFilesAndTestsExist) {
 
 INSTANTIATE_TEST_SUITE_P(Sources, SourceCoverage,
                          ::testing::Values("docs/source_coverage.md",
-                                           "docs/source_coverage_corners.md"),
+                                           "docs/source_coverage_boards.md",
+                                           "docs/source_coverage_corners.md",
+                                           "docs/source_coverage_drives.md",
+                                           "docs/source_coverage_scan_heads.md"),
                          [](const auto& row) { return test::AsTestName(row.param); });
 
 }  // namespace
