@@ -29,7 +29,8 @@ struct CutEvidence {
   proof::CutComparison compared;
 };
 
-/// Of the tool that makes the course: of its holes, or of its contours. With defaults.
+/// The diameter of the tool that makes the course: its holes, or its contours. With
+/// defaults, mm.
 double ToolDiameterOf(const Course& course);
 
 /// Reads kCutFile of a job's folder and compares it with the marks. kUnreadable: it is

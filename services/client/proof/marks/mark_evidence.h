@@ -40,7 +40,7 @@ struct MarkEvidence {
 /// The folder has marks in place of points.
 bool HasMarks(const std::filesystem::path& folder);
 
-/// Of places of marks: of the scan head, else the machine's, um.
+/// How far places of marks may be off: by the scan head, else by the machine, um.
 double MarkToleranceOf(const MachineSpec& machine);
 
 /// Errors name the file and what is wrong with it. kInvalidValue: the journal belongs to
