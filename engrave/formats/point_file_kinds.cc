@@ -6,6 +6,7 @@
 #include <array>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "engrave/core/try.h"
 #include "engrave/formats/point_table_rules.h"
@@ -48,6 +49,13 @@ Result<Parser> ParserOf(std::string_view extension) {
               lower);
 }
 
+/// Formats allow a file without points; nobody who asks for points can use it.
+Result<PointTable> WithPoints(Result<PointTable> table) {
+  if (!table || !table->points_mm.empty()) return table;
+  return Fail(ErrorCode::kMissing,
+              "it has no points; name a file with one point or more");
+}
+
 }  // namespace
 
 std::string PointExtensions() {
@@ -62,13 +70,16 @@ Result<PointTable> ReadPoints(const std::filesystem::path& file,
                               const PointFileLimits& limits) {
   const Result<Parser> parser = ParserOf(file.extension().string());
   if (!parser) return tl::unexpected(io::AboutFile(parser.error(), file));
-  return ReadAndParse(file, limits, *parser);
+  auto table = INTAGLIO_TRY(ReadAndParse(file, limits, *parser));
+  auto checked = WithPoints(std::move(table));
+  if (!checked) return tl::unexpected(io::AboutFile(checked.error(), file));
+  return checked;
 }
 
 Result<PointTable> ParsePoints(std::string_view bytes, std::string_view extension,
                                const PointFileLimits& limits) {
   const Parser parser = INTAGLIO_TRY(ParserOf(extension));
-  return parser(bytes, limits);
+  return WithPoints(parser(bytes, limits));
 }
 
 Status WritePoints(const std::filesystem::path& file, const PointTable& table) {

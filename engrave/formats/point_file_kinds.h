@@ -16,8 +16,8 @@ namespace intaglio::formats {
 /// The extensions as written in a message: "ply, xyz, ...".
 std::string PointExtensions();
 
-/// Errors are those of the format's reader, and kUnsupported, naming the known kinds, for
-/// an unknown extension.
+/// One point or more. Errors are those of the format's reader, kMissing for a file
+/// without points, and kUnsupported, naming the known kinds, for an unknown extension.
 Result<PointTable> ReadPoints(const std::filesystem::path& file,
                               const PointFileLimits& limits = {});
 

@@ -70,10 +70,6 @@ Result<PointList> PathOf(const CompareOptions& options) {
   const Vec3 block_mm(options.block_mm[0], options.block_mm[1], options.block_mm[2]);
   if (options.path.empty()) return SpiralIn(block_mm);
   auto table = INTAGLIO_TRY(ReadPoints(options.path, ReadLimitsTimes(1).points));
-  if (table.points_mm.empty()) {
-    return Fail(ErrorCode::kMissing,
-                "--path: " + options.path + " has no points; name a file with points");
-  }
   return std::move(table.points_mm);
 }
 

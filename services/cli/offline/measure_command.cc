@@ -107,10 +107,6 @@ struct MeasuredCloud {
 Result<MeasuredCloud> ReadCloud(const std::string& file, const ReadLimits& limits) {
   auto table = ReadPoints(file, limits.points);
   if (!table) return tl::unexpected(WithRemedy(table.error(), limits));
-  if (table->points_mm.empty()) {
-    return Fail(ErrorCode::kMissing,
-                file + " has no points; name a file with one point or more");
-  }
   MeasuredCloud read;
   if (const auto* sources = table->Find<std::uint32_t>("source")) {
     read.cloud.source = *sources;

@@ -185,10 +185,6 @@ int RenderOffline(const OfflineOptions& options) {
   if (!table) return Complain(table.error(), client::kExitWrongInput);
   Box3 box;
   for (const Vec3& p : table->points_mm) box.Extend(p);
-  if (box.empty()) {
-    return Complain({ErrorCode::kMissing, options.input + " has no points", ""},
-                    client::kExitWrongInput);
-  }
   const Vec3 block =
       options.block_mm.empty()
           ? Vec3((box.max_mm.array() + box.min_mm.array().max(1)).matrix())

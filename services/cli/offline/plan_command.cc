@@ -43,11 +43,6 @@ Result<PointList> ReadPath(const PathOptions& options, const std::string& flag) 
     error.message = flag + ": " + error.message;
     return tl::unexpected(std::move(error));
   }
-  if (table->points_mm.empty()) {
-    return Fail(ErrorCode::kMissing,
-                flag + ": " + options.input +
-                    " has no points; name a file with one point or more");
-  }
   return std::move(table->points_mm);
 }
 

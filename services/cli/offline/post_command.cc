@@ -106,10 +106,6 @@ Result<OrderedJob> OrderNamedJob(const PostOptions& options) {
 Result<OrderedJob> TakePath(const PostOptions& options) {
   auto table = INTAGLIO_TRY(
       ReadPoints(options.path, ReadLimitsTimes(options.job.size_limits).points));
-  if (table.points_mm.empty()) {
-    return Fail(ErrorCode::kMissing, "--path: " + options.path +
-                                         " has no points; name a file with one or more");
-  }
   OrderedJob ordered;
   auto job =
       INTAGLIO_TRY(BuildPathJob(options.job, table.points_mm, options.materials_db));

@@ -41,6 +41,18 @@ TEST(PointFileKinds, ErrorsNameTheFileAndWhatThereIs) {
   EXPECT_EQ(ReadPoints(folder / "absent.scl").error().code, ErrorCode::kNotFound);
 }
 
+TEST(PointFileKinds, AFileWithoutPointsIsRefusedInEveryKind) {
+  const fs::path folder = test::FreshFolder();
+  for (const char* name : {"a.ply", "a.xyz", "a.txt", "a.cft", "a.scl", "a.dxf"}) {
+    const fs::path file = folder / name;
+    ASSERT_TRUE(WritePoints(file, {}).has_value()) << name;
+    const auto read = ReadPoints(file);
+    ASSERT_FALSE(read.has_value()) << name;
+    EXPECT_THAT(read.error().message, HasSubstr(name));
+    EXPECT_FALSE(ParsePoints(test::ContentOf(file), file.extension().string())) << name;
+  }
+}
+
 TEST(PointFileKinds, CommentsThatAreReadCanBeWritten) {
   // Carriage returns in the middle of a line, as of a Macintosh's text.
   const std::string ply =
