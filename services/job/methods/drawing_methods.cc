@@ -1,5 +1,7 @@
 // The methods that make points of drawings and texts: as mesh_methods.cc.
 
+#include <fmt/format.h>
+
 #include <numbers>
 
 #include "engrave/mesh/placement.h"
@@ -20,6 +22,13 @@ std::optional<Vec3> LayerAxisOf(const Model& model, const Mat3& rotation) {
                       base;
   return curves.layer_system() == COORDINATE_SYSTEM_OBJECT ? Vec3(rotation * turned)
                                                            : turned;
+}
+
+std::vector<MethodFault> LayerFaults(const JobSpec&, const Model& model) {
+  const CurvesMethod& curves = model.curves();
+  if (curves.layer_count() <= 1 || curves.layer_distance_mm() > 0) return {};
+  return {{"layer_distance_mm", fmt::format("{}", curves.layer_distance_mm()),
+           fmt::format("must be positive for {} layers", curves.layer_count())}};
 }
 
 Method Curves() {
@@ -58,6 +67,7 @@ Method Curves() {
       .layer_field = "layer_distance_mm",
       .layer_count_field = "layer_count",
       .layer_axis = LayerAxisOf,
+      .faults = LayerFaults,
   };
 }
 

@@ -1,5 +1,7 @@
 // The rows of the methods that make points of meshes.
 
+#include <fmt/format.h>
+
 #include "services/job/methods/method_table.h"
 
 namespace intaglio {
@@ -90,6 +92,25 @@ Method Rays() {
 
 // ---- even ----------------------------------------------------------------------------
 
+std::vector<MethodFault> EvenFaults(const JobSpec&, const Model& model) {
+  const EvenMethod& even = model.even();
+  std::vector<MethodFault> faults;
+  const Vector3& light = even.light();
+  if (even.has_light() && light.x() == 0 && light.y() == 0 && light.z() == 0) {
+    faults.push_back(
+        {"light", "0 0 0", "is no direction; give where the light comes from"});
+  }
+  const bool has_density =
+      even.has_light() || even.has_image() || even.has_curvature_radius_mm();
+  if (has_density && even.sparse_distance_mm() < even.distance_mm()) {
+    faults.push_back({"sparse_distance_mm", fmt::format("{}", even.sparse_distance_mm()),
+                      fmt::format("is below the distance of nearest points, {}; "
+                                  "increase it",
+                                  even.distance_mm())});
+  }
+  return faults;
+}
+
 Method Even() {
   return {
       .number = Model::kEven,
@@ -121,6 +142,7 @@ Method Even() {
            {"sparse_distance_mm", kPointDistanceMm, Times(3, "distance_mm"), "--sparse",
             "distance where the density is lowest; density is one of image, curvature "
             "and light"}},
+      .faults = EvenFaults,
   };
 }
 

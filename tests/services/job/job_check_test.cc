@@ -153,6 +153,20 @@ TEST(CheckJob, EachMistakeIsFoundByItself) {
        [](JobSpec& j) { j.mutable_models(0)->set_pulse_energy_mj(31); }},
       {"models[0].min_spacing_mm", "is of a cloud of points",
        [](JobSpec& j) { j.mutable_models(0)->set_min_spacing_mm(1); }},
+      {"models[0].even.light", "is no direction",
+       [](JobSpec& j) { j.mutable_models(0)->mutable_even()->mutable_light(); }},
+      {"models[0].even.sparse_distance_mm", "is below the distance of nearest points",
+       [](JobSpec& j) {
+         EvenMethod& even = *j.mutable_models(0)->mutable_even();
+         even.set_curvature_radius_mm(1), even.set_distance_mm(0.5);
+         even.set_sparse_distance_mm(0.4);
+       }},
+      {"models[0].curves.layer_distance_mm", "must be positive for 2 layers",
+       [](JobSpec& j) {
+         j.mutable_models(0)->set_file("a.svg");
+         j.mutable_models(0)->mutable_curves()->set_layer_count(2);
+         j.mutable_models(0)->mutable_curves()->set_layer_distance_mm(0);
+       }},
       {"models[0].objects", "is an object of a mesh file",
        [](JobSpec& j) {
          j.mutable_models(0)->clear_file();
