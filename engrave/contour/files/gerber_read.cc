@@ -19,6 +19,7 @@ namespace {
 
 constexpr double kMaxPlace_mm = 10'000;
 constexpr std::size_t kMaxWithoutUnit = 10'000;
+constexpr std::string_view kBlanks = " \t\r\n";
 
 class GerberReader {
  public:
@@ -66,22 +67,21 @@ class GerberReader {
   }
 
   void SkipBlanks() {
-    for (; at_ < text_.size(); ++at_) {
-      if (text_[at_] == '\n') ++line_number_;
-      if (text_[at_] != '\n' && text_[at_] != '\r' && text_[at_] != ' ' &&
-          text_[at_] != '\t')
-        return;
-    }
+    for (; at_ < text_.size() && kBlanks.find(text_[at_]) != kBlanks.npos; ++at_)
+      line_number_ += text_[at_] == '\n' ? 1 : 0;
   }
 
-  /// Up to '*', without line breaks.
+  /// Up to '*', without line breaks. A comment may have '%', which some programs write.
   Result<std::string> Block() {
     std::string block;
-    for (; at_ < text_.size() && text_[at_] != '*' && text_[at_] != '%'; ++at_) {
+    const auto ends = [&](char c) {
+      return c == '*' || (c == '%' && !block.starts_with("G04"));
+    };
+    for (; at_ < text_.size() && !ends(text_[at_]); ++at_) {
       if (text_[at_] == '\n') ++line_number_;
       if (text_[at_] != '\n' && text_[at_] != '\r') block += text_[at_];
     }
-    if (at_ == text_.size() || text_[at_] == '%')
+    if (at_ == text_.size() || text_[at_] != '*')
       return Wrong(ErrorCode::kUnreadable,
                    "a command does not end with '*'; the file is damaged or of another "
                    "kind",
@@ -125,10 +125,8 @@ class GerberReader {
       for (const std::string& earlier : std::exchange(without_unit_, {}))
         INTAGLIO_TRY(AddAperture(earlier));
     } else if (code == "AD") {
-      if (!unit_mm_ && without_unit_.size() < kMaxWithoutUnit)
-        without_unit_.push_back(block);
-      else
-        return AddAperture(block);
+      if (unit_mm_ || without_unit_.size() == kMaxWithoutUnit) return AddAperture(block);
+      without_unit_.push_back(block);
     } else if (code == "SR") {
       const double unit = INTAGLIO_TRY(Unit());
       const GerberRepeat repeat = INTAGLIO_TRY(ParseGerberRepeat(block, unit));
@@ -349,7 +347,8 @@ class GerberReader {
     const Edges path = std::exchange(*region_, {});
     auto outline = RegionOutline(path);
     if (!outline) return Wrong(outline.error(), "G36");
-    return Add(std::move(*outline));
+    // Layout programs write slivers without an area.
+    return outline->loops.empty() ? Status{} : Add(std::move(*outline));
   }
   tl::unexpected<Error> TooMany() const { return Wrong(objects_.TooMany(), {}); }
   Status Add(Shape shape) {

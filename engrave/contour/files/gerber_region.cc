@@ -111,7 +111,10 @@ Edges WithoutCutIns(const Edges& path) {
 }  // namespace
 
 Result<Outline> RegionOutline(const Edges& path) {
-  const Edges edges = WithoutCutIns(DividedAtEnds(WithoutShort(path)));
+  Edges closed = path;
+  if (!path.empty() && path.back().end_mm != path.front().begin_mm)
+    closed.push_back(MakeLine(path.back().end_mm, path.front().begin_mm));
+  const Edges edges = WithoutCutIns(DividedAtEnds(WithoutShort(closed)));
   std::map<Node, std::vector<std::size_t>> begins;
   for (std::size_t k = edges.size(); k-- > 0;)
     begins[NodeAt(edges[k].begin_mm)].push_back(k);
@@ -137,8 +140,6 @@ Result<Outline> RegionOutline(const Edges& path) {
   }
   std::erase_if(outline.loops,
                 [](const Edges& loop) { return std::abs(AreaOf(loop)) < kMinArea_mm2; });
-  if (outline.loops.empty())
-    return Fail(ErrorCode::kInvalidValue, "a region has no area; remove it");
   return outline;
 }
 

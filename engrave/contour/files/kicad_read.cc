@@ -220,13 +220,14 @@ class KicadReader {
     for (std::size_t k = 0; k < corners.size(); ++k)
       path.push_back(MakeLine(corners[k], corners[(k + 1) % corners.size()]));
     Outline outline = INTAGLIO_TRY(RegionOutline(path));
+    const bool is_sliver = outline.loops.empty();
     if (stroke > 0) {
-      for (const Edges& loop : outline.loops) {
+      for (const Edges& loop : is_sliver ? std::vector<Edges>{path} : outline.loops) {
         for (const Edge& edge : loop)
           Add(Track{edge.begin_mm, edge.end_mm, stroke}, net, net, false, layers);
       }
     }
-    Add(std::move(outline), net, net, false, layers);
+    if (!is_sliver) Add(std::move(outline), net, net, false, layers);
     return {};
   }
 

@@ -155,8 +155,6 @@ TEST(Gerber, RefusesWhatItWouldGetWrong) {
   EXPECT_THAT(RefusalOfLayer(Layer("%ADD10X,1*%\n")), HasSubstr("not defined"));
   EXPECT_THAT(RefusalOfLayer(Layer("%ADD10O,1X2*%\nD10*\nX1D01*\n")),
               HasSubstr("a draw with this aperture"));
-  EXPECT_THAT(RefusalOfLayer(Layer("G36*\nX0Y0D02*\nX9D01*\nG37*\n")),
-              HasSubstr("region is open"));
   EXPECT_THAT(RefusalOfLayer(Layer("G36*\nX0Y0D02*\n")), HasSubstr("does not end"));
   EXPECT_THAT(RefusalOfLayer(Layer("X1.5D02*\n")), HasSubstr("without a point"));
   EXPECT_THAT(RefusalOfLayer("%MOMM*%\nX1D02*\n"), HasSubstr("before the format"));

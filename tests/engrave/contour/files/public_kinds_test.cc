@@ -71,6 +71,14 @@ TEST(PublicKinds, RegionsThatTouchThemselves) {
                         "X5000000Y0D01*X10000000Y0D01*X10000000Y10000000D01*"
                         "X0Y10000000D01*X0Y0D01*G37*M02*"),
       100 - 5, 1e-4);
+  // A line there and back, as layout programs leave among regions, shows nothing.
+  EXPECT_NEAR(AreaOfText(head + "X0Y0D02*X250000Y0D01*Y0D01*X0Y0D01*D02*G37*G36*X0Y0D02*"
+                                "X5000000Y0D01*X5000000Y4000000D01*X0Y0D01*G37*M02*"),
+              10, 1e-4);
+  // Without the last line, as one program writes them, and from the place before G36.
+  EXPECT_NEAR(AreaOfText(head + "X0Y0D02*X5000000Y0D01*X5000000Y4000000D01*X0Y4000000D01*"
+                                "G37*G36*X3000000Y6000000D01*Y4000000D01*G37*M02*"),
+              20 + 3, 1e-4);
   // Edges that cross are none of these.
   EXPECT_FALSE(Unite(ReadGerber(head + "X0Y0D02*X10000000Y10000000D01*X10000000Y0D01*"
                                        "X0Y9000000D01*X0Y0D01*G37*M02*",
@@ -83,6 +91,9 @@ TEST(PublicKinds, LegalForms) {
   EXPECT_NEAR(AreaOfText(DataOf("identity_offset_scale.gbr")),
               3.14159265358979 / 4 * 1.27 * 1.27, 1e-6);
   const std::string flash = "%ADD10C,1*%D10*X0Y0D03*M02*";
+  // The attributes in comments that EAGLE writes.
+  EXPECT_NEAR(AreaOfText("G04 #@! %TF.Part,Single*\n%FSLAX46Y46*%%MOMM*%" + flash),
+              0.7853982, 1e-6);
   // The unit behind the aperture; images that change nothing, and those that do.
   EXPECT_NEAR(AreaOfText("%FSLAX46Y46*%%ADD10C,1*%%MOMM*%D10*X0Y0D03*M02*"), 0.7853982,
               1e-6);
