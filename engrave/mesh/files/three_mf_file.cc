@@ -4,6 +4,8 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
+#include <initializer_list>
 #include <map>
 #include <memory>
 #include <optional>
@@ -63,6 +65,14 @@ std::optional<double> UnitMm(std::string_view unit) {
     if (name == unit) return mm;
   }
   return std::nullopt;
+}
+
+/// A number of an attribute, which may have spaces around it (XML Schema 2, whiteSpace of
+/// double).
+std::optional<double> NumberOf(std::string_view text) {
+  constexpr const char* kSpaces = " \t\r\n";
+  text.remove_prefix(std::min(text.find_first_not_of(kSpaces), text.size()));
+  return io::ParseFinite(text.substr(0, text.find_last_not_of(kSpaces) + 1));
 }
 
 /// Twelve numbers; a point is a row to the left of the matrix. None when they are wrong.
@@ -230,6 +240,9 @@ class ThreeMfReader {
       names_.push_back(name);
     wanted = wanted || std::ranges::find(source_.options.objects, name) !=
                            source_.options.objects.end();
+    if (wanted) AddUnread(object, {"mesh", "components", "metadatagroup"}, object);
+    if (wanted && !Child(object, "mesh") && !Child(object, "components"))
+      AddLost("object without a mesh", object);
     for (const pugi::xml_node child : object.children()) {
       const std::string_view kind = Local(child.name());
       if (kind == "mesh" && wanted) INTAGLIO_TRY(AddMesh(child, place));
@@ -242,19 +255,43 @@ class ThreeMfReader {
     return {};
   }
 
+  void AddLost(std::string what, const pugi::xml_node& object) {
+    mesh_.findings.Add(
+        {.what = std::move(what),
+         .where = fmt::format("object {:.40}", object.attribute("id").value()),
+         .remedy = "export it as a plain mesh, or as stl",
+         .count = 1,
+         .effect = Effect::kLost});
+  }
+
+  /// Elements of extensions that a file need not require, which may be part of the shape:
+  /// lattices, displacements, operations between solids, levels of a function.
+  void AddUnread(const pugi::xml_node& node, std::initializer_list<std::string_view> read,
+                 const pugi::xml_node& object) {
+    for (const pugi::xml_node child : node.children()) {
+      const bool is_known = std::ranges::find(read, Local(child.name())) != read.end();
+      if (child.type() == pugi::node_element && !is_known)
+        AddLost(fmt::format("element {:.40}", child.name()), object);
+    }
+  }
+
   Status AddMesh(const pugi::xml_node& mesh, const Place& place) {
     if (Child(mesh, "beamlattice")) {
       return source_.Refuse(ErrorCode::kUnsupported,
                             "it has a beam lattice, which is not supported; export it as "
                             "a plain mesh, or as stl");
     }
+    AddUnread(mesh, {"vertices", "triangles", "trianglesets"}, mesh.parent());
+    AddUnread(Child(mesh, "vertices"), {"vertex"}, mesh.parent());
+    AddUnread(Child(mesh, "triangles"), {"triangle"}, mesh.parent());
     PointList points;
     for (const pugi::xml_node vertex : Child(mesh, "vertices").children()) {
+      if (Local(vertex.name()) != "vertex") continue;
       Vec3 p;
       for (int axis = 0; axis < 3; ++axis) {
         constexpr const char* kNames[] = {"x", "y", "z"};
         const char* text = vertex.attribute(kNames[axis]).value();
-        const auto number = io::ParseFinite(text);
+        const auto number = NumberOf(text);
         if (!number)
           return Unreadable(fmt::format("a vertex has {} = {:.40?}", kNames[axis], text));
         p[axis] = *number;
@@ -266,11 +303,13 @@ class ThreeMfReader {
     std::vector<std::uint32_t> welded(points.size(), kUnset);
     const bool mirrors = place.linear.determinant() < 0;
     for (const pugi::xml_node triangle : Child(mesh, "triangles").children()) {
+      if (Local(triangle.name()) != "triangle") continue;
       Triangle corners;
       constexpr const char* kNames[] = {"v1", "v2", "v3"};
       for (std::size_t c = 0; c < 3; ++c) {
-        const auto index = io::ParseFinite(triangle.attribute(kNames[c]).value());
-        if (!index || *index < 0 || *index >= static_cast<double>(points.size()))
+        const auto index = NumberOf(triangle.attribute(kNames[c]).value());
+        if (!index || *index < 0 || *index >= static_cast<double>(points.size()) ||
+            std::floor(*index) != *index)
           return Unreadable(fmt::format("a triangle refers to vertex {:.20?} of {}",
                                         triangle.attribute(kNames[c]).value(),
                                         points.size()));
