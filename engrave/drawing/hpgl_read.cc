@@ -165,18 +165,20 @@ class HpglReader {
     return LeaveOutInstruction();
   }
 
-  /// Past its text, if it has one.
   bool LeaveOutInstruction() {
-    const bool has_numbers = at_ < text_.size() && text_[at_] != ';';
-    if (name_ == "LB" || name_ == "BL") {
+    const bool has_numbers = at_ < text_.size() && text_[at_] != ';' &&
+                             (name_ == "SM" || !IsLetter(text_[at_]));
+    if (name_ == "LB" || name_ == "BL" || name_ == "WD") {
       LeaveOut(name_);
       at_ = std::min(text_.find(end_of_text_, at_), text_.size() - 1) + 1;
       return true;
     }
-    // Without numbers they bring back what the plotter begins with.
+    // Without numbers they bring the plotter's own back.
     if (has_numbers || EffectOfHpgl(name_) != Effect::kChanged) LeaveOut(name_);
-    while (at_ < text_.size() && text_[at_] != ';' && text_[at_] != '\n') {
-      // A comment or a name in quotes may have semicolons.
+    if (name_ == "SM" && at_ < text_.size() && text_[at_] != ';') ++at_;  // a symbol
+    // HP-GL/2 needs no semicolon before the next letters; a text in quotes has letters.
+    while (at_ < text_.size() && !IsLetter(text_[at_]) && text_[at_] != kEscape &&
+           text_[at_] != ';' && text_[at_] != '\n') {
       const auto close = text_[at_] == '"' ? text_.find('"', at_ + 1) : text_.npos;
       at_ = close == text_.npos ? at_ + 1 : close + 1;
     }
