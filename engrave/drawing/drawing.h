@@ -59,6 +59,8 @@ struct Curve {
 struct Drawing {
   std::vector<Curve> curves;
   std::vector<std::string> names{std::string()};  ///< the first is "no name"
+  /// Length of a unit of the file's numbers, mm, by which they are multiplied already.
+  double unit_mm = 1;
   /// What the file holds and the curves do not obey: "TEXT", "image", "LB", "mask".
   FileFindings findings;
 };

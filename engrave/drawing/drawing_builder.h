@@ -51,6 +51,9 @@ class DrawingBuilder {
     LeaveOut(kind, effect, is_new ? place() : std::string(), area_mm2);
   }
 
+  /// Drawing::unit_mm.
+  void SetUnit(double unit_mm) { drawing_.unit_mm = unit_mm; }
+
   const DrawingLimits& limits() const { return limits_; }
 
   /// The drawing or the first error.

@@ -15,7 +15,9 @@ namespace intaglio::drawing {
 class HpglPen {
  public:
   HpglPen(std::string_view name, const DrawingLimits& limits, double unit_mm)
-      : limits_(limits), unit_mm_(unit_mm), builder_(name, limits) {}
+      : limits_(limits), unit_mm_(unit_mm), builder_(name, limits) {
+    builder_.SetUnit(unit_mm);
+  }
 
   DrawingBuilder& builder() { return builder_; }
   HpglScale& scale() { return scale_; }

@@ -125,9 +125,8 @@ bool MayDeclareUnit(const Model& model) {
   const auto kind = KindOf(model);
   if (!kind) return false;
   const std::string extension = std::filesystem::path(model.file()).extension().string();
-  return *kind == ModelKind::kMesh
-             ? mesh::MayDeclareUnit(extension)
-             : *kind == ModelKind::kDrawing && io::LowerCaseExtension(extension) == "dxf";
+  return *kind == ModelKind::kDrawing ||
+         (*kind == ModelKind::kMesh && mesh::MayDeclareUnit(extension));
 }
 
 bool Suits(Model::MethodCase method, ModelKind kind) {

@@ -23,8 +23,9 @@ const char* NameOf(ModelKind kind);
 /// can determine whether it has faces.
 Result<ModelKind> KindOf(const Model& model);
 
-/// Whether its file may declare the length of its unit, as 3MF, DAE and DXF do: a unit of
-/// the job replaces that one, and has no default.
+/// Whether its file may declare the length of its unit, as 3MF, DAE and DXF do, or its
+/// format defines it, as SVG and HPGL do: a unit of the job replaces that one, and has no
+/// default.
 bool MayDeclareUnit(const Model& model);
 
 /// Whether points of such a model can be made by that method.

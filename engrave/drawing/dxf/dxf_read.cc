@@ -47,6 +47,7 @@ class DxfReader {
         if (!Unfold(section, in_drawing)) break;
       }
     }
+    builder_.SetUnit(options_.unit_mm.value_or(unit_mm_));
     return builder_.Take();
   }
 

@@ -6,22 +6,32 @@
 namespace intaglio::drawing {
 namespace {
 
-double AreaOfBox(const std::vector<Curve>& curves) {
-  if (curves.empty()) return 0;
+/// Also of points between the ends of pieces: to a tenth of a piece's height.
+Box3 BoxOf(const std::vector<Curve>& curves) {
   Box3 box;
   for (const Curve& curve : curves) {
     for (const Piece& piece : curve.pieces) {
       box.Extend(BeginOf(piece));
       box.Extend(EndOf(piece));
-      if (const auto* arc = std::get_if<EllipticArc>(&piece)) {
-        for (const double t : {0.25, 0.5, 0.75}) box.Extend(PointAt(*arc, t));
+      for (const double t : {0.25, 0.5, 0.75}) {
+        if (const auto* arc = std::get_if<EllipticArc>(&piece))
+          box.Extend(PointAt(*arc, t));
+        if (const auto* bezier = std::get_if<CubicBezier>(&piece))
+          box.Extend(PointAt(*bezier, t));
       }
       if (const auto* line = std::get_if<Polyline>(&piece)) {
         for (const Vec3& p : line->points_mm) box.Extend(p);
       }
     }
   }
-  return box.size_mm().x() * box.size_mm().y();
+  return box;
+}
+
+bool IsBeyond(const Box3& box, const Vec2& page_mm) {
+  const double slack_mm = 1e-6 * page_mm.maxCoeff();  // of the numbers of a file
+  return !box.empty() && (box.min_mm.head<2>().minCoeff() < -slack_mm ||
+                          box.max_mm.x() > page_mm.x() + slack_mm ||
+                          box.max_mm.y() > page_mm.y() + slack_mm);
 }
 
 }  // namespace
@@ -29,7 +39,8 @@ double AreaOfBox(const std::vector<Curve>& curves) {
 std::vector<FileFinding> SvgChangesOf(const SvgStyle& style,
                                       const std::vector<std::string>& not_obeyed,
                                       const SvgDocument& document,
-                                      const std::vector<Curve>& curves) {
+                                      const std::vector<Curve>& curves,
+                                      const std::optional<Vec2>& page_mm) {
   std::vector<FileFinding> met;
   const auto add = [&](const std::string& what, Effect effect) {
     if (met.empty() || met.back().what != what)
@@ -44,8 +55,10 @@ std::vector<FileFinding> SvgChangesOf(const SvgStyle& style,
   for (const std::string* paint : {&style.fill, &style.stroke}) {
     if (SvgName(document.Find(*paint).name()) == "pattern") add("pattern", Effect::kLost);
   }
-  if (met.empty()) return met;
-  const double area_mm2 = AreaOfBox(curves);
+  if (met.empty() && !page_mm) return met;
+  const Box3 box = BoxOf(curves);
+  if (page_mm && IsBeyond(box, *page_mm)) add("edge of the page", Effect::kChanged);
+  const double area_mm2 = box.empty() ? 0 : box.size_mm().head<2>().prod();
   for (FileFinding& finding : met) finding.area_mm2 = area_mm2;
   return met;
 }

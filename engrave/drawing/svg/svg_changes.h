@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,10 +13,13 @@ namespace intaglio::drawing {
 
 /// What changes the look of a shape and is not obeyed: the names of `not_obeyed` from its
 /// groups and itself, its markers and its patterns, each with the area of the box of its
-/// curves, which are at their place, mm.
+/// curves, which are at their place, mm. Also the page's edge where the shape crosses it:
+/// viewers draw nothing beyond it, and a piece is made of the whole drawing. `page_mm`:
+/// the size of the page from 0 0; none: it has no edge.
 std::vector<FileFinding> SvgChangesOf(const SvgStyle& style,
                                       const std::vector<std::string>& not_obeyed,
                                       const SvgDocument& document,
-                                      const std::vector<Curve>& curves);
+                                      const std::vector<Curve>& curves,
+                                      const std::optional<Vec2>& page_mm);
 
 }  // namespace intaglio::drawing

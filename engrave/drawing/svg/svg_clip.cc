@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engrave/drawing/flatten.h"
+#include "engrave/drawing/pieces.h"
 
 // Sutherland and Hodgman (1974), "Reentrant polygon clipping": a polygon is cut by one
 // half-plane after the other. Where the result has several parts they hang together by
@@ -90,6 +91,19 @@ void CutLine(const Curve& model, const Points& points, bool closed,
 }
 
 }  // namespace
+
+void ToPage(const SvgTransform& t, Piece& piece) {
+  Mat3 linear = Mat3::Identity();
+  linear.topLeftCorner<2, 2>() << t.a, t.c, t.b, t.d;
+  Transform(linear, Vec3(t.e, t.f, 0), piece);
+}
+
+Curve SvgBoxOf(const SvgTransform& transform, const Vec2& size) {
+  const Vec3 right(size.x(), 0, 0), down(0, size.y(), 0);
+  Curve box{{Polyline{{Vec3::Zero(), right, right + down, down}}}, true};
+  ToPage(transform, box.pieces.front());
+  return box;
+}
 
 std::optional<ConvexClip> ConvexClipOf(const Curve& curve) {
   const auto flat = FlatOf(curve);

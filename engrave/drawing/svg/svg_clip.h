@@ -8,8 +8,15 @@
 #include <vector>
 
 #include "engrave/drawing/drawing_builder.h"
+#include "engrave/drawing/svg/svg_path.h"
 
 namespace intaglio::drawing {
+
+/// The piece in the space to which the transform leads.
+void ToPage(const SvgTransform& transform, Piece& piece);
+
+/// The box from 0 0 to `size`, likewise.
+Curve SvgBoxOf(const SvgTransform& transform, const Vec2& size);
 
 /// Corners of a convex area, counter-clockwise, mm; at least three.
 struct ConvexClip {

@@ -21,6 +21,10 @@ inline bool IsSvgDefinition(std::string_view element) {
   return std::ranges::find(kNames, element) != kNames.end();
 }
 
+inline bool IsSvgPaint(std::string_view paint) {
+  return paint != "none" && paint != "transparent";
+}
+
 /// What it means for the piece that the reader does not obey an element of SVG: all that
 /// is not known is missing in the piece; what moves shows its beginning.
 inline Effect EffectOfSvgElement(std::string_view element) {

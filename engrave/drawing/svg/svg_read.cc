@@ -98,14 +98,29 @@ class SvgReader {
     if (!TakeStyle(root, page, style)) return false;
     Length(root, style, "width", natural.x(), page.em, size.x());
     Length(root, style, "height", natural.y(), page.em, size.y());
+    if (!style.Attribute(root, "transform").empty()) {
+      builder_.LeaveOutAt("transform of the page", Effect::kChanged,
+                          [&] { return PlaceOf(root); });
+    }
+    // A unit that is given is that of the viewBox, in place of the page's size.
+    if (options_.unit_mm && root.attribute("viewBox") && size != natural) {
+      builder_.LeaveOut("size of the page", Effect::kNothingSeen);
+      size = natural;
+    }
     if (!(size.minCoeff() > 0)) {
       return builder_.Refuse(ErrorCode::kInvalidValue, PlaceOf(root),
                              "width and height of the page must be positive");
     }
-    ApplyViewBox(root, size, page);
     const double mm = options_.unit_mm.value_or(kPx_mm);
-    page.to_page = SvgTransform{mm, 0, 0, -mm, 0, mm * size.y()}.Then(page.to_page);
-    if (style.displayed) return ReadChildren(root, page);
+    page.to_page = {mm, 0, 0, -mm, 0, mm * size.y()};
+    page.page = size;
+    if (!TakeChanges(style, page)) return false;
+    const bool has_size = size != Vec2(kDefaultWidth, kDefaultHeight);
+    const std::string& overflow = style.value(SvgProperty::kOverflow);
+    if (has_size && overflow != "visible") page_mm_ = mm * size;
+    ApplyViewBox(root, size, page);
+    builder_.SetUnit(std::abs(page.to_page.d));
+    if (style.displayed && HoldsSvgCondition(root)) return ReadChildren(root, page);
     builder_.LeaveOut("invisible", Effect::kNothingSeen);
     return true;
   }
@@ -136,15 +151,12 @@ class SvgReader {
     context.hidden = style.hidden.value_or(context.hidden);
     if (!style.stroke.empty()) {
       context.color = builder_.NameIndex(style.stroke);
-      context.stroked = IsPaint(style.stroke);
+      context.stroked = IsSvgPaint(style.stroke);
     }
-    if (!style.fill.empty()) context.filled = IsPaint(style.fill);
+    if (!style.fill.empty()) context.filled = IsSvgPaint(style.fill);
     const std::string& letters = style.value(SvgProperty::kFontSize);
     context.em = ParseSvgLength(letters, context.em, context.em).value_or(context.em);
     return true;
-  }
-  static bool IsPaint(std::string_view paint) {
-    return paint != "none" && paint != "transparent";
   }
 
   void TakeTransform(const pugi::xml_node& node, const SvgStyle& style,
@@ -220,12 +232,6 @@ class SvgReader {
     return true;
   }
 
-  static void ToPage(const SvgTransform& t, Piece& piece) {
-    Mat3 linear = Mat3::Identity();
-    linear.topLeftCorner<2, 2>() << t.a, t.c, t.b, t.d;
-    Transform(linear, Vec3(t.e, t.f, 0), piece);
-  }
-
   /// `sized` gives a viewport its size: the element, or the use that refers to it.
   bool ReadElement(const pugi::xml_node& node, const pugi::xml_node& sized,
                    Context context) {
@@ -278,18 +284,13 @@ class SvgReader {
     if (!(size.minCoeff() > 0)) return true;  // not drawn, as the standard defines
     context.to_page = context.to_page.Then({1, 0, 0, 1, at.x(), at.y()});
     const std::string& overflow = style.value(SvgProperty::kOverflow);
-    if (overflow != "visible" && overflow != "auto") ClipToViewport(size, context);
+    if (overflow != "visible" && overflow != "auto") {
+      if (auto area = ConvexClipOf(SvgBoxOf(context.to_page, size))) {
+        context.clips.push_back(std::make_shared<const ConvexClip>(std::move(*area)));
+      }
+    }
     ApplyViewBox(node, size, context);
     return ReadChildren(node, context);
-  }
-
-  static void ClipToViewport(const Vec2& size, Context& context) {
-    const Vec3 right(size.x(), 0, 0), down(0, size.y(), 0);
-    Curve box{{Polyline{{Vec3::Zero(), right, right + down, down}}}, true};
-    ToPage(context.to_page, box.pieces.front());
-    if (auto area = ConvexClipOf(box)) {
-      context.clips.push_back(std::make_shared<const ConvexClip>(std::move(*area)));
-    }
   }
 
   bool ReadUse(const pugi::xml_node& node, const SvgStyle& style, Context& context) {
@@ -337,7 +338,7 @@ class SvgReader {
     }
     if (!Clip(context, curves)) return false;
     for (const FileFinding& met :
-         SvgChangesOf(style, context.not_obeyed, document_, curves)) {
+         SvgChangesOf(style, context.not_obeyed, document_, curves, page_mm_)) {
       builder_.LeaveOutAt(
           met.what, met.effect, [&] { return PlaceOf(node); }, met.area_mm2);
     }
@@ -384,6 +385,7 @@ class SvgReader {
   ReadOptions options_;
   DrawingBuilder builder_;
   SvgDocument document_;
+  std::optional<Vec2> page_mm_;  ///< where viewers end the drawing, from 0 0
 };
 
 }  // namespace

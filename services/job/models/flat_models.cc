@@ -43,10 +43,8 @@ Result<drawing::Drawing> ReadByEnding(const std::string& name, std::string_view 
   drawing::ReadOptions options;
   options.limits = limits;
   options.text_font = font;
-  if (ending == ".dxf") {
-    options.unit_mm = unit_mm;
-    return drawing::ReadDxf(file, options, name);
-  }
+  options.unit_mm = unit_mm;
+  if (ending == ".dxf") return drawing::ReadDxf(file, options, name);
   if (ending == ".svg") return drawing::ReadSvg(file, options, name);
   return drawing::ReadHpgl(file, options, name);
 }
@@ -100,21 +98,21 @@ Result<drawing::Drawing> ReadDrawing(const std::string& name, std::string_view f
   return drawing;
 }
 
-MadePoints MakeDrawing(const Method& method, const MethodInput& input,
-                       std::string_view file, std::string_view font,
-                       const ReadLimits& limits, SizeCheck size_check,
-                       Warnings& warnings) {
+MadePoints MakeDrawing(const Method& method, MethodInput& input, std::string_view file,
+                       std::string_view font, const ReadLimits& limits,
+                       SizeCheck size_check, Warnings& warnings) {
   const std::string& name = input.model.file();
   std::optional<drawing::FontSource> text_font;
   if (!font.empty()) text_font = {input.model.text().font(), font};
-  mesh::Placement of_curves = input.placement;
   std::optional<double> unit_mm;
-  if (MayDeclareUnit(input.model) && input.model.placement().has_unit_mm()) {
+  if (input.model.placement().has_unit_mm()) {
     unit_mm = input.model.placement().unit_mm();
-    of_curves.unit_mm = 1;  // the reader applies it
   }
   const auto drawing = INTAGLIO_TRY(
       ReadDrawing(name, file, limits.drawings, warnings, text_font, unit_mm));
+  mesh::Placement of_curves = input.placement;
+  of_curves.unit_mm = 1;                      // the reader applies it
+  input.placement.unit_mm = drawing.unit_mm;  // which messages name
   auto placed =
       INTAGLIO_TRY(discretize::PlaceDrawing(drawing, of_curves, input.block_size_mm));
   INTAGLIO_TRY(KeepLayers(input.model, drawing.names, placed.flat));

@@ -22,7 +22,7 @@ enum class SizeCheck { kDone, kLeftOut };
 
 /// Of the kind that the name's ending says: .dxf, .svg, else HPGL. The texts of a DXF are
 /// set in `text_font`, where there is one. What it holds that is no curve is added to
-/// `warnings`. `unit_mm` replaces the unit that a DXF declares.
+/// `warnings`. `unit_mm` replaces the unit of the file.
 Result<drawing::Drawing> ReadDrawing(
     const std::string& name, std::string_view file, const drawing::DrawingLimits& limits,
     Warnings& warnings, const std::optional<drawing::FontSource>& text_font = {},
@@ -30,10 +30,10 @@ Result<drawing::Drawing> ReadDrawing(
 
 /// What a file holds that is not engraved, and an implausible size (model_checks.h), is
 /// added to `warnings`. `font`: the bytes of text.font of the model, if it has one.
-MadePoints MakeDrawing(const Method& method, const MethodInput& input,
-                       std::string_view file, std::string_view font,
-                       const ReadLimits& limits, SizeCheck size_check,
-                       Warnings& warnings);
+/// `input` gets the unit of the file, unless the job has one.
+MadePoints MakeDrawing(const Method& method, MethodInput& input, std::string_view file,
+                       std::string_view font, const ReadLimits& limits,
+                       SizeCheck size_check, Warnings& warnings);
 
 /// A text of the model (text_model.h).
 MadePoints MakeLetters(const Method& method, const MethodInput& input,

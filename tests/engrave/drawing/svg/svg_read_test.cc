@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "engrave/drawing/flatten.h"
 #include "engrave/drawing/pieces.h"
 #include "engrave/drawing/svg/svg_path.h"
 #include "tests/engrave/drawing/lengths.h"
@@ -190,7 +191,8 @@ TEST(SvgRead, AWrongAttributeIsNamedAndDoesNotEndTheFile) {
   for (const char* element :
        {"<g transform='turn(5)'/>", "<circle r='5abc'/>", "<circle r='-5'/>",
         "<polyline points='1 2 3 4 x'/>", "<svg width='5abc'/>",
-        "<rect width='1' height='1' transform='rotate(5)' transform-origin='x y'/>"}) {
+        "<rect x='9' width='1' height='1' transform='rotate(5)' transform-origin='x "
+        "y'/>"}) {
     const auto wrong = ReadSvg(Page(element));
     ASSERT_TRUE(wrong) << element;
     EXPECT_EQ(wrong->findings.size(), 1U) << element;
@@ -250,6 +252,48 @@ TEST(SvgRead, FileOfADrawingProgram) {
   // An open zigzag of four sides of 50.
   EXPECT_FALSE(flat.curves[3].closed);
   EXPECT_NEAR(LengthOf(flat.curves[3]), 200 * unit_mm, 1e-9);
+}
+
+// Viewers draw nothing beyond the page; a piece is made of the whole drawing.
+TEST(SvgRead, WhatCrossesTheEdgeOfThePageIsWarnedOf) {
+  const auto count = [](const std::string& page, const std::string& shape) {
+    const auto drawing = ReadSvg("<svg xmlns='http://www.w3.org/2000/svg' " + page + ">" +
+                                 shape + "</svg>");
+    EXPECT_TRUE(drawing) << drawing.error().message;
+    return drawing ? drawing->findings.CountOf("edge of the page") : 99;
+  };
+  const std::string page = "viewBox='10 20 100 50' width='30mm' height='15mm'";
+  EXPECT_EQ(count(page, "<rect x='10' y='20' width='100' height='50'/>"), 0U);
+  EXPECT_EQ(count(page, "<rect x='9' y='20' width='100' height='50'/>"), 1U);
+  EXPECT_EQ(count(page, "<circle cx='60' cy='60' r='11'/>"), 1U);
+  EXPECT_EQ(count(page, "<path d='M20 30C20 0 30 0 30 30'/>"), 1U);
+  EXPECT_EQ(count(page + " overflow='visible'", "<circle cx='60' cy='60' r='11'/>"), 0U);
+  EXPECT_EQ(count("", "<circle cx='600' cy='60' r='11'/>"), 0U) << "no page";
+}
+
+TEST(SvgRead, ClipsMasksAndTransformsOfThePageAreObeyedOrWarnedOf) {
+  const std::string begin =
+      "<svg xmlns='http://www.w3.org/2000/svg' width='100mm' height='100mm' "
+      "viewBox='0 0 100 100' ";
+  const std::string end =
+      "><clipPath id='c'><rect width='40' height='40'/></clipPath><mask id='m'/>"
+      "<rect width='90' height='90'/></svg>";
+  const auto clipped = ReadSvg(begin + "style='clip-path: url(#c)'" + end);
+  ASSERT_TRUE(clipped) << clipped.error().message;
+  ASSERT_EQ(clipped->curves.size(), 1U);
+  const auto flat = Flatten(*clipped);
+  Box3 box;
+  for (const Vec3& p : flat->curves.at(0).points_mm) box.Extend(p);
+  // The clip is in px of the page, outside of the viewBox.
+  EXPECT_NEAR(box.size_mm().x(), 40 * 25.4 / 96, 1e-6);
+  for (const char* property : {"mask", "filter"}) {
+    const auto drawing = ReadSvg(begin + property + "='url(#m)'" + end);
+    ASSERT_TRUE(drawing) << drawing.error().message;
+    EXPECT_EQ(drawing->findings.CountOf(property), 1U);
+  }
+  const auto moved = ReadSvg(begin + "transform='scale(2)'" + end);
+  ASSERT_TRUE(moved) << moved.error().message;
+  EXPECT_EQ(moved->findings.CountOf("transform of the page"), 1U);
 }
 
 }  // namespace

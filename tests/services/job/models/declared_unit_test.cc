@@ -25,16 +25,20 @@ class DeclaredUnit : public testing::Test {
  protected:
   /// A line of one unit, of a file whose $INSUNITS is `declared`.
   JobSources SourcesOf(const std::string& declared, std::optional<double> unit_mm) {
-    std::ofstream(file_) << "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n"
-                         << declared
-                         << "\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n0\nLINE\n10\n0\n"
-                            "20\n0\n11\n1\n21\n0\n0\nENDSEC\n0\nEOF\n";
+    const std::string file = name_ + ".dxf";
+    std::ofstream(file) << "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n"
+                        << declared
+                        << "\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n0\nLINE\n10\n0\n"
+                           "20\n0\n11\n1\n21\n0\n0\nENDSEC\n0\nEOF\n";
+    return SourcesOfFile(file, unit_mm);
+  }
+  JobSources SourcesOfFile(const std::string& file, std::optional<double> unit_mm) {
     JobSpec job = GoodJob();
     job.mutable_models(0)->Clear();
-    job.mutable_models(0)->set_file(file_);
+    job.mutable_models(0)->set_file(file);
     if (unit_mm) job.mutable_models(0)->mutable_placement()->set_unit_mm(*unit_mm);
     const JobSpec whole = WithDefaults(job, GoodMachine());
-    const std::string text = io::ReadWholeFile(file_, 1 << 20).value();
+    const std::string text = io::ReadWholeFile(file, 1 << 20).value();
     const auto view = std::as_bytes(std::span(text));
     std::vector<FileBytes> bytes(FilesOf(whole).size(), {view.begin(), view.end()});
     auto made = MakeSources(whole, std::move(bytes), {}, {});
@@ -46,8 +50,8 @@ class DeclaredUnit : public testing::Test {
     return made.sources.empty() ? 0 : made.sources.front()->Bounds().size_mm().x();
   }
 
-  const std::string file_ =
-      testing::TempDir() + "/declared_unit_" + std::to_string(::getpid()) + ".dxf";
+  const std::string name_ =
+      testing::TempDir() + "/declared_unit_" + std::to_string(::getpid());
 };
 
 TEST_F(DeclaredUnit, OfADrawingIsAppliedOnce) {
@@ -61,6 +65,22 @@ TEST_F(DeclaredUnit, IsReplacedByThatOfTheJobWithANote) {
   EXPECT_NEAR(LengthOf(made), 7, 1e-6) << "and not 177.8";
   EXPECT_THAT(made.warnings, Contains(Field(&Warning::text, HasSubstr("$INSUNITS"))));
   EXPECT_NEAR(LengthOf(SourcesOf("1", 1)), 1, 1e-6);
+}
+
+// One law for every reader: what the format defines is replaced, and not multiplied.
+TEST_F(DeclaredUnit, OfAPageOrAPlotterIsReplacedToo) {
+  const std::string svg = name_ + ".svg", plot = name_ + ".plt";
+  std::ofstream(svg) << "<svg xmlns='http://www.w3.org/2000/svg' width='20mm' "
+                        "height='20mm' viewBox='0 0 10 10'>"
+                        "<path d='M1 1h4' stroke='red'/></svg>";
+  std::ofstream(plot) << "IN;PU0,0;PD80,0;PU;";
+  EXPECT_NEAR(LengthOf(SourcesOfFile(svg, {})), 8, 1e-6);
+  EXPECT_NEAR(LengthOf(SourcesOfFile(svg, 3)), 12, 1e-6);
+  EXPECT_NEAR(LengthOf(SourcesOfFile(plot, {})), 2, 1e-6);
+  EXPECT_NEAR(LengthOf(SourcesOfFile(plot, 0.3)), 24, 1e-6);
+  EXPECT_NEAR(SourcesOfFile(svg, {}).units_mm.at(0), 2, 1e-9);
+  EXPECT_NEAR(SourcesOfFile(plot, {}).units_mm.at(0), 0.025, 1e-9);
+  EXPECT_NEAR(SourcesOf("1", {}).units_mm.at(0), 25.4, 1e-9);
 }
 
 TEST_F(DeclaredUnit, ThatIsUnknownNeedsTheOneOfTheJob) {
