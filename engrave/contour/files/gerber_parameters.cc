@@ -95,7 +95,7 @@ Result<std::pair<int, GerberAperture>> ParseGerberAperture(std::string_view bloc
 }
 
 bool HasNoEffect(std::string_view block) {
-  const std::string_view code = block.substr(0, 2), values = block.substr(2);
+  const std::string_view code = block.substr(0, 2), values = block.substr(code.size());
   if (code == "LR" || code == "IR") return AreAll(values, "", 0);
   if (code == "LS") return AreAll(values, "", 1);
   if (code == "OF" || code == "MI") return AreAll(values, "AB", 0);

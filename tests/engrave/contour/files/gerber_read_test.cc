@@ -149,6 +149,7 @@ TEST(Gerber, RefusesWhatItWouldGetWrong) {
   EXPECT_THAT(RefusalOfLayer(Layer("%AMA*1,2,1,0,0*%\n%ADD10A*%\n")),
               HasSubstr("neither 0 nor 1"));
   EXPECT_THAT(RefusalOfLayer(Layer("%LR45*%\n")), HasSubstr("LR45"));
+  EXPECT_THAT(RefusalOfLayer(Layer("%A*%\n")), HasSubstr("line 6: A would change"));
   EXPECT_THAT(RefusalOfLayer(Layer("D11*\n")), HasSubstr("D11 is not defined"));
   EXPECT_THAT(RefusalOfLayer(Layer("X1D03*\n")), HasSubstr("no aperture"));
   EXPECT_THAT(RefusalOfLayer(Layer("%ADD10C,-1*%\n")), HasSubstr("diameter"));
