@@ -304,11 +304,12 @@ class GerberReader {
     return {};
   }
 
-  /// The centre is moved to where both ends are equally far: files round it.
+  /// The centre is moved to where both ends are equally far: files round all three.
   Result<Edge> ArcTo(const Vec2& from, const Vec2& to, Vec2 center,
                      std::string_view block) const {
     const double r = (from - center).norm();
-    if (r < 1e-6 || std::abs((to - center).norm() - r) > 0.01 + 0.01 * r)
+    const double digit_mm = std::pow(10, -format_.behind) * unit_mm_.value_or(0);
+    if (r < 1e-6 || std::abs((to - center).norm() - r) > 0.01 + 0.01 * r + 2 * digit_mm)
       return Wrong(ErrorCode::kInvalidValue,
                    "the ends of an arc are not equally far from its centre; export the "
                    "layer again",
@@ -322,7 +323,7 @@ class GerberReader {
   }
 
   Status CheckAperture() const {
-    if (aperture_ != nullptr) return {};
+    if (aperture_) return {};
     return Wrong(ErrorCode::kMissing, "no aperture is selected; export the layer again");
   }
   Status Flash() {

@@ -53,6 +53,22 @@ Status AddCurves(const std::string& file, const drawing::Drawing& drawing,
   return {};
 }
 
+/// Points of a drawing have no length to work along.
+FileFindings PointsIn(const drawing::Drawing& drawing) {
+  FileFindings points;
+  for (const drawing::Curve& curve : drawing.curves) {
+    const auto* line = curve.pieces.size() == 1
+                           ? std::get_if<drawing::Polyline>(&curve.pieces[0])
+                           : nullptr;
+    if (line == nullptr || line->points_mm.size() != 1) continue;
+    const Vec3& at = line->points_mm[0];
+    points.Add({"point", fmt::format("({:.6g}, {:.6g})", at.x(), at.y()),
+                "draw holes as circles, or drill them from an Excellon file", 1, 0,
+                Effect::kLost});
+  }
+  return points;
+}
+
 /// A closed contour of a drawing, lines and arcs.
 struct DrawnLoop {
   std::string name;  ///< "plate.dxf, contour 3"
@@ -254,6 +270,7 @@ Status AddFile(const Course& course, const std::string& file, std::string_view t
   }
   const auto drawing = ReadDrawing(file, text, limits.drawings, warnings);
   if (!drawing) return tl::unexpected(WithRemedy(drawing.error(), limits));
+  AddWarnings(file, PointsIn(*drawing), {}, warnings);
   return course.make() == COURSE_MAKE_CURVES ? AddCurves(file, *drawing, reading.files)
                                              : AddLoops(file, *drawing, reading.loops);
 }

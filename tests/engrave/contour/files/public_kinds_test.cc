@@ -91,6 +91,13 @@ TEST(PublicKinds, LegalForms) {
   EXPECT_NEAR(AreaOfText(DataOf("identity_offset_scale.gbr")),
               3.14159265358979 / 4 * 1.27 * 1.27, 1e-6);
   const std::string flash = "%ADD10C,1*%D10*X0Y0D03*M02*";
+  EXPECT_NEAR(AreaOfText("%FSLAX46Y46*%%MOMM*%%ADD10R, 2.00X 3*%D10*X0Y0D03*M02*"), 6,
+              1e-6);
+  // An arc in thousandths of an inch: its ends differ by 1.1 of them.
+  EXPECT_TRUE(
+      ReadGerber("%FSLAX23Y23*%%MOIN*%%ADD10C,0.013*%D10*G75*X3707Y3480D02*G03*"
+                 "X3694Y3514I-47J0D01*M02*",
+                 "a.gbr"));
   // The attributes in comments that EAGLE writes.
   EXPECT_NEAR(AreaOfText("G04 #@! %TF.Part,Single*\n%FSLAX46Y46*%%MOMM*%" + flash),
               0.7853982, 1e-6);

@@ -48,6 +48,21 @@ TEST(CourseFiles, HolesInCopperAreNoWarning) {
   EXPECT_THAT(read.warnings, IsEmpty());
 }
 
+TEST(CourseFiles, PointsOfADrawingAreAWarning) {
+  Course course;
+  course.add_files("a.plt");
+  course.set_make(COURSE_MAKE_CURVES);
+  Warnings warnings;
+  const auto files = CourseFilesOf(
+      course, {"IN;PU400,0;PD;PU;PU0,0;PD400,0;PU;PU800,400;PD;PU;"}, {}, warnings, {});
+  ASSERT_TRUE(files) << files.error().message;
+  EXPECT_THAT(files->curves, SizeIs(1));
+  ASSERT_THAT(warnings, SizeIs(1));
+  EXPECT_EQ(warnings[0].weight, WarningWeight::kWarning);
+  EXPECT_THAT(warnings[0].text,
+              AllOf(HasSubstr("a.plt: 2 x point"), HasSubstr("(10, 0)")));
+}
+
 // Digits that are wrong by a power of ten put all but the first there.
 TEST(CourseFiles, HolesBesideAllCopperAreAWarningWithFigures) {
   const auto read = ReadTwo(kPads, DrillFile("X0.0Y0.0\nX2.0Y0.0\nX0.0Y2.0\n"));
