@@ -23,7 +23,7 @@ import unittest
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 VARIANTS = 100
-# Of these as many for preview and run, which take ten times as long as contour.
+# Preview and run take ten times as long as contour, and get the first of these.
 PREVIEWS = int(os.environ.get("INTAGLIO_DAMAGED_PREVIEWS", "12"))
 PROCESSOR_S = 20  # of one command; a hang ends by a signal
 MAX_SENTENCE = 1500

@@ -111,7 +111,7 @@ TEST(ThreeMfGrammar, EveryElementOfAnObjectIsReadWarnedOfOrRefused) {
     EXPECT_TRUE(IsWarned(*mesh, "element " + element)) << element;
     EXPECT_TRUE(IsWarned(*mesh, "object without a mesh")) << element;
   }
-  // Of slices alone: an attribute in the place of a mesh.
+  // Slices alone are an attribute in the place of a mesh.
   const auto slices = ReadPackage(good + "<object id='1' s:slicestackid='3'/>", items);
   ASSERT_TRUE(slices) << slices.error().message;
   EXPECT_TRUE(IsWarned(*slices, "object without a mesh"));
