@@ -78,13 +78,12 @@ std::uint32_t DrawingBuilder::NameIndex(std::string_view name) {
 }
 
 void DrawingBuilder::LeaveOut(std::string_view kind, Effect effect,
-                              std::string_view place, double area_mm2) {
+                              std::string_view place, double area_mm2,
+                              std::string_view remedy) {
   drawing_.findings.Add(
       {.what = std::string(kind),
        .where = std::string(place),
-       .remedy = effect == Effect::kNothingSeen
-                     ? ""
-                     : "convert them to curves if they have to be engraved",
+       .remedy = effect == Effect::kNothingSeen ? std::string() : std::string(remedy),
        .count = 1,
        .area_mm2 = area_mm2,
        .effect = effect});

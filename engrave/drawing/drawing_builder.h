@@ -13,6 +13,10 @@
 
 namespace intaglio::drawing {
 
+/// What helps where a file has something else than curves.
+inline constexpr std::string_view kConvertToCurves =
+    "convert them to curves if they have to be engraved";
+
 /// Collects the curves of a file. Every function that may fail returns false and keeps
 /// the first error; the reader then unwinds.
 class DrawingBuilder {
@@ -41,14 +45,14 @@ class DrawingBuilder {
 
   /// Records an entity of this kind that is not obeyed (core/findings.h).
   void LeaveOut(std::string_view kind, Effect effect, std::string_view place = {},
-                double area_mm2 = 0);
+                double area_mm2 = 0, std::string_view remedy = kConvertToCurves);
 
   /// The same; `place()` is called for the first of a kind alone.
   template <typename Place>
   void LeaveOutAt(std::string_view kind, Effect effect, const Place& place,
-                  double area_mm2 = 0) {
+                  double area_mm2 = 0, std::string_view remedy = kConvertToCurves) {
     const bool is_new = drawing_.findings.IsNew(kind, effect);
-    LeaveOut(kind, effect, is_new ? place() : std::string(), area_mm2);
+    LeaveOut(kind, effect, is_new ? place() : std::string(), area_mm2, remedy);
   }
 
   /// Drawing::unit_mm.

@@ -1,5 +1,6 @@
 #include "engrave/drawing/svg/svg_changes.h"
 
+#include "engrave/drawing/drawing_builder.h"
 #include "engrave/drawing/pieces.h"
 #include "engrave/drawing/svg/svg_shapes.h"
 
@@ -42,10 +43,14 @@ std::vector<FileFinding> SvgChangesOf(const SvgStyle& style,
                                       const std::vector<Curve>& curves,
                                       const std::optional<Vec2>& page_mm) {
   std::vector<FileFinding> met;
-  const auto add = [&](const std::string& what, Effect effect) {
+  const auto add = [&](const std::string& what, Effect effect,
+                       std::string_view remedy = kConvertToCurves) {
     if (met.empty() || met.back().what != what)
-      met.push_back(
-          {.what = what, .where = {}, .remedy = {}, .count = 1, .effect = effect});
+      met.push_back({.what = what,
+                     .where = {},
+                     .remedy = std::string(remedy),
+                     .count = 1,
+                     .effect = effect});
   };
   for (const std::string& name : not_obeyed) add(name, Effect::kChanged);
   for (const SvgProperty property : {SvgProperty::kMarker, SvgProperty::kMarkerStart,
@@ -57,7 +62,9 @@ std::vector<FileFinding> SvgChangesOf(const SvgStyle& style,
   }
   if (met.empty() && !page_mm) return met;
   const Box3 box = BoxOf(curves);
-  if (page_mm && IsBeyond(box, *page_mm)) add("edge of the page", Effect::kChanged);
+  if (page_mm && IsBeyond(box, *page_mm)) {
+    add("edge of the page", Effect::kChanged, "remove what no viewer shows beyond it");
+  }
   const double area_mm2 = box.empty() ? 0 : box.size_mm().head<2>().prod();
   for (FileFinding& finding : met) finding.area_mm2 = area_mm2;
   return met;

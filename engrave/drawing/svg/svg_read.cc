@@ -340,7 +340,7 @@ class SvgReader {
     for (const FileFinding& met :
          SvgChangesOf(style, context.not_obeyed, document_, curves, page_mm_)) {
       builder_.LeaveOutAt(
-          met.what, met.effect, [&] { return PlaceOf(node); }, met.area_mm2);
+          met.what, met.effect, [&] { return PlaceOf(node); }, met.area_mm2, met.remedy);
     }
     for (Curve& curve : curves) {
       if (!builder_.Add(std::move(curve), SvgName(node.name()))) return false;
