@@ -139,7 +139,8 @@ std::string ProgressBar::Line(std::size_t columns) const {
   if (done_ > 0 && elapsed_s_ > 0 && in_points_) {
     rate = client::ShortNumber(static_cast<double>(done_) / elapsed_s_) + "/s";
   }
-  const auto [left, ends] = TimeLeftOf(share, elapsed_s_, expected_s_, around_.now());
+  const auto [left, ends] =
+      TimeLeftOf(client::WorkLeftOf(share, elapsed_s_, expected_s_), around_.now());
   const std::vector<Part> after = {
       {counts, 2}, {rate, 1}, {left, kKept}, {ends, 3}, {note_, kKept}};
   const auto with = [&after](const std::string& begin) {

@@ -21,7 +21,8 @@ void StageBars::Show(const client::JobView& job, const std::string& note) {
       bar_.ShowShare(client::NameOf(p.stage), p.done_count, p.total_count, p.elapsed_s,
                      note);
     } else if (&p == at_work) {
-      bar_.Expect(p.stage == intaglio_STAGE_ENGRAVE ? EngravingSeconds(job, speed_) : 0);
+      bar_.Expect(
+          p.stage == intaglio_STAGE_ENGRAVE ? client::EngravingSeconds(job, speed_) : 0);
       bar_.Show(client::NameOf(p.stage), p.done_count, p.total_count, p.elapsed_s, note);
     } else if (p.ended() && ended_.insert(p.stage).second) {
       bar_.Show(client::NameOf(p.stage), p.done_count, p.total_count, p.elapsed_s);

@@ -1,12 +1,13 @@
 #pragma once
 
-// How long work in hand takes yet, as people read it: the same for the bar of `run` and
-// `watch` and for the lines of `list` and `show`.
+// How long work in hand takes yet (services/client/shop/work_left.h), as people read it:
+// the same for the bar of `run` and `watch` and for the lines of `list`, `show` and
+// `status`.
 
 #include <ctime>
 #include <string>
 
-#include "services/client/job_view.h"
+#include "services/client/shop/work_left.h"
 
 namespace intaglio::cli {
 
@@ -16,17 +17,9 @@ struct TimeLeft {
       ends;  ///< from a minute on "ends 14:32", by this computer's clock; else empty
 };
 
-/// `share`: of the work that is done, 0 to 1. `elapsed_s`: since it began. `expected_s`:
-/// the whole time as planned, 0: not known; it decides until the pace is known from a
-/// twentieth of the work. Nothing where nothing or all is done.
-TimeLeft TimeLeftOf(double share, double elapsed_s, double expected_s, std::time_t now);
+TimeLeft TimeLeftOf(const client::WorkLeft& work, std::time_t now);
 
-/// The time of a job's engraving by its plan and the speed that was set, s; 0: not known.
-/// `machine_speed`: multiple of real time; 0: as fast as it can.
-double EngravingSeconds(const client::JobView& job, double machine_speed = 1);
-
-/// Describes the stage at work: "52 %, 7 min 02 s left, ends 14:32"; empty where
-/// nothing is at work: before the first point, paused, ended.
-std::string TimeLeftText(const client::JobView& job, std::time_t now);
+/// With the share: "52 %, 7 min 02 s left, ends 14:32"; empty where it is not known.
+std::string TimeLeftText(const client::WorkLeft& work, std::time_t now);
 
 }  // namespace intaglio::cli

@@ -80,7 +80,8 @@ std::string ListText(std::vector<client::JobView> jobs, std::time_t now) {
     text += fmt::format(fmt::runtime(kLine), job.number, client::StateOf(job), job.cell,
                         job.verdict.empty() ? "-" : job.verdict, TimeOf(job),
                         ProgressOf(job), job.name);
-    if (const std::string left = TimeLeftText(job, now); !left.empty())
+    if (const std::string left = TimeLeftText(client::WorkLeftOf(job), now);
+        !left.empty())
       text += fmt::format("        {}\n", left);
     if (!job.alarm.empty()) text += fmt::format("        ALARM {}\n", job.alarm);
     if (const std::string reason = ReasonOf(job); !reason.empty())
@@ -103,7 +104,7 @@ std::string ShowText(const client::JobView& job, std::time_t now) {
                         client::GroupedDigits(p.total_count), job.makes,
                         client::ShortDuration(p.elapsed_s));
   }
-  if (const std::string left = TimeLeftText(job, now); !left.empty())
+  if (const std::string left = TimeLeftText(client::WorkLeftOf(job), now); !left.empty())
     text += fmt::format("at work    {}\n", left);
   for (const Warning& warning : job.warnings) text += client::WarningLine(warning) + "\n";
   if (!job.breakage_accepted_by.empty())

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "services/cli/progress/time_left.h"
 #include "services/client/figure_text.h"
 
 namespace intaglio::cli {
@@ -52,7 +53,7 @@ std::string MountedLine(const MachineStatus& machine) {
                      machine.mounted_by(), machine.mounted_utc());
 }
 
-std::string LineOf(const OpenJob& job) {
+std::string LineOf(const OpenJob& job, std::time_t now) {
   std::string progress;
   if (job.total() > 0) {
     progress = fmt::format("{} {} / {}", job.stage(), client::GroupedDigits(job.done()),
@@ -62,6 +63,8 @@ std::string LineOf(const OpenJob& job) {
       "{:>6}  {:<23} {:<10} {:<26} {}\n", job.job(),
       job.state() + (job.armed() && job.state() != "engraving" ? ", armed" : ""),
       job.cell(), progress, job.name());
+  const std::string left = TimeLeftText({job.progress_ratio(), job.left_s()}, now);
+  if (!left.empty()) line += fmt::format("        {}\n", left);
   if (!job.message().empty()) line += fmt::format("        {}\n", job.message());
   return line;
 }
@@ -81,7 +84,7 @@ std::string ServicesText(const ShopStatus& status) {
 
 }  // namespace
 
-std::string TextOf(const ShopStatus& status) {
+std::string TextOf(const ShopStatus& status, std::time_t now) {
   std::string text =
       fmt::format("shop       {}, {}\n", status.time(),
                   status.needs_person() ? "NEEDS A PERSON" : "all is well");
@@ -91,7 +94,7 @@ std::string TextOf(const ShopStatus& status) {
   text += "services   " + ServicesText(status);
   text += fmt::format("jobs       {} open, {} ended\n", status.jobs_size(),
                       status.ended_jobs());
-  for (const OpenJob& job : status.jobs()) text += LineOf(job);
+  for (const OpenJob& job : status.jobs()) text += LineOf(job, now);
   for (const std::string& need : status.needs()) text += "to do      " + need + "\n";
   return text;
 }

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <set>
 
 #include "services/client/job_need.h"
 #include "services/client/shop/set_counts.h"
+#include "services/client/shop/work_left.h"
 #include "services/history/job_names.h"
 #include "services/platform/host/times/utc_time.h"
 
@@ -37,10 +39,11 @@ const char* LampName(const CellSnapshot& cell) {
 
 class Builder {
  public:
-  explicit Builder(const ShopSnapshot& shop) : shop_(shop) {}
+  Builder(const ShopSnapshot& shop, std::chrono::system_clock::time_point now)
+      : shop_(shop), now_(now) {}
 
-  ShopStatus Build(std::chrono::system_clock::time_point now) {
-    status_.set_time(host::UtcText(now));
+  ShopStatus Build() {
+    status_.set_time(host::UtcText(now_));
     AddServices();
     AddJobs();
     AddMachines();
@@ -119,10 +122,20 @@ class Builder {
       line.set_done(ShownCount(stage->done_count));
       line.set_total(ShownCount(stage->total_count));
     }
+    AddTimeLeft(job, line);
     SetCounts(job.counts, line);
     line.set_makes(job.makes);
     line.set_message(job.message);
     line.set_alarm(job.alarm);
+  }
+
+  void AddTimeLeft(const JobView& job, OpenJob& line) {
+    const WorkLeft work = WorkLeftOf(job);
+    if (work.left_s <= 0) return;
+    line.set_progress_ratio(work.share);
+    line.set_left_s(work.left_s);
+    line.set_ends_utc(host::UtcText(
+        now_ + std::chrono::milliseconds(std::llround(1000 * work.left_s))));
   }
 
   void AddMachines() {
@@ -198,6 +211,7 @@ class Builder {
   }
 
   const ShopSnapshot& shop_;
+  const std::chrono::system_clock::time_point now_;
   ShopStatus status_;
   std::set<std::string> synchronizers_, bridges_;  // cells
   std::map<std::string, std::uint32_t> job_of_;    // by cell
@@ -206,7 +220,7 @@ class Builder {
 }  // namespace
 
 ShopStatus StatusOf(const ShopSnapshot& shop, std::chrono::system_clock::time_point now) {
-  return Builder(shop).Build(now);
+  return Builder(shop, now).Build();
 }
 
 }  // namespace intaglio::client

@@ -178,6 +178,28 @@ TEST(ShopStatus, JobsWithTheirProgressAndTheCountOfEndedOnes) {
   EXPECT_THAT(text, HasSubstr("waits for its turn on left"));
 }
 
+// 1200 of 5000 in 100 s: 3800 at that pace take 316.7 s.
+TEST(ShopStatus, AJobAtWorkHasItsShareTheTimeLeftAndTheClockTimeOfItsEnd) {
+  setenv("TZ", "UTC", 1);
+  tzset();
+  ShopSnapshot shop = GoodShop();
+  shop.jobs = {ShownJob(3, intaglio_JOB_ENGRAVING)};
+  shop.jobs[0].progress = {{intaglio_STAGE_ENGRAVE, 1200, 5000, 100}};
+  const auto now =
+      std::chrono::system_clock::time_point(std::chrono::seconds(1'790'000'000));
+  const ShopStatus status = client::StatusOf(shop, now);
+  EXPECT_DOUBLE_EQ(status.jobs(0).progress_ratio(), 0.24);
+  EXPECT_NEAR(status.jobs(0).left_s(), 316.67, 0.01);
+  EXPECT_EQ(status.jobs(0).ends_utc(), "2026-09-21T14:18:36.667Z");
+  EXPECT_THAT(TextOf(status, 1'790'000'000),
+              HasSubstr("24 %, 5 min 17 s left, ends 14:18"));
+  shop.jobs[0].state = intaglio_JOB_PAUSED;
+  const ShopStatus paused = client::StatusOf(shop, now);
+  EXPECT_EQ(paused.jobs(0).left_s(), 0) << "it is not known";
+  EXPECT_EQ(paused.jobs(0).ends_utc(), "");
+  EXPECT_THAT(TextOf(paused), Not(HasSubstr(" left")));
+}
+
 TEST(ShopStatus, ADiskThatIsNearlyFull) {
   ShopSnapshot shop = GoodShop();
   shop.disks[0].free_bytes = 50'000'000;
