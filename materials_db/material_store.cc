@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "engrave/core/try.h"
+#include "materials_db/index_glass.h"
 #include "materials_db/near_names.h"
 #include "materials_db/numbers.h"
 #include "materials_db/open_database.h"
@@ -166,6 +167,7 @@ Result<Material> MaterialStore::Find(std::string_view name) const {
     query.reset();
     query.bind(1, NameOfAlias(name));
     if (query.executeStep()) return ReadRow(query);
+    if (auto glass = IndexGlass(name)) return std::move(*glass);
     return tl::unexpected(NotFound(name));
   });
 }

@@ -46,7 +46,8 @@ class MaterialStore {
   Result<std::vector<Material>> List() const;
 
   /// By the name itself, else by one that differs only in hyphens and spaces, else by an
-  /// alias: the glass found has its own name. kNotFound names glasses of similar name.
+  /// alias: the glass found has its own name; else a glass of a known index
+  /// (index_glass.h). kNotFound names glasses of similar name.
   Result<Material> Find(std::string_view name) const;
 
   /// All aliases, by name.

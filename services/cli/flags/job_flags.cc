@@ -156,8 +156,15 @@ void AddLensFlags(command_line::Command command, JobFlags& flags) {
 
 void AddMachineFlags(command_line::Command command, JobFlags& flags) {
   AddLensFlags(command, flags);
+  const auto glass = command
+                         .AddOption("--glass", flags.glass,
+                                    "glass (intaglio materials list), default N-BK7")
+                         .Group(kMachine);
   command
-      .AddOption("--glass", flags.glass, "glass (intaglio materials list), default N-BK7")
+      .AddOption("--glass-index", flags.glass_index,
+                 "or the refractive index of the glass at the laser's wavelength, as "
+                 "--glass n=1.52")
+      .Exclude(glass)
       .Group(kMachine);
 }
 

@@ -25,6 +25,7 @@ struct JobFlags {
   std::vector<double> block_mm;    // none or three
   std::optional<double> margin_mm;
   std::optional<std::string> glass;
+  std::optional<double> glass_index;
   MethodFlags methods;
   TextFlags texts;
   std::optional<double> spacing_mm;
@@ -57,7 +58,7 @@ void AddPointFlags(command_line::Command command, JobFlags& flags);
 void AddOrderFlags(command_line::Command command, JobFlags& flags);
 /// --profile, --rate and the limits of the stage.
 void AddMotionFlags(command_line::Command command, JobFlags& flags);
-/// --machine, --glass, --focal.
+/// --machine, --glass, --glass-index, --focal.
 void AddMachineFlags(command_line::Command command, JobFlags& flags);
 /// --machine and --focal, where the glass does not matter.
 void AddLensFlags(command_line::Command command, JobFlags& flags);
