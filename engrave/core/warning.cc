@@ -39,7 +39,9 @@ constexpr std::array kRows = {
     Row{WarningCode::kTextShrunk, "text_shrunk", kNote},
     Row{WarningCode::kFocusSpread, "focus_spread", kNote},
     Row{WarningCode::kObliqueBeam, "oblique_beam", kWarning},
-    Row{WarningCode::kTwoFoci, "two_foci", kWarning}};
+    Row{WarningCode::kTwoFoci, "two_foci", kWarning},
+    Row{WarningCode::kPulseHeat, "pulse_heat", kWarning},
+    Row{WarningCode::kModelsOverlap, "models_overlap", kWarning}};
 
 constexpr bool RowsAreInOrder() {
   for (std::size_t i = 0; i < kRows.size(); ++i) {

@@ -46,6 +46,8 @@ enum class WarningCode {
   kFocusSpread,        ///< deep points whose focus is longer than a crack
   kObliqueBeam,        ///< points to which the beam is too oblique to make a crack
   kTwoFoci,            ///< points whose crack may begin at either of two depths
+  kPulseHeat,          ///< pulses too weak for a crack, or so strong that they melt it
+  kModelsOverlap,      ///< a text and models that lie in one another
 };
 
 struct Warning {

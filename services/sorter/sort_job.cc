@@ -16,6 +16,7 @@
 #include "services/job/quality/cloud_warnings.h"
 #include "services/job/quality/focus_spread.h"
 #include "services/job/quality/oblique_beams.h"
+#include "services/job/quality/pulse_focus.h"
 #include "services/job/verdict/warnings.h"
 #include "services/platform/host/threads/worker_threads.h"
 
@@ -62,6 +63,7 @@ Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
   const CloudFindings found =
       FindInCloud(job.job(), job.machine(), result.cloud, masks, host::AllCores());
   AddTo(*outcome.mutable_warnings(), FocusSpreadOf(job, result.cloud.points_mm));
+  AddTo(*outcome.mutable_warnings(), PulseWarningsOf(job));
   if (const auto oblique =
           ObliqueFiguresOf(job, result.cloud.points_mm, result.cloud.source)) {
     AddTo(*outcome.mutable_warnings(), ObliqueWarningsOf(job, *oblique));

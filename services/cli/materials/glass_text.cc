@@ -14,6 +14,7 @@
 #include "materials_db/numbers.h"
 #include "services/job/json_text.h"
 #include "services/job/material_record.h"
+#include "services/job/quality/pulse_focus.h"
 
 namespace intaglio::cli {
 namespace {
@@ -234,6 +235,7 @@ std::string FocusAsTable(const PulseFocusRecord& focus) {
                  um(focus.has_melted_diameter_um(), focus.melted_diameter_um())},
                 {"heated to the thermal strength",
                  um(focus.has_strained_diameter_um(), focus.strained_diameter_um())},
+                {"condition of a crack", CrackConditionText(focus)},
                 {"a crack cools in",
                  known(focus.has_cooling_s(),
                        fmt::format("{:.2f} ms", 1e3 * focus.cooling_s()))},

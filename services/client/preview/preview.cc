@@ -27,6 +27,7 @@
 #include "services/job/quality/cloud_warnings.h"
 #include "services/job/quality/focus_spread.h"
 #include "services/job/quality/oblique_beams.h"
+#include "services/job/quality/pulse_focus.h"
 #include "services/job/verdict/warnings.h"
 
 namespace intaglio::client {
@@ -77,6 +78,7 @@ void AddModels(const JobSpec& job, const PointCloud& cloud, JobPreview& figures)
     const Model& model = job.models(i);
     ModelPreview& preview = *figures.add_models();
     preview.set_name(IsText(model)          ? model.text().text()
+                     : model.has_code()     ? model.code().text()
                      : model.file().empty() ? "points"
                                             : fs::path(model.file()).filename().string());
     if (const auto kind = KindOf(model)) preview.set_kind(NameOf(*kind));
@@ -149,6 +151,8 @@ JobPreview FiguresOf(const FrozenJob& job, const MadeCloud& made,
   Warnings warnings = made.warnings;
   const Warnings spread = FocusSpreadOf(job, made.cloud.points_mm);
   warnings.insert(warnings.end(), spread.begin(), spread.end());
+  const Warnings pulses = PulseWarningsOf(job);
+  warnings.insert(warnings.end(), pulses.begin(), pulses.end());
   if (const auto oblique =
           ObliqueFiguresOf(job, made.cloud.points_mm, made.cloud.source)) {
     AddOblique(*oblique, figures);
@@ -172,6 +176,7 @@ JobPreview FiguresOf(const FrozenJob& job, const MadeCloud& made,
   if (job.optics().has_local_thermal_strength_k()) {
     figures.set_local_thermal_strength_k(job.optics().local_thermal_strength_k());
   }
+  *figures.mutable_pulse() = PulseFocusOf(job);
   AddLight(job, box.min_mm.z(), figures);
   figures.set_glass(job.material().name());
   figures.set_machine(job.machine().name());

@@ -4,6 +4,7 @@
 
 #include "engrave/core/warning.h"
 #include "services/client/figure_text.h"
+#include "services/job/quality/pulse_focus.h"
 #include "services/job/verdict/warnings.h"
 
 namespace intaglio::client {
@@ -72,6 +73,8 @@ std::string GlassText(const JobPreview& figures) {
   if (figures.has_local_thermal_strength_k()) {
     text += fmt::format(", withstands a sudden local heating by {:.0f} K",
                         figures.local_thermal_strength_k());
+  } else {
+    text += ", thermal strength not known";
   }
   if (figures.has_light()) {
     text += fmt::format(", {:.0f} % of the light arrive at the deepest point",
@@ -108,6 +111,15 @@ std::vector<PreviewLine> LinesOf(const JobPreview& figures) {
       {"time", TimeText(figures)},
       {"glass", GlassText(figures)},
       {"machine", figures.machine()}};
+  if (figures.has_pulse()) {
+    const std::string& condition = figures.pulse().condition();
+    lines.push_back(
+        {"pulse",
+         fmt::format("{:g} mJ at {}, condition of a crack {}",
+                     figures.pulse().pulse_energy_mj(), figures.pulse().lens(),
+                     CrackConditionText(figures.pulse())),
+         condition == kPulseTooWeak || condition == kPulseMelts});
+  }
   if (figures.has_oblique()) {
     lines.push_back(
         {"beam", ObliqueText(figures.oblique()), figures.oblique().weak_count() > 0});
