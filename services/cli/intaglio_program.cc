@@ -14,6 +14,7 @@
 #include "services/cli/machine/mount_command.h"
 #include "services/cli/marks/marks_command.h"
 #include "services/cli/materials/materials_command.h"
+#include "services/cli/materials/test_grid_command.h"
 #include "services/cli/offline/measure_command.h"
 #include "services/cli/offline/offline_command.h"
 #include "services/cli/offline/plan_command.h"
@@ -76,6 +77,7 @@ std::unique_ptr<command_line::Program> IntaglioProgram() {
   AddGalvoCommand(root);
   AddMarksCommand(root);
   AddMaterialsCommand(root);
+  AddTestGridCommand(root);
   AddFontsCommand(root);
   AddRecordCommand(root);
   AddRecordingCommand(root);

@@ -9,6 +9,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
+#include "materials_db/index_glass.h"
 #include "services/job/checks/mark_job_check.h"
 #include "services/job/course/course_check.h"
 #include "services/job/field_path.h"
@@ -152,6 +153,8 @@ Status Apply(const JobFlags& flags, JobSpec& job) {
   if (flags.clip) job.mutable_block()->set_clip(true);
   if (flags.turn_block) TurnBlock(std::stoi(*flags.turn_block), job);
   if (flags.glass) job.set_glass(*flags.glass);
+  if (flags.glass_index)
+    job.set_glass(materials_db::NameOfIndexGlass(*flags.glass_index));
   if (flags.name) job.set_name(*flags.name);
   if (flags.rate_hz) job.mutable_laser()->set_rate_hz(*flags.rate_hz);
   if (flags.speed_mm_s) job.mutable_motion()->set_max_speed_mm_s(*flags.speed_mm_s);
@@ -197,9 +200,11 @@ Result<JobSpec> ReadJob(const JobFlags& flags, bool needs_model) {
     return ReadJobFile(INTAGLIO_TRY(
         command_line::FindSupplied(flags.job_file, command_line::kSuppliedJobs)));
   }
-  if (!flags.meshes.empty() || flags.texts.text || !needs_model) return JobSpec();
+  const bool has_model = !flags.meshes.empty() || flags.texts.text || flags.texts.code;
+  if (has_model || !needs_model) return JobSpec();
   return Fail(ErrorCode::kMissing,
-              "nothing to engrave: name a job file, a model, or a text with --text");
+              "nothing to engrave: name a job file, a model, a text with --text, or a "
+              "code with --code");
 }
 
 Status SetBlock(JobAndMachine& built, const PointList* points_mm,

@@ -32,7 +32,8 @@ Vector3 MakeVector(double x, double y, double z) {
 }
 
 std::string NameOf(const Model& model) {
-  return IsText(model) ? NumberedText(model.text().text(), 1)
+  return IsText(model)      ? NumberedText(model.text().text(), 1)
+         : model.has_code() ? model.code().text()
          : model.file().empty() && model.points_mm_size() > 0
              ? "points"
              : std::filesystem::path(model.file()).filename().string();
@@ -59,6 +60,7 @@ UpAxis UpOf(const Model& model) {
     case ModelKind::kDrawing:
     case ModelKind::kText:
     case ModelKind::kImage:
+    case ModelKind::kCode:
       return UP_AXIS_Y;
     case ModelKind::kMesh:
       break;
@@ -126,6 +128,7 @@ void FillModel(Model& model, const Discretization& discretization) {
     if (!copies.has_count_z()) copies.set_count_z(1);
     if (!copies.has_step_mm()) *copies.mutable_step_mm() = MakeVector(0, 0, 0);
   }
+  if (model.has_code()) FillCode(*model.mutable_code());
   if (model.method_case() == Model::METHOD_NOT_SET) ChooseMethod(model, discretization);
   FillChosen(model, discretization.min_spacing_mm());
 }

@@ -40,9 +40,7 @@ void CompleteContent(MarkItem& item) {
       image.set_dot_mm(image.distance_mm() / 2);
     if (!image.has_threshold_ratio()) image.set_threshold_ratio(0.5);
   } else if (item.has_code()) {
-    MarkCode& code = *item.mutable_code();
-    if (!code.has_module_mm()) code.set_module_mm(0.5);
-    if (!code.has_correction_ratio()) code.set_correction_ratio(0.15);
+    FillCode(*item.mutable_code());
     item.mutable_hatch();
   }
 }
@@ -56,6 +54,15 @@ void CompleteItem(MarkItem& item, const MarkPen& pen) {
   if (!placement.has_rotate_deg()) placement.set_rotate_deg(0);
   if (!placement.has_centre()) placement.set_centre(true);
 }
+
+}  // namespace
+
+void FillCode(MarkCode& code) {
+  if (!code.has_module_mm()) code.set_module_mm(0.5);
+  if (!code.has_correction_ratio()) code.set_correction_ratio(0.15);
+}
+
+namespace {
 
 void CheckMarkFile(const std::string& file, const std::string& path, Findings& findings) {
   const bool is_font = path.find(".text.") != std::string::npos;

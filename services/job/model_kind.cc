@@ -64,7 +64,7 @@ void VisitFonts(Text& text, const std::string& path, const Visit& visit) {
 void VisitModel(Model& model, const std::string& path, const Visit& visit) {
   if (IsText(model)) {
     VisitFonts(*model.mutable_text(), path + ".text", visit);
-  } else if (!model.file().empty() || model.points_mm_size() == 0) {
+  } else if (HasFile(model)) {
     visit(*model.mutable_file(), path + ".file");
     if (!model.text().font().empty())
       visit(*model.mutable_text()->mutable_font(), path + ".text.font");
@@ -88,6 +88,11 @@ bool IsText(const Model& model) {
   return model.has_text() && (model.file().empty() || !model.text().text().empty());
 }
 
+bool HasFile(const Model& model) {
+  if (IsText(model)) return false;
+  return !model.file().empty() || (!model.has_code() && model.points_mm_size() == 0);
+}
+
 const char* NameOf(ModelKind kind) {
   switch (kind) {
     case ModelKind::kMesh:
@@ -100,12 +105,15 @@ const char* NameOf(ModelKind kind) {
       return "an image";
     case ModelKind::kCloud:
       return "a cloud of points";
+    case ModelKind::kCode:
+      return "a code";
   }
   return "";
 }
 
 Result<ModelKind> KindOf(const Model& model) {
   if (IsText(model)) return ModelKind::kText;
+  if (model.file().empty() && model.has_code()) return ModelKind::kCode;
   if (model.file().empty() && model.points_mm_size() > 0) return ModelKind::kCloud;
   std::string ending = std::filesystem::path(model.file()).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),

@@ -16,6 +16,9 @@ namespace intaglio {
 /// only has the font of the texts in its drawing.
 bool IsText(const Model& model);
 
+/// Whether it is made from a file, which may be missing: no text, no code, no points.
+bool HasFile(const Model& model);
+
 /// "a mesh", "a drawing", ...
 const char* NameOf(ModelKind kind);
 

@@ -90,6 +90,8 @@ void CheckPlaceholders(const JobSpec& job, Findings& findings) {
   for (int i = 0; i < job.models_size(); ++i) {
     CheckField(fmt::format("models[{}].text.text", i), job.models(i).text().text(), true,
                findings);
+    CheckField(fmt::format("models[{}].code.text", i), job.models(i).code().text(), false,
+               findings);
   }
 }
 

@@ -61,7 +61,7 @@ class Row {
   }
 
   std::string FilledIn(const std::string& text, const std::string& path) {
-    const bool is_engraved = path.ends_with(".text.text");
+    const bool is_engraved = path.ends_with(".text.text") || path.ends_with(".code.text");
     return FillPlaceholders(
         text, [&](const std::string& name) -> std::optional<std::string> {
           const std::string* field = table_.Find(row_, name);

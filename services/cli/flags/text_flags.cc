@@ -47,6 +47,35 @@ Status SetText(const std::string& typed, JobSpec& job) {
   return {};
 }
 
+/// Of the only code of the job; a new one where it has none.
+Result<MarkCode*> CodeOf(const TextFlags& flags, JobSpec& job) {
+  std::vector<MarkCode*> codes;
+  for (Model& model : *job.mutable_models())
+    if (model.has_code()) codes.push_back(model.mutable_code());
+  if (codes.size() == 1) return codes.front();
+  if (codes.empty() && flags.code) return job.add_models()->mutable_code();
+  const char* option = flags.code        ? "--code"
+                       : flags.code_kind ? "--code-kind"
+                                         : "--module";
+  return Fail(
+      ErrorCode::kInvalidValue,
+      fmt::format("{}: the job has {} codes; {}", option, codes.size(),
+                  codes.empty() ? "give one with --code" : "change them in the job file"),
+      option);
+}
+
+Status SetCode(const TextFlags& flags, JobSpec& job) {
+  if (!flags.code && !flags.code_kind && !flags.module_mm) return {};
+  MarkCode& code = *INTAGLIO_TRY(CodeOf(flags, job));
+  if (flags.code) code.set_text(*flags.code);
+  if (flags.code_kind) {
+    code.set_kind(*flags.code_kind == "qr" ? MARK_CODE_KIND_QR
+                                           : MARK_CODE_KIND_DATA_MATRIX);
+  }
+  if (flags.module_mm) code.set_module_mm(*flags.module_mm);
+  return {};
+}
+
 /// The first option of those that need a text; empty: none is given.
 std::string NameOfGiven(const TextFlags& flags) {
   if (flags.font) return "--font";
@@ -88,9 +117,23 @@ void AddTextFlags(command_line::Command command, TextFlags& flags) {
       .AddFlag("--shrink-to-fit", flags.shrink_to_fit,
                "reduce the height of a text that is too large for its place")
       .Group(kText);
+  command
+      .AddOption("--code", flags.code,
+                 "text of a code to engrave, beside the models: its dark modules are "
+                 "filled with points")
+      .Group(kText);
+  command.AddOption("--code-kind", flags.code_kind, "of the code, default data-matrix")
+      .OneOf({"data-matrix", "qr"})
+      .Group(kText);
+  command
+      .AddOption("--module", flags.module_mm,
+                 "side of a module of the code, mm, default "
+                 "0.5")
+      .Group(kText);
 }
 
 Status SetTexts(const TextFlags& flags, JobSpec& job) {
+  INTAGLIO_TRY(SetCode(flags, job));
   if (flags.text) INTAGLIO_TRY(SetText(*flags.text, job));
   const std::vector<Text*> texts = TextsOf(job);
   const std::string given = NameOfGiven(flags);

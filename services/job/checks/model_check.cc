@@ -29,10 +29,13 @@ void CheckKindAndMethod(const Model& model, const std::string& path, Findings& f
 }
 
 void CheckOwnPoints(const Model& model, const std::string& path, Findings& findings) {
-  if (model.points_mm_size() > 0 && (model.has_text() || !model.file().empty())) {
+  const bool has_other = model.has_text() || model.has_code() || !model.file().empty();
+  if (model.points_mm_size() > 0 && has_other) {
     findings.Wrong(path + ".points_mm", model.points_mm_size(),
                    "points are given beside {}; make two models",
-                   model.has_text() ? "a text" : "a file");
+                   model.has_text()   ? "a text"
+                   : model.has_code() ? "a code"
+                                      : "a file");
   }
 }
 
@@ -80,12 +83,28 @@ void CheckFontOfDrawing(const Model& model, const std::string& path, Findings& f
   }
 }
 
+void CheckCode(const Model& model, const std::string& path, Findings& findings) {
+  if (!model.has_code()) return;
+  if (model.has_text() || !model.file().empty()) {
+    findings.Wrong(path + ".code", model.code().text(),
+                   "is given beside {}; make two models",
+                   model.has_text() ? "a text" : "a file");
+  }
+  if (model.code().text().empty())
+    findings.Missing(path + ".code.text", "give the text to encode");
+  if (!MarkCodeKind_IsValid(model.code().kind())) {
+    findings.Wrong(path + ".code.kind", static_cast<int>(model.code().kind()),
+                   "is none, 0..{}", static_cast<int>(MarkCodeKind_MAX));
+  }
+}
+
 }  // namespace
 
 void CheckModel(const Model& model, const std::string& path, Findings& findings) {
   CheckOwnPoints(model, path, findings);
   CheckChosenParts(model, path, findings);
   CheckKindAndMethod(model, path, findings);
+  CheckCode(model, path, findings);
   if (IsText(model) && !model.file().empty()) {
     findings.Wrong(path + ".file", model.file(),
                    "is given beside a text; make two models");

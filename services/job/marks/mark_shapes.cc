@@ -12,6 +12,7 @@
 #include "engrave/drawing/font_outline.h"
 #include "engrave/matrix_code/matrix_code.h"
 #include "services/job/marks/image_marks.h"
+#include "services/job/models/code_model.h"
 #include "services/job/models/flat_models.h"
 
 namespace intaglio {
@@ -99,17 +100,10 @@ Result<MarkShapes> TextShapes(const Text& item, std::span<const MarkFile> fonts)
 }
 
 Result<MarkShapes> CodeShapes(const MarkCode& item) {
-  matrix_code::CodeOptions options;
-  options.kind = item.kind() == MARK_CODE_KIND_QR ? matrix_code::CodeKind::kQr
-                                                  : matrix_code::CodeKind::kDataMatrix;
-  options.correction_ratio = item.correction_ratio();
-  auto grid = matrix_code::MakeCode(item.text(), options);
-  if (!grid) return tl::unexpected(InField("code.text", grid.error()));
-  if (item.invert())
-    *grid = matrix_code::Inverted(*grid, matrix_code::QuietModules(options.kind));
+  const auto grid = INTAGLIO_TRY(GridOf(item));
   MarkShapes made;
   made.module_mm = item.module_mm();
-  for (std::vector<Vec2>& outline : matrix_code::ModuleOutlines(*grid)) {
+  for (std::vector<Vec2>& outline : matrix_code::ModuleOutlines(grid)) {
     for (Vec2& p : outline) p *= item.module_mm();
     made.shapes.push_back({std::move(outline), true});
   }

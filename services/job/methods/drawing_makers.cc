@@ -20,7 +20,7 @@ MadePoints MakeFromCurves(const MethodInput& input,
           .value_or(placed.normal);
   options.twist_phase_ratio = asked.twist_phase_ratio();
   options.insert_end_points = asked.insert_end_points();
-  if (asked.fill()) options.fill = inside;
+  if (asked.fill() || input.model.has_code()) options.fill = inside;
   return discretize::MakeCurvePoints(placed.flat, options);
 }
 

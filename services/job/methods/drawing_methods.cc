@@ -34,8 +34,8 @@ std::vector<MethodFault> LayerFaults(const JobSpec&, const Model& model) {
 Method Curves() {
   return {
       .number = Model::kCurves,
-      .kinds = {ModelKind::kDrawing, ModelKind::kText},
-      .default_of = {ModelKind::kDrawing, ModelKind::kText},
+      .kinds = {ModelKind::kDrawing, ModelKind::kText, ModelKind::kCode},
+      .default_of = {ModelKind::kDrawing, ModelKind::kText, ModelKind::kCode},
       .meaning = "along lines, arcs and splines, and inside closed ones",
       .fields =
           {{"distance_mm", kPointDistanceMm, MinSpacing(), "--vertex",

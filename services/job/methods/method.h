@@ -16,7 +16,7 @@
 
 namespace intaglio {
 
-enum class ModelKind { kMesh, kDrawing, kText, kImage, kCloud };
+enum class ModelKind { kMesh, kDrawing, kText, kImage, kCloud, kCode };
 
 /// What an absent field of a method becomes.
 struct FieldDefault {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <numbers>
 #include <set>
 #include <utility>
 #include <variant>
@@ -19,7 +20,9 @@
 #include "engrave/image/image_file.h"
 #include "engrave/mesh/placement.h"
 #include "services/job/model_kind.h"
+#include "services/job/models/code_model.h"
 #include "services/job/models/model_checks.h"
+#include "services/job/placeholders.h"
 
 namespace intaglio {
 namespace {
@@ -129,6 +132,20 @@ MadePoints MakeLetters(const Method& method, const MethodInput& input,
       discretize::PlaceDrawing(outline, input.placement, input.block_size_mm));
   return std::get<DrawingMaker>(MakerOf(method).make)(input, placed,
                                                       discretize::CurveFill::kNonZero);
+}
+
+MadePoints MakeCodePoints(const Method& method, const MethodInput& input) {
+  MarkCode code = input.model.code();
+  code.set_text(NumberedText(code.text(), 1));
+  // The mean reach of a row of touching discs is pi / 8 of their diameter.
+  const double inset_mm =
+      std::min(std::numbers::pi / 8 * input.job.discretization().min_spacing_mm(),
+               code.module_mm() / 4);
+  const auto outline = INTAGLIO_TRY(OutlineCode(code, inset_mm));
+  const auto placed = INTAGLIO_TRY(
+      discretize::PlaceDrawing(outline, input.placement, input.block_size_mm));
+  return std::get<DrawingMaker>(MakerOf(method).make)(input, placed,
+                                                      discretize::CurveFill::kEvenOdd);
 }
 
 MadePoints MakePicture(const Method& method, const MethodInput& input,

@@ -39,6 +39,9 @@ MadePoints MakeDrawing(const Method& method, MethodInput& input, std::string_vie
 MadePoints MakeLetters(const Method& method, const MethodInput& input,
                        const drawing::Drawing& outline);
 
+/// A code of the model: its dark modules, filled.
+MadePoints MakeCodePoints(const Method& method, const MethodInput& input);
+
 /// A picture of one even grey, such as a white logo on transparent ground, is added to
 /// `warnings`.
 MadePoints MakePicture(const Method& method, const MethodInput& input,

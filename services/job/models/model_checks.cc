@@ -20,8 +20,9 @@ namespace {
 constexpr double kUprightCosine = 0.999;
 
 std::string NameOf(const Model& model) {
-  return IsText(model) ? model.text().text()
-                       : std::filesystem::path(model.file()).filename().string();
+  return IsText(model)      ? model.text().text()
+         : model.has_code() ? model.code().text()
+                            : std::filesystem::path(model.file()).filename().string();
 }
 
 /// "--up -y (placement.up: UP_AXIS_MINUS_Y)".

@@ -59,11 +59,6 @@ std::string_view TextOf(const FileBytes& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// By hand in the job; there is no file then.
-bool HasOwnPoints(const Model& model) {
-  return !IsText(model) && model.file().empty() && model.points_mm_size() > 0;
-}
-
 /// "vertex, edge".
 std::string ElementsOf(const io::PlyHeader& header) {
   std::vector<std::string> names;
@@ -125,7 +120,9 @@ class Maker {
     auto source = MakeOne(model);
     if (source) return WithCopies(model, std::move(*source));
     Error error = WithRemedy(source.error(), limits_);
-    const std::string name = IsText(model) ? model.text().text() : model.file();
+    const std::string name = IsText(model)     ? model.text().text()
+                             : !HasFile(model) ? model.code().text()
+                                               : model.file();
     if (error.message.find(name) == std::string::npos)
       error.message = name + ": " + error.message;
     return tl::unexpected(std::move(error));
@@ -133,7 +130,8 @@ class Maker {
 
  private:
   Result<Source> MakeOne(const Model& model) {
-    const FileBytes file = HasOwnPoints(model) ? FileBytes() : files_.Take();
+    const bool needs_file = HasFile(model) || IsText(model);
+    const FileBytes file = needs_file ? files_.Take() : FileBytes();
     const auto kind = INTAGLIO_TRY(KindOf(model));
     const bool has_font = !IsText(model) && !model.text().font().empty();
     const FileBytes font = has_font ? files_.Take() : FileBytes();
@@ -178,6 +176,9 @@ class Maker {
       case ModelKind::kText:
         AddOrientationOfSheet(input, made_.warnings);
         return OfText(*method, input, file);
+      case ModelKind::kCode:
+        AddOrientationOfSheet(input, made_.warnings);
+        return MakeCodePoints(*method, input);
     }
     throw PreconditionError("a model of no kind");
   }
@@ -247,7 +248,7 @@ class Maker {
 
   Result<Source> OfCloud(const MethodInput& input, const FileBytes& file) const {
     PointList points_mm;
-    if (HasOwnPoints(input.model)) {
+    if (!HasFile(input.model)) {
       for (const Vector3& p : input.model.points_mm()) points_mm.push_back(Vec3Of(p));
     } else {
       auto table = INTAGLIO_TRY(formats::ParsePoints(

@@ -1,0 +1,36 @@
+#pragma once
+
+// The job of a material test: square patches, whose points lie in rows by the energy of
+// their pulses and in columns by the distance of their points, labelled in the glass. By
+// its look a person chooses both for a glass.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+#include "engrave/core/result.h"
+
+namespace intaglio::client {
+
+struct TestGrid {
+  std::filesystem::path machine_file;  ///< absolute
+  std::string glass = "N-BK7";
+  /// In front of the lens, what a job may ask for (laser_setting.h); none: four from 40 %
+  /// of the machine's largest up to it.
+  std::vector<double> energies_mj;
+  /// 0.02..10 each; none: 1, 1.25, 1.5 and 2 diameters of the mounted lens's crack.
+  std::vector<double> spacings_mm;
+  double patch_mm = 4;           ///< side of a patch, 1..50
+  std::optional<Vec3> block_mm;  ///< default: as large as the grid needs
+};
+
+/// Writes test_grid.textproto and patch.svg into `folder`, and makes it; the job file.
+/// Errors: of the profile, of the disk; kInvalidValue for no crack and no spacing, or a
+/// patch that is too small or too large; kOutsideBlock for a block that is too small.
+/// Energies and spacings are checked with the job.
+Result<std::filesystem::path> WriteTestGrid(const TestGrid& asked,
+                                            const std::filesystem::path& folder);
+
+}  // namespace intaglio::client
