@@ -286,7 +286,10 @@ Result<JobAndMachine> Build(const JobFlags& flags, JobSpec read,
   const bool is_typed = flags.job_file.empty() && IsFreeToArrange(job);
   if (points_mm == nullptr && (flags.texts.place || is_typed)) {
     INTAGLIO_TRY(CheckModelsAlone(job, of_fonts));
-    INTAGLIO_TRY(Arrange(flags.texts.place, built.machine, limits, job, built.notes));
+    INTAGLIO_TRY(
+        Arrange(flags.texts.place, built.machine, limits, job, built.of_arrangement));
+    for (const Warning& warning : built.of_arrangement)
+      built.notes.push_back("warning: " + warning.text);
   }
   if (!job.block().has_size_mm() && flags.job_file.empty()) {
     if (points_mm == nullptr) INTAGLIO_TRY(CheckModelsAlone(job, of_fonts));

@@ -24,6 +24,8 @@ struct JobAndMachine {
       notes;  ///< what was chosen for the user, e.g. the block's size
   /// Warnings of its texts, as the discretizer will report them, each with its field.
   Warnings warnings = {};
+  /// Of places that were chosen for its models; in `notes`, too.
+  Warnings of_arrangement = {};
 };
 
 /// The job with all paths absolute, and its machine. Every mistake is in the error, one

@@ -94,6 +94,7 @@ Result<JobAndMachine> FindJob(const PreviewCommandOptions& options) {
 struct JobToPreview {
   FrozenJob frozen;
   std::vector<std::string> notes;
+  Warnings of_arrangement;
 };
 
 Result<JobToPreview> FreezeNamed(const PreviewCommandOptions& options) {
@@ -107,7 +108,8 @@ Result<JobToPreview> FreezeNamed(const PreviewCommandOptions& options) {
   const auto material = INTAGLIO_TRY(FindGlass(job, options.materials_db));
   auto frozen = INTAGLIO_TRY(
       FreezeJob(job.job, job.machine, material, {"", 0, "", host::SoftwareVersion()}));
-  return JobToPreview{std::move(frozen), std::move(job.notes)};
+  return JobToPreview{std::move(frozen), std::move(job.notes),
+                      std::move(job.of_arrangement)};
 }
 
 /// A name of a folder: that of the job without what divides paths.
@@ -142,6 +144,7 @@ int MakeAndWrite(const PreviewCommandOptions& options) {
   how.limits = mesh_reader::LimitsOfProgram(options.job.size_limits);
   how.executor = host::AllCores();
   how.made_utc = client::UtcNow();
+  how.found = job->of_arrangement;
   std::optional<LateMeter> meter(std::in_place);
   const auto preview = client::MakePreview(
       job->frozen, how, [&](const char* stage, std::uint64_t done, std::uint64_t total) {

@@ -148,7 +148,8 @@ JobPreview FiguresOf(const FrozenJob& job, const MadeCloud& made,
   figures.set_name(spec.name());
   figures.set_software_version(job.software_version());
   figures.set_made_utc(options.made_utc);
-  Warnings warnings = made.warnings;
+  Warnings warnings = options.found;
+  warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
   const Warnings spread = FocusSpreadOf(job, made.cloud.points_mm);
   warnings.insert(warnings.end(), spread.begin(), spread.end());
   const Warnings pulses = PulseWarningsOf(job);

@@ -13,6 +13,7 @@
 
 #include "engrave/core/executor.h"
 #include "engrave/core/result.h"
+#include "engrave/core/warning.h"
 #include "proto/preview.pb.h"
 #include "proto/task.pb.h"
 #include "services/job/models/read_limits.h"
@@ -26,6 +27,7 @@ struct PreviewOptions {
   /// follows from a sample of this size. 200 000 take about 3 s on one core.
   std::size_t max_planned_points = 200'000;
   std::string made_utc;  ///< for the record
+  Warnings found = {};   ///< before the preview, of the same job
 };
 
 /// Stages of the work by name, "read", "points", ..., and how far each one is; false

@@ -132,16 +132,17 @@ void Move(const Vec3& by_mm, Model& model) {
 }
 
 void NoteOverlap(const Box3& text, const std::vector<Box3*>& others, double spacing_mm,
-                 std::vector<std::string>& notes) {
+                 Warnings& warnings) {
   double overlap_mm3 = 0;
   for (const Box3* other : others) {
     overlap_mm3 += OverlapMm3(Thickened(text, spacing_mm), Thickened(*other, spacing_mm));
   }
   if (overlap_mm3 <= 0) return;
-  notes.push_back(fmt::format(
-      "warning: the text and the models overlap in a volume of {:.1f} mm3 (of "
-      "the boxes around them); --text-place below keeps them apart",
-      overlap_mm3));
+  warnings.push_back(MakeWarning(
+      WarningCode::kModelsOverlap,
+      fmt::format("the text and the models overlap in a volume of {:.1f} mm3 (of "
+                  "the boxes around them); --text-place below keeps them apart",
+                  overlap_mm3)));
 }
 
 }  // namespace
@@ -152,7 +153,7 @@ bool IsFreeToArrange(const JobSpec& job) {
 }
 
 Status Arrange(const std::optional<std::string>& text_place, const MachineSpec& machine,
-               const ReadLimits& limits, JobSpec& job, std::vector<std::string>& notes) {
+               const ReadLimits& limits, JobSpec& job, Warnings& warnings) {
   if (text_place) INTAGLIO_TRY(CheckTextPlace(job, *text_place));
   const bool is_free = IsFreeToArrange(job);
   std::vector<Box3> boxes = INTAGLIO_TRY(BoxesOf(job, machine, limits));
@@ -171,7 +172,7 @@ Status Arrange(const std::optional<std::string>& text_place, const MachineSpec& 
   for (const Box3* other : others) all.Extend(*other);
   if (text != nullptr && !others.empty()) {
     PutBeside(all, DirectionOf(text_place.value_or("below")), *text);
-    NoteOverlap(*text, others, job.discretization().min_spacing_mm(), notes);
+    NoteOverlap(*text, others, job.discretization().min_spacing_mm(), warnings);
     all.Extend(*text);
   }
   const Vec3 to_centre_mm = is_free ? Vec3(-all.center_mm()) : Vec3(Vec3::Zero());

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engrave/core/result.h"
+#include "engrave/core/warning.h"
 #include "proto/job.pb.h"
 #include "proto/machine.pb.h"
 #include "services/job/models/read_limits.h"
@@ -29,11 +30,11 @@ bool IsFreeToArrange(const JobSpec& job);
 
 /// Moves the models side by side along x, unless one has a place of its own; then the
 /// text to its place beside all of them (default below; without models nothing moves),
-/// and all together to the centre of the block. Adds to `notes` the volume in which the
-/// text and the models overlap. kInvalidValue: `text_place` of a job with no text or
-/// several, or with models whose place the size of the block decides; errors of reading
-/// the models.
+/// and all together to the centre of the block. Adds to `warnings` (models_overlap) the
+/// volume in which the text and the models overlap. kInvalidValue: `text_place` of a job
+/// with no text or several, or with models whose place the size of the block decides;
+/// errors of reading the models.
 Status Arrange(const std::optional<std::string>& text_place, const MachineSpec& machine,
-               const ReadLimits& limits, JobSpec& job, std::vector<std::string>& notes);
+               const ReadLimits& limits, JobSpec& job, Warnings& warnings);
 
 }  // namespace intaglio

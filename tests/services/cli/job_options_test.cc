@@ -116,6 +116,8 @@ TEST(Arrangement, ATextAmongTheModelsIsAWarningWithTheVolume) {
   EXPECT_THAT(
       centre->notes,
       ::testing::Contains(HasSubstr("the text and the models overlap in a volume")));
+  ASSERT_EQ(centre->of_arrangement.size(), 1u);
+  EXPECT_EQ(centre->of_arrangement[0].code, WarningCode::kModelsOverlap);
   const auto below = Built({kModel, "--height", "22", "--text", "MIMI"});
   EXPECT_THAT(below->notes, ::testing::Not(::testing::Contains(HasSubstr("overlap"))));
 }
