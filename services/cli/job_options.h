@@ -24,7 +24,7 @@ struct JobAndMachine {
       notes;  ///< what was chosen for the user, e.g. the block's size
   /// Warnings of its texts, as the discretizer will report them, each with its field.
   Warnings warnings = {};
-  /// Of places that were chosen for its models; in `notes`, too.
+  /// About places that were chosen for its models; in `notes`, too.
   Warnings of_arrangement = {};
 };
 

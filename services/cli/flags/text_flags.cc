@@ -47,7 +47,7 @@ Status SetText(const std::string& typed, JobSpec& job) {
   return {};
 }
 
-/// Of the only code of the job; a new one where it has none.
+/// The only code of the job; a new one where it has none.
 Result<MarkCode*> CodeOf(const TextFlags& flags, JobSpec& job) {
   std::vector<MarkCode*> codes;
   for (Model& model : *job.mutable_models())

@@ -37,7 +37,7 @@ struct Grid {
   std::vector<double> energies_mj, spacings_mm;
   double pitch_mm = 0;
 
-  /// Of the middles of the first and the last of `count`, from the middle.
+  /// Where row or column i of `count` has its middle, from the middle of the grid.
   double PlaceOf(std::size_t i, std::size_t count) const {
     return (static_cast<double>(i) - (static_cast<double>(count) - 1) / 2) * pitch_mm;
   }

@@ -17,12 +17,12 @@ struct WorkLeft {
 /// where nothing or all is done.
 WorkLeft WorkLeftOf(double share, double elapsed_s, double expected_s);
 
-/// Of a job's engraving by its plan and the speed that was set, s; 0: not known.
+/// The time of a job's engraving by its plan and the speed that was set, s; 0: not known.
 /// `machine_speed`: multiple of real time; 0: as fast as it can.
 double EngravingSeconds(const JobView& job, double machine_speed = 1);
 
-/// Of the stage at work; nothing where none is at work: before the first point, paused,
-/// ended.
+/// Describes the stage at work; nothing where none is at work: before the first point,
+/// paused, ended.
 WorkLeft WorkLeftOf(const JobView& job);
 
 }  // namespace intaglio::client

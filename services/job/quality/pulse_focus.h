@@ -29,7 +29,7 @@ PulseFocusRecord PulseFocusOf(const MaterialRecord& glass,
                               const OpticalValuesRecord& optics, const LaserHead& laser,
                               const MachineLens& lens, double energy_ratio = 1);
 
-/// Of the largest pulse of a job; without a condition where its lens is not known.
+/// Describes the largest pulse of a job; without a condition where its lens is not known.
 PulseFocusRecord PulseFocusOf(const FrozenJob& job);
 
 /// The condition in words, "met: ...", "not known, for want of tensile strength".
