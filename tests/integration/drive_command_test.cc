@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -126,16 +127,40 @@ TEST_F(DriveCommand, TuneGivesEachGainItsReason) {
 TEST_F(DriveCommand, CompareFindsThePanelThatIsNotStable) {
   const Ended good = Type({"compare", kProfile});
   EXPECT_EQ(good.exit_code, 0) << good.output;
+  for (const char* row : {"rapid    panel", "rapid    tuned", "circle   panel",
+                          "circle   tuned", "corner   panel", "corner   tuned"})
+    EXPECT_THAT(good.output, HasSubstr(row));
   std::string text = testing::TextIn(kProfile);
   for (std::size_t at = 0; (at = text.find("VOLT_PER_MM", at)) != std::string::npos;)
     text.replace(at, 11, "ENCODER_PULSE");
   std::ofstream(folder_ / "pulses.textproto") << text;
   const Ended bad = Type({"compare", (folder_ / "pulses.textproto").string()});
   EXPECT_EQ(bad.exit_code, 3);
-  EXPECT_THAT(bad.output, HasSubstr("NOT STABLE"));
+  EXPECT_THAT(bad.output,
+              AllOf(HasSubstr("NOT STABLE"), HasSubstr("corner   panel    NOT STABLE")));
   const Ended refused = Type({"simulate", (folder_ / "pulses.textproto").string()});
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_THAT(refused.output, HasSubstr("the largest stable one is"));
+}
+
+// Each regime has its answer: the tuned gains leave no lag, so that a circle keeps its
+// radius and no corner is cut by it; a corner at full speed overshoots instead.
+TEST_F(DriveCommand, CompareHasThreeAnswers) {
+  const Ended compared = Type({"compare", kProfile, "--json"});
+  ASSERT_EQ(compared.exit_code, 0) << compared.output;
+  DriveLoops loops;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(compared.output, &loops).ok());
+  ASSERT_EQ(loops.answers_size(), 6);
+  std::map<std::string, RegimeAnswer> answers;
+  for (const RegimeAnswer& answer : loops.answers()) {
+    EXPECT_TRUE(answer.simulated()) << answer.regime();
+    answers[answer.regime() + " " + answer.gains()] = answer;
+  }
+  ASSERT_EQ(answers["rapid panel"].rapid_size(), 2);
+  for (const RapidAnswer& rapid : answers["rapid tuned"].rapid())
+    EXPECT_GE(rapid.settling_ms(), 0);
+  EXPECT_LT(answers["corner tuned"].inside_um(), answers["corner panel"].inside_um());
+  EXPECT_GT(answers["corner tuned"].outside_um(), 0);
 }
 
 TEST_F(DriveCommand, SimulateWritesTableAndPicture) {

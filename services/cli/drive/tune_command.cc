@@ -11,6 +11,7 @@
 #include "proto/drive_report.pb.h"
 #include "services/cli/complain.h"
 #include "services/cli/drive/drive_command.h"
+#include "services/cli/drive/regime_answers.h"
 #include "services/cli/json/print_json.h"
 #include "services/client/exit_codes.h"
 #include "services/job/drive/drive_profile.h"
@@ -150,6 +151,21 @@ DriveLoop LoopOf(const DriveProfile& profile, const CompareRow& row) {
   return loop;
 }
 
+/// The answers of the panel's gains and of the tuned ones, regime by regime.
+std::vector<RegimeAnswer> AnswersOfBoth(const DriveProfile& profile,
+                                        const std::vector<drive::Tuning>& tunings) {
+  NamedLoops panel{"panel", {}}, tuned{"tuned", {}};
+  for (int axis = 0; axis < profile.axes_size(); ++axis) {
+    panel.loops.push_back(PositionLoopOf(profile, profile.axes(axis)));
+    tuned.loops.push_back(tunings[static_cast<std::size_t>(axis)].loop);
+  }
+  const auto of_panel = AnswersOf(profile, panel), of_tuned = AnswersOf(profile, tuned);
+  std::vector<RegimeAnswer> both;
+  for (std::size_t i = 0; i < of_panel.size(); ++i)
+    both.insert(both.end(), {of_panel[i], of_tuned[i]});
+  return both;
+}
+
 int Compare(const DriveTuneOptions& options) {
   const auto profile = ReadDriveProfile(options.profile);
   if (!profile) return Complain(profile.error(), client::kExitWrongInput);
@@ -170,6 +186,10 @@ int Compare(const DriveTuneOptions& options) {
                      tunings[i].largest_stable_period_s});
     *loops.add_loops() = LoopOf(*profile, panel);
     *loops.add_loops() = TunedLoopOf(*profile, axis, tunings[i]);
+  }
+  for (const RegimeAnswer& answer : AnswersOfBoth(*profile, tunings)) {
+    text += AnswerText(answer);
+    *loops.add_answers() = answer;
   }
   const int code = all_stable ? client::kExitGood : client::kExitNotGood;
   if (options.json) {
@@ -205,8 +225,8 @@ void AddDriveTuneCommands(command_line::Command drive) {
       "Exit code: 0 good, 2 wrong input.");
   tune.SetAction([of_tune] { return Tune(*of_tune); });
   auto of_compare = std::make_shared<DriveTuneOptions>();
-  command_line::Command compare =
-      drive.AddCommand("compare", "the gains of the panel beside the tuned ones");
+  command_line::Command compare = drive.AddCommand(
+      "compare", "the gains of the panel beside the tuned ones, in each regime");
   AddTuneOptions(compare, *of_compare);
   compare.SetFooter(
       "Example: intaglio drive compare deploy/drives/tirnovean-2016.textproto\n"
