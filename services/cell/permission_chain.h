@@ -80,6 +80,10 @@ struct ChainLinks {
   bool shutters_open = false;
   bool door_locked = false;  ///< or the machine has no lock
   MachineCounters counters;  ///< of the laser controller, while its line is up
+  // The newest state is older than its lease, and nothing shows that the line, or the
+  // process that has it, was lost: so the link itself (laser_line_up, motion_fresh) does
+  // not hold. True only of a machine whose time is simulated and waits.
+  bool laser_late = false, motion_late = false;
 };
 
 enum class Missing : std::uint8_t {

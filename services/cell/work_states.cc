@@ -6,6 +6,10 @@ const char WorkStates::kLatePermission[] =
     "the permission of the job service is late: this computer is too busy, or its job "
     "service is gone; the job continues when it comes";
 
+const char WorkStates::kLateState[] =
+    "the state of the laser or of the stage is late: this computer is too busy; the job "
+    "continues when it comes";
+
 WorkStates::WorkStates(PermissionChain& chain, Consent& consent)
     : chain_(chain), consent_(consent) {
   // Armed before there was a path, and spent before it came.
@@ -42,9 +46,11 @@ void WorkStates::ReceiveConsent(const GrantInputs& inputs) {
   if (!stopping_) consent_.TakeConsent(inputs, activity() == Activity::kSettles);
 }
 
-bool WorkStates::IsPermissionLate(ChainLinks links, bool with_shutters) const {
-  if (links.permission_fresh) return false;
-  links.permission_fresh = links.permission_granted = true;
+bool WorkStates::IsOnlyLate(ChainLinks links, bool with_shutters) const {
+  if (links.permission_fresh && !links.laser_late && !links.motion_late) return false;
+  if (!links.permission_fresh) links.permission_fresh = links.permission_granted = true;
+  links.laser_line_up = links.laser_line_up || links.laser_late;
+  links.motion_fresh = links.motion_fresh || links.motion_late;
   return chain_.WhatIsMissing(links, with_shutters) == Missing::kNothing;
 }
 

@@ -71,10 +71,11 @@ class WorkStates {
   /// is a zero that is not the job's.
   void RefuseArms(const std::string& why);
   void ReceiveConsent(const GrantInputs& inputs);
-  /// Nothing but a fresh permission is missing for a run. A machine that can wait without
-  /// harm (a spindle that goes on turning, a machine whose time is simulated) rests then
-  /// and goes on when it comes: it is handed nothing meanwhile. Any other halts.
-  bool IsPermissionLate(ChainLinks links, bool with_shutters) const;
+  /// Nothing but a fresh permission, or a state that is late (ChainLinks), is missing for
+  /// a run. A machine that can wait without harm (a spindle that goes on turning, a
+  /// machine whose time is simulated) rests then and goes on when it comes: it is handed
+  /// nothing meanwhile. Any other halts.
+  bool IsOnlyLate(ChainLinks links, bool with_shutters) const;
   /// Also when nothing is open any more: the question spends the grant, as a fault does,
   /// and the answer is a newer grant. Before any grant was received, there is none that
   /// could be spent.
@@ -90,7 +91,7 @@ class WorkStates {
   virtual std::string Question() const = 0;
   virtual std::string TextFor(Missing missing) const = 0;
 
-  static const char kLatePermission[];
+  static const char kLatePermission[], kLateState[];
 
   PermissionChain& chain_;
   std::string message_, alarm_;

@@ -267,7 +267,7 @@ void Marking::Open(const GrantInputs& inputs) {
 bool Marking::HoldsForLatePermission(const GrantInputs& inputs) {
   const bool held = std::exchange(held_, false);
   const drivers::MarkDeviceState& state = driver_.state();
-  if (!state.can_hold || !IsPermissionLate(LinksOf(state, inputs), true)) return false;
+  if (!state.can_hold || !IsOnlyLate(LinksOf(state, inputs), true)) return false;
   held_ = held || driver_.Hold().has_value();
   if (held_) message_ = kLatePermission;
   return held_;

@@ -274,12 +274,12 @@ void Engraving::Run(const EngravingInputs& inputs) {
     links.motion_without_fault = true;
   }
   const bool with_shutters = shutters_.UpdateSeenOpen();
-  if (laser_.simulates_time() && IsPermissionLate(links, with_shutters)) {
-    message_ = kLatePermission;
-    permission_is_late_ = true;
+  if (laser_.simulates_time() && IsOnlyLate(links, with_shutters)) {
+    message_ = links.permission_fresh ? kLateState : kLatePermission;
+    waits_for_late_ = true;
     return;
   }
-  if (std::exchange(permission_is_late_, false)) message_.clear();
+  if (std::exchange(waits_for_late_, false)) message_.clear();
   const Missing missing = chain_.WhatIsMissing(links, with_shutters);
   if (missing != Missing::kNothing) {
     const bool fault = missing != Missing::kPermission;

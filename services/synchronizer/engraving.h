@@ -147,7 +147,7 @@ class Engraving final : public WorkStates {
   bool granted_ = false;  // by the newest permission
   std::string motion_message_;
   bool lamp_stays_ = false;
-  bool permission_is_late_ = false;  // the run waits for it
+  bool waits_for_late_ = false;  // for a permission or a state, within a run
 };
 
 }  // namespace intaglio::synchronizer

@@ -18,6 +18,10 @@ ChainLinks LinksOf(const GrantInputs& inputs, const MotionView& motion,
   links.lamp_warm = laser.Has(link::kLampOn) && laser.Has(link::kLampWarm);
   links.motion_fresh = motion.fresh;
   links.motion_without_fault = motion.fault == intaglio_MOTION_OK;
+  if (laser.simulates_time()) {
+    links.laser_late = laser.up() && !links.laser_line_up;
+    links.motion_late = motion.answers && !motion.fresh;
+  }
   // Another one that is open would let the pulses into another block.
   links.shutters_open = open_mask != 0 && laser.status().shutters_open == open_mask;
   links.counters = {laser.identity().power_up, laser.status().openings};

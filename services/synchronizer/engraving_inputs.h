@@ -30,6 +30,7 @@ struct MotionView {
   std::string message;
   std::uint32_t clock = 0;  ///< the controller's own; 0: it runs on the lamp's ticks
   double position_tolerance_um = 0;  ///< of the controller; 0: not known
+  bool answers = false;  ///< a state has come, and its bridge is not known to have ended
 
   /// Nothing is known of the stage and nothing reaches it.
   bool line_down() const {

@@ -19,20 +19,23 @@ MotionIntake::MotionIntake(bus::Bus& bus, const std::string& cell)
 void MotionIntake::Receive(PermissionIntake& permission,
                            const drivers::LaserController& laser,
                            std::chrono::nanoseconds now) {
-  states_.Take([&](const intaglio_MotionState& sample) {
-    received_at_ = now;
-    view_.tick = sample.tick;
-    view_.position_mm = Vec3(sample.x_mm, sample.y_mm, sample.z_mm);
-    view_.run = sample.run;
-    view_.highest_run = sample.highest_run;
-    view_.covered_through_tick = sample.covered_through_tick;
-    view_.at_rest = sample.at_rest;
-    view_.fault = sample.fault;
-    view_.message = View(sample.message);
-    view_.clock = sample.clock;
-    view_.position_tolerance_um = sample.position_tolerance_um;
-    permission.ReceiveHeld(kBridge, View(sample.bus_stops));
-  });
+  states_.TakeAll(
+      [&](const intaglio_MotionState& sample, const bus::SampleOrigin& origin) {
+        view_.answers = origin.alive;
+        if (!origin.alive) return;
+        received_at_ = now;
+        view_.tick = sample.tick;
+        view_.position_mm = Vec3(sample.x_mm, sample.y_mm, sample.z_mm);
+        view_.run = sample.run;
+        view_.highest_run = sample.highest_run;
+        view_.covered_through_tick = sample.covered_through_tick;
+        view_.at_rest = sample.at_rest;
+        view_.fault = sample.fault;
+        view_.message = View(sample.message);
+        view_.clock = sample.clock;
+        view_.position_tolerance_um = sample.position_tolerance_um;
+        permission.ReceiveHeld(kBridge, View(sample.bus_stops));
+      });
   view_.fresh = received_at_.count() >= 0 && now - received_at_ < kLease;
   if (!view_.fresh) permission.ReceiveHeld(kBridge, {});
   ReceivePositions(laser);

@@ -198,6 +198,39 @@ TEST(EngravingInSimulatedTime, ALatePermissionCostsNoTick) {
   EXPECT_THAT(busy.Disagreements(), testing::IsEmpty());
 }
 
+TEST(EngravingInSimulatedTime, ALateStateOfTheStageCostsNoTick) {
+  const CellOptions options = {.points = 4000, .lockstep = true, .simulates_time = true};
+  FakeCell undisturbed(options), busy(options);
+  undisturbed.Grant();
+  ASSERT_TRUE(undisturbed.StepUntilDone()) << undisturbed.Description();
+  busy.Grant();
+  for (int i = 1; i <= 5; ++i) {
+    ASSERT_TRUE(busy.StepUntilMade(600 * i)) << busy.Description();
+    busy.stage.silent = true;
+    // Its lease, and what is armed; then its time stops.
+    busy.StepFor(1500ms);
+    const std::uint64_t tick = busy.laser.tick();
+    busy.StepFor(3s);
+    EXPECT_EQ(busy.laser.tick(), tick);
+    EXPECT_EQ(busy.phase(), Phase::kRunning);
+    EXPECT_THAT(busy.engraving->message(), testing::HasSubstr("is late"));
+    ASSERT_LT(busy.made(), options.points) << "the job is too short for this test";
+    busy.stage.silent = false;
+  }
+  ASSERT_TRUE(busy.StepUntilDone()) << busy.Description();
+  EXPECT_EQ(busy.engraving->run_count(), 1u);
+  EXPECT_EQ(TicksOfCracks(busy), TicksOfCracks(undisturbed));
+  EXPECT_THAT(busy.Disagreements(), testing::IsEmpty());
+}
+
+TEST(EngravingInSimulatedTime, AnEndedBridgeIsNotWaitedFor) {
+  FakeCell cell({.points = 4000, .lockstep = true, .simulates_time = true});
+  cell.Grant();
+  ASSERT_TRUE(cell.StepUntilMade(600));
+  cell.stage.silent = cell.bridge_ended = true;
+  ASSERT_TRUE(cell.StepUntil([&] { return cell.phase() != Phase::kRunning; }));
+}
+
 // A stop, an interlock and a withdrawn permission are none that is late.
 TEST(EngravingInSimulatedTime, AStopEndsTheRunWhileItsPermissionIsLate) {
   FakeCell cell({.points = 4000, .lockstep = true, .simulates_time = true});

@@ -245,6 +245,7 @@ EngravingInputs FakeCell::Inputs() {
   inputs.motion = stage.view();
   if (!stage.silent) view_at_ = now;
   inputs.motion.fresh = now - view_at_ < kMotionLease;
+  inputs.motion.answers = !bridge_ended;
   return inputs;
 }
 

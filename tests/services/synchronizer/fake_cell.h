@@ -113,6 +113,7 @@ class FakeCell {
   std::uint32_t first_point = 0;
   bool fire_uncertain = false;
   bool permission_fresh = true, permission_granted = false, stop_pressed = false;
+  bool bridge_ended = false;  ///< the bus says so of its process
   /// As the job service does: a fault withdraws the grant, and after a lost line or
   /// process the same one is renewed, a while later, again and again. False: the test
   /// itself decides about the permission.
