@@ -80,8 +80,10 @@ Result<std::pair<int, GerberAperture>> ParseGerberAperture(std::string_view bloc
   std::vector<double> numbers;
   for (std::size_t begin = comma + 1; begin <= block.size();) {
     const std::size_t end = std::min(block.find('X', begin), block.size());
-    begin = std::min(block.find_first_not_of(' ', begin), end);  // some programs' blanks
-    const auto value = io::ParseFinite(block.substr(begin, end - begin));
+    std::string_view word = block.substr(begin, end - begin);
+    word.remove_prefix(std::min(word.find_first_not_of(' '), word.size()));
+    word = word.substr(0, word.find_last_not_of(' ') + 1);
+    const auto value = io::ParseFinite(word);
     if (!value || numbers.size() == kMaxNumbers)
       return WrongParameter("an aperture has a wrong number");
     numbers.push_back(*value);

@@ -91,7 +91,7 @@ TEST(PublicKinds, LegalForms) {
   EXPECT_NEAR(AreaOfText(DataOf("identity_offset_scale.gbr")),
               3.14159265358979 / 4 * 1.27 * 1.27, 1e-6);
   const std::string flash = "%ADD10C,1*%D10*X0Y0D03*M02*";
-  EXPECT_NEAR(AreaOfText("%FSLAX46Y46*%%MOMM*%%ADD10R, 2.00X 3*%D10*X0Y0D03*M02*"), 6,
+  EXPECT_NEAR(AreaOfText("%FSLAX46Y46*%%MOMM*%%ADD10R, 2.00 X 3*%D10*X0Y0D03*M02*"), 6,
               1e-6);
   // An arc in thousandths of an inch: its ends differ by 1.1 of them.
   EXPECT_TRUE(
