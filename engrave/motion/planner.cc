@@ -69,6 +69,7 @@ bool IsJudged(const PlanOptions& options) {
 TickPlannerOptions PlannerOptionsOf(const PlanOptions& options) {
   TickPlannerOptions of_planner = OptionsForRate(options.rate_hz);
   of_planner.tolerance_mm = options.tolerance_mm;
+  of_planner.sweep_mm = options.sweep_mm;
   if (IsJudged(options)) {
     of_planner.acceleration_levels = kAccelerationLevels;
     of_planner.window_points = kJudgedWindow;

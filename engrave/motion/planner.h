@@ -34,6 +34,9 @@ struct PlanOptions {
   /// How far a point may be moved where that saves ticks, >= 0; regarded where the stage
   /// does not stop.
   double tolerance_mm = 0;
+  /// How far above or below a point, besides, the third axis may pass it, >= 0; regarded
+  /// where the stage does not stop (tick_planner.h).
+  double sweep_mm = 0;
 };
 
 /// Streams: target in, commands out that may come later, in the order of the targets.

@@ -1,5 +1,6 @@
 #include "engrave/motion/tick_planner.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -13,6 +14,11 @@ namespace {
 /// Each pass starts with the ticks of the previous one; a third pass hardly saves another
 /// tick.
 constexpr int kMoveAttempts = 2;
+
+/// A third axis that is too slow for the ticks of the others gets more of them with each
+/// attempt.
+constexpr int kSweepAttempts = 4;
+constexpr int kSweptAxis = 2;
 
 /// How often a window is planned anew with slower steps.
 constexpr int kSlowDowns = 40;
@@ -62,6 +68,8 @@ TickPlanner::TickPlanner(const Limits& limits, double rate_hz,
           options.window_points, options.look_ahead_points);
   Require(options.tolerance_mm >= 0 && std::isfinite(options.tolerance_mm),
           "tolerance_mm must not be negative, is {}", options.tolerance_mm);
+  Require(options.sweep_mm >= 0 && std::isfinite(options.sweep_mm),
+          "sweep_mm must not be negative, is {}", options.sweep_mm);
 }
 
 void TickPlanner::Append(const Vec3& target_mm, std::int32_t point, bool pulse,
@@ -70,7 +78,7 @@ void TickPlanner::Append(const Vec3& target_mm, std::int32_t point, bool pulse,
           target_mm.y(), target_mm.z());
   targets_.push_back({target_mm, point, pulse});
   if (targets_.size() < static_cast<std::size_t>(options_.window_points)) return;
-  PlanWindow();
+  PlanWindow(false);
   HandOut(targets_.size() - static_cast<std::size_t>(options_.look_ahead_points), out);
 }
 
@@ -79,21 +87,21 @@ void TickPlanner::Finish(std::vector<Segment>& out) {
   // still has to come to rest: a tick at the last target.
   const std::size_t before = out.size();
   if (targets_.empty()) targets_.push_back({state_.position_mm, -1, false});
-  PlanWindow();
+  PlanWindow(true);
   HandOut(targets_.size(), out);
   Require(out.size() > before, "a program ended without a segment");
   out.back().program_end = true;
 }
 
-void TickPlanner::PlanWindow() {
+void TickPlanner::PlanWindow(bool to_end) {
   levels_.clear();
-  PlanOnce();
-  if (judge_ != nullptr) SlowDown();
+  PlanOnce(to_end);
+  if (judge_ != nullptr) SlowDown(to_end);
 }
 
 // What is left of a jump of the acceleration at a point grows with it: a step is given a
 // smaller acceleration, and those beside it, between which it jumps.
-void TickPlanner::SlowDown() {
+void TickPlanner::SlowDown(bool to_end) {
   const std::size_t count = targets_.size();
   std::vector<Segment> planned;
   std::vector<bool> too_fast;
@@ -110,7 +118,7 @@ void TickPlanner::SlowDown() {
       any = true;
     }
     if (!any) return;
-    PlanOnce();
+    PlanOnce(to_end);
   }
 }
 
@@ -125,10 +133,14 @@ void TickPlanner::AddSegments(std::size_t count, std::vector<Segment>& out) cons
   }
 }
 
-void TickPlanner::PlanOnce() {
+void TickPlanner::PlanOnce(bool to_end) {
   way_.points_mm.clear();
   for (const Target& target : targets_) way_.points_mm.push_back(target.position_mm);
-  PlanThrough(way_);
+  if (options_.sweep_mm > 0) {
+    SweepPast(to_end);
+  } else {
+    PlanThrough(way_);
+  }
   if (options_.tolerance_mm > 0) MovePoints();
   ChooseSpeeds(state_.velocity_mm_s, way_.steps_mm, way_.timed, way_.near_walls, choices_,
                rate_hz_, options_.sweeps, ends_mm_s_);
@@ -147,6 +159,48 @@ void TickPlanner::PlanThrough(Way& way) {
   labels_.Choose(state_, way.steps_mm, way.near_walls, levels_, way.timed);
   way.ticks = 0;
   for (const TimedStep& step : way.timed) way.ticks += step.ticks;
+}
+
+// First the ticks that the other two axes take by themselves, then the course of the
+// third at the times of these, then the ticks of all three; those are the times of the
+// next attempt.
+void TickPlanner::SweepPast(bool to_end) {
+  const std::size_t count = targets_.size();
+  heights_mm_.clear();
+  seconds_.resize(count);
+  for (const Target& target : targets_) {
+    heights_mm_.push_back(target.position_mm[kSweptAxis]);
+  }
+  const KnotState state = state_;
+  const double height_mm = state.position_mm[kSweptAxis];
+  for (Vec3& point : way_.points_mm) point[kSweptAxis] = height_mm;
+  state_.velocity_mm_s[kSweptAxis] = 0;
+  PlanThrough(way_);
+  state_ = state;
+  const std::uint64_t fewest = way_.ticks;
+  const Box3& travel_mm = choices_[0].whole.travel_mm;
+  bool any = false;
+  for (int attempt = 0; attempt < kSweepAttempts; ++attempt) {
+    const Way& timed = attempt == 0 ? way_ : moved_way_;
+    for (std::size_t i = 0; i < count; ++i) seconds_[i] = timed.timed[i].ticks / rate_hz_;
+    sweep_.Solve({height_mm, state_.velocity_mm_s[kSweptAxis]}, heights_mm_, seconds_,
+                 options_.sweep_mm,
+                 choices_[0].planned.max_acceleration_mm_s2[kSweptAxis], to_end,
+                 swept_mm_);
+    moved_way_.points_mm.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      Vec3& point = moved_way_.points_mm[i] = targets_[i].position_mm;
+      // A target beyond the travel stays on its side of it.
+      point[kSweptAxis] =
+          std::clamp(swept_mm_[i], std::min(travel_mm.min_mm[kSweptAxis], heights_mm_[i]),
+                     std::max(travel_mm.max_mm[kSweptAxis], heights_mm_[i]));
+    }
+    PlanThrough(moved_way_);
+    if (!any || moved_way_.ticks < best_way_.ticks) best_way_ = moved_way_;
+    any = true;
+    if (best_way_.ticks <= fewest) break;
+  }
+  std::swap(way_, best_way_);
 }
 
 void TickPlanner::MovePoints() {

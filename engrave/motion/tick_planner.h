@@ -17,6 +17,7 @@
 #include "engrave/motion/point_shift.h"
 #include "engrave/motion/segment.h"
 #include "engrave/motion/step_judge.h"
+#include "engrave/motion/sweep_course.h"
 #include "engrave/motion/tick_labels.h"
 
 namespace intaglio::motion {
@@ -32,6 +33,10 @@ struct TickPlannerOptions {
   int sweeps = 2;
   /// How far a point may be moved where that saves ticks, >= 0.
   double tolerance_mm = 0;
+  /// How far above or below a point, besides, the third axis may pass it so that it need
+  /// not stop at its height (sweep_course.h), >= 0. The last point before a rest is met
+  /// at its height.
+  double sweep_mm = 0;
   /// Of accelerations, each smaller than the one before, from which steps that a judge
   /// finds too fast take theirs, >= 1.
   int acceleration_levels = 1;
@@ -84,13 +89,15 @@ class TickPlanner {
     std::uint64_t ticks = 0;
   };
 
-  void PlanWindow();
-  void PlanOnce();
+  /// `to_end`: the last target is the end of the program.
+  void PlanWindow(bool to_end);
+  void PlanOnce(bool to_end);
   /// Until the judge agrees, or for a number of times.
-  void SlowDown();
+  void SlowDown(bool to_end);
   void AddSegments(std::size_t count, std::vector<Segment>& out) const;
   /// Fills in all but the points.
   void PlanThrough(Way& way);
+  void SweepPast(bool to_end);
   void MovePoints();
   void HandOut(std::size_t count, std::vector<Segment>& out);
 
@@ -104,6 +111,9 @@ class TickPlanner {
   std::vector<Target> targets_;  ///< Not yet returned.
   Way way_;
   Way moved_way_;  ///< Tried, and better or not.
+  Way best_way_;   ///< The best that sweeps.
+  SweepCourse sweep_;
+  std::vector<double> heights_mm_, seconds_, swept_mm_;  ///< The window's points.
   PointMoves moves_;
   std::vector<Vec3> ends_mm_s_;
   const StepJudge* judge_ = nullptr;
