@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kMaxRatio = 100;
 constexpr std::size_t kBucketSize = 8;
-constexpr std::size_t kPointsPerReport = 1 << 12;
+constexpr std::size_t kPublishedReportPoints = 1 << 12;
 
 double Outside(double low, double high, double at) {
   return std::max({low - at, at - high, 0.0});
@@ -176,7 +176,7 @@ Result<Order> OrderByPublishedKdz(const PointList& points_mm, const OrderOptions
   PointTree tree(points_mm, options.published_kdz);
   Vec3 now_mm = points_mm[LowestPoint(points_mm)];
   for (std::size_t made = 0; made < order.size(); ++made) {
-    if (progress && made % kPointsPerReport == 0 && !progress(made, order.size())) {
+    if (progress && made % kPublishedReportPoints == 0 && !progress(made, order.size())) {
       return Fail(ErrorCode::kCancelled, "the sort was cancelled");
     }
     order[made] = tree.TakeNearest(now_mm);

@@ -9,7 +9,10 @@
 // inside, and all are if (distance to the farthest corner, height of the bottom) is. Both
 // are evaluated with the expression that is used for single points, and each of its
 // operations is monotone in floating point as well; so the result is that of the brute
-// force, bit for bit.
+// force, bit for bit. Where the axis of the cone leans, the box moves aside with it: over
+// the heights of the box the axis covers a stretch, by which the box counts as wider for
+// the first test and as farther for the second; a hair's breadth is added to both for
+// rounding, since the test of single points decides in the end.
 
 #include "engrave/sort/shadow.h"
 
@@ -32,6 +35,22 @@ bool Inside(double dx, double dy, double dz, const BeamCone& cone) {
   return cone.Shades(std::sqrt(dx * dx + dy * dy), dz);
 }
 
+/// How wide a box is across, seen from the leaning axis.
+struct Across {
+  double near_mm, far_mm;
+};
+
+Across AcrossOf(double low_mm, double high_mm, double lean_ratio, double low_up_mm,
+                double high_up_mm) {
+  if (lean_ratio != 0) {
+    constexpr double kHairMm = 1e-9;
+    const double a = lean_ratio * low_up_mm, b = lean_ratio * high_up_mm;
+    low_mm -= std::max(a, b) + kHairMm;
+    high_mm -= std::min(a, b) - kHairMm;
+  }
+  return {std::max({low_mm, -high_mm, 0.0}), std::max(high_mm, -low_mm)};
+}
+
 /// Inside the cone of the point made `rank`-th, is there a crack made before it?
 class CrackTree {
  public:
@@ -43,7 +62,7 @@ class CrackTree {
   }
 
   bool IsViolated(std::uint32_t rank) const {
-    return !nodes_.empty() && HasEarlierCrack(0, rank);
+    return !nodes_.empty() && HasEarlierCrack(0, rank, cone_.LeanAt(made_mm_[rank]));
   }
 
  private:
@@ -83,26 +102,25 @@ class CrackTree {
     return self;
   }
 
-  bool HasEarlierCrack(std::uint32_t index, std::uint32_t rank) const {
+  bool HasEarlierCrack(std::uint32_t index, std::uint32_t rank, const Vec2& lean) const {
     const Node& node = nodes_[index];
     if (node.first_rank >= rank) return false;
     const Vec3& p = made_mm_[rank];
-    const Vec3& low = node.box.min_mm;
-    const Vec3& high = node.box.max_mm;
-    const double near_x = std::max({low.x() - p.x(), p.x() - high.x(), 0.0});
-    const double near_y = std::max({low.y() - p.y(), p.y() - high.y(), 0.0});
-    if (!Inside(near_x, near_y, high.z() - p.z(), cone_)) return false;
-    const double far_x = std::max(high.x() - p.x(), p.x() - low.x());
-    const double far_y = std::max(high.y() - p.y(), p.y() - low.y());
-    if (Inside(far_x, far_y, low.z() - p.z(), cone_)) return true;
+    const Vec3 low = node.box.min_mm - p;
+    const Vec3 high = node.box.max_mm - p;
+    if (high.z() <= 0) return false;
+    const double low_up_mm = std::max(low.z(), 0.0);
+    const Across x = AcrossOf(low.x(), high.x(), lean.x(), low_up_mm, high.z());
+    const Across y = AcrossOf(low.y(), high.y(), lean.y(), low_up_mm, high.z());
+    if (!Inside(x.near_mm, y.near_mm, high.z(), cone_)) return false;
+    if (Inside(x.far_mm, y.far_mm, low.z(), cone_)) return true;
     if (node.right != 0) {
-      return HasEarlierCrack(index + 1, rank) || HasEarlierCrack(node.right, rank);
+      return HasEarlierCrack(index + 1, rank, lean) ||
+             HasEarlierCrack(node.right, rank, lean);
     }
     return std::any_of(ranks_.begin() + node.begin, ranks_.begin() + node.end,
-                       [this, rank, &p](std::uint32_t other) {
-                         if (other >= rank) return false;
-                         const Vec3 d = made_mm_[other] - p;
-                         return Inside(d.x(), d.y(), d.z(), cone_);
+                       [&](std::uint32_t other) {
+                         return other < rank && cone_.Shades(made_mm_[other] - p, lean);
                        });
   }
 

@@ -13,6 +13,13 @@ void RequireUsable(const BeamCone& cone) {
           "crack_radius_mm must not be negative, is {}", cone.crack_radius_mm);
   Require(cone.crack_length_mm > 0 && std::isfinite(cone.crack_length_mm),
           "crack_length_mm must be positive, is {}", cone.crack_length_mm);
+  if (!cone.lean) return;
+  const BeamLean& lean = *cone.lean;
+  Require((lean.pupil_mm.array() > 0).all(), "pupil_mm must be positive, is {} and {}",
+          lean.pupil_mm.x(), lean.pupil_mm.y());
+  Require(lean.refractive_index >= 1 && lean.depth_ratio > 0 && lean.widest_mm >= 0,
+          "a lean of refractive_index {}, depth_ratio {} and widest_mm {}",
+          lean.refractive_index, lean.depth_ratio, lean.widest_mm);
 }
 
 }  // namespace intaglio::sort

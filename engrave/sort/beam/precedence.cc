@@ -14,8 +14,7 @@ namespace intaglio::sort {
 namespace {
 
 bool IsPair(const Vec3& below, const Vec3& above, const BeamCone& cone) {
-  const Vec3 d = above - below;
-  return cone.Shades(std::sqrt(d.x() * d.x() + d.y() * d.y()), d.z());
+  return cone.Shades(below, above);
 }
 
 /// Points sorted by x, so that only those near in x are checked.
@@ -60,7 +59,8 @@ Precedence::Precedence(std::span<const Vec3> points_mm, const BeamCone& cone)
   for (std::uint32_t p = 0; p < points_mm.size(); ++p) {
     above.clear();
     const double up_mm = std::max(top_mm - points_mm[p].z(), 0.0);
-    along_x.Within(p, cone.ReachMm(up_mm), [&](std::uint32_t e) {
+    const double leaning_mm = std::abs(cone.LeanAt(points_mm[p]).x()) * up_mm;
+    along_x.Within(p, cone.ReachMm(up_mm) + leaning_mm, [&](std::uint32_t e) {
       if (IsPair(points_mm[p], points_mm[e], cone)) above.push_back(e);
     });
     std::sort(above.begin(), above.end(), [&](std::uint32_t a, std::uint32_t b) {

@@ -340,7 +340,8 @@ std::optional<std::uint32_t> RemainingPoints::ShadedIn(std::size_t level,
     if (up_mm <= 0) continue;
     const double near_x = std::max({bounds.min_x[i] - x, x - bounds.max_x[i], slack});
     const double near_y = std::max({bounds.min_y[i] - y, y - bounds.max_y[i], slack});
-    if (std::hypot(near_x - slack, near_y - slack) >= cone.ReachMm(up_mm)) continue;
+    const double reach_mm = cone.ReachMm(up_mm) + cone.SteepestLean() * up_mm;
+    if (std::hypot(near_x - slack, near_y - slack) >= reach_mm) continue;
     const std::size_t child = node * kFan + i;
     if (level > 0) {
       if (const auto found = ShadedIn(level - 1, child, point_mm, cone)) return found;
@@ -348,10 +349,7 @@ std::optional<std::uint32_t> RemainingPoints::ShadedIn(std::size_t level,
     }
     const Leaf& leaf = leaves_[child];
     for (std::size_t p = 0; p < leaf.count; ++p) {
-      const double dx = leaf.x[p] - point_mm.x();
-      const double dy = leaf.y[p] - point_mm.y();
-      const double up = point_mm.z() - leaf.z[p];
-      if (cone.Shades(std::sqrt(dx * dx + dy * dy), up)) return leaf.index[p];
+      if (cone.Shades({leaf.x[p], leaf.y[p], leaf.z[p]}, point_mm)) return leaf.index[p];
     }
   }
   return std::nullopt;

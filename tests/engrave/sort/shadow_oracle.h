@@ -33,7 +33,8 @@ inline std::uint64_t CountShadowViolationsBruteForce(const PointList& made_mm,
     bool violated = false;
     for (std::size_t earlier = 0; earlier < made && !violated; ++earlier) {
       const Vec3 d = made_mm[earlier] - made_mm[made];
-      violated = cone.Shades(std::sqrt(d.x() * d.x() + d.y() * d.y()), d.z());
+      const Vec2 axis_mm = d.z() * cone.LeanAt(made_mm[made]);
+      violated = cone.Shades((d.head<2>() - axis_mm).norm(), d.z());
     }
     violations += violated;
   }
