@@ -16,6 +16,7 @@
 #include "engrave/sort/layers.h"
 #include "engrave/sort/published_kdz.h"
 #include "engrave/sort/smooth.h"
+#include "engrave/sort/sweep.h"
 
 namespace intaglio::sort {
 namespace {
@@ -32,6 +33,7 @@ constexpr std::array kMethods = {
     MethodRow{Method::kLayers, CheckLayersOptions, OrderByLayers},
     MethodRow{Method::kSmooth, CheckSmoothOptions, OrderSmoothly},
     MethodRow{Method::kAnneal, CheckAnnealOptions, OrderByAnnealing},
+    MethodRow{Method::kSweep, CheckSweepOptions, OrderBySweep},
     MethodRow{Method::kBoustrophedon, CheckBoustrophedonOptions, OrderByBoustrophedon},
     MethodRow{Method::kPublishedKdz, CheckPublishedKdzOptions, OrderByPublishedKdz},
 };

@@ -20,9 +20,9 @@ OrderOptions With(Method method) {
   return options;
 }
 
-constexpr Method kAll[] = {Method::kKdz,           Method::kLayers,
-                           Method::kSmooth,        Method::kAnneal,
-                           Method::kBoustrophedon, Method::kPublishedKdz};
+constexpr Method kAll[] = {Method::kKdz,    Method::kLayers,        Method::kSmooth,
+                           Method::kAnneal, Method::kBoustrophedon, Method::kPublishedKdz,
+                           Method::kSweep};
 
 TEST(MakeOrder, NamesEveryPointOnceAndAlwaysTheSame) {
   for (const Method method : kAll) {

@@ -1,0 +1,98 @@
+#include "engrave/sort/sweep.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engrave/sort/planned_ticks.h"
+#include "tests/engrave/sort/order_checks.h"
+
+namespace intaglio::sort::sweep_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+OrderOptions SweepIn(double slab_mm) {
+  OrderOptions options;
+  options.method = Method::kSweep;
+  options.sweep.slab_mm = slab_mm;
+  options.limits.max_speed_mm_s = {8000, 8000, 50};
+  options.limits.max_acceleration_mm_s2 = {5e7, 5e7, 1000};
+  options.rate_hz = 4000;
+  options.cone = {0.02, 0.035, 0.15};
+  return options;
+}
+
+TEST(Sweep, MakesSlabAfterSlabAndFiresThroughNothing) {
+  // Near enough in the slab of the last that cracks reach into the cones of others.
+  for (const auto& [points_mm, slab_mm] :
+       {std::pair(RandomBox(3000, {50, 50, 50}, 1), 0.5),
+        std::pair(RandomBox(1500, {1, 1, 1}, 2), 0.2),
+        std::pair(SlicedVase(12, 0.1, 0.1), 0.35),
+        std::pair(PointList{{1, 2, 3}}, 1.0)}) {
+    const OrderOptions options = SweepIn(slab_mm);
+    const Order order = MakeOrder(points_mm, options).value();
+    ExpectEachOnce(order, points_mm.size());
+    ExpectNoneShaded(points_mm, order, options.cone);
+    const PointList made_mm = InOrder(points_mm, order);
+    double lowest_mm = made_mm.front().z();
+    for (const Vec3& point : points_mm) lowest_mm = std::min(lowest_mm, point.z());
+    double slab = 0;
+    for (const Vec3& point : made_mm) {
+      const double own = std::floor((point.z() - lowest_mm) / slab_mm + 1e-6);
+      ASSERT_GE(own, slab);
+      slab = own;
+    }
+  }
+}
+
+TEST(Sweep, DoesNotDependOnTheWorkers) {
+  const PointList points_mm = RandomBox(4000, {20, 20, 2}, 5);
+  OrderOptions options = SweepIn(0.1);
+  const Order alone = MakeOrder(points_mm, options).value();
+  for (const Executor& executor : Executors()) {
+    options.executor = executor;
+    EXPECT_EQ(MakeOrder(points_mm, options).value(), alone);
+  }
+}
+
+// Measured by the planner, of the two mirrors alone.
+TEST(Sweep, ChangesSaveTicksOfTheMirrors) {
+  const PointList points_mm = RandomBox(4000, {30, 30, 1}, 6);
+  PointList flat_mm = points_mm;
+  for (Vec3& point : flat_mm) point.z() = 0;
+  OrderOptions options = SweepIn(0.1);
+  const auto ticks = [&] {
+    return PlannedTicks(flat_mm, MakeOrder(points_mm, options).value(), options.limits,
+                        options.rate_hz);
+  };
+  options.sweep.tries_per_point = 0;
+  const std::uint64_t nearest = ticks();
+  options.sweep.tries_per_point = 30;
+  EXPECT_LT(static_cast<double>(ticks()), 0.95 * static_cast<double>(nearest));
+}
+
+TEST(Sweep, RefusesWhatIsOutsideItsRangesAndStopsWhenAsked) {
+  const PointList points_mm = RandomBox(100, {1, 1, 1}, 7);
+  for (const double slab_mm : {0.0, 0.009, 101.0}) {
+    const auto order = MakeOrder(points_mm, SweepIn(slab_mm));
+    ASSERT_FALSE(order);
+    EXPECT_THAT(order.error().message, HasSubstr("sweep.slab_mm"));
+  }
+  OrderOptions options = SweepIn(0.1);
+  options.sweep.tries_per_point = -1;
+  EXPECT_THAT(MakeOrder(points_mm, options).error().message,
+              HasSubstr("sweep.tries_per_point"));
+  options = SweepIn(0.1);
+  options.rate_hz = 30000;
+  EXPECT_THAT(MakeOrder(points_mm, options).error().message, HasSubstr("rate_hz"));
+  const auto stopped = MakeOrder(points_mm, SweepIn(0.1),
+                                 [](std::uint64_t, std::uint64_t) { return false; });
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().code, ErrorCode::kCancelled);
+}
+
+}  // namespace
+}  // namespace intaglio::sort::sweep_test
