@@ -182,6 +182,18 @@ void CheckChannels(const JobSpec& job, Findings& findings) {
       findings);
 }
 
+/// Half of the crack's length above or below its place, a crack would no longer be there.
+void CheckDepthTolerance(const JobSpec& job, const MachineSpec& machine,
+                         Findings& findings) {
+  const MachineLens* lens = FindLens(machine, job.lens().focal_length_mm());
+  if (lens == nullptr || lens->crack_length_mm() <= 0) return;
+  const double max_um = 1e3 * lens->crack_length_mm() / 2;
+  if (job.motion().depth_tolerance_um() <= max_um) return;
+  findings.Wrong("motion.depth_tolerance_um", job.motion().depth_tolerance_um(),
+                 "is above half of the length of a crack of the lens {}, {:g}",
+                 lens->name(), max_um);
+}
+
 void CheckMotion(const MotionOptions& motion, double min_spacing_mm,
                  const MachineSpec& machine, Findings& findings) {
   // Numbers pass the readers of files.
@@ -261,6 +273,7 @@ std::vector<Finding> CheckJobOnMachine(const JobSpec& job, const MachineSpec& ma
   CheckMethods(whole, findings);
   CheckOrdering(job.ordering(), findings);
   CheckMotion(whole.motion(), whole.discretization().min_spacing_mm(), machine, findings);
+  CheckDepthTolerance(whole, machine, findings);
   CheckLaserOn(whole.laser(), machine, findings);
   CheckEnergiesOn(whole, machine, findings);
   CheckChannels(whole, findings);

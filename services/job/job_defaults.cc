@@ -17,7 +17,8 @@
 namespace intaglio {
 namespace {
 
-constexpr double kDefaultMarginMm = 3;  // the source's objects are 3-5 mm smaller
+constexpr double kThinnestSlabMm = 0.01;  // of SweepOrder
+constexpr double kDefaultMarginMm = 3;    // the source's objects are 3-5 mm smaller
 constexpr double kDefaultTextMm = 5;
 constexpr double kDefaultStageLagS = 0.0002;
 constexpr std::uint32_t kDefaultMaxMissedInARow = 5;
@@ -133,8 +134,20 @@ void FillModel(Model& model, const Discretization& discretization) {
   FillChosen(model, discretization.min_spacing_mm());
 }
 
-void FillOrdering(Ordering& ordering, double spacing_mm) {
-  if (ordering.method_case() == Ordering::METHOD_NOT_SET) ordering.mutable_anneal();
+/// `motion`: with its defaults.
+void FillOrdering(Ordering& ordering, double spacing_mm, const MotionOptions& motion,
+                  const MachineSpec& machine) {
+  if (ordering.method_case() == Ordering::METHOD_NOT_SET) {
+    if (machine.has_head_over_block()) {
+      ordering.mutable_sweep();
+    } else {
+      ordering.mutable_anneal();
+    }
+  }
+  if (ordering.has_sweep() && !ordering.sweep().has_slab_mm()) {
+    ordering.mutable_sweep()->set_slab_mm(
+        std::max(kThinnestSlabMm, 1e-3 * motion.depth_tolerance_um()));
+  }
   if (ordering.has_layers() && !ordering.layers().has_layer_thickness_mm()) {
     ordering.mutable_layers()->set_layer_thickness_mm(spacing_mm);
   }
@@ -156,13 +169,26 @@ void FillOrdering(Ordering& ordering, double spacing_mm) {
   }
 }
 
-void FillMotion(MotionOptions& motion, const MachineSpec& machine) {
+/// Of the crack's length: with what remains of lag and aberration, a crack is within a
+/// tenth of its length.
+constexpr double kDepthToleranceRatio = 1.0 / 15;
+
+double DefaultDepthToleranceUm(const Lens& lens, const MachineSpec& machine) {
+  const MachineLens* mounted = FindLens(machine, lens.focal_length_mm());
+  if (!machine.has_head_over_block() || mounted == nullptr) return 0;
+  return 1e3 * kDepthToleranceRatio * mounted->crack_length_mm();
+}
+
+void FillMotion(MotionOptions& motion, const Lens& lens, const MachineSpec& machine) {
   const FocusLimits limits = FocusLimitsOf(machine);
   if (!motion.has_max_speed_mm_s()) motion.set_max_speed_mm_s(limits.speed_mm_s);
   if (!motion.has_max_acceleration_mm_s2()) {
     motion.set_max_acceleration_mm_s2(limits.acceleration_mm_s2);
   }
   if (!motion.has_tolerance_um()) motion.set_tolerance_um(0);
+  if (!motion.has_depth_tolerance_um()) {
+    motion.set_depth_tolerance_um(DefaultDepthToleranceUm(lens, machine));
+  }
   if (!motion.has_lq()) return;
   LqWeights& lq = *motion.mutable_lq();
   if (!lq.has_moving_mass_kg()) lq.set_moving_mass_kg(1);
@@ -260,8 +286,9 @@ JobSpec WithDefaults(JobSpec job, const MachineSpec& machine) {
   FillSpacing(job.lens(), machine, *job.mutable_discretization());
   FillDiscretization(*job.mutable_discretization());
   for (Model& model : *job.mutable_models()) FillModel(model, job.discretization());
-  FillOrdering(*job.mutable_ordering(), job.discretization().min_spacing_mm());
-  FillMotion(*job.mutable_motion(), machine);
+  FillMotion(*job.mutable_motion(), job.lens(), machine);
+  FillOrdering(*job.mutable_ordering(), job.discretization().min_spacing_mm(),
+               job.motion(), machine);
   FillLaser(*job.mutable_laser(), machine.laser());
   FillChannels(job);
   if (machine.has_loading() && !job.has_station()) job.set_station(1);

@@ -12,6 +12,7 @@
 #include "engrave/sort/kdz.h"
 #include "services/job/job_defaults.h"
 #include "services/job/machine/block_origin.h"
+#include "services/job/machine/head_over_block.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/machine/machine_drives.h"
 
@@ -104,11 +105,52 @@ mesh::Placement PlacementOf(const Placement& placement, const Block& block,
   return result;
 }
 
+namespace {
+
+/// The beams of a scan head come from the pupil of the lens. Frame glass.
+std::optional<sort::BeamLean> LeanOf(const FrozenJob& job) {
+  if (!job.machine().has_head_over_block()) return std::nullopt;
+  const optics::MachineFromGlass frame = MachineFromGlassOf(job);
+  sort::BeamLean lean;
+  lean.pupil_mm = HeadOptionsOf(job.machine().head_over_block()).lens.pupil_mm;
+  lean.axis_mm = -frame.block_origin_mm.head<2>();
+  lean.top_mm = frame.block_size_mm.z();
+  lean.refractive_index =
+      std::max(1.0, optics::RefractiveIndexOf(frame.stage_per_glass_ratio,
+                                              job.job().lens().numerical_aperture()));
+  const Vec2 size_mm = frame.block_size_mm.head<2>();
+  lean.widest_mm =
+      lean.axis_mm.cwiseAbs().cwiseMax((size_mm - lean.axis_mm).cwiseAbs()).norm();
+  return lean;
+}
+
+}  // namespace
+
+sort::BeamCone PointConeOf(const FrozenJob& job) {
+  sort::BeamCone cone = job.optics().cone_tangent();
+  cone.lean = LeanOf(job);
+  return cone;
+}
+
+sort::BeamCone PointConeInMachine(const FrozenJob& job) {
+  const optics::MachineFromGlass frame = MachineFromGlassOf(job);
+  sort::BeamCone cone = PointConeOf(job);
+  cone.tangent /= frame.stage_per_glass_ratio;
+  if (cone.lean) {
+    cone.lean->axis_mm += frame.block_origin_mm.head<2>();
+    cone.lean->top_mm = frame.top_z_mm();
+    cone.lean->depth_ratio = 1 / frame.stage_per_glass_ratio;
+  }
+  return cone;
+}
+
 sort::BeamCone BeamConeOf(const FrozenJob& job) {
-  const double tangent = job.optics().cone_tangent();
+  sort::BeamCone cone = PointConeOf(job);
   const MachineLens* lens = FindLens(job.machine(), job.job().lens().focal_length_mm());
-  if (lens == nullptr || lens->crack_length_mm() <= 0) return tangent;
-  return {tangent, 0.5 * lens->crack_diameter_mm(), lens->crack_length_mm()};
+  if (lens == nullptr || lens->crack_length_mm() <= 0) return cone;
+  cone.crack_radius_mm = 0.5 * lens->crack_diameter_mm();
+  cone.crack_length_mm = lens->crack_length_mm();
+  return cone;
 }
 
 namespace {
@@ -149,6 +191,10 @@ void SetMethod(const Ordering& ordering, sort::OrderOptions& options) {
     case Ordering::kPublishedKdz:
       options.method = sort::Method::kPublishedKdz;
       options.published_kdz = RatiosOf(ordering.published_kdz());
+      break;
+    case Ordering::kSweep:
+      options.method = sort::Method::kSweep;
+      options.sweep.slab_mm = ordering.sweep().slab_mm();
       break;
     case Ordering::METHOD_NOT_SET:
       Require(false, "the job's defaults are not filled in");
@@ -196,6 +242,7 @@ void SetOptionalLimits(const FrozenJob& job, motion::PlanOptions& plan) {
   plan.tolerance_mm = AxisToleranceOf(job, 1e-3 * job.job().motion().tolerance_um());
   // Where the place decides and not the tick, nothing is late.
   if (job.machine().pulse_trigger() == PULSE_TRIGGER_AT_PLACE) return;
+  plan.sweep_mm = AxisDepthOf(job, 1e-3 * job.job().motion().depth_tolerance_um());
   const double planned_mm =
       kPlannedErrorRatio * 1e-3 * job.machine().position_tolerance_um();
   plan.error_limit = AxisToleranceOf(job, planned_mm);

@@ -38,6 +38,11 @@ mesh::Placement PlacementOf(const Placement& placement, const Block& block,
 /// The beam above a point, and what the cracks of the job's lens take of it.
 sort::BeamCone BeamConeOf(const FrozenJob& job);
 
+/// The same of cracks that are points: what is counted of an order. Frame glass.
+sort::BeamCone PointConeOf(const FrozenJob& job);
+/// The same in the frame machine, for places in air (optics/machine_frame.h).
+sort::BeamCone PointConeInMachine(const FrozenJob& job);
+
 /// Method, the beam's cone with the cracks of the job's lens, and the stage's limits in
 /// the glass. Where the order Kdz leaves its weight open, it follows from the cone.
 /// Workers and a time budget (AnnealOrder.time_s) are the caller's to set.

@@ -57,8 +57,8 @@ Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
   }
   cloud = {};
   INTAGLIO_TRY(CheckHeadClearance(job, result.cloud.points_mm, PointOrder::kOfEngraving));
-  outcome.set_shadow_violation_count(sort::CountShadowViolations(
-      result.cloud.points_mm, masks, job.optics().cone_tangent()));
+  outcome.set_shadow_violation_count(
+      sort::CountShadowViolations(result.cloud.points_mm, masks, PointConeOf(job)));
   outcome.set_shutter_change_count(CountChanges(masks));
   const CloudFindings found =
       FindInCloud(job.job(), job.machine(), result.cloud, masks, host::AllCores());

@@ -66,8 +66,7 @@ Result<EngravingJob> EngravingOf(const PreparationTask& task, const PointCloud& 
       job.places_mm.push_back(frame.machine_from_glass().ToMachine(path.points_mm[i]));
     }
   }
-  job.cone_tangent =
-      frozen.optics().cone_tangent() / frozen.optics().stage_per_glass_ratio();
+  job.cone = PointConeInMachine(frozen);
   return job;
 }
 

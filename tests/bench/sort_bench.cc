@@ -26,11 +26,14 @@ PointList InOrder(const PointList& points_mm, const Order& order) {
   return made_mm;
 }
 
-/// At the published machine's limits, which are those that OrderOptions begins with.
-double Utilisation(const PointList& path_mm, double rate_hz) {
+/// At the limits of the order: as it begins, those of the published machine. z may pass
+/// the points as far beside them as a slab of the sweep is thick.
+double Utilisation(const PointList& path_mm, const OrderOptions& order) {
   motion::PlanOptions options;
-  options.rate_hz = rate_hz;
+  options.limits = order.limits;
+  options.rate_hz = order.rate_hz;
   options.continuous = true;
+  if (order.method == Method::kSweep) options.sweep_mm = order.sweep.slab_mm;
   const auto planner = motion::MakePlanner(options, path_mm.front());
   std::vector<motion::Segment> segments;
   for (const Vec3& p : path_mm) {
@@ -54,8 +57,9 @@ void Measure(benchmark::State& state, const PointList& points_mm,
   state.counters["points/s"] =
       benchmark::Counter(count, benchmark::Counter::kIsIterationInvariantRate);
   state.counters["mm a point"] = MeasureTravel(points_mm, order).largest_axis_mm / count;
-  state.counters["shadowed"] = static_cast<double>(CountShadowViolations(path_mm, kCone));
-  state.counters["utilisation"] = Utilisation(path_mm, options.rate_hz);
+  state.counters["shadowed"] =
+      static_cast<double>(CountShadowViolations(path_mm, options.cone));
+  state.counters["utilisation"] = Utilisation(path_mm, options);
 }
 
 struct NamedMethod {
@@ -103,6 +107,21 @@ const int kRegistered = [] {
     return made;
   }();
   static const PointList large = DentedSphere(2000000, 1);
+  // A scan head over a block: slabs of 50 um.
+  static const PointList box = RandomBox(100000, {50, 50, 50}, 3);
+  for (const double rate_hz : {2000.0, 4000.0, 10000.0}) {
+    for (const double speed_mm_s : {8000.0, 30000.0}) {
+      OrderOptions options;
+      options.method = Method::kSweep;
+      options.cone = {0.02, 0.035, 0.15};
+      options.rate_hz = rate_hz;
+      options.limits.max_speed_mm_s = {speed_mm_s, speed_mm_s, 50};
+      options.limits.max_acceleration_mm_s2 = {5e7, 5e7, 1000};
+      RegisterOrder(
+          fmt::format("sweep, box, {:g} Hz, {:g} m/s", rate_hz, 1e-3 * speed_mm_s), box,
+          options);
+    }
+  }
   for (const NamedCloud& cloud : clouds) {
     for (const double rate_hz : {100, 200}) {
       for (const auto& [method, method_name] : kMethods) {
@@ -117,11 +136,14 @@ const int kRegistered = [] {
   }
   for (const double up_ratio : {0.2, 1.0}) {
     OrderOptions options;
+    options.cone = kCone;
     options.kdz.up_ratio = up_ratio;
     RegisterOrder(fmt::format("kdz K = {:g}, sphere, 100 Hz", up_ratio),
                   clouds[1].points_mm, options);
   }
-  RegisterOrder("kdz, large sphere, 100 Hz", large, {});
+  OrderOptions of_large;
+  of_large.cone = kCone;
+  RegisterOrder("kdz, large sphere, 100 Hz", large, of_large);
   for (const NamedCloud& cloud : clouds) RegisterShadow(cloud.name, cloud.points_mm);
   return 0;
 }();

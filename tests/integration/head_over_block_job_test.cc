@@ -2,10 +2,12 @@
 // N-BK7. The virtual glass head has a ray trace of its own; where cracks are is read from
 // its glass and compared with the points of the file, without the product's proof.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <fstream>
+#include <random>
 
 #include "tests/integration/run_job.h"
 
@@ -97,6 +99,38 @@ TEST_F(HeadOverBlockJob, EachCrackOfACubeIsInItsPlace) {
   EXPECT_EQ(misses.cracks, points_mm_.size());
   EXPECT_LT(misses.across_mm, 0.010);
   EXPECT_LT(misses.depth_mm, kCrackLengthMm / 10);
+}
+
+// Points at a height of their own each: z sweeps past them, and each crack is within the
+// tolerance that the job states; exact heights take many times the ticks.
+TEST_F(HeadOverBlockJob, EachCrackIsWithinItsToleranceOfDepthWhileZSweeps) {
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> unit(0, 1);
+  points_mm_.clear();
+  std::ofstream scatter(folder_ / "cube.xyz");
+  while (points_mm_.size() < 500) {
+    const Vec3 point(20 + 20 * unit(random), 20 + 20 * unit(random), 20 + unit(random));
+    if (std::ranges::any_of(points_mm_, [&](const Vec3& other) {
+          return (other - point).norm() < 0.2;
+        })) {
+      continue;
+    }
+    points_mm_.push_back(point);
+    scatter << fmt::format("{:.6f} {:.6f} {:.6f}\n", point.x(), point.y(), point.z());
+  }
+  scatter.close();
+  constexpr double kToleranceMm = 0.05, kRestMm = 0.005;  // aberration and lag
+  const std::string machine = ProfileWith(kEnergy, kStrong);
+  const Ended swept = RunOn(machine, {"--set", "motion.depth_tolerance_um=50"});
+  ASSERT_TRUE(swept.in_time);
+  ASSERT_EQ(swept.exit_code, 0) << swept.output;
+  const Misses misses = Missed();
+  EXPECT_EQ(misses.cracks, points_mm_.size());
+  EXPECT_LT(misses.across_mm, 0.010);
+  EXPECT_LT(misses.depth_mm, kToleranceMm + kRestMm);
+  EXPECT_GT(misses.depth_mm, kToleranceMm / 2) << "the tolerance was used";
+  EXPECT_EQ(Report().shadow_violations(), 0u);
+  EXPECT_GT(Report().utilisation(), 0.2);
 }
 
 // A beam that is taken for upright is beside its point by h tan^3 (1 - 1/n^2) / 2 at the

@@ -56,7 +56,8 @@ class MotionMeter {
         verified_mm_(path) {
     for (Vec3& point : verified_mm_) point = AtFocus(point);
     motion::VerifyOptions options;
-    options.position_tolerance_mm += plan.tolerance_mm * bounds.any_mm;
+    options.position_tolerance_mm +=
+        plan.tolerance_mm * bounds.any_mm + plan.sweep_mm * bounds.axis_mm.z();
     verifier_.emplace(motion::KnotState{verified_mm_.front(), Vec3::Zero()}, verified_mm_,
                       cli::AtFocus(plan.limits, bounds.axis_mm), plan.rate_hz, options);
   }
@@ -136,7 +137,7 @@ PlanReport DescribePath(const FrozenJob& job, const PointList& path_mm) {
   report.set_point_count(path_mm.size());
   report.set_checksum(client::PointChecksum(path_mm));
   report.set_shadow_violation_count(
-      sort::CountShadowViolations(path_mm, {job.optics().cone_tangent()}));
+      sort::CountShadowViolations(path_mm, PointConeOf(job)));
   sort::Order as_given(path_mm.size());
   std::iota(as_given.begin(), as_given.end(), 0);
   const sort::Travel travel = sort::MeasureTravel(path_mm, as_given);

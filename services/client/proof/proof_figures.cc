@@ -14,6 +14,7 @@
 #include "services/job/machine/block_origin.h"
 #include "services/job/machine/job_ticks_bound.h"
 #include "services/job/machine/machine_axes.h"
+#include "services/job/options.h"
 
 namespace intaglio::client {
 namespace {
@@ -196,7 +197,7 @@ void AddOrder(const Evidence& evidence, const MadeOrder& order, JobReport& repor
     made_masks.push_back(evidence.masks[point]);
   }
   report.set_shadow_violations(
-      sort::CountShadowViolations(made_mm, made_masks, report.optics().cone_tangent()));
+      sort::CountShadowViolations(made_mm, made_masks, PointConeOf(evidence.job)));
   if (order.ticks == 0) return;
   report.set_ticks(order.ticks);
   report.set_utilisation(static_cast<double>(order.points.size()) /
@@ -223,7 +224,8 @@ JobReport FiguresOf(const Evidence& evidence) {
   PositionErrors& errors = *report.mutable_position_errors();
   errors.set_tolerance_um(frozen.machine().position_tolerance_um());
   if (frozen.job().motion().profile() == MOTION_PROFILE_CONTINUOUS) {
-    errors.set_allowed_move_um(frozen.job().motion().tolerance_um());
+    errors.set_allowed_move_um(frozen.job().motion().tolerance_um() +
+                               frozen.job().motion().depth_tolerance_um());
   }
   AddOrder(evidence,
            evidence.has_glass ? MeasureGlass(evidence, report)

@@ -16,8 +16,8 @@ std::optional<std::uint64_t> JobTicksBound(const MachineSpec& machine,
     return axis.unit == machine::AxisUnit::kRad;
   });
   if (axes.empty() || turns) return std::nullopt;
-  return 1 +
-         sort::TicksBound(axes, {plan.limits, plan.rate_hz, plan.tolerance_mm, executor});
+  return 1 + sort::TicksBound(axes, {plan.limits, plan.rate_hz,
+                                     plan.tolerance_mm + plan.sweep_mm, executor});
 }
 
 }  // namespace intaglio

@@ -215,4 +215,9 @@ double AxisToleranceOf(const FrozenJob& job, double tolerance_mm) {
          ScaleBoundsOf(job).any_mm;
 }
 
+double AxisDepthOf(const FrozenJob& job, double tolerance_mm) {
+  return tolerance_mm * std::min(1.0, job.optics().stage_per_glass_ratio()) /
+         ScaleBoundsOf(job).axis_mm.z();
+}
+
 }  // namespace intaglio

@@ -64,5 +64,7 @@ motion::Limits GlassLimitsOf(const FrozenJob& job);
 /// The move of the axes, as one vector, that moves no focus in the block by more than
 /// `tolerance_mm`, in the glass.
 double AxisToleranceOf(const FrozenJob& job, double tolerance_mm);
+/// The same of a move of the third axis alone.
+double AxisDepthOf(const FrozenJob& job, double tolerance_mm);
 
 }  // namespace intaglio

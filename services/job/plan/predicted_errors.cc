@@ -10,7 +10,9 @@
 namespace intaglio {
 
 PredictedErrors::PredictedErrors(const FrozenJob& job, const PointList& path)
-    : path_(path), axes_from_glass_(AxesFromGlassOf(job)) {
+    : path_(path),
+      axes_from_glass_(AxesFromGlassOf(job)),
+      depth_tolerance_mm_(1e-3 * job.job().motion().depth_tolerance_um()) {
   if (job.machine().pulse_trigger() == PULSE_TRIGGER_AT_PLACE) return;
   const motion::PlanOptions plan = MotionOptionsOf(job);
   if (plan.continuous) {
@@ -47,8 +49,9 @@ void PredictedErrors::Finish() {
 
 double PredictedErrors::ErrorUm(const motion::PredictedPlace& place) const {
   const Vec3& point = path_.at(static_cast<std::size_t>(place.point));
-  return 1000 *
-         (axes_from_glass_.ToGlass(place.axes) - axes_from_glass_.ToGlass(point)).norm();
+  Vec3 away_mm = axes_from_glass_.ToGlass(place.axes) - axes_from_glass_.ToGlass(point);
+  away_mm.z() = std::max(0.0, std::abs(away_mm.z()) - depth_tolerance_mm_);
+  return 1000 * away_mm.norm();
 }
 
 void PredictedErrors::Follow() {

@@ -1,9 +1,10 @@
 #pragma once
 
-// How far from its points a plan will meet, by the drives of the profile: the planned
-// motion, compensated as the job's commands are (engrave/motion/commands), followed by
-// the model of the drives, and compared in the glass. The same with the drives' mechanics
-// off by as much as a profile may be wrong (WrongMechanics of machine_drives.h).
+// How far from its points a plan will meet, by the drives of the profile, where a depth
+// within motion.depth_tolerance_um counts as the point's: the planned motion, compensated
+// as the job's commands are (engrave/motion/commands), followed by the model of the
+// drives, and compared in the glass. The same with the drives' mechanics off by as much
+// as a profile may be wrong (WrongMechanics of machine_drives.h).
 
 #include <optional>
 #include <vector>
@@ -41,6 +42,7 @@ class PredictedErrors {
 
   const PointList& path_;
   machine::AxesFromGlass axes_from_glass_;
+  double depth_tolerance_mm_;
   std::optional<motion::DriveCompensation> compensation_;  // none: as planned
   /// The first by the profile; the others with wrong mechanics.
   std::vector<motion::ErrorPrediction> predictions_;

@@ -10,6 +10,7 @@
 #include "engrave/core/geometry.h"
 #include "engrave/machine/axes_from_glass.h"
 #include "engrave/motion/planner.h"
+#include "engrave/sort/beam/beam_cone.h"
 #include "services/cell/earlier_work.h"
 #include "services/job/machine/pulse_energies.h"
 #include "services/synchronizer/cell_names.h"
@@ -25,7 +26,7 @@ struct EngravingJob {
   machine::AxesFromGlass machine_from_glass = {};  ///< for messages
   /// Where the focus is in air, machine frame; empty: the axes are the same numbers.
   PointList places_mm = {};
-  double cone_tangent = 0;  ///< half angle of the beam above a point, machine frame
+  sort::BeamCone cone;  ///< the beam above a point, frame machine
   motion::PlanOptions plan;
   motion::Limits machine_limits = {};  ///< of the axes; >= those of `plan`
   const PulseTrigger* trigger = &TriggerAtTick();

@@ -29,7 +29,7 @@ EngravingRun::EngravingRun(const EngravingJob& job, MotionFeed& feed,
       record_(record),
       shutters_(shutters),
       open_points_(job_.places_mm.empty() ? job_.machine_points_mm : job_.places_mm,
-                   record.ledger(), job_.cone_tangent, job_.masks) {}
+                   record.ledger(), job_.cone, job_.masks) {}
 
 ChannelMask EngravingRun::NextMask() {
   open_points_.Rewind();

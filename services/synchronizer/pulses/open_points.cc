@@ -1,9 +1,6 @@
 #include "services/synchronizer/pulses/open_points.h"
 
 namespace intaglio::synchronizer {
-namespace {
-constexpr double kInsideMm = 1e-9;
-}  // namespace
 
 void OpenPoints::Rewind() {
   cursor_ = 0;
@@ -32,17 +29,14 @@ std::optional<std::uint32_t> OpenPoints::FindOpen() {
 // a burst of late pulses these are few.
 bool OpenPoints::Shadowed(std::uint32_t point) const {
   const Vec3& apex = points_mm_[point];
+  const Vec2 lean_ratio = cone_.LeanAt(apex);
   for (std::uint32_t later = point + 1; later < ledger_.ended_below(); ++later) {
     const PointState state = ledger_.state(later);
     const bool crack = state == PointState::kMade || state == PointState::kMissed ||
                        state == PointState::kUncertain;
     if (!crack) continue;
     if (!masks_.empty() && !ShareChannel(masks_[later], masks_[point])) continue;
-    const Vec3 above = points_mm_[later] - apex;
-    if (above.z() <= 0) continue;
-    const double radius_mm = cone_tangent_ * above.z() - kInsideMm;
-    if (radius_mm > 0 && above.head<2>().squaredNorm() < radius_mm * radius_mm)
-      return true;
+    if (cone_.Shades(points_mm_[later] - apex, lean_ratio)) return true;
   }
   return false;
 }

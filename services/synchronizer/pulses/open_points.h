@@ -11,6 +11,7 @@
 
 #include "engrave/core/channels.h"
 #include "engrave/core/geometry.h"
+#include "engrave/sort/beam/beam_cone.h"
 #include "services/cell/point_ledger.h"
 #include "services/synchronizer/cell_names.h"
 
@@ -18,15 +19,12 @@ namespace intaglio::synchronizer {
 
 class OpenPoints {
  public:
-  /// All outlive this. `cone_tangent` >= 0: half angle of the beam above a point, in the
-  /// frame of the points. Inside the cone means by more than 1e-9 mm, as in the sorters.
+  /// All but `cone` outlive this, which is the beam above a point in the frame of the
+  /// points.
   /// `masks`: one a point; empty: all are made in the same channels.
-  OpenPoints(const PointList& points_mm, const PointLedger& ledger, double cone_tangent,
-             std::span<const ChannelMask> masks = {})
-      : points_mm_(points_mm),
-        ledger_(ledger),
-        cone_tangent_(cone_tangent),
-        masks_(masks) {}
+  OpenPoints(const PointList& points_mm, const PointLedger& ledger,
+             const sort::BeamCone& cone, std::span<const ChannelMask> masks = {})
+      : points_mm_(points_mm), ledger_(ledger), cone_(cone), masks_(masks) {}
 
   /// Begins a run at the first point of the order again.
   void Rewind();
@@ -41,7 +39,7 @@ class OpenPoints {
 
   const PointList& points_mm_;
   const PointLedger& ledger_;
-  double cone_tangent_;
+  sort::BeamCone cone_;
   std::span<const ChannelMask> masks_;
   ChannelMask mask_ = 0;
   std::uint32_t cursor_ = 0;

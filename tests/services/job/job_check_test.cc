@@ -57,6 +57,17 @@ TEST(CheckJob, CracksMustBeDistinguishedWhateverMayBeMoved) {
                                     "26 is above a quarter of the minimum spacing, 25")));
 }
 
+TEST(CheckJob, ACrackMustStillBeAtItsPlaceWhateverItsDepthMayBe) {
+  JobSpec job = GoodJob();
+  const double half_um = 500 * GoodMachine().lenses(0).crack_length_mm();
+  job.mutable_motion()->set_depth_tolerance_um(half_um);
+  EXPECT_THAT(CheckAll(job, GoodMachine(), kRatio), IsEmpty());
+  job.mutable_motion()->set_depth_tolerance_um(half_um + 1);
+  EXPECT_THAT(CheckAll(job, GoodMachine(), kRatio),
+              ElementsAre(IsFinding("motion.depth_tolerance_um",
+                                    "is above half of the length of a crack")));
+}
+
 TEST(CheckJob, AProfileThatIsNoneIsReported) {
   JobSpec job = GoodJob();
   job.mutable_motion()->set_profile(static_cast<MotionProfile>(99));

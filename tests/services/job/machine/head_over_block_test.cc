@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include "engrave/galvo/head_model.h"
@@ -54,6 +56,56 @@ TEST(HeadOverBlock, TheSuppliedProfileIsGoodAndTakesACube) {
   EXPECT_THAT(CheckMachine(Profile()), IsEmpty());
   EXPECT_THAT(CheckJobOnMachine(CubeJob(60), WithMachineDefaults(Profile()), 0.658),
               IsEmpty());
+}
+
+// Judged where the plan may be: z may move by the tolerance on its axis, and nowhere is
+// the focus in the glass more than that off its depth.
+TEST(HeadOverBlock, ItsPointsHaveAToleranceOfDepth) {
+  FrozenJob frozen = Frozen(60);
+  EXPECT_NEAR(frozen.job().motion().depth_tolerance_um(), 10, 1e-9) << "of 150 um";
+  EXPECT_NEAR(frozen.job().ordering().sweep().slab_mm(), 0.01, 1e-12);
+  EXPECT_EQ(OrderOptionsOf(frozen).method, sort::Method::kSweep);
+  frozen.mutable_job()->mutable_motion()->set_depth_tolerance_um(50);
+  const double sweep_mm = MotionOptionsOf(frozen).sweep_mm;
+  const machine::AxesFromGlass axes = AxesFromGlassOf(frozen);
+  double largest_mm = 0;
+  for (const double across_mm : {1.0, 15.0, 30.0, 45.0, 59.0}) {
+    for (const double z_mm : {1.0, 30.0, 59.0}) {
+      const Vec3 place_mm(across_mm, 60 - across_mm, z_mm);
+      const Vec3 at = axes.ToAxes(place_mm, Vec3::Zero()).value();
+      for (const double sign : {-1.0, 1.0}) {
+        const Vec3 moved_mm = axes.ToGlass(at + sign * sweep_mm * Vec3::UnitZ());
+        largest_mm = std::max(largest_mm, std::abs(moved_mm.z() - z_mm));
+        EXPECT_LT((moved_mm - place_mm).head<2>().norm(), 0.001) << "hardly aside";
+      }
+    }
+  }
+  EXPECT_LE(largest_mm, 0.05 * (1 + 1e-6));
+  EXPECT_GT(largest_mm, 0.9 * 0.05);
+  frozen.mutable_machine()->set_pulse_trigger(PULSE_TRIGGER_AT_PLACE);
+  EXPECT_EQ(MotionOptionsOf(frozen).sweep_mm, 0);
+}
+
+// The ray of the commands of a place, refracted here.
+TEST(HeadOverBlock, TheConeOfAPointLeansWithItsBeam) {
+  const FrozenJob frozen = Frozen(60);
+  const sort::BeamCone glass = PointConeOf(frozen);
+  const sort::BeamCone air = PointConeInMachine(frozen);
+  const optics::MachineFromGlass frame = MachineFromGlassOf(frozen);
+  for (const Vec3& place_mm : {Vec3(5, 5, 5), Vec3(50, 12, 30), Vec3(30, 55, 50)}) {
+    const Vec3 at = AxesFromGlassOf(frozen).ToAxes(place_mm, Vec3::Zero()).value();
+    Vec3 down = Vec3(at.x() / 140, at.y() / 135, 1).normalized();
+    const Vec2 across = down.head<2>() / 1.519473;
+    const Vec2 slopes = across / std::sqrt(1 - across.squaredNorm());
+    EXPECT_TRUE(glass.LeanAt(place_mm).isApprox(-slopes, 1e-4)) << place_mm.transpose();
+    EXPECT_TRUE(air.LeanAt(frame.ToMachine(place_mm))
+                    .isApprox(-slopes / frame.stage_per_glass_ratio, 1e-4));
+    EXPECT_LE(slopes.norm(), glass.SteepestLean());
+  }
+  EXPECT_FALSE(BeamConeOf(frozen).lean->UpwardAt({5, 5, 5}).isZero());
+  FrozenJob stage = frozen;
+  stage.mutable_machine()->clear_head_over_block();
+  EXPECT_FALSE(PointConeOf(stage).lean.has_value());
 }
 
 // The index comes back from the ratio and the aperture, the face from block and origin.
