@@ -35,6 +35,7 @@ class SweepCourse {
   void Factorize();
   void BackSubstitute(std::vector<double>& values) const;
   double StepTowardsTube();
+  void Stiffen();
 
   // One value a place; the vectors are kept between calls for their memory.
   std::vector<double> times_s_, low_mm_, high_mm_;

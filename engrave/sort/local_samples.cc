@@ -1,6 +1,7 @@
 #include "engrave/sort/local_samples.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <tuple>
 
@@ -18,10 +19,12 @@ Indices AllOf(const PointList& points_mm) {
   return all;
 }
 
-Indices NearestTo(const Vec3& place_mm, const PointList& points_mm, std::size_t size) {
+Indices NearestTo(const Vec3& place_mm, const PointList& points_mm, std::size_t size,
+                  bool by_height) {
   std::vector<std::pair<double, std::uint32_t>> near(points_mm.size());
   for (std::uint32_t i = 0; i < points_mm.size(); ++i) {
-    near[i] = {(points_mm[i] - place_mm).squaredNorm(), i};
+    const Vec3 away_mm = points_mm[i] - place_mm;
+    near[i] = {by_height ? std::abs(away_mm.z()) : away_mm.squaredNorm(), i};
   }
   std::nth_element(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(size) - 1,
                    near.end());
@@ -34,7 +37,7 @@ Indices NearestTo(const Vec3& place_mm, const PointList& points_mm, std::size_t 
 }  // namespace
 
 std::vector<Indices> LocalSamples(const PointList& points_mm, std::size_t count,
-                                  std::size_t size) {
+                                  std::size_t size, bool by_height) {
   Require(count >= 1 && size >= 1, "{} samples of {} points", count, size);
   Indices all = AllOf(points_mm);
   if (all.size() <= count * size) return {std::move(all)};
@@ -47,7 +50,7 @@ std::vector<Indices> LocalSamples(const PointList& points_mm, std::size_t count,
     const auto middle =
         all.begin() + static_cast<std::ptrdiff_t>(all.size() * (2 * k + 1) / (2 * count));
     std::nth_element(all.begin(), middle, all.end(), lower);
-    samples.push_back(NearestTo(points_mm[*middle], points_mm, size));
+    samples.push_back(NearestTo(points_mm[*middle], points_mm, size, by_height));
   }
   return samples;
 }

@@ -118,7 +118,9 @@ void AddPointFlags(command_line::Command command, JobFlags& flags) {
 }
 
 void AddOrderFlags(command_line::Command command, JobFlags& flags) {
-  command.AddOption("--order", flags.order, "of the points, default anneal")
+  command
+      .AddOption("--order", flags.order,
+                 "of the points, default anneal; of a scan head over a block sweep")
       .OneOf(OrderNames())
       .Group(kOrder);
   command

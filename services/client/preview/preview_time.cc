@@ -24,32 +24,35 @@ using Indices = std::vector<std::uint32_t>;
 
 /// Divides the points at the median of their largest extent, again and again, until a
 /// piece has no more than `piece_size`: compact pieces, in which points have the
-/// neighbours that they have in the whole cloud.
+/// neighbours that they have in the whole cloud. `by_height`: at the median height, for
+/// an order in slabs.
 void Divide(const PointList& points_mm, std::span<std::uint32_t> range,
-            std::size_t piece_size, std::vector<std::span<std::uint32_t>>& pieces) {
+            std::size_t piece_size, bool by_height,
+            std::vector<std::span<std::uint32_t>>& pieces) {
   if (range.size() <= piece_size) return pieces.push_back(range);
   Box3 box;
   for (const std::uint32_t i : range) box.Extend(points_mm[i]);
-  Eigen::Index axis = 0;
-  box.size_mm().maxCoeff(&axis);
+  Eigen::Index axis = 2;
+  if (!by_height) box.size_mm().maxCoeff(&axis);
   const std::size_t half = range.size() / 2;
   std::nth_element(range.begin(), range.begin() + static_cast<std::ptrdiff_t>(half),
                    range.end(), [&](std::uint32_t a, std::uint32_t b) {
                      const double at_a = points_mm[a][axis], at_b = points_mm[b][axis];
                      return at_a != at_b ? at_a < at_b : a < b;
                    });
-  Divide(points_mm, range.first(half), piece_size, pieces);
-  Divide(points_mm, range.subspan(half), piece_size, pieces);
+  Divide(points_mm, range.first(half), piece_size, by_height, pieces);
+  Divide(points_mm, range.subspan(half), piece_size, by_height, pieces);
 }
 
 /// What is ordered and planned: all points, or pieces from all over the cloud.
-std::vector<Indices> PiecesOf(const PointList& points_mm,
-                              std::size_t max_planned_points) {
+std::vector<Indices> PiecesOf(const PointList& points_mm, std::size_t max_planned_points,
+                              bool by_height) {
   Indices all(points_mm.size());
   std::iota(all.begin(), all.end(), 0);
   if (all.size() <= max_planned_points) return {std::move(all)};
   std::vector<std::span<std::uint32_t>> pieces;
-  Divide(points_mm, all, std::max<std::size_t>(1, max_planned_points / kPieces), pieces);
+  Divide(points_mm, all, std::max<std::size_t>(1, max_planned_points / kPieces),
+         by_height, pieces);
   std::vector<Indices> chosen;
   for (std::size_t i = 0; i < kPieces; ++i) {
     const auto piece = pieces[(2 * i + 1) * pieces.size() / (2 * kPieces)];
@@ -120,7 +123,8 @@ Result<TimePreview> EstimateTime(const FrozenJob& job, const CloudToTime& cloud,
   const std::size_t point_count = cloud.points_mm.size();
   Require(point_count > 0 && cloud.masks.size() == point_count,
           "{} points and {} masks to time", point_count, cloud.masks.size());
-  const std::vector<Indices> pieces = PiecesOf(cloud.points_mm, max_planned_points);
+  const std::vector<Indices> pieces =
+      PiecesOf(cloud.points_mm, max_planned_points, job.job().ordering().has_sweep());
   const FrozenJob quick = WithQuickOrder(job, point_count);
   std::uint64_t planned_count = 0, planned_ticks = 0;
   for (std::size_t i = 0; i < pieces.size(); ++i) {

@@ -32,7 +32,8 @@ class Estimator {
     if (points_mm.size() < 2) return 0.0;
     double ticks = 0, steps = 0;
     for (const auto& sample :
-         sort::LocalSamples(points_mm, options_.sample_count, options_.sample_points)) {
+         sort::LocalSamples(points_mm, options_.sample_count, options_.sample_points,
+                            order_.method == sort::Method::kSweep)) {
       PointList part_mm;
       part_mm.reserve(sample.size());
       for (const std::uint32_t index : sample) part_mm.push_back(points_mm[index]);

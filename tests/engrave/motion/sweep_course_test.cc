@@ -102,18 +102,12 @@ TEST(SweepCourse, GoesStraightWhereAStraightLineIsInTheTube) {
     of.targets_mm[i] = 2 * time_s + (i % 2 == 0 ? 0.03 : -0.03);
   }
   of.start = {0, 2};
-  const auto places_mm = Solved(of);
-  time_s = 0;
-  for (std::size_t i = 0; i < places_mm.size(); ++i) {
-    time_s += of.seconds[i];
-    EXPECT_NEAR(places_mm[i], 2 * time_s, 1e-3) << i;
-  }
-  EXPECT_LT(BendingOf(of, places_mm), 1e-3 * BendingOf(of, of.targets_mm));
+  EXPECT_LT(BendingOf(of, Solved(of)), 1e-6 * BendingOf(of, of.targets_mm));
 }
 
 // Oracle: the descent, which needs thousands of passes. A tube that is narrower by 3 % on
 // each side has a least bending that is greater by some per cent.
-TEST(SweepCourse, BendsHardlyMoreThanTheLeastBendingInTheTube) {
+TEST(SweepCourse, BendsHardlyMoreThanItHasTo) {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     Tube of = RandomSlabs(24, 4, 0.05, seed);
     of.start = {of.targets_mm.front(), 0.5};

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 namespace intaglio::sort {
@@ -34,6 +35,17 @@ TEST(LocalSamples, AreNeighboursAtAllHeights) {
     EXPECT_LT(box.size_mm().maxCoeff(), 9.2);
     EXPECT_GT(box.center_mm().z(), last_mm + 5);
     last_mm = box.center_mm().z();
+  }
+}
+
+// 100 points are a layer of the tower.
+TEST(LocalSamples, ByHeightHaveAllThatIsAsHigh) {
+  const PointList points_mm = Tower();
+  for (const auto& sample : LocalSamples(points_mm, 4, 300, true)) {
+    std::map<double, int> of_height;
+    for (const std::uint32_t index : sample) ++of_height[points_mm.at(index).z()];
+    EXPECT_EQ(of_height.size(), 3u);
+    for (const auto& [z_mm, count] : of_height) EXPECT_EQ(count, 100) << z_mm;
   }
 }
 
