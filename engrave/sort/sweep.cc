@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
+#include <cmath>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -21,6 +23,7 @@ namespace {
 
 constexpr double kMinSweepRateHz = 1, kMaxSweepRateHz = 20000;
 constexpr double kMaxSweepTries = 1e6;
+constexpr std::size_t kPointsPerSweepReport = 1 << 12;
 
 /// Longer pieces of a slab are annealed by themselves, for the sake of the cache.
 constexpr std::size_t kLongestSlabPiece = 8192;
@@ -42,6 +45,23 @@ motion::Limits WithFreeHeight(motion::Limits limits) {
   constexpr double kFree = 1e9;
   limits.max_speed_mm_s.z() = limits.max_acceleration_mm_s2.z() = kFree;
   return limits;
+}
+
+/// How high the lens is for a place, in depths of the glass: that of an upright beam to
+/// the place itself. The depth that a height of a leaning beam reaches is greater,
+///   d = n h c (1 + q / 2),  q = t^2 (1 - 1/n^2),  c = sqrt(1 + q)  (beam_lean.h),
+/// and from its slope in the glass, s = t / (n c), follows t^2 = n^2 s^2 / (1 - s^2 (n^2
+/// - 1)).
+double HeightOf(const Vec3& place_mm, const BeamCone& cone) {
+  if (!cone.lean) return place_mm.z();
+  const BeamLean& lean = *cone.lean;
+  const double depth_mm = lean.top_mm - place_mm.z();
+  if (depth_mm <= 0) return place_mm.z();
+  const double n2 = lean.refractive_index * lean.refractive_index;
+  const double s2 =
+      lean.UpwardAt(place_mm).squaredNorm() / (lean.depth_ratio * lean.depth_ratio);
+  const double q = s2 * (n2 - 1) / (1 - s2 * (n2 - 1));
+  return lean.top_mm - depth_mm / (std::sqrt(1 + q) * (1 + 0.5 * q));
 }
 
 /// Continues from `at_mm` to the nearest point of the slab, again and again.
@@ -80,12 +100,12 @@ class Sweep {
             ? [&](std::uint64_t done, std::uint64_t) { return progress(done / 2, count); }
             : ProgressSink();
     SharedProgress shared(of_half, 2 * count);
-    if (!TakeNearest(shared)) return {};
+    if (!shared.GoesOn(0) || !TakeNearest(shared)) return {};
     for (std::size_t phase = 0; phase < 2; ++phase) {
       RunEach(options_.executor, (pieces_.size() + 1 - phase) / 2, [&](std::size_t i) {
         const std::size_t piece = 2 * i + phase;
         if (!shared.cancelled()) Anneal(piece);
-        shared.GoesOn(pieces_[piece].size());
+        Report(pieces_[piece].size(), shared);
       });
     }
     return shared.cancelled() ? Order() : std::move(order_);
@@ -93,8 +113,10 @@ class Sweep {
 
  private:
   bool TakeNearest(SharedProgress& progress) {
+    PointList by_height = points_mm_;
+    for (Vec3& point : by_height) point.z() = HeightOf(point, options_.cone);
     const std::vector<std::uint64_t> numbers =
-        SlabNumbers(points_mm_, 2, options_.sweep.slab_mm);
+        SlabNumbers(by_height, 2, options_.sweep.slab_mm);
     Order by_slab(points_mm_.size());
     std::iota(by_slab.begin(), by_slab.end(), 0U);
     std::sort(by_slab.begin(), by_slab.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -112,10 +134,22 @@ class Sweep {
       for (std::size_t piece = begin; piece < end; piece += kLongestSlabPiece) {
         pieces_.push_back({piece, std::min(piece + kLongestSlabPiece, end)});
       }
-      if (!progress.GoesOn(end - begin)) return false;
+      if (!Report(end - begin, progress)) return false;
       begin = end;
     }
+    // Lower heights of the lens first is right for leaning cones of any usual lens; for
+    // others points are made earlier.
+    if (options_.cone.lean) order_ = KeepToCone(points_mm_, order_, options_.cone);
     return true;
+  }
+
+  /// A slab may have few points, and a report takes its time.
+  bool Report(std::size_t points, SharedProgress& progress) {
+    const std::size_t before = done_.fetch_add(points);
+    const std::size_t reports =
+        (before + points) / kPointsPerSweepReport - before / kPointsPerSweepReport;
+    return reports == 0 ? !progress.cancelled()
+                        : progress.GoesOn(reports * kPointsPerSweepReport);
   }
 
   /// Only its own points move, so every other piece can be annealed at the same time.
@@ -145,6 +179,7 @@ class Sweep {
   TickCost cost_;
   Order order_;
   std::vector<Piece> pieces_;
+  std::atomic<std::size_t> done_ = 0;  ///< in both steps
 };
 
 }  // namespace

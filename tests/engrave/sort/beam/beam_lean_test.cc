@@ -171,6 +171,37 @@ TEST(LeaningCone, EveryMethodButThePublishedObeysIt) {
   }
 }
 
+// At one height of the lens the focus is the deeper the more its beam leans: a slab of
+// the sweep bends down by millimetres towards the corners of the field.
+TEST(LeaningCone, SlabsOfASweepAreOfEqualHeightsOfTheLens) {
+  const BeamLean lean = LensA();
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  PointList points_mm;
+  std::vector<double> below_mm;
+  for (int i = 0; i < 1000; ++i) {
+    const Vec2 field_mm(25 * unit(random), 25 * unit(random));
+    below_mm.push_back(36 + 0.5 * std::floor(6 * unit(random)));
+    const double q =
+        field_mm.cwiseQuotient(lean.pupil_mm).squaredNorm() * (1 - 1 / (kIndex * kIndex));
+    const double depth_mm = kIndex * below_mm.back() * std::sqrt(1 + q) * (1 + 0.5 * q);
+    const Vec2 aside_mm =
+        0.5 * q * below_mm.back() * field_mm.cwiseQuotient(lean.pupil_mm);
+    points_mm.emplace_back(30 + field_mm.x() + aside_mm.x(),
+                           31 + field_mm.y() + aside_mm.y(), kTopMm - depth_mm);
+  }
+  OrderOptions options;
+  options.method = Method::kSweep;
+  options.cone = Leaning();
+  // Less than the distance of the heights, in depths of the glass.
+  options.sweep.slab_mm = 0.35 * kIndex;
+  const Order order = MakeOrder(points_mm, options).value();
+  ExpectNoneShaded(points_mm, order, options.cone);
+  for (std::size_t i = 1; i < order.size(); ++i) {
+    ASSERT_LE(below_mm[order[i]], below_mm[order[i - 1]]) << i;
+  }
+}
+
 TEST(LeaningCone, PairsOfPrecedenceAreThoseOfTheCone) {
   const PointList points_mm = Columns(200, 6);
   const BeamCone cone = Leaning(0.035);
