@@ -120,12 +120,13 @@ TEST(SweepPlan, FiresAtNearlyEveryTickWhereTheMirrorsCan) {
   const MotionReport report = Verified(swept, points, HeadLimits(), kSlabMm);
   ASSERT_TRUE(report.ok()) << report.violations.front();
   EXPECT_GT(UtilisationRatio(report), 0.98);
-  // The mirrors by themselves.
+  // z costs the mirrors nothing but its way to the exact height of the last point. The
+  // one before is as much as 50 um away in the slab and passed 50 um beside: 100 um from
+  // rest to rest at 1000 mm/s^2 are 20 ms or 80 ticks.
   PointList flat = points;
   for (Vec3& point : flat) point.z() = 0;
   const Planned alone = PlanOf(flat, HeadLimits(), OptionsForRate(4000));
-  EXPECT_LT(static_cast<double>(report.ticks),
-            1.003 * static_cast<double>(Verified(alone, flat, HeadLimits(), 0).ticks));
+  EXPECT_LE(report.ticks, Verified(alone, flat, HeadLimits(), 0).ticks + 80);
 }
 
 // An axis that is too slow for the ticks of the others sets the pace.
