@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kSimulatedTurns = 100;
 
-Status CheckCourse(const DriveSimulateOptions& options, const DriveProfile& profile) {
+Status CheckTwoAxes(const DriveSimulateOptions& options, const DriveProfile& profile) {
   const auto refuse = [](const char* flag, double value, const char* why) {
     return Fail(ErrorCode::kInvalidValue, fmt::format("{} {:g}: {}", flag, value, why),
                 fmt::format("{:g}", value));
@@ -49,8 +49,8 @@ Status CheckCourse(const DriveSimulateOptions& options, const DriveProfile& prof
   return CheckSampleCount(options.turns * turn_s, period_s);
 }
 
-Status WriteCourseTable(const std::string& file, double period_s,
-                        const drive::TwoAxisRun& run) {
+Status WriteTwoAxisTable(const std::string& file, double period_s,
+                         const drive::TwoAxisRun& run) {
   std::string text =
       "time_s,x_setpoint_m,y_setpoint_m,x_m,y_m,x_following_error_m,"
       "y_following_error_m,x_volt,y_volt\n";
@@ -103,7 +103,7 @@ std::string CourseText(const DriveSimulateOptions& options) {
 
 Result<DriveCourse> SimulateCourse(const DriveSimulateOptions& options,
                                    const DriveProfile& profile) {
-  INTAGLIO_TRY(CheckCourse(options, profile));
+  INTAGLIO_TRY(CheckTwoAxes(options, profile));
   const drive::TwoAxes axes = {SimulatedAxis(options, profile, profile.axes(0)),
                                SimulatedAxis(options, profile, profile.axes(1))};
   const drive::TwoAxisRun run = INTAGLIO_TRY(RunOf(options, axes));
@@ -120,7 +120,7 @@ Result<DriveCourse> SimulateCourse(const DriveSimulateOptions& options,
   course.set_settled_outside_um(1e6 * run.settled_outside_m);
   course.set_settled_inside_um(1e6 * run.settled_inside_m);
   if (!options.csv.empty())
-    INTAGLIO_TRY(WriteCourseTable(options.csv, axes[0].period_s, run));
+    INTAGLIO_TRY(WriteTwoAxisTable(options.csv, axes[0].period_s, run));
   if (!options.picture.empty())
     INTAGLIO_TRY(WriteCoursePicture(options.picture, axes[0].period_s, run, course));
   return course;
