@@ -231,6 +231,7 @@ Result<Preview> MakePreview(const FrozenJob& job, const PreviewOptions& options,
     return Fail(ErrorCode::kCancelled, "the preview was cancelled");
   }
   DrawPictures(made, preview);
+  preview.points_mm = made.cloud.points_mm;
   return preview;
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "engrave/core/executor.h"
+#include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
 #include "engrave/core/warning.h"
 #include "proto/preview.pb.h"
@@ -45,6 +46,8 @@ struct Preview {
   /// The first one is of all points; one of each channel's block follows, of a job with
   /// several.
   std::vector<PreviewPicture> pictures;
+  /// For the view of the page that turns (preview_view.h); glass frame.
+  PointList points_mm;
 };
 
 /// `job` is frozen (services/job/freeze.h): its result folder is not used. Errors: those

@@ -6,6 +6,7 @@
 
 #include "services/client/figure_text.h"
 #include "services/client/preview/preview_text.h"
+#include "services/client/preview/preview_view.h"
 #include "services/platform/text_format/base64.h"
 
 namespace intaglio::client {
@@ -20,6 +21,8 @@ constexpr std::string_view kStyle = R"(
              color: #fff; background: #1d7a3c; }
   .verdict.warning { background: #a86400; }
   .verdict.consent { background: #b3261e; }
+  canvas { width: 100%; height: auto; margin: 1rem 0; border-radius: .3rem;
+           touch-action: none; cursor: grab; }
   img { width: 100%; height: auto; margin: 1rem 0; border-radius: .3rem; }
   table { border-collapse: collapse; width: 100%; margin: .5rem 0 1.25rem; }
   th, td { text-align: left; vertical-align: top; padding: .3rem .8rem .3rem 0;
@@ -113,6 +116,8 @@ std::string PageOf(const Preview& preview) {
   for (std::size_t i = 0; i < preview.pictures.size() && i < 1; ++i) {
     page += PictureOf(preview.pictures[i], "views of the planned points in the block");
   }
+  const Vector3& block = figures.block_size_mm();
+  page += TurningView(preview.points_mm, Vec3(block.x(), block.y(), block.z()));
   page += FigureTable(figures) + WarningTexts(figures) + ModelTable(figures);
   for (std::size_t i = 1; i < preview.pictures.size(); ++i) {
     page += PictureOf(preview.pictures[i], preview.pictures[i].file);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "services/client/preview/preview_text.h"
+#include "services/client/preview/preview_view.h"
 
 namespace intaglio::client {
 namespace {
@@ -42,6 +43,61 @@ TEST(PreviewPage, HasEverythingInside) {
   // RFC 4648, 10: "Man!" is TWFuIQ==. Nothing is loaded, and nothing runs.
   EXPECT_THAT(page, AllOf(Not(HasSubstr("http")), Not(HasSubstr("<script"))));
   EXPECT_EQ(page, PageOf(Sample()));
+}
+
+/// The text between `begin` and the next quote.
+std::string AttributeOf(const std::string& page, const std::string& begin) {
+  const auto from = page.find(begin) + begin.size();
+  return page.substr(from, page.find('"', from) - from);
+}
+
+// RFC 4648: six bits a letter.
+std::vector<int> BytesOfBase64(const std::string& text) {
+  const std::string letters =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::vector<int> bytes;
+  int bits = 0, held = 0;
+  for (const char c : text) {
+    if (c == '=') break;
+    held = (held << 6 | static_cast<int>(letters.find(c))) & 0xffff;
+    bits += 6;
+    if (bits < 8) continue;
+    bits -= 8;
+    bytes.push_back(held >> bits & 0xff);
+  }
+  return bytes;
+}
+
+// Places are true to a 65536th of the block; nothing is loaded.
+TEST(PreviewPage, TurnsItsPointsInTheBrowser) {
+  Preview preview = Sample();
+  preview.figures.mutable_block_size_mm()->set_x(60);
+  preview.figures.mutable_block_size_mm()->set_y(30);
+  preview.figures.mutable_block_size_mm()->set_z(20);
+  preview.points_mm = {{0, 15, 20}, {12.34, 5.6, 7.8}, {60, 30, 0}};
+  const std::string page = PageOf(preview);
+  EXPECT_EQ(AttributeOf(page, "data-block=\""), "60 30 20");
+  const std::vector<int> bytes = BytesOfBase64(AttributeOf(page, "data-points=\""));
+  ASSERT_EQ(bytes.size(), 18u);
+  const Vec3 block_mm(60, 30, 20);
+  for (std::size_t i = 0; i < 9; ++i) {
+    const auto axis = static_cast<Eigen::Index>(i % 3);
+    const double share = (bytes[2 * i] + 256 * bytes[2 * i + 1]) / 65535.0;
+    EXPECT_NEAR(share * block_mm[axis], preview.points_mm[i / 3][axis],
+                block_mm[axis] / 65535);
+  }
+  EXPECT_THAT(page, AllOf(HasSubstr("<script>"), Not(HasSubstr("http")),
+                          Not(HasSubstr("import ")), Not(HasSubstr("fetch"))));
+}
+
+TEST(PreviewPage, OfALargeCloudHasAPart) {
+  Preview preview = Sample();
+  preview.figures.mutable_block_size_mm()->set_x(1);
+  preview.figures.mutable_block_size_mm()->set_y(1);
+  preview.figures.mutable_block_size_mm()->set_z(1);
+  preview.points_mm.assign(2 * kShownPoints + 1, Vec3(0.5, 0.5, 0.5));
+  const std::string points = AttributeOf(PageOf(preview), "data-points=\"");
+  EXPECT_EQ(BytesOfBase64(points).size(), 6 * ((2 * kShownPoints + 3) / 3));
 }
 
 TEST(PreviewPage, ASampleIsCalledOne) {
