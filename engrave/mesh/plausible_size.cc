@@ -19,6 +19,7 @@ constexpr double kLargerThanBlock = 1.1;
 // A part of a large map or scan is cut out with clip.
 constexpr double kLargerThanBlockWithClip = 100;
 constexpr double kTiny = 0.02, kSmall = 0.1;  // of the block's smallest side
+constexpr double kTinyMm = 2;                 // a dozen cracks, in any block
 constexpr double kPlausible = 0.2;            // of the block's smallest side
 constexpr double kFitShare = 0.9;             // of the block, of the size to fit to
 
@@ -116,6 +117,9 @@ std::optional<SizeFault> FindSizeFault(const SizeInBlock& model,
   }
   if (largest_mm < kTiny * side_mm) {
     return FaultOf(model, WarningWeight::kWarning, "less than 2 % of", model_name);
+  }
+  if (largest_mm < kTinyMm) {
+    return FaultOf(model, WarningWeight::kWarning, "less than 2 mm large in", model_name);
   }
   if (largest_mm < kSmall * side_mm && !UnitQuestion(model).empty()) {
     return FaultOf(model, WarningWeight::kNote, "small for", model_name);

@@ -35,7 +35,7 @@ struct SizeFault {
 ///   refused  larger than the block by more than a tenth (with clip: a hundred times
 ///            larger), or its largest extent is less than the minimum spacing
 ///   warning  larger than the block, or its largest extent is below 2 % of the block's
-///            smallest side
+///            smallest side, or below 2 mm
 ///   note     its largest extent is below a tenth of the block's smallest side, and
 ///            another unit would give a plausible size
 /// A fitted model is never too small. The sentence names the units that would give a

@@ -46,6 +46,12 @@ TEST(PlausibleSize, AModelOfOneMillimetreIsAWarning) {
   EXPECT_FALSE(small.refused);
   EXPECT_EQ(small.warning.code, WarningCode::kImplausibleSize);
   EXPECT_EQ(small.warning.weight, WarningWeight::kWarning);
+  // So is one in a block that was chosen to fit it.
+  SizeInBlock in_own = SizeOf({1.5, 1.5, 1.5});
+  in_own.block_size_mm = Vec3(15, 15, 15);
+  EXPECT_EQ(FaultOf(in_own).warning.weight, WarningWeight::kWarning);
+  in_own.size_mm = Vec3(2.1, 2.1, 2.1);
+  EXPECT_FALSE(FindSizeFault(in_own, "m"));
   // 40 mm in metres: 0.04 is below the spacing, so it would be a single point.
   const SizeFault metres = FaultOf(SizeOf({0.04, 0.03, 0.02}));
   EXPECT_TRUE(metres.refused);
