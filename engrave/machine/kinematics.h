@@ -127,6 +127,10 @@ struct ScanHeadOptions {
   /// corrections (files of galvo/files, or galvo::CommandGrid). nullptr: the controller
   /// of the mirrors corrects.
   std::shared_ptr<const galvo::CorrectionTable> corrections = nullptr;
+  /// > 0: the axis z rests at multiples of this, and a place is met in x and y alone, in
+  /// z within half of it (of the focus: times the refractive index). So K1 and K3 hold in
+  /// x and y alone. 0: z meets it, too.
+  double z_step_mm = 0;
   // Of the block. Above top_z_mm the beam is in air.
   double refractive_index = 1;  ///< at the laser's wavelength, >= 1
   double top_z_mm = 0;          ///< of its face, in the frame

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 
 #include "engrave/core/check.h"
@@ -14,6 +15,8 @@
 // is the thin one with this depth, so that upright beams move as under a stage. Above the
 // face the beam is in air, and nothing bends it.
 //   axes = (field + correction(field), (top - h) / m),  m: move for a unit of z
+// With steps of z the height h is the nearest step's, and the field is solved again for
+// x and y at that height (Newton, the slopes of x and y alone).
 // A correction is added to a place, so its inverse is CommandFor of correction_table.h.
 
 namespace intaglio::machine {
@@ -25,11 +28,13 @@ class ScanHead final : public Kinematics {
       : lens_(options.lens),
         corrections_(options.corrections),
         z_mm_(options.z.per_unit_mm()),
+        z_step_mm_(options.z_step_mm),
         n_(options.refractive_index),
         top_mm_(options.top_z_mm) {
     Require((lens_.pupil_mm.array() > 0).all(), "pupil_mm must be positive, is {} and {}",
             lens_.pupil_mm.x(), lens_.pupil_mm.y());
     Require(n_ >= 1, "refractive_index must be 1 or more, is {}", n_);
+    Require(z_step_mm_ >= 0, "z_step_mm must not be negative, is {}", z_step_mm_);
   }
 
   std::array<Axis, 3> axes() const override { return {{{"x"}, {"y"}, {"z"}}}; }
@@ -43,7 +48,8 @@ class ScanHead final : public Kinematics {
     const auto solved =
         optics::PositionFor({across_mm.x(), across_mm.y(), n_ * below_mm}, lens_, n_);
     if (!solved) return TooSteep(place_mm);
-    return AxesOf(solved->head.field_mm, top_mm_ - solved->head.below_face_mm);
+    return AxesOf(OnStep(solved->head, across_mm).field_mm,
+                  top_mm_ - solved->head.below_face_mm);
   }
 
   Vec3 ToPlace(const Vec3& axes) const override {
@@ -100,10 +106,29 @@ class ScanHead final : public Kinematics {
         std::max(bounds.any_mm, scale.jacobiSvd().singularValues().maxCoeff());
   }
 
+  double OnStep(double z) const {
+    return z_step_mm_ > 0 ? std::round(z / z_step_mm_) * z_step_mm_ : z;
+  }
+
+  /// At the height of the nearest step, with the focus as far across as it was.
+  optics::HeadPosition OnStep(optics::HeadPosition head, const Vec2& across_mm) const {
+    if (!(z_step_mm_ > 0)) return head;
+    head.below_face_mm =
+        std::max(0.0, top_mm_ - z_mm_ * OnStep((top_mm_ - head.below_face_mm) / z_mm_));
+    constexpr int kNewtonSteps = 4;
+    for (int i = 0; i < kNewtonSteps; ++i) {
+      const Vec2 aside_mm = across_mm - optics::MiddleFocusOf(head, lens_, n_).head<2>();
+      const Eigen::Matrix2d slopes =
+          optics::MiddleFocusSlopes(head, lens_, n_).topLeftCorner<2, 2>();
+      head.field_mm += slopes.inverse() * aside_mm;
+    }
+    return head;
+  }
+
   Result<Vec3> AxesOf(const Vec2& field_mm, double height_mm) const {
     const Vec2 command_mm =
         corrections_ ? Vec2(field_mm + corrections_->At(field_mm)) : field_mm;
-    return Vec3(command_mm.x(), command_mm.y(), height_mm / z_mm_);
+    return Vec3(command_mm.x(), command_mm.y(), OnStep(height_mm / z_mm_));
   }
 
   optics::HeadPosition HeadAt(const Vec3& axes) const {
@@ -140,7 +165,7 @@ class ScanHead final : public Kinematics {
 
   optics::ScanLens lens_;
   std::shared_ptr<const galvo::CorrectionTable> corrections_;
-  double z_mm_, n_, top_mm_;
+  double z_mm_, z_step_mm_, n_, top_mm_;
 };
 
 }  // namespace

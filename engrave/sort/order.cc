@@ -12,6 +12,7 @@
 #include "engrave/sort/anneal.h"
 #include "engrave/sort/beam/channel_groups.h"
 #include "engrave/sort/boustrophedon.h"
+#include "engrave/sort/jump_layers.h"
 #include "engrave/sort/kdz.h"
 #include "engrave/sort/layers.h"
 #include "engrave/sort/published_kdz.h"
@@ -35,6 +36,7 @@ constexpr std::array kMethods = {
     MethodRow{Method::kAnneal, CheckAnnealOptions, OrderByAnnealing},
     MethodRow{Method::kSweep, CheckSweepOptions, OrderBySweep},
     MethodRow{Method::kBoustrophedon, CheckBoustrophedonOptions, OrderByBoustrophedon},
+    MethodRow{Method::kJumpLayers, CheckJumpLayersOptions, OrderByJumpLayers},
     MethodRow{Method::kPublishedKdz, CheckPublishedKdzOptions, OrderByPublishedKdz},
 };
 

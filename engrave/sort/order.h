@@ -7,6 +7,7 @@
 // order breaks that. Deterministic: the same points and options give the same order.
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -31,6 +32,7 @@ enum class Method {
   kPublishedKdz,   ///< as published, through earlier cracks: published_kdz.h
   kAnneal,         ///< kSmooth, then improved for as long as the options allow: anneal.h
   kSweep,          ///< thin slabs, deepest first, for a slow axis z: sweep.h
+  kJumpLayers,  ///< for a head that jumps and dwells, a height at a time: jump_layers.h
 };
 
 struct KdzOptions {
@@ -74,6 +76,12 @@ struct SweepOptions {
   double tries_per_point = 30;
 };
 
+struct JumpLayersOptions {
+  /// Places of the mirrors x, y, mm, and the layer: the height z at which the axis rests,
+  /// growing upward; equal for the points of a layer. Empty: no such machine.
+  std::function<Vec3(const Vec3& glass_mm)> head_from_glass;
+};
+
 struct OrderOptions {
   Method method = Method::kKdz;
   KdzOptions kdz;
@@ -82,6 +90,7 @@ struct OrderOptions {
   PublishedKdzOptions published_kdz;
   AnnealOptions anneal;
   SweepOptions sweep;
+  JumpLayersOptions jump_layers;
   /// The cone that must be free of cracks for a pulse. All methods keep to it but
   /// kPublishedKdz, and kKdz where its ratio is set too low.
   BeamCone cone;

@@ -138,7 +138,9 @@ void FillModel(Model& model, const Discretization& discretization) {
 void FillOrdering(Ordering& ordering, double spacing_mm, const MotionOptions& motion,
                   const MachineSpec& machine) {
   if (ordering.method_case() == Ordering::METHOD_NOT_SET) {
-    if (machine.has_head_over_block()) {
+    if (machine.head_over_block().has_jump_and_dwell()) {
+      ordering.mutable_jump_layers();
+    } else if (machine.has_head_over_block()) {
       ordering.mutable_sweep();
     } else {
       ordering.mutable_anneal();

@@ -163,6 +163,26 @@ sort::PublishedKdzOptions RatiosOf(const PublishedKdzOrder& order) {
   return {k, k};
 }
 
+/// Sets what a head that jumps and dwells needs; its beams lean, so the upright cone of
+/// the order is wide enough for all of them.
+void SetJumps(const FrozenJob& job, sort::OrderOptions& options) {
+  const HeadOverBlockKinematics& head = job.machine().head_over_block();
+  if (!head.has_jump_and_dwell()) return;
+  options.cone.tangent =
+      CoveringTangentOf(job.machine(), options.cone.tangent,
+                        optics::RefractiveIndexOf(job.optics().stage_per_glass_ratio(),
+                                                  job.job().lens().numerical_aperture()));
+  const auto kinematics = KinematicsOptionsOf(job.machine());
+  const double up =
+      std::get<machine::ScanHeadOptions>(kinematics).z.per_unit_mm() > 0 ? 1 : -1;
+  options.jump_layers.head_from_glass = [frame = AxesFromGlassOf(job),
+                                         up](const Vec3& glass_mm) {
+    Vec3 at = frame.ToAxes(glass_mm, Vec3::Zero()).value_or(glass_mm);
+    at.z() *= up;
+    return at;
+  };
+}
+
 void SetMethod(const Ordering& ordering, sort::OrderOptions& options) {
   switch (ordering.method_case()) {
     case Ordering::kKdz:
@@ -196,6 +216,9 @@ void SetMethod(const Ordering& ordering, sort::OrderOptions& options) {
       options.method = sort::Method::kSweep;
       options.sweep.slab_mm = ordering.sweep().slab_mm();
       break;
+    case Ordering::kJumpLayers:
+      options.method = sort::Method::kJumpLayers;
+      break;
     case Ordering::METHOD_NOT_SET:
       Require(false, "the job's defaults are not filled in");
   }
@@ -209,6 +232,7 @@ sort::OrderOptions OrderOptionsOf(const FrozenJob& job) {
   options.limits = GlassLimitsOf(job);
   options.rate_hz = job.job().laser().rate_hz();
   SetMethod(job.job().ordering(), options);
+  if (options.method == sort::Method::kJumpLayers) SetJumps(job, options);
   return options;
 }
 

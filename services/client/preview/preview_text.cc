@@ -14,8 +14,19 @@ std::string PlainSizeText(const Vector3& size_mm) {
   return fmt::format("{:g} x {:g} x {:g} mm", size_mm.x(), size_mm.y(), size_mm.z());
 }
 
+/// The time of a head that jumps and dwells, by part.
+std::string JumpTimeText(const TimePreview& time) {
+  const JumpTimePreview& parts = time.jumps();
+  return fmt::format("{}: jumps {}, delays {}, dwell {}, {} moves of z {}",
+                     ShortDuration(time.machining_time_s()),
+                     ShortDuration(parts.jump_s()), ShortDuration(parts.delay_s()),
+                     ShortDuration(parts.dwell_s()), GroupedDigits(parts.z_move_count()),
+                     ShortDuration(parts.z_s()));
+}
+
 std::string TimeText(const JobPreview& figures) {
   const TimePreview& time = figures.time();
+  if (time.has_jumps()) return JumpTimeText(time);
   std::string text = fmt::format(
       "{}{} at {:g} Hz", time.planned_count() < figures.point_count() ? "about " : "",
       ShortDuration(time.machining_time_s()), time.rate_hz());

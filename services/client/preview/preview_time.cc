@@ -10,6 +10,7 @@
 #include "engrave/core/try.h"
 #include "engrave/machine/axes_from_glass.h"
 #include "engrave/sort/order.h"
+#include "services/job/machine/head_over_block.h"
 #include "services/job/machine/job_ticks_bound.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/options.h"
@@ -105,6 +106,33 @@ Result<std::uint64_t> TicksOf(const FrozenJob& job, const CloudToTime& cloud,
   return summary.ticks;
 }
 
+/// Times all points in their order at a head that jumps and dwells, by its controller's
+/// times: its clock knows no ticks.
+Result<TimePreview> JumpTimeOf(const FrozenJob& job, const CloudToTime& cloud,
+                               const ProgressSink& progress) {
+  sort::OrderOptions options = OrderOptionsOf(job);
+  const auto order = INTAGLIO_TRY(
+      sort::MakeChannelOrder(cloud.points_mm, cloud.masks, options, progress));
+  PointList path_mm;
+  path_mm.reserve(order.size());
+  for (const std::uint32_t index : order) path_mm.push_back(cloud.points_mm[index]);
+  const auto axes = INTAGLIO_TRY(machine::AxesAlong(
+      AxesFromGlassOf(job), path_mm, AxisLimitsOf(job.machine()).travel_mm));
+  const sort::JumpTime of_jumps = sort::TimeOfJumps(axes, JumpTimesOf(job.machine()));
+  TimePreview time;
+  time.set_machining_time_s(of_jumps.total_s());
+  time.set_warm_up_s(job.machine().laser().warm_up_s());
+  time.set_planned_count(path_mm.size());
+  time.set_order(OrderNameOf(job));
+  JumpTimePreview& parts = *time.mutable_jumps();
+  parts.set_jump_s(of_jumps.jump_s);
+  parts.set_delay_s(of_jumps.delay_s);
+  parts.set_dwell_s(of_jumps.dwell_s);
+  parts.set_z_s(of_jumps.z_s);
+  parts.set_z_move_count(of_jumps.z_move_count);
+  return time;
+}
+
 /// Bounds the ticks of all points, whatever was planned of them.
 Status AddBound(const FrozenJob& job, const PointList& points_mm,
                 const Executor& executor, TimePreview& time) {
@@ -123,6 +151,8 @@ Result<TimePreview> EstimateTime(const FrozenJob& job, const CloudToTime& cloud,
   const std::size_t point_count = cloud.points_mm.size();
   Require(point_count > 0 && cloud.masks.size() == point_count,
           "{} points and {} masks to time", point_count, cloud.masks.size());
+  if (job.machine().head_over_block().has_jump_and_dwell())
+    return JumpTimeOf(job, cloud, progress);
   const std::vector<Indices> pieces =
       PiecesOf(cloud.points_mm, max_planned_points, job.job().ordering().has_sweep());
   const FrozenJob quick = WithQuickOrder(job, point_count);

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <string>
 #include <utility>
 
 #include "engrave/core/check.h"
@@ -41,12 +44,21 @@ Result<galvo::CorrectionTable> CorrectionsOf(const HeadNumbers& numbers) {
       galvo::Interpolation::kSpline);
 }
 
+void CheckJumps(const JumpAndDwell& jumps, std::vector<Error>& errors) {
+  const std::string path = "head_over_block.jump_and_dwell.";
+  if (jumps.z_step_mm() == 0)
+    Missing(errors, path + "z_step_mm", "give 0.6 of the crack's length over the index");
+  if (jumps.jump_mm_s() == 0) Missing(errors, path + "jump_mm_s", "give the jump speed");
+  if (jumps.dwell_s() == 0) Missing(errors, path + "dwell_s", "give the time of a point");
+}
+
 }  // namespace
 
 machine::ScanHeadOptions HeadOptionsOf(const HeadOverBlockKinematics& head) {
   machine::ScanHeadOptions options;
   if (head.has_pupil_x_mm()) options.lens.pupil_mm.x() = head.pupil_x_mm();
   if (head.has_pupil_y_mm()) options.lens.pupil_mm.y() = head.pupil_y_mm();
+  options.z_step_mm = head.jump_and_dwell().z_step_mm();
   if (!head.has_correction()) return options;
   auto corrections = CorrectionsOf(head.correction());
   Require(corrections.has_value(), "head_over_block.correction: {}",
@@ -54,6 +66,29 @@ machine::ScanHeadOptions HeadOptionsOf(const HeadOverBlockKinematics& head) {
   options.corrections =
       std::make_shared<const galvo::CorrectionTable>(std::move(*corrections));
   return options;
+}
+
+double CoveringTangentOf(const MachineSpec& machine, double cone_tangent,
+                         double refractive_index) {
+  const HeadOverBlockKinematics& head = machine.head_over_block();
+  if (!head.has_pupil_x_mm()) return cone_tangent;
+  const auto half_mm = [](const AxisLimits& axis) {
+    return std::max(std::abs(axis.travel_min_mm()), std::abs(axis.travel_max_mm()));
+  };
+  const double in_air = std::hypot(half_mm(machine.x()) / head.pupil_x_mm(),
+                                   half_mm(machine.y()) / head.pupil_y_mm());
+  const double lean_rad = std::asin(std::sin(std::atan(in_air)) / refractive_index);
+  return std::tan(lean_rad + std::atan(cone_tangent));
+}
+
+sort::JumpTimes JumpTimesOf(const MachineSpec& machine) {
+  const JumpAndDwell& jumps = machine.head_over_block().jump_and_dwell();
+  return {jumps.jump_mm_s(),
+          jumps.jump_delay_s(),
+          jumps.dwell_s(),
+          machine.z().max_speed_mm_s(),
+          machine.z().max_acceleration_mm_s2(),
+          jumps.z_settle_s()};
 }
 
 double CrackEnergyMj(const MachineSpec& machine) {
@@ -77,6 +112,7 @@ void CheckHeadOverBlock(const MachineSpec& machine, std::vector<Error>& errors) 
         fmt::format("{} is above laser.pulse_energy_mj, {}: no pulse would make a crack",
                     head.crack_energy_mj(), machine.laser().pulse_energy_mj()));
   }
+  if (head.has_jump_and_dwell()) CheckJumps(head.jump_and_dwell(), errors);
   if (!head.has_correction() || !OutOfRange(head.correction(), "").empty()) return;
   if (const auto corrections = CorrectionsOf(head.correction()); !corrections) {
     Wrong(errors, "head_over_block.correction", corrections.error().message);

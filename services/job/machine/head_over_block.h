@@ -7,6 +7,7 @@
 
 #include "engrave/core/result.h"
 #include "engrave/machine/kinematics.h"
+#include "engrave/sort/jump_layers.h"
 #include "proto/machine.pb.h"
 
 namespace intaglio {
@@ -14,6 +15,15 @@ namespace intaglio {
 /// Lens and correction; the axis z and the block are the caller's to set. Of a head that
 /// CheckHeadOverBlock passes.
 machine::ScanHeadOptions HeadOptionsOf(const HeadOverBlockKinematics& head);
+
+/// Tangent of the half angle of an upright cone in the glass that covers every beam of
+/// the field, however it leans; `cone_tangent`: of an upright beam in the glass. Of a
+/// machine with head_over_block.
+double CoveringTangentOf(const MachineSpec& machine, double cone_tangent,
+                         double refractive_index);
+
+/// Times of a head with jump_and_dwell; its z: the machine's axis.
+sort::JumpTimes JumpTimesOf(const MachineSpec& machine);
 
 /// The least pulse energy that makes a crack with an upright beam, mJ.
 double CrackEnergyMj(const MachineSpec& machine);

@@ -41,6 +41,26 @@ TEST(ScanHead, PutsTheFocusInTheGlass) {
   EXPECT_LT((HeadOverCube().ToGlass(axes) - Vec3(55, 55, 5)).norm(), 1e-9);
 }
 
+// z on its steps, the focus where it belongs in x and y, and within half a step of z,
+// which is 0.05 mm of glass under the axis and a little more beside it.
+TEST(ScanHead, RestsOnTheStepsOfZ) {
+  ScanHeadOptions options;
+  options.z_step_mm = 0.066;
+  const AxesFromGlass head = HeadOverCube(options), exact = HeadOverCube();
+  double farthest_mm = 0;
+  for (const Vec3& place : {Vec3(55, 55, 5), Vec3(30, 30, 20.01), Vec3(7, 40, 55.3),
+                            Vec3(5.5, 54, 31.234), Vec3(30, 12, 59.99)}) {
+    const Vec3 axes = AxesAt(head, place);
+    EXPECT_NEAR(axes.z() / 0.066, std::round(axes.z() / 0.066), 1e-9);
+    EXPECT_LE(std::abs(axes.z() - AxesAt(exact, place).z()), 0.033 + 1e-9);
+    const Vec3 focus = head.ToGlass(axes);
+    EXPECT_LT((focus - place).head<2>().norm(), 1e-9);
+    farthest_mm = std::max(farthest_mm, std::abs(focus.z() - place.z()));
+  }
+  EXPECT_LT(farthest_mm, 0.054);
+  EXPECT_GT(farthest_mm, 0.01);
+}
+
 TEST(ScanHead, UprightBeamsMoveAsUnderAStage) {
   const AxesFromGlass head = HeadOverCube({}, 0.05);
   const Vec3 axes = AxesAt(head, Vec3(30, 30, 10));

@@ -6,6 +6,7 @@
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <numeric>
@@ -196,6 +197,35 @@ TEST(PreviewTime, IsThatOfThePlanWhenAllIsPlanned) {
                                                AxisLimitsOf(job.machine()).travel_mm);
   const auto summary = Summarize(plan, [](auto, auto) { return true; });
   EXPECT_EQ(time->ticks(), summary->ticks);
+}
+
+// A head that jumps and dwells takes the times of its profile, whatever the ticks.
+TEST(PreviewTime, OfAHeadThatJumpsIsBySteps) {
+  FrozenJob job = FrozenOf(GoodJob());
+  MachineSpec& machine = *job.mutable_machine();
+  *machine.mutable_head_over_block() = {};
+  JumpAndDwell& jumps = *machine.mutable_head_over_block()->mutable_jump_and_dwell();
+  jumps.set_z_step_mm(1);
+  jumps.set_jump_mm_s(2000);
+  jumps.set_jump_delay_s(0.0002);
+  jumps.set_dwell_s(0.0005);
+  jumps.set_z_settle_s(0.25);
+  job.mutable_job()->mutable_ordering()->mutable_jump_layers();
+  const PointList points_mm = Scatter(2000);
+  const std::vector<ChannelMask> masks(points_mm.size(), 1);
+  const auto time = EstimateTime(job, {points_mm, masks}, 10, {}, {});
+  ASSERT_TRUE(time) << time.error().message;
+  const JumpTimePreview& parts = time->jumps();
+  EXPECT_EQ(time->planned_count(), 2000u);
+  EXPECT_NEAR(parts.dwell_s(), 2000 * 0.0005, 1e-9);
+  EXPECT_NEAR(parts.delay_s(), 2000 * 0.0002, 1e-9);
+  // 22 mm of glass are 22 / 1.52 steps of 1 mm.
+  EXPECT_NEAR(static_cast<double>(parts.z_move_count()), 14, 1);
+  EXPECT_GT(parts.z_s(), 0.25 * static_cast<double>(parts.z_move_count()));
+  // 0.75 sqrt(n A) a layer, of 15 layers of 40 x 40 mm.
+  EXPECT_NEAR(parts.jump_s(), 0.75 * std::sqrt(15.0 * 2000) * 40 / 2000, 0.5);
+  EXPECT_NEAR(time->machining_time_s(),
+              parts.jump_s() + parts.delay_s() + parts.dwell_s() + parts.z_s(), 1e-9);
 }
 
 // Pieces of a scatter take the time of the whole but for their faces, where points have

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <string>
 
 #include "engrave/galvo/head_model.h"
 #include "services/job/job_check.h"
@@ -121,6 +122,57 @@ TEST(HeadOverBlock, AxesKnowTheGlassOfTheJob) {
                                         machine::MakeKinematics(head));
   EXPECT_LT((*axes - *expected.ToAxes(Vec3(55, 55, 5), {})).norm(), 1e-9);
   EXPECT_NEAR(axes->x(), 24.885, 0.01);
+}
+
+FrozenJob JumpingJob() {
+  FrozenJob job = Frozen(60);
+  JumpAndDwell& jumps =
+      *job.mutable_machine()->mutable_head_over_block()->mutable_jump_and_dwell();
+  jumps.set_z_step_mm(0.066);
+  jumps.set_jump_mm_s(2000);
+  jumps.set_jump_delay_s(0.0002);
+  jumps.set_dwell_s(0.0005);
+  *job.mutable_job() = WithDefaults(CubeJob(60), job.machine());
+  return job;
+}
+
+TEST(HeadOverBlock, AHeadThatJumpsIsOrderedInLayersOfZ) {
+  const FrozenJob job = JumpingJob();
+  EXPECT_THAT(CheckMachine(job.machine()), IsEmpty());
+  EXPECT_TRUE(job.job().ordering().has_jump_layers());
+  EXPECT_TRUE(Frozen(60).job().ordering().has_anneal());
+  const sort::OrderOptions options = OrderOptionsOf(job);
+  EXPECT_EQ(options.method, sort::Method::kJumpLayers);
+  const Vec3 deep = options.jump_layers.head_from_glass({40, 20, 10});
+  const auto axes = AxesFromGlassOf(job).ToAxes({40, 20, 10}, Vec3::Zero());
+  ASSERT_TRUE(axes);
+  EXPECT_EQ(deep, *axes);
+  EXPECT_NEAR(deep.z() / 0.066, std::round(deep.z() / 0.066), 1e-9);
+  EXPECT_GT(options.jump_layers.head_from_glass({40, 20, 11}).z(), deep.z());
+  // The corner's beam leans by 12.9 degrees in the glass, its half angle is 1.1 degrees.
+  EXPECT_NEAR(options.cone.tangent, std::tan(0.2266 + job.optics().cone_tangent()),
+              0.003);
+}
+
+// An axis that counts downward, too, makes the deepest layer first.
+TEST(HeadOverBlock, LayersBeginAtTheDeepestWhicheverWayZCounts) {
+  FrozenJob job = JumpingJob();
+  MachineSpec& machine = *job.mutable_machine();
+  machine.mutable_head_over_block()->mutable_z()->set_moves(AXIS_MOVES_TABLE);
+  machine.mutable_z()->set_travel_min_mm(-100);
+  const auto head = OrderOptionsOf(job).jump_layers.head_from_glass;
+  EXPECT_LT(head({30, 30, 10}).z(), head({30, 30, 11}).z());
+}
+
+TEST(HeadOverBlock, WhatAHeadThatJumpsNeedsIsNamed) {
+  MachineSpec machine = Profile();
+  machine.mutable_head_over_block()->mutable_jump_and_dwell()->set_jump_delay_s(1);
+  const auto errors = CheckMachine(machine);
+  for (const char* field : {"z_step_mm", "jump_mm_s", "dwell_s", "jump_delay_s"}) {
+    EXPECT_THAT(errors,
+                Contains(Field(&Error::message,
+                               HasSubstr(std::string("jump_and_dwell.") + field))));
+  }
 }
 
 // Mirrors are 160 times as fast as z, and the job is not held to the limits of stages.

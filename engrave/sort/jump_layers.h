@@ -1,0 +1,54 @@
+#pragma once
+
+// Order and time for a controller that jumps to a point, rests, fires there and goes on,
+// and moves z only between its lists: the boards of scan heads that most machines have.
+// A point takes d / jump_mm_s + jump_delay_s + dwell_s, whatever came before, and a
+// change of the height costs as much as hundreds of points. So: one layer at a time, the
+// deepest first, all points of a height of the axis z in one layer; within a layer the
+// shortest way of the mirrors: nearest neighbours, then 2-opt and Or-opt among near
+// points.
+//
+// Layers are heights of the axis, which are bent surfaces in the glass under a lens that
+// is not telecentric. A lower layer never shades a higher one as long as such a surface
+// is flatter than the cone is steep: dz/dr <= 0.2 at 15 degrees and 60 mm depth, where a
+// cone that leans 13 degrees has a tangent of 0.25, so their product is far below 1.
+// Within a layer the cone decides (cone_order.h). It stands upright: give one that covers
+// the beams that lean.
+
+#include <cstdint>
+#include <span>
+
+#include "engrave/core/geometry.h"
+#include "engrave/sort/order.h"
+
+namespace intaglio::sort {
+
+/// What a controller that jumps and dwells takes, and its axis z from rest to rest.
+struct JumpTimes {
+  double jump_mm_s = 2000;  ///< > 0
+  double jump_delay_s = 0;  ///< >= 0
+  double dwell_s = 0.0005;  ///< >= 0, of a point
+  double z_mm_s = 10;       ///< > 0
+  double z_mm_s2 = 1000;    ///< > 0
+  double z_settle_s = 0;    ///< >= 0, behind each move of z
+};
+
+struct JumpTime {
+  double jump_s = 0, delay_s = 0, dwell_s = 0, z_s = 0;
+  std::uint64_t z_move_count = 0;
+  double total_s() const { return jump_s + delay_s + dwell_s + z_s; }
+};
+
+/// The time of points in the order in which they are made, by their axes: x, y of the
+/// mirrors and height z, mm. While z moves the mirrors do not. The ways to the first are
+/// not counted.
+JumpTime TimeOfJumps(std::span<const Vec3> axes_mm, const JumpTimes& times);
+
+Status CheckJumpLayersOptions(const OrderOptions& options);
+
+/// Starts at the lowest point of the lowest layer. Time: n log n, and memory of 100 bytes
+/// a point. Options and points must have been checked by MakeOrder.
+Result<Order> OrderByJumpLayers(const PointList& points_mm, const OrderOptions& options,
+                                const ProgressSink& progress);
+
+}  // namespace intaglio::sort

@@ -1,0 +1,133 @@
+#include "engrave/sort/jump_layers.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "tests/engrave/sort/clouds.h"
+#include "tests/engrave/sort/order_checks.h"
+#include "tests/engrave/sort/shadow_oracle.h"
+
+namespace intaglio::sort {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kIndex = 1.52, kStepMm = 0.066;
+
+/// A telecentric lens, z in steps.
+OrderOptions Telecentric() {
+  OrderOptions options;
+  options.method = Method::kJumpLayers;
+  options.cone = {0.02, 0.02, 0.15};
+  options.jump_layers.head_from_glass = [](const Vec3& p) {
+    return Vec3(p.x(), p.y(), std::round(p.z() / kIndex / kStepMm) * kStepMm);
+  };
+  return options;
+}
+
+PointList HeadPlacesOf(const PointList& points_mm, const Order& order,
+                       const OrderOptions& options) {
+  PointList places_mm;
+  for (const std::uint32_t i : order)
+    places_mm.push_back(options.jump_layers.head_from_glass(points_mm[i]));
+  return places_mm;
+}
+
+TEST(JumpLayers, MovesZOnceForEachLayerFromTheDeepestUp) {
+  for (const auto& [name, points_mm] : Clouds(3000)) {
+    const OrderOptions options = Telecentric();
+    const Order order = MakeOrder(points_mm, options).value();
+    ExpectEachOnce(order, points_mm.size());
+    const PointList places_mm = HeadPlacesOf(points_mm, order, options);
+    std::set<double> layers;
+    for (std::size_t i = 0; i < places_mm.size(); ++i) {
+      layers.insert(places_mm[i].z());
+      if (i == 0) continue;
+      ASSERT_GE(places_mm[i].z(), places_mm[i - 1].z()) << name;
+    }
+    EXPECT_EQ(TimeOfJumps(places_mm, {}).z_move_count, layers.size() - 1) << name;
+  }
+}
+
+TEST(JumpLayers, FiresThroughNothing) {
+  for (const auto& [name, points_mm] : Clouds(2000)) {
+    const OrderOptions options = Telecentric();
+    ExpectNoneShaded(points_mm, MakeOrder(points_mm, options).value(), options.cone);
+  }
+}
+
+// Each beam leans: the pupil is 140 mm above the field, the block's face 60 mm above its
+// bottom. By brute force, with the cone of each point about its own axis.
+TEST(JumpLayers, FiresThroughNothingWhereBeamsLean) {
+  constexpr double kPupilMm = 140, kHeightMm = 60, kTangent = 0.02;
+  const auto slopes = [&](const Vec3& p) -> Vec2 {  // in the glass, downward
+    const Vec2 in_air = p.head<2>() / kPupilMm;
+    const double sine = in_air.norm() / std::hypot(1, in_air.norm()) / kIndex;
+    return in_air.norm() > 0
+               ? Vec2(in_air.normalized() * sine / std::sqrt(1 - sine * sine))
+               : Vec2(0, 0);
+  };
+  OrderOptions options = Telecentric();
+  const double lean = std::asin(std::sin(std::atan(25 * std::sqrt(2.0) / 140)) / kIndex);
+  options.cone = {std::tan(lean + std::atan(kTangent)), 0.02, 0.15};
+  // Coddington's middle focus: deeper beside the axis at the same height.
+  options.jump_layers.head_from_glass = [](const Vec3& p) {
+    const double q =
+        p.head<2>().squaredNorm() / (kPupilMm * kPupilMm) * (1 - 1 / (kIndex * kIndex));
+    const double below_mm =
+        (kHeightMm - p.z()) / (kIndex * std::sqrt(1 + q) * (1 + q / 2));
+    return Vec3(p.x(), p.y(), -std::round(below_mm / kStepMm) * kStepMm);
+  };
+  PointList points_mm = RandomBox(6000, {50, 50, 5}, 4);
+  for (Vec3& p : points_mm) p -= Vec3(25, 25, 0);
+  // Some in the beams of others, so that a layer has what it has to keep apart.
+  for (std::size_t i = 0; i + 1 < points_mm.size(); i += 4) {
+    const Vec2 in_mm = 0.06 * slopes(points_mm[i]);
+    points_mm[i + 1] = points_mm[i] + Vec3(-in_mm.x(), -in_mm.y(), 0.06);
+  }
+  const Order order = MakeOrder(points_mm, options).value();
+  std::size_t shaded = 0, in_other_order = 0;
+  const auto shades = [&](const Vec3& earlier, const Vec3& p) {
+    const double up_mm = earlier.z() - p.z();
+    if (up_mm <= 0 || up_mm > 6) return false;
+    const Vec2 axis_mm = p.head<2>() - up_mm * slopes(p);  // it leans inward, upward
+    return (earlier.head<2>() - axis_mm).norm() < kTangent * up_mm;
+  };
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const Vec3 &a = points_mm[order[j]], &b = points_mm[order[i]];
+      shaded += shades(a, b);
+      in_other_order += shades(b, a);
+    }
+  }
+  EXPECT_EQ(shaded, 0);
+  EXPECT_GT(in_other_order, 1000);  // a pair can be made in the wrong order
+}
+
+TEST(JumpLayers, CountsEachPartOfTheTime) {
+  const JumpTimes times{2000, 0.0002, 0.0005, 10, 1000, 0.1};
+  // Jumps of 3, 4 and 2 mm; z goes 0.04 mm, which it does not do at full speed, then 1
+  // mm.
+  const PointList places_mm = {{0, 0, 0}, {3, 0, 0}, {3, 4, 0.04}, {3, 6, 1.04}};
+  const JumpTime time = TimeOfJumps(places_mm, times);
+  EXPECT_DOUBLE_EQ(time.jump_s, 9.0 / 2000);
+  EXPECT_DOUBLE_EQ(time.delay_s, 4 * 0.0002);
+  EXPECT_DOUBLE_EQ(time.dwell_s, 4 * 0.0005);
+  EXPECT_EQ(time.z_move_count, 2);
+  EXPECT_NEAR(time.z_s, 2 * std::sqrt(0.04 / 1000) + 0.1 + 0.1 + 0.01 + 0.1, 1e-12);
+  EXPECT_DOUBLE_EQ(time.total_s(), time.jump_s + time.delay_s + time.dwell_s + time.z_s);
+}
+
+TEST(JumpLayers, IsRefusedForAnotherMachine) {
+  OrderOptions options;
+  options.method = Method::kJumpLayers;
+  const auto order = MakeOrder(RandomBox(10, {1, 1, 1}, 1), options);
+  ASSERT_FALSE(order.has_value());
+  EXPECT_THAT(order.error().message, HasSubstr("head_over_block.jump_and_dwell"));
+}
+
+}  // namespace
+}  // namespace intaglio::sort
