@@ -19,8 +19,12 @@ struct Question {
     kAll,
     kPoints,
     kCartesian,
+    kMoves,
     kMarks,
+    kField,
     kHead,
+    kPointBoard,
+    kJumps,
     kBoard
   } machines = For::kAll;
 };
@@ -34,15 +38,21 @@ constexpr Question kQuestions[] = {
     {"y.travel_max_mm", "y: travel to, mm", kCartesian},
     {"z.travel_min_mm", "z: travel from, mm", kPoints},
     {"z.travel_max_mm", "z: travel to, mm", kPoints},
-    {"cartesian.x.moves", "x moves the head or the table", kCartesian},
-    {"cartesian.y.moves", "y moves the head or the table", kCartesian},
+    {"cartesian.x.moves", "x moves the head or the table", kMoves},
+    {"cartesian.y.moves", "y moves the head or the table", kMoves},
     {"block_origin_mm", "corner of the block for the axes (x y z), mm", kPoints},
     {"mounted_lens", "mounted lens", kPoints},
     {"laser_line.device", "line of the laser controller", kPoints},
     {"motion_line.device", "line of the motion controller", kPoints},
-    {"scan_head.field_mm", "width of the field, mm", kHead},
+    {"scan_head.field_mm", "width of the field, mm", kField},
     {"scan_head.jump_mm_s", "speed of jumps, mm/s", kHead},
-    {"scan_head.correction_file", "correction file", kHead},
+    {"scan_head.correction_file", "correction file", kField},
+    {"z.steps_per_mm", "z: steps of the board's axis for 1 mm", kPointBoard},
+    {"head_over_block.jump_and_dwell.z_step_mm", "z rests at multiples of, mm", kJumps},
+    {"head_over_block.jump_and_dwell.jump_mm_s", "speed of jumps, mm/s", kJumps},
+    {"head_over_block.jump_and_dwell.dwell_s", "time of a point, s", kJumps},
+    {"head_over_block.pupil_x_mm", "lens: distance of its pupil along x, mm", kJumps},
+    {"head_over_block.pupil_y_mm", "lens: distance of its pupil along y, mm", kJumps},
     {"bjjcz_board.laser", "laser: fibre, co2 or uv", kBoard},
     {"bjjcz_board.door_input", "input of key, door and stop button", kBoard},
     {"bjjcz_board.gate_output", "output that gates the laser", kBoard},
@@ -54,10 +64,19 @@ bool IsAskedOf(Question::For machines, const MachineSpec& machine) {
       return !machine.has_mark_line();
     case kCartesian:
       return !machine.has_mark_line() && !machine.has_polar();
+    case kMoves:
+      return !machine.has_mark_line() && !machine.has_polar() &&
+             !machine.has_head_over_block();
     case kMarks:
       return machine.has_mark_line();
+    case kField:
+      return machine.has_scan_head();
     case kHead:
       return machine.has_mark_line() && machine.has_scan_head();
+    case kPointBoard:
+      return !machine.has_mark_line() && machine.has_bjjcz_board();
+    case kJumps:
+      return machine.head_over_block().has_jump_and_dwell();
     case kBoard:
       return machine.has_bjjcz_board();
     default:

@@ -72,6 +72,27 @@ TEST(MachineQuestions, ABoardIsAskedAboutItsFieldAndItsLaser) {
   EXPECT_EQ(machine.mark_line().device(), "tcp:192.168.7.20:5000");
 }
 
+TEST(MachineQuestions, ABoardOverABlockIsAskedAboutLensAndStepsOfZ) {
+  MachineSpec machine = Family("bjjcz-glass");
+  // name, travels, origin, lens, both lines, field, correction, z, jumps, pupils, board.
+  std::istringstream in(
+      "desk\n\n\n\n\n0\n90\n\n\n\n\n140\n\n800\n0.1\n4000\n0.001\n200\n210\n");
+  std::ostringstream out;
+  AskAboutMachine(in, out, machine);
+  EXPECT_THAT(out.str(), HasSubstr("z rests at multiples of, mm [0.066]: "));
+  EXPECT_THAT(out.str(), Not(HasSubstr("moves the head or the table")));
+  EXPECT_EQ(machine.z().travel_max_mm(), 90);
+  EXPECT_EQ(machine.scan_head().field_mm(), 140);
+  EXPECT_EQ(machine.z().steps_per_mm(), 800);
+  const HeadOverBlockKinematics& head = machine.head_over_block();
+  EXPECT_EQ(head.jump_and_dwell().z_step_mm(), 0.1);
+  EXPECT_EQ(head.jump_and_dwell().jump_mm_s(), 4000);
+  EXPECT_EQ(head.jump_and_dwell().dwell_s(), 0.001);
+  EXPECT_EQ(head.pupil_x_mm(), 200);
+  EXPECT_EQ(head.pupil_y_mm(), 210);
+  EXPECT_TRUE(machine.kinematics_case() == MachineSpec::kHeadOverBlock);
+}
+
 TEST(MachineQuestions, AnArmIsNotAskedAboutXAndY) {
   MachineSpec machine = Family("polar");
   std::istringstream in("");
