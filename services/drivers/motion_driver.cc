@@ -5,6 +5,8 @@
 #include <array>
 
 #include "engrave/core/try.h"
+#include "services/drivers/bjjcz/board_profile.h"
+#include "services/drivers/bjjcz/point_driver.h"
 #include "services/drivers/grbl/grbl_driver.h"
 #include "services/drivers/grbl/grbl_settings.h"
 #include "services/drivers/isel/isel_driver.h"
@@ -25,6 +27,7 @@ constexpr std::array kMotionKinds = {
     MotionDriverKind{"grbl", true, &MakeGrblDriver, true, &CheckGrblProfile,
                      &CompareGrblController},
     MotionDriverKind{"isel", true, &MakeIselDriver, true},
+    MotionDriverKind{"bjjcz", true, &MakeBjjczPointDriver, true, &CheckBjjczPointProfile},
     MotionDriverKind{"linuxcnc", false, &MakeLinuxcncDriver, true, &CheckLinuxcncProfile,
                      &CompareLinuxcnc},
 };

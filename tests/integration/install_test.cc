@@ -179,8 +179,8 @@ TEST_F(Installation, ListsItsProfiles) {
       Type({"discretize", "sample", "--machine", "els-30", "--out", "x.ply"});
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_THAT(unknown.output, HasSubstr("did you mean els-03?"));
-  EXPECT_THAT(unknown.output, HasSubstr("supplied profiles: bjjcz, els-03, galvo, "
-                                        "galvo-glass, galvo-web, grbl, isel, "
+  EXPECT_THAT(unknown.output, HasSubstr("supplied profiles: bjjcz, bjjcz-glass, els-03, "
+                                        "galvo, galvo-glass, galvo-web, grbl, isel, "
                                         "laser-cutter, linuxcnc, mill, planar, polar"));
 }
 

@@ -63,13 +63,10 @@ void BjjczDriver::Take(const LmcAnswer& answer) {
     case LmcOperation::kWritePort:
       outputs_ = asked_outputs_;
       break;
-    case LmcOperation::kExecuteList:
-      if (playing_) playing_->executed_at = clock_();
-      break;
     default:
       break;
   }
-  if (playing_ && playing_->executed_at && busy_) playing_->was_busy = true;
+  if (playing_) playing_->Take(answer, clock_());
 }
 
 void BjjczDriver::TakeInputs(std::uint16_t inputs) {

@@ -35,6 +35,7 @@
 #include <string>
 #include <vector>
 
+#include "services/drivers/bjjcz/board_list.h"
 #include "services/drivers/bjjcz/lmc_line.h"
 #include "services/drivers/bjjcz/mark_lists.h"
 #include "services/drivers/mark_driver.h"
@@ -68,14 +69,6 @@ class BjjczDriver final : public MarkDriver {
 
  private:
   enum class Hand { kNone, kAnnounced, kMaking };
-  /// The list that is in the board, or on its way to it.
-  struct Playing {
-    double seconds = 0;
-    bool was_sent = false;  ///< its execution
-    std::optional<std::chrono::nanoseconds> executed_at = {};
-    bool was_busy = false;
-  };
-
   void Take(const LmcAnswer& answer);
   void TakeInputs(std::uint16_t inputs);
   void TakeLost();
@@ -111,7 +104,7 @@ class BjjczDriver final : public MarkDriver {
   std::optional<NumberedMark> hand_;
   Hand stage_ = Hand::kNone;
   bool begun_ = false;  ///< a list of the mark in hand may have been executed
-  std::optional<Playing> playing_;
+  std::optional<PlayedList> playing_;  ///< in the board, or on its way to it
   std::optional<std::chrono::nanoseconds> permit_at_;
   // Of the newest session.
   bool has_inputs_ = false, closed_ = false, busy_ = false;

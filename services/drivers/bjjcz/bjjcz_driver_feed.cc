@@ -8,16 +8,8 @@
 #include "services/drivers/bjjcz/bjjcz_driver.h"
 
 namespace intaglio::drivers {
-namespace {
-
-// A board that executes a list so much longer than it should is not the one of the
-// profile.
-constexpr double kLateFactor = 2, kLateSeconds = 1;
-
-}  // namespace
-
 void BjjczDriver::Feed() {
-  if (playing_ && playing_->was_sent) return CheckList();
+  if (playing_ && playing_->was_sent()) return CheckList();
   if (!line_.is_idle() || busy_) return;
   if (playing_) return ExecuteList();
   if (!hand_) return TakeNextMark();
@@ -39,34 +31,24 @@ void BjjczDriver::TakeNextMark() {
 
 void BjjczDriver::SendList() {
   const LmcList list = lists_.Next();
-  line_.Send({LmcOperation::kResetList, {}});
-  for (std::size_t at = 0; at < list.commands.size(); at += kLmcPacketCommands) {
-    const auto from = list.commands.begin() + static_cast<std::ptrdiff_t>(at);
-    const std::size_t count = std::min(kLmcPacketCommands, list.commands.size() - at);
-    line_.SendPacket({from, from + static_cast<std::ptrdiff_t>(count)});
-    line_.Send({LmcOperation::kEndOfList, {0}});
-  }
-  playing_ = Playing{list.seconds};
+  drivers::SendList(list, line_);
+  playing_.emplace(list.seconds);
 }
 
 // Not one that would outlast the permission: nothing but its end would end it.
 void BjjczDriver::ExecuteList() {
-  if (!is_permitted_for(playing_->seconds)) return;
-  line_.Send({LmcOperation::kExecuteList, {}});
-  playing_->was_sent = begun_ = true;
+  if (!is_permitted_for(playing_->seconds())) return;
+  playing_->Execute(line_);
+  begun_ = true;
 }
 
 void BjjczDriver::CheckList() {
-  if (!playing_->executed_at) return;
-  const double since_s =
-      std::chrono::duration<double>(clock_() - *playing_->executed_at).count();
-  if (since_s > kLateFactor * playing_->seconds + kLateSeconds) {
+  if (playing_->IsLate(clock_())) {
     return BeginStop(
         "the board does not end its list: it is slower than the profile has it to be, "
         "or waits for an input; switch it off and on, then reset");
   }
-  // A host that was late may have missed that it was busy.
-  if (busy_ || !(playing_->was_busy || since_s > playing_->seconds)) return;
+  if (!playing_->HasEnded(busy_, clock_())) return;
   playing_.reset();
   if (!lists_.has_more()) EndMark(MarkFate::kDone);
 }
@@ -89,16 +71,8 @@ void BjjczDriver::BeginStop(std::string fault) {
   if (stopping_) return;
   DropAll();
   stopping_ = true;
-  line_.DropWaiting();
   asked_outputs_ = WantedOutputs();
-  line_.Send({LmcOperation::kWritePort, {*asked_outputs_}});
-  line_.Send({LmcOperation::kStopExecute, {}});
-  line_.Send({LmcOperation::kFibreOscillator, {0}});
-  line_.Send({LmcOperation::kResetList, {}});
-  line_.SendPacket({});
-  line_.Send({LmcOperation::kEndOfList, {0}});
-  line_.Send({LmcOperation::kExecuteList, {}});
-  line_.Send({LmcOperation::kReadPort, {}});
+  SendStop(*asked_outputs_, line_);
 }
 
 void BjjczDriver::EndRun() {

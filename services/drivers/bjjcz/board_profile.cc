@@ -25,6 +25,8 @@ constexpr double kCorNodePlaces = 1024;  // between two nodes
 constexpr double kFieldTolerance = 1e-3;
 // A list begins with a jump: the rest of its time is for the mark.
 constexpr double kMaxJumpSeconds = 0.09;
+// A list has one point at least, behind its beginning.
+constexpr double kMaxPointSeconds = 0.14;
 
 // What EzCad 2 sends a board; of most only the number is known.
 constexpr std::array kBoardSettings = {
@@ -113,6 +115,32 @@ void CheckHead(const ScanHead& head, BoardErrors& errors) {
   refuse(head.has_ahead_ms(), "ahead_ms");
 }
 
+void CheckPoints(const MachineSpec& machine, BoardErrors& errors) {
+  if (!(machine.scan_head().field_mm() > 0))
+    errors.Missing("scan_head.field_mm", "give the width of the field, mm");
+  if (!machine.bjjcz_board().has_point_frequency_hz())
+    errors.Missing("bjjcz_board.point_frequency_hz",
+                   "give the frequency of the laser's pulses at a point");
+  if (!(machine.z().steps_per_mm() > 0))
+    errors.Missing("z.steps_per_mm", "give the steps of the board's axis for 1 mm");
+  if (!machine.head_over_block().has_jump_and_dwell())
+    return errors.Missing("head_over_block.jump_and_dwell",
+                          "a BJJCZ board jumps to a point and dwells there: give its "
+                          "times");
+  const JumpAndDwell& jumps = machine.head_over_block().jump_and_dwell();
+  if (!(jumps.jump_mm_s() > 0)) return;  // named with the other fields
+  const double point_s =
+      std::sqrt(2) * machine.scan_head().field_mm() / jumps.jump_mm_s() +
+      jumps.jump_delay_s() + jumps.dwell_s();
+  if (point_s > kMaxPointSeconds) {
+    errors.Wrong(fmt::format(
+        "head_over_block.jump_and_dwell: a jump across the field with its delay and "
+        "dwell takes {:.3f} s, at most {:g} s is possible, since the board ends what it "
+        "has without a host; jump faster, or dwell for a shorter time",
+        point_s, kMaxPointSeconds));
+  }
+}
+
 Result<std::vector<LmcCommand>> CorrectionLinesOf(const ScanHead& head) {
   const std::string& file = head.correction_file();
   if (file.empty()) return std::vector{LmcCommand{kCorrectionTable, {0}}};
@@ -158,6 +186,17 @@ std::vector<Error> CheckBjjczProfile(const MachineSpec& machine) {
   BoardErrors errors;
   CheckBoard(machine, errors);
   CheckHead(machine.scan_head(), errors);
+  if (errors.errors_.empty()) {
+    if (const auto lines = CorrectionLinesOf(machine.scan_head()); !lines)
+      errors.errors_.push_back(lines.error());
+  }
+  return std::move(errors.errors_);
+}
+
+std::vector<Error> CheckBjjczPointProfile(const MachineSpec& machine) {
+  BoardErrors errors;
+  CheckBoard(machine, errors);
+  CheckPoints(machine, errors);
   if (errors.errors_.empty()) {
     if (const auto lines = CorrectionLinesOf(machine.scan_head()); !lines)
       errors.errors_.push_back(lines.error());

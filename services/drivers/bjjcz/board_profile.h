@@ -16,6 +16,10 @@ namespace intaglio::drivers {
 /// same field. Each error begins with the field.
 std::vector<Error> CheckBjjczProfile(const MachineSpec& machine);
 
+/// The same of a machine that makes points in glass, whose motion_line it is:
+/// head_over_block with jump_and_dwell, the width of the field, the steps of z.
+std::vector<Error> CheckBjjczPointProfile(const MachineSpec& machine);
+
 /// From any state of the board: dark, its list empty, its outputs off, then correction,
 /// laser and delays as EzCad 2 sets them. Errors: those of the correction file.
 Result<std::vector<LmcCommand>> BoardSetUp(const MachineSpec& machine);

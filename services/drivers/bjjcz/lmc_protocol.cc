@@ -39,6 +39,21 @@ std::uint16_t SignedNumber(int value) {
   return static_cast<std::uint16_t>(value < 0 ? kSign + amount : amount);
 }
 
+namespace {
+constexpr std::uint32_t kAxisSign = 0x80000000;
+}  // namespace
+
+std::uint32_t AxisNumber(std::int32_t steps) {
+  const auto amount = static_cast<std::uint32_t>(
+      std::min<std::int64_t>(std::abs(std::int64_t{steps}), kAxisSign - 1));
+  return steps < 0 ? kAxisSign | amount : amount;
+}
+
+std::int32_t StepsOfAxisNumber(std::uint32_t number) {
+  const auto amount = static_cast<std::int32_t>(number & (kAxisSign - 1));
+  return (number & kAxisSign) != 0 ? -amount : amount;
+}
+
 void LmcReplyReader::Feed(std::span<const std::byte> bytes) {
   bytes_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }

@@ -42,7 +42,12 @@ enum class LmcOperation : std::uint16_t {
   kStopExecute = 0x1F,
   kWritePort = 0x21,  ///< bits of the outputs
   kAnalogPort1 = 0x22,
-  kReadPort = 0x25,  ///< answer: number 1 has the bits of the inputs
+  kReadPort = 0x25,    ///< answer: number 1 has the bits of the inputs
+  kAxisSpeed = 0x26,   ///< lowest and highest, steps/s
+  kAxisRamp = 0x27,    ///< from the lowest to the highest, ms
+  kAxisOrigin = 0x28,  ///< goes to its switch, where it counts from
+  kAxisTo = 0x29,      ///< low and high half of AxisNumber
+  kAxisPlace = 0x2A,   ///< answer: numbers 1 and 2 are the high and the low half
   kFirstPulseKiller = 0x2E,
   kFlyResolution = 0x32,
   kFibreOscillator = 0x33,  ///< 1: the master oscillator is on
@@ -51,6 +56,7 @@ enum class LmcOperation : std::uint16_t {
   // In a list.
   kJump = 0x8001,           ///< x, y, angle 0, distance
   kEnd = 0x8002,            ///< also fills a packet
+  kLaserOnPoint = 0x8003,   ///< the laser is on at rest, 10 us
   kDelay = 0x8004,          ///< 10 us
   kMark = 0x8005,           ///< x, y, angle 0, distance
   kJumpSpeed = 0x8006,      ///< places/ms
@@ -75,7 +81,8 @@ struct LmcCommand {
 
 struct LmcReply {
   std::array<std::uint16_t, 4> numbers{};
-  bool is_busy() const { return (numbers[3] & 0x04) != 0; }  ///< a list is executed
+  bool is_busy() const { return (numbers[3] & 0x04) != 0; }    ///< a list is executed
+  bool is_moving() const { return (numbers[3] & 0x40) != 0; }  ///< the axis moves
   bool is_ready() const {
     return (numbers[3] & 0x20) != 0;
   }  ///< there is room for a packet
@@ -91,6 +98,10 @@ void AppendPacket(std::span<const LmcCommand> commands, std::string& bytes);
 
 /// Sign and amount, as correction lines have them; beyond +-32767 the nearest.
 std::uint16_t SignedNumber(int value);
+
+/// Sign in bit 31 and amount, as the axis has its steps; and back.
+std::uint32_t AxisNumber(std::int32_t steps);
+std::int32_t StepsOfAxisNumber(std::uint32_t number);
 
 /// The answers out of bytes that come in any pieces.
 class LmcReplyReader {

@@ -16,22 +16,8 @@ using enum LmcOperation;
 constexpr double kCentre = 32768, kPlaces = 65536, kMaxUint16 = 65535;
 // Chords of arcs: half a place of the board.
 constexpr double kChordPlaces = 0.5;
-// Clocks of the pulses' periods, and of the pulses' widths.
-constexpr double kFibreClock_hz = 20e6, kCo2Clock_hz = 10e6, kWidthClock_hz = 20e6;
-constexpr double kMaxCurrent = 4095;
-// The first pulses that a tube or a UV laser holds back: 6.7 us at 30 kHz.
-constexpr double kFirstPulsePart = 67.0 / 333;
-// The master oscillator of a fibre laser takes this time, 10 us.
-constexpr std::uint16_t kOscillatorDelay = 800;
-constexpr std::size_t kMaxCommands = kMaxListPackets * kLmcPacketCommands - 1;
 // A piece of a line that is cut is not shorter than a tenth of a list.
 constexpr double kMinPieceSeconds = kMaxListSeconds / 10;
-
-std::uint16_t ToUint16(double value) {
-  return static_cast<std::uint16_t>(std::clamp(std::round(value), 0.0, kMaxUint16));
-}
-
-std::uint16_t Microseconds(double seconds) { return ToUint16(1e6 * seconds); }
 
 }  // namespace
 
@@ -46,8 +32,7 @@ std::uint16_t MarkLists::SpeedOf(double speed_mm_s) const {
 
 Status MarkLists::Begin(std::span<const mark::Pen> pens) {
   INTAGLIO_TRY(mark::CheckMarks({{pens.begin(), pens.end()}, {}}));
-  const double clock_hz =
-      board_.laser() == BJJCZ_LASER_FIBRE ? kFibreClock_hz : kCo2Clock_hz;
+  const double clock_hz = PeriodClockHz(board_);
   for (const mark::Pen& pen : pens) {
     const auto refuse = [&](const std::string& what, double value) {
       return Fail(ErrorCode::kUnsupported, fmt::format("pen {:?}: {}", pen.name, what),
@@ -124,32 +109,12 @@ bool MarkLists::ends_stroke(std::size_t move) const {
   return move + 1 == moves_.size() || !moves_[move + 1].is_lit;
 }
 
-void MarkLists::AddLaser(const mark::Pen& pen, std::vector<LmcCommand>& commands) const {
-  if (board_.laser() == BJJCZ_LASER_FIBRE) {
-    commands.push_back({kCurrent, {ToUint16(kMaxCurrent * pen.power_ratio)}});
-    commands.push_back({kQSwitchPeriod, {ToUint16(kFibreClock_hz / pen.frequency_hz)}});
-    if (board_.has_pulse_width_ns())
-      commands.push_back({kPulseWidth, {ToUint16(board_.pulse_width_ns())}});
-    return;
-  }
-  const double period = kCo2Clock_hz / pen.frequency_hz;
-  const std::uint16_t first = ToUint16(kFirstPulsePart * period);
-  commands.push_back({kMarkPeriod, {ToUint16(period)}});
-  commands.push_back({kCo2FirstPulse, {first, first}});
-  commands.push_back(
-      {kPowerRatio, {ToUint16(kWidthClock_hz * pen.power_ratio / pen.frequency_hz)}});
-}
-
 void MarkLists::AddHeader(LmcList& list) {
   auto& commands = list.commands;
-  commands.push_back({kReadyMark, {}});
-  if (first_of_run_ && board_.laser() == BJJCZ_LASER_FIBRE) {
-    commands.push_back({kDelay, {kOscillatorDelay}});
-    list.seconds += 1e-5 * kOscillatorDelay;
-  }
+  BeginList(board_, first_of_run_, list);
   first_of_run_ = false;
   commands.push_back({kJumpSpeed, {SpeedOf(head_.jump_mm_s())}});
-  AddLaser(*pen_, commands);
+  AppendLaser(board_, pen_->power_ratio, pen_->frequency_hz, commands);
   commands.push_back({kMarkSpeed, {SpeedOf(pen_->speed_mm_s)}});
   commands.push_back({kLaserOnDelay, {Microseconds(head_.laser_on_delay_s())}});
   commands.push_back({kLaserOffDelay, {Microseconds(head_.laser_off_delay_s())}});
@@ -199,7 +164,7 @@ LmcList MarkLists::Next() {
   LmcList list;
   AddHeader(list);
   const std::size_t header = list.commands.size();
-  while (has_more() && list.commands.size() + 2 <= kMaxCommands && AddMove(list)) {
+  while (has_more() && list.commands.size() + 2 <= kMaxListCommands && AddMove(list)) {
   }
   Require(list.commands.size() > header, "a list without a move");
   list.commands.push_back({kEnd, {}});

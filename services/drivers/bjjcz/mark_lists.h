@@ -12,18 +12,9 @@
 
 #include "engrave/mark/mark.h"
 #include "proto/machine.pb.h"
-#include "services/drivers/bjjcz/lmc_protocol.h"
+#include "services/drivers/bjjcz/board_list.h"
 
 namespace intaglio::drivers {
-
-inline constexpr double kMaxListSeconds = 0.15;
-/// Boards take three before they execute them.
-inline constexpr std::size_t kMaxListPackets = 3;
-
-struct LmcList {
-  std::vector<LmcCommand> commands;
-  double seconds = 0;  ///< that the board takes, at most
-};
 
 class MarkLists {
  public:
@@ -52,7 +43,6 @@ class MarkLists {
   };
 
   void AddHeader(LmcList& list);
-  void AddLaser(const mark::Pen& pen, std::vector<LmcCommand>& commands) const;
   /// False: it has no room for anything of the next move.
   bool AddMove(LmcList& list);
   std::uint16_t SpeedOf(double speed_mm_s) const;

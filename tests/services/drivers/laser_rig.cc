@@ -1,6 +1,7 @@
 #include "tests/services/drivers/laser_rig.h"
 
 #include "tests/services/cell/one_controller_rig.h"
+#include "tests/services/drivers/bjjcz/point_rig.h"
 #include "tests/services/drivers/grbl_rig.h"
 #include "tests/services/drivers/isel/isel_rig.h"
 #include "tests/services/drivers/motion_output_rig.h"
@@ -85,6 +86,7 @@ std::unique_ptr<LaserRig> MakeLaserRig(std::string_view protocol,
     if (kind.protocol == protocol && protocol == "virtual-cell")
       return std::make_unique<VirtualLaserRig>(kind, serial_number);
   }
+  if (protocol == "bjjcz") return MakeBjjczLaserRig(serial_number);
   if (protocol == "isel") return MakeIselLaserRig(serial_number);
   if (protocol == "grbl") return MakeGrblLaserRig(serial_number);
   for (const LaserDriverKind& kind : LaserDriverKinds()) {

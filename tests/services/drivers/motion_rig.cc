@@ -1,5 +1,6 @@
 #include "tests/services/drivers/motion_rig.h"
 
+#include "tests/services/drivers/bjjcz/point_rig.h"
 #include "tests/services/drivers/grbl_rig.h"
 #include "tests/services/drivers/isel/isel_rig.h"
 #include "tests/services/virtual_engraver/machine_rig.h"
@@ -66,6 +67,7 @@ std::unique_ptr<MotionRig> MakeMotionRig(std::string_view protocol,
     if (kind.protocol == protocol && protocol.starts_with("virtual-"))
       return std::make_unique<VirtualStageRig>(kind, serial_number);
   }
+  if (protocol == "bjjcz") return MakeBjjczMotionRig(serial_number);
   if (protocol == "isel") return MakeIselMotionRig(serial_number);
   if (protocol == "grbl") return MakeGrblMotionRig(serial_number);
   return nullptr;

@@ -41,7 +41,8 @@ mark::Pen FastPen() {
 class Host {
  public:
   explicit Host(const MachineSpec& profile)
-      : machine_(profile.bjjcz_board().laser()), driver_(machine_.MakeDriver(profile)) {}
+      : machine_(profile.bjjcz_board().laser() == BJJCZ_LASER_FIBRE),
+        driver_(MakeBjjczDriverAt(machine_, profile)) {}
 
   void Step() {
     machine_.Advance();

@@ -1,25 +1,16 @@
 #include "tests/services/drivers/bjjcz/bjjcz_rig.h"
 
 #include <algorithm>
-#include <array>
-#include <numbers>
-#include <span>
 
 namespace intaglio::drivers {
 namespace {
 
 using namespace std::chrono_literals;
 
-bjjcz::VirtualBjjczOptions BoardOf(BjjczLaser laser) {
-  bjjcz::VirtualBjjczOptions options;
-  options.needs_oscillator = laser == BJJCZ_LASER_FIBRE;
-  return options;
-}
-
 class BjjczMarkRig final : public MarkRig {
  public:
   BjjczMarkRig(BjjczLaser laser, const std::string& serial_number)
-      : laser_(laser), machine_(laser) {
+      : laser_(laser), machine_(laser == BJJCZ_LASER_FIBRE) {
     driver = MakeDriver(serial_number);
   }
 
@@ -48,7 +39,7 @@ class BjjczMarkRig final : public MarkRig {
     MachineSpec profile = BjjczProfile(laser_);
     if (!serial_number.empty())
       profile.mutable_mark_line()->set_serial_number(serial_number);
-    return machine_.MakeDriver(profile);
+    return MakeBjjczDriverAt(machine_, profile);
   }
   std::uint64_t work_count() override { return machine_.board.work_count(); }
   bool is_on() override { return machine_.board.lit(); }
@@ -96,40 +87,11 @@ MachineSpec BjjczProfile(BjjczLaser laser) {
   return machine;
 }
 
-BjjczMachine::BjjczMachine(BjjczLaser laser) : board(BoardOf(laser)) {}
-
-void BjjczMachine::Cut(bool cut) {
-  if (!to_board_) return;
-  to_board_->cut = to_host_->cut = cut;
-}
-
-void BjjczMachine::Advance() {
-  now_ += 1ms;
-  if (end_) {
-    std::array<std::byte, 97> bytes;
-    while (const std::size_t count = end_->Read(bytes).value_or(0))
-      board.Write({reinterpret_cast<const char*>(bytes.data()), count});
-  }
-  board.Advance(1000);
-  const std::string sent = board.Read();
-  if (end_ && !sent.empty()) (void)end_->Write(std::as_bytes(std::span(sent)));
-}
-
-// Each opening is a connection of its own, through the same cable.
-std::unique_ptr<MarkDriver> BjjczMachine::MakeDriver(const MachineSpec& profile) {
-  const auto clock = [this] { return now_; };
-  const auto open = [this, clock]() -> Result<std::unique_ptr<link::ByteStream>> {
-    const bool cut = to_board_ && to_board_->cut;
-    to_board_ = std::make_shared<link::FaultyPipe>();
-    to_host_ = std::make_shared<link::FaultyPipe>();
-    to_board_->cut = to_host_->cut = cut;
-    board.Reopen();
-    end_ = std::make_unique<link::FaultyEnd>(to_board_, to_host_, random_, clock);
-    return std::make_unique<link::FaultyEnd>(to_host_, to_board_, random_, clock);
-  };
+std::unique_ptr<MarkDriver> MakeBjjczDriverAt(BjjczMachine& machine,
+                                              const MachineSpec& profile) {
   const auto kinds = MarkDriverKinds();
   const auto kind = std::ranges::find(kinds, "bjjcz", &MarkDriverKind::protocol);
-  return kind->make(profile, open, clock);
+  return kind->make(profile, machine.Opener(), machine.clock());
 }
 
 std::unique_ptr<MarkRig> MakeBjjczMarkRig(const std::string& name,

@@ -61,6 +61,8 @@ void VirtualBjjcz::SwitchOff() {
   outputs_ = 0;
   list_.clear();
   correction_.clear();
+  axis_ = axis_to_ = 0;
+  at_ = {32768, 32768};
   Reopen();
 }
 
@@ -68,7 +70,8 @@ void VirtualBjjcz::SwitchOn() { on_ = true; }
 
 std::uint16_t VirtualBjjcz::Status() const {
   const bool ready = list_.size() < options_.packets * 256;
-  return static_cast<std::uint16_t>((executes_ ? 0x04 : 0) | (ready ? 0x20 : 0));
+  return static_cast<std::uint16_t>((executes_ ? 0x04 : 0) | (ready ? 0x20 : 0) |
+                                    (axis_ != axis_to_ ? 0x40 : 0));
 }
 
 void VirtualBjjcz::Answer(std::array<std::uint16_t, 3> numbers) {
@@ -99,6 +102,7 @@ void VirtualBjjcz::TakeCommand(const Numbers& numbers) {
       break;
     case 0x1F:
       EndMotion();
+      axis_to_ = axis_ = std::round(axis_);
       executes_ = false;
       list_.clear();
       break;
@@ -107,13 +111,32 @@ void VirtualBjjcz::TakeCommand(const Numbers& numbers) {
       break;
     case 0x25:
       return Answer({0, inputs_, 0});
+    case 0x26:
+      axis_speed_ = std::max<double>(1, numbers[2]);
+      break;
+    case 0x28:
+      axis_to_ = 0;
+      break;
+    case 0x29: {
+      const std::uint32_t number = numbers[1] | static_cast<std::uint32_t>(numbers[2])
+                                                    << 16;
+      const double amount = number & 0x7FFFFFFF;
+      axis_to_ = (number & 0x80000000) != 0 ? -amount : amount;
+      break;
+    }
+    case 0x2A: {
+      const auto amount = static_cast<std::uint32_t>(std::abs(std::round(axis_)));
+      const std::uint32_t number = amount | (axis_ < 0 ? 0x80000000 : 0);
+      return Answer({0, static_cast<std::uint16_t>(number >> 16),
+                     static_cast<std::uint16_t>(number & 0xFFFF)});
+    }
     case 0x33:
       oscillator_ = numbers[1] == 1;
       break;
     default: {
       constexpr auto kKnown = std::to_array<std::uint16_t>(
-          {0x06, 0x07, 0x0A, 0x0C, 0x15, 0x16, 0x17, 0x19, 0x1A, 0x1B,
-           0x1C, 0x1D, 0x1E, 0x22, 0x2E, 0x32, 0x39, 0x3A, 0x40, 0x41});
+          {0x06, 0x07, 0x0A, 0x0C, 0x15, 0x16, 0x17, 0x19, 0x1A, 0x1B, 0x1C,
+           0x1D, 0x1E, 0x22, 0x27, 0x2E, 0x32, 0x39, 0x3A, 0x40, 0x41});
       if (std::ranges::find(kKnown, numbers[0]) == kKnown.end()) ++unknown_count_;
     }
   }
@@ -121,7 +144,9 @@ void VirtualBjjcz::TakeCommand(const Numbers& numbers) {
 }
 
 bool VirtualBjjcz::MayEmit() const {
-  return enabled_ && (outputs_ >> options_.gate_output & 1) != 0 &&
+  const bool interlocked =
+      options_.interlock_input >= 0 && (inputs_ >> options_.interlock_input & 1) == 0;
+  return !interlocked && enabled_ && (outputs_ >> options_.gate_output & 1) != 0 &&
          (oscillator_ || !options_.needs_oscillator);
 }
 
@@ -134,6 +159,8 @@ void VirtualBjjcz::EndMotion() {
     at_ = stroke_.to;
     strokes_.push_back(stroke_);
   }
+  if (is_point_) flashes_.push_back(flash_);
+  is_point_ = false;
   moves_ = waits_ = follows_mark_ = lit_ = false;
   left_us_ = settle_us_ = off_left_us_ = on_left_us_ = 0;
 }
@@ -164,6 +191,8 @@ void VirtualBjjcz::BeginCommand(const Numbers& numbers) {
       if (std::exchange(follows_mark_, false)) off_left_us_ = off_delay_us_;
       left_us_ = 10.0 * numbers[1];
       waits_ = true;
+      is_point_ = numbers[0] == 0x8003;
+      flash_ = {at_, static_cast<std::int32_t>(std::lround(axis_)), now_us_, 0};
       break;
     case 0x8006:
       jump_speed_ = std::max<double>(1, numbers[1]);
@@ -228,7 +257,8 @@ bool VirtualBjjcz::Step(double& left_us) {
         moves_ && stroke_.is_mark ? on_left_us_ : 0})
     if (next_us > 0) step = std::min(step, next_us);
   const bool of_mark = moves_ && stroke_.is_mark;
-  lit_ = MayEmit() && ((of_mark && on_left_us_ <= 0) || off_left_us_ > 0);
+  lit_ = MayEmit() &&
+         ((of_mark && on_left_us_ <= 0) || off_left_us_ > 0 || (waits_ && is_point_));
   if (of_mark && on_left_us_ > 0) on_left_us_ -= step;
   if (off_left_us_ > 0) off_left_us_ -= step;
   now_us_ += step;
@@ -236,6 +266,7 @@ bool VirtualBjjcz::Step(double& left_us) {
   if (lit_) {
     ++work_count_;
     if (moves_) stroke_.lit_us += step;
+    if (is_point_) flash_.lit_us += step;
   }
   if (moves_ || waits_) {
     left_us_ -= step;
@@ -247,6 +278,7 @@ bool VirtualBjjcz::Step(double& left_us) {
         at_ = stroke_.to;
         strokes_.push_back(stroke_);
       }
+      if (std::exchange(is_point_, false)) flashes_.push_back(flash_);
       moves_ = waits_ = false;
     }
   } else if (settle_us_ > 0) {
@@ -255,7 +287,21 @@ bool VirtualBjjcz::Step(double& left_us) {
   return true;
 }
 
+std::array<double, 2> VirtualBjjcz::place() const {
+  if (!moves_ || total_us_ <= 0) return at_;
+  const double done = 1 - left_us_ / total_us_;
+  return {stroke_.from[0] + done * (stroke_.to[0] - stroke_.from[0]),
+          stroke_.from[1] + done * (stroke_.to[1] - stroke_.from[1])};
+}
+
+// At its speed, without a ramp.
+void VirtualBjjcz::AdvanceAxis(double us) {
+  const double way = axis_speed_ * us / 1e6, left = axis_to_ - axis_;
+  axis_ = std::abs(left) <= way ? axis_to_ : axis_ + std::copysign(way, left);
+}
+
 void VirtualBjjcz::Advance(double us) {
+  if (on_) AdvanceAxis(us);
   double left_us = us;
   while (left_us > 1e-9 && on_ && executes_ && Step(left_us)) {
   }

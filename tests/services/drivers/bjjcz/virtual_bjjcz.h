@@ -20,8 +20,17 @@ struct VirtualBjjczOptions {
   std::array<std::uint16_t, 3> serial_number = {0x0001, 0x4242, 0x0017};
   int gate_output = 0;
   bool needs_oscillator = true;
+  /// While it is low, a gate outside of the board cuts the laser; -1: there is none.
+  int interlock_input = -1;
   /// Not taken while so many packets wait: no READY.
   std::size_t packets = 4;
+};
+
+/// The laser was on at rest.
+struct Flash {
+  std::array<double, 2> at{};  ///< places of the board
+  std::int32_t axis = 0;       ///< steps
+  double begin_us = 0, lit_us = 0;
 };
 
 /// One command of a list that moved the mirrors, when it has ended or was stopped.
@@ -50,6 +59,15 @@ class VirtualBjjcz {
   void SwitchOn();
 
   const std::vector<Stroke>& strokes() const { return strokes_; }
+  const std::vector<Flash>& flashes() const { return flashes_; }
+  /// Where the mirrors are now.
+  std::array<double, 2> place() const;
+  /// Steps of its axis, since its power-up or its origin.
+  double axis() const { return axis_; }
+  /// Somebody homes it at the machine, or turns it by hand.
+  void SetAxis(std::int32_t steps) { axis_ = axis_to_ = steps; }
+  /// A list is executed, or the axis moves.
+  bool moves() const { return executes_ || axis_ != axis_to_; }
   bool lit() const { return lit_; }
   /// Grows with every step of the beam's time, and of the mirrors' way.
   std::uint64_t work_count() const { return work_count_; }
@@ -72,6 +90,7 @@ class VirtualBjjcz {
   void BeginCommand(const Numbers& numbers);
   void EndMotion();
   bool MayEmit() const;
+  void AdvanceAxis(double us);
 
   VirtualBjjczOptions options_;
   bool on_ = true;
@@ -92,6 +111,11 @@ class VirtualBjjcz {
   double on_delay_us_ = 0, off_delay_us_ = 0, jump_delay_us_ = 0, polygon_delay_us_ = 0;
   Stroke laser_;  ///< whose settings each stroke has
   std::vector<Stroke> strokes_;
+  bool is_point_ = false;  ///< it waits with the laser on
+  Flash flash_;
+  std::vector<Flash> flashes_;
+  double axis_ = 0, axis_to_ = 0;
+  double axis_speed_ = 1000;  ///< steps/s
   std::vector<std::array<std::uint16_t, 2>> correction_;
   std::uint64_t work_count_ = 0, lists_executed_ = 0, unknown_count_ = 0;
 };

@@ -1,13 +1,14 @@
 // The virtual BJJCZ board as a program, in real time:
 //
-//   virtual-bjjcz --line LINE --record FILE [--panel SOCKET]
+//   virtual-bjjcz --line LINE --record FILE [--panel SOCKET] [--axis STEPS]
 //
 // LINE: a path, for a symbolic link to a pseudo-terminal, or "tcp:127.0.0.1:0" for a TCP
 // port; "ready LINE" on the output has what a host opens. Each mark command that the beam
 // made something of is a line of the record when it has ended: "mark X0 Y0 X1 Y1 BEGIN_US
-// END_US LIT_US", in places of the board, 32768 the centre. The panel takes lines of text
-// (services/virtual_engraver/panel.h): door open|close, power off|on, unplug, plug.
-// SIGTERM ends it.
+// END_US LIT_US", in places of the board, 32768 the centre; each point that it lit at
+// rest is "flash X Y AXIS BEGIN_US LIT_US", AXIS in steps. With --axis its axis was
+// homed, and is there. The panel takes lines of text (services/virtual_engraver/panel.h):
+// door open|close, power off|on, unplug, plug. SIGTERM ends it.
 
 #include <signal.h>
 
@@ -35,6 +36,20 @@ namespace {
 using namespace intaglio;
 volatile sig_atomic_t ends = 0;
 constexpr int kDoorInput = 3;
+
+/// Writes the points that have ended since the last call.
+void RecordFlashes(const bjjcz::VirtualBjjcz& board, std::size_t& written,
+                   std::ofstream& record) {
+  const auto& flashes = board.flashes();
+  if (written == flashes.size()) return;
+  for (; written < flashes.size(); ++written) {
+    const bjjcz::Flash& flash = flashes[written];
+    if (flash.lit_us <= 0) continue;
+    record << "flash " << flash.at[0] << ' ' << flash.at[1] << ' ' << flash.axis << ' '
+           << std::llround(flash.begin_us) << ' ' << flash.lit_us << '\n';
+  }
+  record.flush();
+}
 
 /// Writes what has ended since the last call.
 void Record(const bjjcz::VirtualBjjcz& board, std::size_t& written,
@@ -67,16 +82,17 @@ std::string Act(const std::string& command, bjjcz::VirtualBjjcz& board, bool& un
   return "ok";
 }
 
-void Serve(virtual_engraver::MachineLine& line, const std::string& record_file,
+void Serve(virtual_engraver::MachineLine& line, const std::string& record_file, int axis,
            std::optional<virtual_engraver::Panel> panel) {
   using Clock = std::chrono::steady_clock;
   bjjcz::VirtualBjjczOptions options;
   options.needs_oscillator = false;
   bjjcz::VirtualBjjcz board(options);
+  board.SetAxis(axis);
   std::ofstream record(record_file);
   bool unplugged = false;
   auto bytes = line.MachineEnd();
-  std::size_t written = 0;
+  std::size_t written = 0, written_flashes = 0;
   auto last = Clock::now();
   while (ends == 0) {
     if (line.HostHasGone()) {
@@ -97,6 +113,7 @@ void Serve(virtual_engraver::MachineLine& line, const std::string& record_file,
     const std::string sent = board.Read();
     if (!sent.empty() && !unplugged) (void)bytes->Write(std::as_bytes(std::span(sent)));
     Record(board, written, record);
+    RecordFlashes(board, written_flashes, record);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }
@@ -105,10 +122,12 @@ void Serve(virtual_engraver::MachineLine& line, const std::string& record_file,
 
 int main(int argc, char** argv) {
   std::string device, record_file, panel_file;
+  int axis = 0;
   CLI::App app("A BJJCZ board for tests.");
   app.add_option("--line", device)->required();
   app.add_option("--record", record_file)->required();
   app.add_option("--panel", panel_file);
+  app.add_option("--axis", axis);
   CLI11_PARSE(app, argc, argv);
   signal(SIGTERM, [](int) { ends = 1; });
   auto line = virtual_engraver::OpenMachineLine(device, "virtual bjjcz");
@@ -128,6 +147,6 @@ int main(int argc, char** argv) {
   // A machine of steel does not wait for a busy host.
   (void)link::AskForRealTime();
   std::cout << "ready " << (*line)->device() << std::endl;
-  Serve(**line, record_file, std::move(panel));
+  Serve(**line, record_file, axis, std::move(panel));
   return 0;
 }

@@ -1,0 +1,91 @@
+#include "services/drivers/bjjcz/point_lists.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace intaglio::drivers {
+namespace {
+
+using enum LmcOperation;
+
+constexpr double kMiddlePlace = 32768, kBoardPlaces = 65536;
+
+}  // namespace
+
+PointLists::PointLists(const MachineSpec& machine)
+    : board_(machine.bjjcz_board()),
+      jumps_(machine.head_over_block().jump_and_dwell()),
+      places_per_mm_(kBoardPlaces / std::max(1e-3, machine.scan_head().field_mm())) {}
+
+PointLists::Place PointLists::PlaceOf(const Vec2& at_mm) const {
+  const auto place = [&](double mm) {
+    return static_cast<int>(std::clamp(std::round(kMiddlePlace + mm * places_per_mm_),
+                                       0.0, kBoardPlaces - 1));
+  };
+  return {place(at_mm.x()), place(at_mm.y())};
+}
+
+Vec2 PointLists::at_mm() const {
+  return Vec2(at_[0] - kMiddlePlace, at_[1] - kMiddlePlace) / places_per_mm_;
+}
+
+void PointLists::Begin(double places_ms) {
+  if (!empty()) return;
+  BeginList(board_, std::exchange(first_of_run_, false), list_);
+  list_.commands.push_back({kJumpSpeed, {ToUint16(std::max(1.0, places_ms))}});
+  AppendLaser(board_, 1, board_.point_frequency_hz(), list_.commands);
+  list_.commands.push_back({kJumpDelay, {Microseconds(jumps_.jump_delay_s())}});
+  has_jump_ = false;
+}
+
+void PointLists::AddJump(const Place& to) {
+  if (to == at_ && std::exchange(has_jump_, true)) return;
+  const double way = std::hypot(to[0] - at_[0], to[1] - at_[1]);
+  list_.commands.push_back({kJump,
+                            {static_cast<std::uint16_t>(to[0]),
+                             static_cast<std::uint16_t>(to[1]), 0, ToUint16(way)}});
+  at_ = to;
+  has_jump_ = true;
+}
+
+bool PointLists::Add(const Vec2& to_mm, bool fires) {
+  const bool is_first = empty();
+  Begin(jumps_.jump_mm_s() * places_per_mm_ / 1000);
+  const Place to = PlaceOf(to_mm);
+  const double way = std::hypot(to[0] - at_[0], to[1] - at_[1]);
+  const double seconds = way / (jumps_.jump_mm_s() * places_per_mm_) +
+                         jumps_.jump_delay_s() + (fires ? jumps_.dwell_s() : 0);
+  const bool has_room = list_.seconds + seconds <= kMaxListSeconds &&
+                        list_.commands.size() + 3 <= kMaxListCommands;
+  if (!is_first && !has_room) return false;
+  AddJump(to);
+  if (fires)
+    list_.commands.push_back({kLaserOnPoint, {ToUint16(1e5 * jumps_.dwell_s())}});
+  list_.seconds += seconds;
+  return true;
+}
+
+void PointLists::AddSlow(const Vec2& to_mm, double seconds) {
+  const Place to = PlaceOf(to_mm);
+  const double way = std::hypot(to[0] - at_[0], to[1] - at_[1]);
+  const double places_ms = std::max(1.0, std::floor(way / (1000 * seconds)));
+  Begin(places_ms);
+  AddJump(to);
+  const double jump_s = way / (1000 * places_ms), rest_s = seconds - jump_s;
+  if (rest_s > 0) list_.commands.push_back({kDelay, {ToUint16(std::ceil(1e5 * rest_s))}});
+  list_.seconds += std::max(jump_s, seconds) + jumps_.jump_delay_s();
+}
+
+LmcList PointLists::Take() {
+  LmcList list = std::exchange(list_, {});
+  list.commands.push_back({kEnd, {}});
+  return list;
+}
+
+void PointLists::Drop() {
+  list_ = {};
+  at_ = begun_at_;
+}
+
+}  // namespace intaglio::drivers

@@ -1,0 +1,248 @@
+// The driver of points in glass at a BJJCZ board of the tests' own, which records each
+// flash: what was planned is where it was made, and what nobody can know is of one list.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+
+#include "services/drivers/bjjcz/board_profile.h"
+#include "tests/services/drivers/bjjcz/point_rig.h"
+
+namespace intaglio::drivers {
+namespace {
+
+using link::TickOutcome;
+using ::testing::HasSubstr;
+
+constexpr double kRate_hz = 4000;
+// A list of 150 ms has fewer points: a jump of 0.2 mm and its dwell take 0.8 ms.
+constexpr std::size_t kListPoints = 200;
+
+/// Points in layers, from the deepest up, all of them armed.
+class Cell {
+ public:
+  Cell() : machine(false, true), driver(MakeBjjczPointDriverAt(machine, Profile())) {}
+  static MachineSpec Profile() { return BjjczPointProfile(); }
+
+  LaserController& laser() { return *driver->laser(); }
+  void Step() {
+    machine.Advance();
+    laser().Poll(
+        [this](const link::PulseReport& report) {
+          for (std::size_t i = 0; i < report.outcome.size(); ++i) {
+            if (report.outcome[i] == TickOutcome::kNotArmed) continue;
+            EXPECT_TRUE(outcomes.emplace(report.first_tick + i, report.outcome[i]).second)
+                << "tick " << report.first_tick + i << " is reported twice";
+          }
+        },
+        [this](const link::PastReport& report) {
+          for (std::size_t i = 0; i < report.outcome.size(); ++i)
+            past[report.first_tick + i] = report.outcome[i];
+        });
+    (void)driver->TakePositions();
+    while (!segments.empty() && driver->Room() > 0 && laser().up()) {
+      ASSERT_TRUE(driver->Append(std::span(segments).first(1), {}));
+      segments.erase(segments.begin());
+    }
+  }
+  bool Until(const std::function<bool()>& condition, int limit_ms = 60000) {
+    for (int i = 0; i < limit_ms && !condition(); ++i) Step();
+    return condition();
+  }
+  void StepFor(int ms) {
+    for (int i = 0; i < ms; ++i) Step();
+  }
+  void Connect() {
+    ASSERT_TRUE(Until([&] { return laser().up(); })) << laser().message();
+  }
+  void Prepare() {
+    ASSERT_TRUE(laser().Reset() && laser().Lamp(true, kRate_hz) && driver->ClearFault());
+    StepFor(50);
+    ASSERT_TRUE(laser().OpenShutters(1));
+    ASSERT_TRUE(Until([&] {
+      return laser().Has(link::kLampWarm) && laser().status().shutters_open == 1 &&
+             driver->state().at_rest;
+    })) << driver->state().message;
+  }
+  /// `layers` of `count` points each.
+  void Begin(int layers, int count) {
+    const std::uint64_t start =
+        std::max(laser().status().tick, laser().status().decided_through) + 3;
+    ASSERT_TRUE(driver->BeginRun(++run, start, 0)) << driver->state().message;
+    std::uint64_t tick = start;
+    std::vector<bool> fire(2, false);
+    for (int layer = 0; layer < layers; ++layer) {
+      for (int i = 0; i < count; ++i) {
+        const std::uint32_t ticks = i == 0 ? 200 : 2;  // z moves before the first
+        const Vec3 place(10.0123 + 0.2 * (i % 20),
+                         -7.4567 + 0.2 * (i / 20) + 0.01 * layer, 0.066 * (layer + 1));
+        tick += ticks;
+        fire.resize(tick - start + 2, false);
+        fire.back() = true;
+        points[tick] = place;
+        segments.push_back({place, Vec3::Zero(), ticks * motion::kSubticksPerTick, true,
+                            layer + 1 == layers && i + 1 == count});
+      }
+    }
+    for (std::size_t at = 0; at < fire.size(); at += 4000) {
+      const std::size_t end = std::min(fire.size(), at + 4000);
+      ASSERT_TRUE(laser().Arm({start - 1 + at,
+                               true,
+                               {fire.begin() + static_cast<std::ptrdiff_t>(at),
+                                fire.begin() + static_cast<std::ptrdiff_t>(end)},
+                               false,
+                               10}));
+    }
+  }
+  const std::vector<bjjcz::Flash>& flashes() const { return machine.board.flashes(); }
+  /// The point of each flash, in their order; each within half a place of the board.
+  std::vector<std::uint64_t> MadeTicks() const {
+    std::vector<std::uint64_t> made;
+    auto point = points.begin();
+    for (const bjjcz::Flash& flash : flashes()) {
+      const auto is_here = [&](const auto& at) {
+        const Vec3& place = at.second;
+        return std::abs(flash.at[0] - 32768 - place.x() * kBoardPlacesPerMm) <= 0.5001 &&
+               std::abs(flash.at[1] - 32768 - place.y() * kBoardPlacesPerMm) <= 0.5001 &&
+               flash.axis == std::lround((place.z() + 51) * kBoardStepsPerMm);
+      };
+      point = std::find_if(point, points.end(), is_here);
+      if (point == points.end()) {
+        ADD_FAILURE() << "flash " << made.size()
+                      << " is of no later point: " << flash.at[0] << ", " << flash.at[1]
+                      << ", " << flash.axis;
+        return made;
+      }
+      made.push_back(point->first);
+      ++point;
+    }
+    return made;
+  }
+
+  BjjczMachine machine;
+  std::unique_ptr<MotionDriver> driver;
+  std::map<std::uint64_t, Vec3> points;
+  std::map<std::uint64_t, TickOutcome> outcomes, past;
+  std::vector<motion::Segment> segments;
+  std::uint32_t run = 0;
+};
+
+TEST(BjjczPoints, EachIsMadeWithinHalfAPlaceOfTheBoard) {
+  Cell cell;
+  cell.Connect();
+  cell.Prepare();
+  cell.Begin(4, 300);
+  ASSERT_TRUE(cell.Until([&] {
+    return cell.segments.empty() && cell.driver->state().at_rest;
+  })) << cell.driver->state().message;
+  EXPECT_EQ(cell.MadeTicks().size(), 1200u);
+  for (const auto& [tick, place] : cell.points)
+    EXPECT_EQ(cell.outcomes[tick], TickOutcome::kFiredUnseen) << tick;
+  for (const bjjcz::Flash& flash : cell.flashes()) EXPECT_NEAR(flash.lit_us, 500, 1);
+  EXPECT_EQ(cell.machine.board.unknown_count(), 0u);
+  // 0.8 ms a point are 190 in a list; z moves between lists alone.
+  EXPECT_LT(cell.machine.board.lists_executed(), 4u * 5);
+}
+
+// At ten instants; the board goes on with what it has and keeps its axis, so it is the
+// same power-up, and all but the list in hand is known.
+TEST(BjjczPoints, OnlyTheListInHandIsUncertainWhenTheLineIsCut) {
+  for (int instant = 1; instant <= 10; ++instant) {
+    Cell cell;
+    cell.Connect();
+    cell.Prepare();
+    cell.Begin(2, 300);
+    cell.StepFor(80 * instant);
+    const std::uint32_t power_up = cell.laser().identity().power_up;
+    cell.machine.Cut(true);
+    cell.StepFor(600);
+    const std::size_t flash_count = cell.flashes().size();
+    cell.segments.clear();
+    cell.machine.Cut(false);
+    cell.Connect();
+    cell.StepFor(1000);
+    EXPECT_EQ(cell.flashes().size(), flash_count) << "made behind the cut";
+    EXPECT_EQ(cell.laser().identity().power_up, power_up);
+    const std::uint64_t first = cell.points.begin()->first;
+    for (std::uint64_t tick = first; tick <= cell.points.rbegin()->first; tick += 256)
+      ASSERT_TRUE(cell.laser().RequestPast(tick, 256));
+    cell.StepFor(10);
+    std::size_t uncertain = 0;
+    const auto made = cell.MadeTicks();
+    for (const auto& [tick, place] : cell.points) {
+      const bool was_made = std::ranges::count(made, tick) == 1;
+      if (cell.past[tick] == TickOutcome::kNoLongerKnown)
+        ++uncertain;
+      else
+        EXPECT_EQ(cell.past[tick] == TickOutcome::kFiredUnseen, was_made) << tick;
+    }
+    EXPECT_LE(uncertain, kListPoints) << instant;
+  }
+}
+
+TEST(BjjczPoints, APowerCycleIsAnotherPowerUpAndHasToBeHomed) {
+  Cell cell;
+  cell.Connect();
+  cell.Prepare();
+  cell.Begin(1, 300);
+  cell.StepFor(200);
+  const std::uint32_t power_up = cell.laser().identity().power_up;
+  cell.machine.SwitchOff();
+  cell.StepFor(500);
+  cell.segments.clear();
+  cell.machine.SwitchOn();
+  cell.Connect();
+  EXPECT_NE(cell.laser().identity().power_up, power_up);
+  EXPECT_FALSE(cell.driver->state().homed);
+  const std::size_t flash_count = cell.flashes().size();
+  cell.StepFor(1000);
+  EXPECT_EQ(cell.flashes().size(), flash_count);
+  ASSERT_TRUE(cell.laser().Reset() && cell.driver->ClearFault());
+  cell.StepFor(50);
+  ASSERT_TRUE(cell.driver->Home()) << cell.driver->state().message;
+  EXPECT_TRUE(cell.Until([&] { return cell.driver->state().at_rest; }));
+  EXPECT_TRUE(cell.driver->state().homed);
+  EXPECT_NEAR(cell.driver->state().position_mm.z(), -50, 1e-9);
+}
+
+// The door is read every 5 ms; the run ends, and nothing more is made.
+TEST(BjjczPoints, AnOpenDoorEndsTheRunAndTheGate) {
+  Cell cell;
+  cell.Connect();
+  cell.Prepare();
+  cell.Begin(2, 300);
+  cell.StepFor(200);
+  cell.machine.board.SetInput(kBjjczDoorInput, false);
+  cell.StepFor(20);
+  const std::size_t flash_count = cell.flashes().size();
+  EXPECT_EQ(cell.machine.board.outputs() & 1, 0);
+  cell.StepFor(1000);
+  EXPECT_EQ(cell.flashes().size(), flash_count);
+  EXPECT_EQ(cell.laser().status().openings, 1u);
+  EXPECT_EQ(cell.driver->state().fault, intaglio_MOTION_SAFE_STATE);
+  EXPECT_THAT(cell.driver->state().message, HasSubstr("close them"));
+}
+
+TEST(BjjczPoints, WhatItNeedsOfAProfileIsNamed) {
+  EXPECT_TRUE(CheckBjjczPointProfile(BjjczPointProfile()).empty());
+  MachineSpec machine = BjjczPointProfile();
+  machine.mutable_bjjcz_board()->clear_point_frequency_hz();
+  machine.mutable_z()->clear_steps_per_mm();
+  machine.mutable_scan_head()->clear_field_mm();
+  machine.mutable_head_over_block()->clear_jump_and_dwell();
+  std::string all;
+  for (const Error& error : CheckBjjczPointProfile(machine)) all += error.message + "\n";
+  for (const char* field : {"bjjcz_board.point_frequency_hz", "z.steps_per_mm",
+                            "scan_head.field_mm", "head_over_block.jump_and_dwell"})
+    EXPECT_THAT(all, HasSubstr(field));
+  machine = BjjczPointProfile();
+  machine.mutable_head_over_block()->mutable_jump_and_dwell()->set_jump_mm_s(500);
+  EXPECT_THAT(CheckBjjczPointProfile(machine).at(0).message, HasSubstr("0.14 s"));
+}
+
+}  // namespace
+}  // namespace intaglio::drivers
