@@ -32,7 +32,8 @@ enum class Method {
   kPublishedKdz,   ///< as published, through earlier cracks: published_kdz.h
   kAnneal,         ///< kSmooth, then improved for as long as the options allow: anneal.h
   kSweep,          ///< thin slabs, deepest first, for a slow axis z: sweep.h
-  kJumpLayers,  ///< for a head that jumps and dwells, a height at a time: jump_layers.h
+  kJumpLayers,     ///< for a head that jumps and dwells, a height at a time:
+                   ///< way/jump_layers.h
 };
 
 struct KdzOptions {

@@ -178,6 +178,8 @@ constexpr double kDepthToleranceRatio = 1.0 / 15;
 double DefaultDepthToleranceUm(const Lens& lens, const MachineSpec& machine) {
   const MachineLens* mounted = FindLens(machine, lens.focal_length_mm());
   if (!machine.has_head_over_block() || mounted == nullptr) return 0;
+  // z rests at its steps, and has no way to sweep.
+  if (machine.head_over_block().has_jump_and_dwell()) return 0;
   return 1e3 * kDepthToleranceRatio * mounted->crack_length_mm();
 }
 

@@ -119,9 +119,10 @@ void AddPointFlags(command_line::Command command, JobFlags& flags) {
 
 void AddOrderFlags(command_line::Command command, JobFlags& flags) {
   command
-      .AddOption("--order", flags.order,
-                 "of the points, default anneal; of a scan head over a block sweep, of one "
-                 "that jumps and dwells jump-layers")
+      .AddOption(
+          "--order", flags.order,
+          "of the points, default anneal; of a scan head over a block sweep, of one "
+          "that jumps and dwells jump-layers")
       .OneOf(OrderNames())
       .Group(kOrder);
   command

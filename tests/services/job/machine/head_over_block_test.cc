@@ -140,7 +140,8 @@ TEST(HeadOverBlock, AHeadThatJumpsIsOrderedInLayersOfZ) {
   const FrozenJob job = JumpingJob();
   EXPECT_THAT(CheckMachine(job.machine()), IsEmpty());
   EXPECT_TRUE(job.job().ordering().has_jump_layers());
-  EXPECT_TRUE(Frozen(60).job().ordering().has_anneal());
+  EXPECT_TRUE(Frozen(60).job().ordering().has_sweep());
+  EXPECT_EQ(job.job().motion().depth_tolerance_um(), 0);
   const sort::OrderOptions options = OrderOptionsOf(job);
   EXPECT_EQ(options.method, sort::Method::kJumpLayers);
   const Vec3 deep = options.jump_layers.head_from_glass({40, 20, 10});
