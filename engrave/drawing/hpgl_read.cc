@@ -34,7 +34,13 @@ class HpglReader {
   HpglReader(std::string_view text, const ReadOptions& options, std::string_view name)
       : text_(text),
         limits_(options.limits),
-        pen_(name, options.limits, options.unit_mm.value_or(kPlotterUnit_mm)) {}
+        pen_(name, options.limits, options.unit_mm.value_or(kPlotterUnit_mm)) {
+    if (options.unit_mm) {
+      pen_.builder().LeaveOut(
+          fmt::format("unit of the plotter ({:g} mm as asked for)", *options.unit_mm),
+          Effect::kNothingSeen);
+    }
+  }
 
   Result<Drawing> Read() {
     if (text_.size() > limits_.max_file_bytes) {

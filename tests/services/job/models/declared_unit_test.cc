@@ -78,6 +78,11 @@ TEST_F(DeclaredUnit, OfAPageOrAPlotterIsReplacedToo) {
   EXPECT_NEAR(LengthOf(SourcesOfFile(svg, 3)), 12, 1e-6);
   EXPECT_NEAR(LengthOf(SourcesOfFile(plot, {})), 2, 1e-6);
   EXPECT_NEAR(LengthOf(SourcesOfFile(plot, 0.3)), 24, 1e-6);
+  for (const std::string& file : {svg, plot}) {
+    EXPECT_THAT(SourcesOfFile(file, 3).warnings,
+                Contains(Field(&Warning::text, HasSubstr("3 mm as asked for"))))
+        << file;
+  }
   EXPECT_NEAR(SourcesOfFile(svg, {}).units_mm.at(0), 2, 1e-9);
   EXPECT_NEAR(SourcesOfFile(plot, {}).units_mm.at(0), 0.025, 1e-9);
   EXPECT_NEAR(SourcesOf("1", {}).units_mm.at(0), 25.4, 1e-9);
