@@ -77,6 +77,13 @@ std::uint32_t DrawingBuilder::NameIndex(std::string_view name) {
   return found->second;
 }
 
+void DrawingBuilder::NoteUnitAskedFor(std::string_view whose,
+                                      std::optional<double> unit_mm) {
+  if (!unit_mm) return;
+  LeaveOut(fmt::format("unit of the {} ({:g} mm as asked for)", whose, *unit_mm),
+           Effect::kNothingSeen);
+}
+
 void DrawingBuilder::LeaveOut(std::string_view kind, Effect effect,
                               std::string_view place, double area_mm2,
                               std::string_view remedy) {

@@ -55,6 +55,9 @@ class DrawingBuilder {
     LeaveOut(kind, effect, is_new ? place() : std::string(), area_mm2, remedy);
   }
 
+  /// Records that the job's unit, if it has one, replaces the unit of `whose` (a page).
+  void NoteUnitAskedFor(std::string_view whose, std::optional<double> unit_mm);
+
   /// Drawing::unit_mm.
   void SetUnit(double unit_mm) { drawing_.unit_mm = unit_mm; }
 

@@ -35,20 +35,16 @@ class HpglReader {
       : text_(text),
         limits_(options.limits),
         pen_(name, options.limits, options.unit_mm.value_or(kPlotterUnit_mm)) {
-    if (options.unit_mm) {
-      pen_.builder().LeaveOut(
-          fmt::format("unit of the plotter ({:g} mm as asked for)", *options.unit_mm),
-          Effect::kNothingSeen);
-    }
+    pen_.builder().NoteUnitAskedFor("plotter", options.unit_mm);
   }
 
   Result<Drawing> Read() {
     if (text_.size() > limits_.max_file_bytes) {
       pen_.builder().Refuse(
           ErrorCode::kTooLarge, "",
-          fmt::format("the file has {} bytes, the limit is {}; divide the "
-                      "drawing or raise the limit",
-                      text_.size(), limits_.max_file_bytes));
+          fmt::format(
+              "the file has {} bytes, the limit is {}; divide the drawing or raise it",
+              text_.size(), limits_.max_file_bytes));
       return pen_.builder().Take();
     }
     bool good = true;
@@ -386,8 +382,7 @@ class HpglReader {
   std::string_view text_;
   DrawingLimits limits_;
   HpglPen pen_;
-  std::size_t at_ = 0;
-  std::size_t begin_ = 0;
+  std::size_t at_ = 0, begin_ = 0;
   std::string name_;
   bool any_ = false;
   bool relative_ = false;

@@ -103,12 +103,8 @@ class SvgReader {
                           [&] { return PlaceOf(root); });
     }
     // A unit that is given is that of the viewBox, in place of the page's size.
-    if (options_.unit_mm) {
-      builder_.LeaveOut(
-          fmt::format("unit of the page ({:g} mm as asked for)", *options_.unit_mm),
-          Effect::kNothingSeen);
-      if (root.attribute("viewBox")) size = natural;
-    }
+    builder_.NoteUnitAskedFor("page", options_.unit_mm);
+    if (options_.unit_mm && root.attribute("viewBox")) size = natural;
     if (!(size.minCoeff() > 0)) {
       return builder_.Refuse(ErrorCode::kInvalidValue, PlaceOf(root),
                              "width and height of the page must be positive");

@@ -81,7 +81,7 @@ Model PatchOf(double energy_mj, double spacing_mm) {
   model.set_pulse_energy_mj(energy_mj);
   const bool set =
       SetField(model, kMethod + "distance_mm", fmt::format("{}", spacing_mm)) &&
-      SetField(model, kMethod + "fill", "true");
+      SetField(model, fmt::format("{}fill", kMethod), "true");
   Require(set, "a drawing has no distance {} or no filling", spacing_mm);
   return model;
 }

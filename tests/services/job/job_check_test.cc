@@ -174,7 +174,7 @@ TEST(CheckJob, EachMistakeIsFoundByItself) {
        }},
       {"models[0].curves.layer_distance_mm", "must be positive for 2 layers",
        [](JobSpec& j) {
-         j.mutable_models(0)->set_file("a.svg");
+         j.mutable_models(0)->set_file(INTAGLIO_SOURCE_DIR "/deploy/jobs/badge.svg");
          j.mutable_models(0)->mutable_curves()->set_layer_count(2);
          j.mutable_models(0)->mutable_curves()->set_layer_distance_mm(0);
        }},
