@@ -173,7 +173,7 @@ void FillOrdering(Ordering& ordering, double spacing_mm, const MotionOptions& mo
 
 /// Of the crack's length: with what remains of lag and aberration, a crack is within a
 /// tenth of its length.
-constexpr double kDepthToleranceRatio = 1.0 / 15;
+constexpr double kDepthToleranceRatio = 1.0 / 20;
 
 double DefaultDepthToleranceUm(const Lens& lens, const MachineSpec& machine) {
   const MachineLens* mounted = FindLens(machine, lens.focal_length_mm());

@@ -63,7 +63,7 @@ TEST(HeadOverBlock, TheSuppliedProfileIsGoodAndTakesACube) {
 // the focus in the glass more than that off its depth.
 TEST(HeadOverBlock, ItsPointsHaveAToleranceOfDepth) {
   FrozenJob frozen = Frozen(60);
-  EXPECT_NEAR(frozen.job().motion().depth_tolerance_um(), 10, 1e-9) << "of 150 um";
+  EXPECT_NEAR(frozen.job().motion().depth_tolerance_um(), 7.5, 1e-9) << "of 150 um";
   EXPECT_NEAR(frozen.job().ordering().sweep().slab_mm(), 0.01, 1e-12);
   EXPECT_EQ(OrderOptionsOf(frozen).method, sort::Method::kSweep);
   frozen.mutable_job()->mutable_motion()->set_depth_tolerance_um(50);
