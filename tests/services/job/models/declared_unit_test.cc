@@ -79,8 +79,8 @@ TEST_F(DeclaredUnit, OfAPageOrAPlotterIsReplacedToo) {
   EXPECT_NEAR(LengthOf(SourcesOfFile(plot, {})), 2, 1e-6);
   EXPECT_NEAR(LengthOf(SourcesOfFile(plot, 0.3)), 24, 1e-6);
   for (const std::string& file : {svg, plot}) {
-    EXPECT_THAT(SourcesOfFile(file, 3).warnings,
-                Contains(Field(&Warning::text, HasSubstr("3 mm as asked for"))))
+    EXPECT_THAT(SourcesOfFile(file, 0.3).warnings,
+                Contains(Field(&Warning::text, HasSubstr("0.3 mm as asked for"))))
         << file;
   }
   EXPECT_NEAR(SourcesOfFile(svg, {}).units_mm.at(0), 2, 1e-9);

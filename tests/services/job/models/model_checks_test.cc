@@ -114,7 +114,7 @@ TEST(ModelChecks, AnInchFileIsAskedAboutWithTheFlagToGive) {
   const std::string file = StlOf(small);
   EXPECT_THAT(
       one.WarningsAbout("cone.stl", file),
-      ElementsAre(IsWarning(WarningCode::kImplausibleSize, WarningWeight::kNote,
+      ElementsAre(IsWarning(WarningCode::kImplausibleSize, WarningWeight::kWarning,
                             AllOf(StartsWith("cone.stl: "),
                                   HasSubstr("in inches? Then give --unit 25.4")))));
   one.placement.set_unit_mm(25.4);
