@@ -197,7 +197,7 @@ TEST(ShopStatus, AJobAtWorkHasItsShareTheTimeLeftAndTheClockTimeOfItsEnd) {
   const ShopStatus paused = client::StatusOf(shop, now);
   EXPECT_EQ(paused.jobs(0).left_s(), 0) << "it is not known";
   EXPECT_EQ(paused.jobs(0).ends_utc(), "");
-  EXPECT_THAT(TextOf(paused), Not(HasSubstr(" left")));
+  EXPECT_THAT(TextOf(paused), Not(HasSubstr("s left")));
 }
 
 TEST(ShopStatus, ADiskThatIsNearlyFull) {
