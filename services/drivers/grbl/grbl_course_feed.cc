@@ -20,6 +20,8 @@ void GrblCourseDriver::Take(const GrblLine::Event& event) {
   const bool of_line = std::holds_alternative<GrblOk>(event) ||
                        std::holds_alternative<GrblError>(event) ||
                        std::holds_alternative<GrblHomed>(event);
+  const auto* status = std::get_if<GrblStatus>(&event);
+  if (status != nullptr) hand_motion_.Take(event);
   if (of_line && hand_motion_.active()) {
     hand_motion_.Take(event);
     if (std::holds_alternative<GrblHomed>(event)) EndFault();
@@ -28,7 +30,7 @@ void GrblCourseDriver::Take(const GrblLine::Event& event) {
   if (std::holds_alternative<GrblUp>(event)) return TakeUp();
   if (std::holds_alternative<GrblLost>(event)) return TakeLost();
   if (std::holds_alternative<GrblOk>(event)) return TakeOk();
-  if (const auto* status = std::get_if<GrblStatus>(&event)) return TakeStatus(*status);
+  if (status != nullptr) return TakeStatus(*status);
   if (const auto* alarm = std::get_if<GrblAlarm>(&event)) return TakeAlarm(*alarm);
   if (std::holds_alternative<GrblHeld>(event)) {
     return StopItself("the controller was on hold: check the work, then resume");

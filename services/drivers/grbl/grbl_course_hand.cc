@@ -101,6 +101,8 @@ void GrblCourseHand::End() {
 }
 
 void GrblCourseHand::Take(const GrblLine::Event& event) {
+  status_is_behind_ = std::holds_alternative<GrblStatus>(event);
+  if (status_is_behind_) return;
   if (const auto* error = std::get_if<GrblError>(&event)) {
     refused_ = "the controller refused the motion: " + TextOfGrblError(error->code);
     cancelled_ = true;
@@ -117,9 +119,11 @@ void GrblCourseHand::Take(const GrblLine::Event& event) {
   if (first->blocks == 0) sent_.erase(sent_.begin(), first + 1);
 }
 
-// A status behind the last answer has the place and the zero.
+// A status behind the last answer has the place and the zero. One that came before it, in
+// the same bytes that a busy host read at once, has those from before the zero.
 void GrblCourseHand::TakeStatus(const GrblStatus& status) {
   const bool all = std::ranges::all_of(sent_, &Sent::acknowledged);
+  if (all && !status_is_behind_) return;
   if (all && status.state == GrblState::kIdle) {
     sent_.clear();
     if (dark_ && !placed_ && status.work_mm) {

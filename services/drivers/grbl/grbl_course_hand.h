@@ -80,6 +80,7 @@ class GrblCourseHand final : public HandMotion {
   bool dark_ = false, cancelled_ = false, all_sent_ = false;
   bool placed_ = false;  ///< from_mm_ is where it rests
   bool homed_ = false;
+  bool status_is_behind_ = false;       ///< the newest status came behind the last answer
   std::optional<std::string> refused_;  ///< what the controller refused a line for
   Vec3 from_mm_ = Vec3::Zero(), to_mm_ = Vec3::Zero();
   double sent_mm_ = 0, speed_mm_s_ = 0;

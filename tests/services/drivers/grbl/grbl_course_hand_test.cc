@@ -103,6 +103,23 @@ TEST_P(GrblCourseByHand, ARunAndMotionByHandExcludeEachOther) {
   ASSERT_TRUE(rig_.StepUntil([&] { return rig_.LastOf(0) == MarkFate::kDone; }));
 }
 
+// What it reads at once may begin with a status from before the zero.
+TEST_P(GrblCourseByHand, APlaceFromBeforeTheWorkZeroIsNotThatOfABusyHost) {
+  ASSERT_TRUE(rig_.Ready());
+  ASSERT_TRUE(Rests());
+  ASSERT_TRUE(hand().Jog({12, 7, -3}, 50));
+  ASSERT_TRUE(Rests());
+  for (int stall_ms = 1; stall_ms <= 120; ++stall_ms) {
+    const double height_mm = 0.1 * stall_ms;
+    ASSERT_TRUE(hand().SetZero({0, 0, height_mm}, {false, false, true}));
+    ASSERT_TRUE(rig_.StepUntil([&] {
+      for (int i = 0; i < stall_ms; ++i) rig_.machine.Advance();
+      return hand().state().at_rest;
+    }));
+    EXPECT_NEAR(hand().state().position_mm.z(), height_mm, 1e-3) << stall_ms << " ms";
+  }
+}
+
 // A run right behind it: what the driver sends is of the new zero.
 TEST_P(GrblCourseByHand, TheWorkZeroIsWhereTheToolIs) {
   ASSERT_TRUE(rig_.Ready());
