@@ -42,14 +42,19 @@ bool LmcLine::Poll(std::vector<LmcAnswer>& answers) {
     message_.clear();
   }
   WriteNext();
-  Write();
+  WriteMessages();
   return false;
 }
 
 void LmcLine::Open() {
-  if (!OpenStream()) return;
+  if (!OpenStream()) {
+    // The board that was refused is not there any more.
+    if (message_ != refusal_) refusal_.clear();
+    return;
+  }
   phase_ = Phase::kSerial;
-  refusal_.clear();
+  if (!refusal_.empty()) message_ = refusal_;
+  message_left_ = 0;
   reader_.Clear();
   waiting_.clear();
   ready_ = false;
@@ -67,7 +72,10 @@ bool LmcLine::Read(std::vector<LmcAnswer>& answers) {
     if (*count == 0) break;
     reader_.Feed(std::span(buffer).first(*count));
   }
-  while (const auto reply = reader_.Next()) Take(*reply, answers);
+  while (const auto reply = reader_.Next()) {
+    Take(*reply, answers);
+    if (!stream_) return false;
+  }
   return true;
 }
 
@@ -88,8 +96,7 @@ void LmcLine::Identify(const LmcReply& reply) {
       fmt::format("{:04x}{:04x}{:04x}", numbers[0], numbers[1], numbers[2]);
   refusal_ = link::RefusalOf(expected_, serial_number);
   if (!refusal_.empty()) {
-    phase_ = Phase::kRefused;
-    message_ = refusal_;
+    (void)Lose(refusal_);
     return;
   }
   phase_ = Phase::kStarting;
@@ -112,7 +119,6 @@ void LmcLine::Ask(const LmcCommand& command) {
 }
 
 void LmcLine::WriteNext() {
-  if (phase_ == Phase::kRefused) return;
   while (!asked_ && !waiting_.empty()) {
     const Waiting& next = waiting_.front();
     if (next.is_packet && !ready_) return Ask(kAskStatus);
@@ -125,6 +131,21 @@ void LmcLine::WriteNext() {
     waiting_.pop_front();
   }
   if (up() && !asked_ && now() >= answered_at_ + kLmcStatusPeriod) Ask(kAskStatus);
+}
+
+void LmcLine::WriteMessages() {
+  if (!stream_->connected()) return;
+  std::size_t written = 0;
+  while (written < out_.size()) {
+    const auto rest = std::as_bytes(std::span(out_)).subspan(written);
+    if (message_left_ == 0) message_left_ = LmcMessageBytes(rest);
+    const auto taken = stream_->Write(rest.first(message_left_));
+    // An error of the line is found by the next Read.
+    if (!taken || *taken == 0) break;
+    written += *taken;
+    message_left_ -= *taken;
+  }
+  out_.erase(0, written);
 }
 
 bool LmcLine::Lose(std::string why) {

@@ -4,15 +4,18 @@
 // up, then one command at a time, the next when the one before was answered.
 //
 //   kClosed --opened--> kSerial --the expected one--> kStarting --all answered--> kUp
-//                          |                              |                        |
-//                          +--> kRefused                  +---- lost --> kClosed <-+
+//      ^                   |                              |                        |
+//      +---- another one --+------------------------------+--------- lost ---------+
 //
-// A board that is not the expected one is sent nothing but the question for its number.
-// The set-up first ends what an earlier host may have left in the board. The board gives
-// no number of its power-up, and USB loses it when its cable is pulled as when its power
-// is: each session is a power-up of its own.
+// A board that is not the expected one is sent nothing but the question for its number,
+// and let go: it may be that of another program, and the next opening may come to the
+// expected one (usb_device.h). Each command and each packet is a write of its own,
+// because on USB it is a transfer. The set-up first ends what an earlier host may have
+// left in the board. The board gives no number of its power-up, and USB loses it when its
+// cable is pulled as when its power is: each session is a power-up of its own.
 
 #include <chrono>
+#include <cstddef>
 #include <deque>
 #include <optional>
 #include <string>
@@ -49,7 +52,7 @@ class LmcLine final : public ControllerLine {
   void DropWaiting() { waiting_.clear(); }
 
  private:
-  enum class Phase { kClosed, kSerial, kStarting, kUp, kRefused };
+  enum class Phase { kClosed, kSerial, kStarting, kUp };
   /// A command, or a packet.
   struct Waiting {
     std::vector<LmcCommand> commands;
@@ -62,6 +65,7 @@ class LmcLine final : public ControllerLine {
   void Take(const LmcReply& reply, std::vector<LmcAnswer>& answers);
   void Identify(const LmcReply& reply);
   void WriteNext();
+  void WriteMessages();
   void Ask(const LmcCommand& command);
   bool Lose(std::string why);
 
@@ -72,6 +76,7 @@ class LmcLine final : public ControllerLine {
   std::deque<Waiting> waiting_;
   std::optional<LmcOperation> asked_;  ///< whose answer has not come
   bool ready_ = false;
+  std::size_t message_left_ = 0;  ///< bytes of the message that is partly written
   std::chrono::nanoseconds asked_at_{0}, answered_at_{0};
 };
 

@@ -33,6 +33,12 @@ void AppendPacket(std::span<const LmcCommand> commands, std::string& bytes) {
     AppendCommand({}, bytes);
 }
 
+std::size_t LmcMessageBytes(std::span<const std::byte> bytes) {
+  Require(bytes.size() >= 2, "a message of {} bytes", bytes.size());
+  const bool is_packet = (bytes[1] & std::byte{0x80}) != std::byte{0};
+  return is_packet ? kLmcPacketCommands * kLmcCommandBytes : kLmcCommandBytes;
+}
+
 std::uint16_t SignedNumber(int value) {
   constexpr int kSign = 0x8000;
   const int amount = std::min(std::abs(value), kSign - 1);

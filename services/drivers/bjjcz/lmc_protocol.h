@@ -96,6 +96,9 @@ void AppendCommand(const LmcCommand& command, std::string& bytes);
 /// 3072 bytes are appended, filled with kEnd; at most 256 commands.
 void AppendPacket(std::span<const LmcCommand> commands, std::string& bytes);
 
+/// Of the command or packet that `bytes` begin with; at least two.
+std::size_t LmcMessageBytes(std::span<const std::byte> bytes);
+
 /// Sign and amount, as correction lines have them; beyond +-32767 the nearest.
 std::uint16_t SignedNumber(int value);
 

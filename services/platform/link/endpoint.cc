@@ -9,6 +9,7 @@
 #include "services/platform/link/serial_port.h"
 #include "services/platform/link/tcp_stream.h"
 #include "services/platform/link/unix_stream.h"
+#include "services/platform/link/usb_stream.h"
 
 namespace intaglio::link {
 namespace {
@@ -33,11 +34,16 @@ Result<std::unique_ptr<ByteStream>> OpenUnixText(const std::string& path, std::u
   return OpenUnix(path);
 }
 
+Result<std::unique_ptr<ByteStream>> OpenUsbText(const std::string& text, std::uint32_t) {
+  return OpenUsb(text);
+}
+
 constexpr std::array kKinds = {
     EndpointKind{"serial", "serial:/dev/ttyUSB0", &CheckPath, &OpenSerialPort},
     EndpointKind{"tcp", "tcp:192.168.7.20:5000", &CheckTcp, &OpenTcpText},
     EndpointKind{"unix", "unix:/run/intaglio/els-03.laser", &CheckUnixPath,
                  &OpenUnixText},
+    EndpointKind{"usb", "usb:9588:9899@1-2.3", &CheckUsb, &OpenUsbText},
 };
 
 struct Device {

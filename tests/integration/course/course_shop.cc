@@ -27,7 +27,7 @@ const ShopMachine& MachineOf(CourseShop::Machine machine) {
   static const std::array<ShopMachine, 3> machines = {
       ShopMachine{"mill", "/dev/ttyUSB0", "virtual-grbl", {"--hal", "--spindle"}},
       ShopMachine{"laser-cutter", "/dev/ttyUSB0", "virtual-grbl", {"--hal"}},
-      ShopMachine{"bjjcz", "tcp:127.0.0.1:9588", "virtual-bjjcz"}};
+      ShopMachine{"bjjcz", "usb:9588:9899", "virtual-bjjcz"}};
   return machines[static_cast<std::size_t>(machine)];
 }
 

@@ -121,7 +121,7 @@ class TcpPeer final : public EndpointPeer {
   std::uint16_t port_ = 0;
 };
 
-class UnixPeer final : public EndpointPeer {
+class UnixPeer : public EndpointPeer {
  public:
   UnixPeer() { ComeBack(); }
   ~UnixPeer() override {
@@ -169,6 +169,10 @@ class UnixPeer final : public EndpointPeer {
       throw std::runtime_error("no socket");
   }
 
+ protected:
+  const std::string& folder() const { return folder_; }
+  const std::string& path() const { return path_; }
+
  private:
   // The folders of tests are longer than a socket's path may be.
   static std::string ShortFolder() {
@@ -179,7 +183,20 @@ class UnixPeer final : public EndpointPeer {
 
   int listener_ = -1, host_ = -1;
   std::string folder_ = ShortFolder();
-  std::string path_ = folder_ + "/socket";
+  std::string path_ = folder_ + "/1-2.3";
+};
+
+// A socket behind fake_libusb.cc, which has a device for each file of its folder.
+class UsbPeer final : public UnixPeer {
+ public:
+  UsbPeer() { setenv("INTAGLIO_FAKE_USB", folder().c_str(), 1); }
+  ~UsbPeer() override { unsetenv("INTAGLIO_FAKE_USB"); }
+  std::string device() const override { return "usb:" + name(); }
+  std::string name() const override { return "9588:9899"; }
+  void Remove() override {
+    UnixPeer::Remove();
+    std::filesystem::remove(path());
+  }
 };
 
 }  // namespace
@@ -188,6 +205,7 @@ std::unique_ptr<EndpointPeer> MakePeer(std::string_view scheme) {
   if (scheme == "serial") return std::make_unique<PtyPeer>();
   if (scheme == "tcp") return std::make_unique<TcpPeer>();
   if (scheme == "unix") return std::make_unique<UnixPeer>();
+  if (scheme == "usb") return std::make_unique<UsbPeer>();
   return nullptr;
 }
 

@@ -258,15 +258,26 @@ TEST(CheckDevice, TakesEveryFormAndAPathAlone) {
 }
 
 TEST(CheckDevice, NamesWhatIsWrongAndTheForms) {
-  for (const auto& [device, why] :
-       {std::pair("udp:10.0.0.1:5", "no known kind"), std::pair("serial:", "path"),
-        std::pair("tcp:", "port is missing"),
-        std::pair("tcp:10.0.0.1", "port is missing"),
-        std::pair("tcp:10.0.0.1:0", "port 0"), std::pair("tcp:10.0.0.1:65536", "port"),
-        std::pair("tcp:10.0.0.1:5x", "port"), std::pair("tcp:10.0.0.1:", "port"),
-        std::pair("tcp:10.0.0.256:5", "10.0.0.256"), std::pair("tcp::5", "host"),
-        std::pair("tcp:laser-box:5000", "getent hosts"), std::pair("tcp:::1:5", "host"),
-        std::pair("tcp:[10.0.0.1]:5", "host")}) {
+  for (const auto& [device, why] : {std::pair("udp:10.0.0.1:5", "no known kind"),
+                                    std::pair("serial:", "path"),
+                                    std::pair("tcp:", "port is missing"),
+                                    std::pair("tcp:10.0.0.1", "port is missing"),
+                                    std::pair("tcp:10.0.0.1:0", "port 0"),
+                                    std::pair("tcp:10.0.0.1:65536", "port"),
+                                    std::pair("tcp:10.0.0.1:5x", "port"),
+                                    std::pair("tcp:10.0.0.1:", "port"),
+                                    std::pair("tcp:10.0.0.256:5", "10.0.0.256"),
+                                    std::pair("tcp::5", "host"),
+                                    std::pair("tcp:laser-box:5000", "getent hosts"),
+                                    std::pair("tcp:::1:5", "host"),
+                                    std::pair("tcp:[10.0.0.1]:5", "host"),
+                                    std::pair("usb:", "hexadecimal"),
+                                    std::pair("usb:9588", "hexadecimal"),
+                                    std::pair("usb:9588:98990", "hexadecimal"),
+                                    std::pair("usb:1234:5678", "9588:9899 (BJJCZ board)"),
+                                    std::pair("usb:9588:9899@", "no place"),
+                                    std::pair("usb:9588:9899@2", "no place"),
+                                    std::pair("usb:9588:9899@1-a", "no place")}) {
     const auto checked = CheckDevice(device);
     ASSERT_FALSE(checked) << device;
     EXPECT_EQ(checked.error().code, ErrorCode::kInvalidValue);

@@ -1,0 +1,247 @@
+// A BJJCZ board on USB, behind fake_libusb.cc, in real time: a socket of this test is the
+// board's end of either line, so what the driver sends over both can be compared.
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/services/drivers/bjjcz/point_rig.h"
+#include "tests/test_folder.h"
+
+namespace intaglio::drivers {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using ::testing::ElementsAreArray;
+using ::testing::HasSubstr;
+
+constexpr double kUsbRate_hz = 4000;
+constexpr int kUsbPoints = 150;
+
+/// A virtual board that listens on a socket, one host at a time.
+class BoardAtSocket {
+ public:
+  BoardAtSocket(const std::string& path, bjjcz::VirtualBjjczOptions options)
+      : board_(options), path_(path) {
+    board_.SetAxis(51000);
+    board_.SetInput(kBjjczDoorInput, true);
+    listener_ = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    sockaddr_un at{};
+    at.sun_family = AF_UNIX;
+    path.copy(at.sun_path, sizeof at.sun_path - 1);
+    EXPECT_EQ(bind(listener_, reinterpret_cast<const sockaddr*>(&at), sizeof at), 0);
+    EXPECT_EQ(listen(listener_, 5), 0);
+    thread_ = std::jthread([this](const std::stop_token& stop) { Serve(stop); });
+  }
+  BoardAtSocket(const BoardAtSocket&) = delete;
+  BoardAtSocket& operator=(const BoardAtSocket&) = delete;
+  ~BoardAtSocket() {
+    Stop();
+    close(listener_);
+    if (host_ >= 0) close(host_);
+    fs::remove(path_);
+  }
+  /// Then bytes and flashes are read.
+  void Stop() {
+    thread_.request_stop();
+    if (thread_.joinable()) thread_.join();
+  }
+  const bjjcz::VirtualBjjcz& board() const { return board_; }
+  const std::string& bytes() const { return bytes_; }
+  int host_count() const { return host_count_; }
+
+ private:
+  void Serve(const std::stop_token& stop) {
+    auto last = std::chrono::steady_clock::now();
+    while (!stop.stop_requested()) {
+      const int next = accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+      if (next >= 0) {
+        if (host_ >= 0) close(host_);
+        host_ = next;
+        ++host_count_;
+        board_.Reopen();
+      }
+      std::array<char, 4096> buffer;
+      ssize_t count = 0;
+      while (host_ >= 0 && (count = read(host_, buffer.data(), buffer.size())) > 0) {
+        bytes_.append(buffer.data(), static_cast<std::size_t>(count));
+        board_.Write({buffer.data(), static_cast<std::size_t>(count)});
+      }
+      const auto now = std::chrono::steady_clock::now();
+      board_.Advance(std::chrono::duration<double, std::micro>(now - last).count());
+      last = now;
+      const std::string sent = board_.Read();
+      if (host_ >= 0 && !sent.empty())
+        (void)send(host_, sent.data(), sent.size(), MSG_NOSIGNAL);
+      std::this_thread::sleep_for(500us);
+    }
+  }
+
+  bjjcz::VirtualBjjcz board_;
+  std::string path_, bytes_;
+  int listener_ = -1, host_ = -1;
+  std::atomic<int> host_count_{0};
+  std::jthread thread_;
+};
+
+bjjcz::VirtualBjjczOptions PlainBoard() {
+  bjjcz::VirtualBjjczOptions options;
+  options.needs_oscillator = false;
+  return options;
+}
+
+class UsbBoard : public ::testing::Test {
+ protected:
+  UsbBoard() {
+    fs::remove_all(bus_);
+    fs::create_directories(bus_);
+    setenv("INTAGLIO_FAKE_USB", bus_.c_str(), 1);
+  }
+  ~UsbBoard() override {
+    unsetenv("INTAGLIO_FAKE_USB");
+    std::error_code ignored;
+    fs::remove_all(bus_, ignored);
+  }
+  void Make(const std::string& device) {
+    MachineSpec profile = BjjczPointProfile();
+    profile.mutable_motion_line()->set_device(device);
+    profile.mutable_laser()->set_warm_up_s(0);
+    auto made = MakeMotionDriver(profile);
+    ASSERT_TRUE(made) << made.error().message;
+    driver_ = std::move(*made);
+  }
+  bool Until(const std::function<bool()>& condition,
+             std::chrono::seconds bound = std::chrono::seconds(20)) {
+    const auto end = std::chrono::steady_clock::now() + bound;
+    while (!condition()) {
+      if (std::chrono::steady_clock::now() > end) return false;
+      driver_->laser()->Poll([](const link::PulseReport&) {},
+                             [](const link::PastReport&) {});
+      (void)driver_->TakePositions();
+      std::this_thread::sleep_for(1ms);
+    }
+    return true;
+  }
+  /// A row of points in one layer, all of them decided before the first is made.
+  void MakePoints() {
+    LaserController& laser = *driver_->laser();
+    ASSERT_TRUE(Until([&] { return laser.up(); })) << laser.message();
+    ASSERT_TRUE(laser.Reset() && driver_->ClearFault());
+    ASSERT_TRUE(Until([&] { return driver_->state().at_rest; }));
+    ASSERT_TRUE(laser.Lamp(true, kUsbRate_hz) && laser.OpenShutters(1));
+    ASSERT_TRUE(Until([&] {
+      return laser.Has(link::kLampWarm) && laser.status().shutters_open == 1 &&
+             driver_->state().at_rest;
+    })) << driver_->state().message;
+    const std::uint64_t start =
+        std::max(laser.status().tick, laser.status().decided_through) + 3;
+    ASSERT_TRUE(driver_->BeginRun(1, start, 0)) << driver_->state().message;
+    std::vector<motion::Segment> segments;
+    std::vector<bool> fire(2, false);
+    for (int i = 0; i < kUsbPoints; ++i) {
+      const Vec3 place(0.3 * i - 20, 5, 0);
+      segments.push_back(
+          {place, Vec3::Zero(), 2 * motion::kSubticksPerTick, true, i + 1 == kUsbPoints});
+      fire.insert(fire.end(), {false, true});
+    }
+    ASSERT_GE(driver_->Room(), segments.size());
+    ASSERT_TRUE(driver_->Append(segments, {}));
+    ASSERT_TRUE(laser.Arm({start - 1, true, fire, false, 10}));
+  }
+  /// Commands and packets without the questions, which are asked by the clock.
+  static std::vector<std::string> Messages(const std::string& bytes) {
+    std::vector<std::string> all;
+    for (std::size_t at = 0; at + 12 <= bytes.size();) {
+      const std::size_t size = (bytes[at + 1] & 0x80) != 0 ? 3072 : 12;
+      const int operation = static_cast<unsigned char>(bytes[at]);
+      const bool asks = size == 12 && (operation == 0x25 || operation == 0x2A);
+      if (!asks) all.push_back(bytes.substr(at, size));
+      at += size;
+    }
+    return all;
+  }
+
+  // The path of a socket has 107 bytes at most.
+  fs::path bus_ = "/tmp/usb-board-" + std::to_string(getpid());
+  std::unique_ptr<MotionDriver> driver_;
+};
+
+TEST_F(UsbBoard, AllBytesAreThoseOfTheSocket) {
+  std::vector<std::string> messages[2];
+  for (const bool usb : {false, true}) {
+    const std::string path = bus_ / "1-2.3";
+    BoardAtSocket at(path, PlainBoard());
+    std::ofstream(path + ".sent").flush();
+    Make(usb ? "usb:9588:9899@1-2.3" : "unix:" + path);
+    MakePoints();
+    EXPECT_TRUE(Until([&] { return driver_->state().at_rest && driver_->Room() > 200; }))
+        << driver_->state().message;
+    driver_.reset();
+    at.Stop();
+    EXPECT_EQ(at.board().flashes().size(), static_cast<std::size_t>(kUsbPoints));
+    EXPECT_EQ(at.board().unknown_count(), 0U);
+    messages[usb ? 1 : 0] = Messages(at.bytes());
+    // Each command and each packet is a transfer.
+    std::ifstream sizes(path + ".sent");
+    std::size_t packets = 0;
+    for (const int size : std::vector<int>{std::istream_iterator<int>(sizes), {}}) {
+      EXPECT_TRUE(size == 12 || size == 3072) << size;
+      packets += size == 3072;
+    }
+    if (usb) {
+      EXPECT_GT(packets, 1U);
+    }
+  }
+  EXPECT_GT(messages[0].size(), 25U);
+  EXPECT_THAT(messages[1], ElementsAreArray(messages[0]));
+}
+
+// Two boards on the bus: the one of the profile's number is taken, the other is asked for
+// its number and let go.
+TEST_F(UsbBoard, TheSerialNumberChoosesAmongBoards) {
+  bjjcz::VirtualBjjczOptions other = PlainBoard();
+  other.serial_number = {9, 9, 9};
+  BoardAtSocket first(bus_ / "1-1", other);
+  BoardAtSocket second(bus_ / "1-2.3", PlainBoard());
+  Make("usb:9588:9899");
+  ASSERT_TRUE(Until([&] { return driver_->laser()->up(); }))
+      << driver_->laser()->message();
+  EXPECT_EQ(driver_->laser()->refusal(), "");
+  driver_.reset();
+  first.Stop();
+  for (const std::string& message : Messages(first.bytes()))
+    EXPECT_EQ(message[0], 0x09) << "another board was sent more than the question";
+}
+
+TEST_F(UsbBoard, AnUnpluggedBoardIsALostLineAndIsFoundAgain) {
+  const std::string path = bus_ / "1-2.3";
+  auto at = std::make_unique<BoardAtSocket>(path, PlainBoard());
+  Make("usb:9588:9899");
+  MakePoints();
+  ASSERT_TRUE(Until([&] { return driver_->state().position_mm.x() > -15; }));
+  at.reset();
+  ASSERT_TRUE(Until([&] { return !driver_->laser()->up(); }));
+  EXPECT_THAT(driver_->laser()->message(), HasSubstr("check"));
+  ASSERT_TRUE(Until([&] {
+    return driver_->laser()->message().find("lsusb") != std::string::npos;
+  })) << driver_->laser()->message();
+  at = std::make_unique<BoardAtSocket>(path, PlainBoard());
+  EXPECT_TRUE(Until([&] { return driver_->laser()->up(); }))
+      << driver_->laser()->message();
+}
+
+}  // namespace
+}  // namespace intaglio::drivers
