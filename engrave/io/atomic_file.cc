@@ -47,10 +47,10 @@ tl::unexpected<Error> Refused(const fs::path& target, int error_number) {
       target.string());
 }
 
-int OpenRetrying(const fs::path& path, int flags) {
+int OpenRetrying(const fs::path& path, int flags, mode_t mode = kUsualMode) {
   int descriptor = -1;
   do {
-    descriptor = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
+    descriptor = ::open(path.c_str(), flags | O_CLOEXEC, mode);
   } while (descriptor < 0 && errno == EINTR);
   return descriptor;
 }
@@ -80,7 +80,7 @@ void SyncFolderOf(const fs::path& target) {
 
 }  // namespace
 
-Result<AtomicFile> AtomicFile::Create(const fs::path& target) {
+Result<AtomicFile> AtomicFile::Create(const fs::path& target, mode_t mode) {
   AtomicFile file;
   file.target_ = ResolveLinks(target);
   std::error_code ignored;
@@ -93,7 +93,7 @@ Result<AtomicFile> AtomicFile::Create(const fs::path& target) {
     for (int i = 0; i < kMaxNames && file.descriptor_ < 0; ++i) {
       file.temporary_ = file.target_;
       file.temporary_ += fmt::format(".{}.{}.part", ::getpid(), i);
-      file.descriptor_ = OpenRetrying(file.temporary_, O_WRONLY | O_CREAT | O_EXCL);
+      file.descriptor_ = OpenRetrying(file.temporary_, O_WRONLY | O_CREAT | O_EXCL, mode);
       if (file.descriptor_ < 0 && errno != EEXIST) break;
     }
   }
@@ -188,14 +188,16 @@ Status AtomicFile::Commit() {
   return {};
 }
 
-Status WriteFileAtomically(const fs::path& target, std::span<const std::byte> bytes) {
-  AtomicFile file = INTAGLIO_TRY(AtomicFile::Create(target));
+Status WriteFileAtomically(const fs::path& target, std::span<const std::byte> bytes,
+                           mode_t mode) {
+  AtomicFile file = INTAGLIO_TRY(AtomicFile::Create(target, mode));
   INTAGLIO_TRY(file.Write(bytes));
   return file.Commit();
 }
 
-Status WriteFileAtomically(const fs::path& target, std::string_view text) {
-  return WriteFileAtomically(target, std::as_bytes(std::span(text.data(), text.size())));
+Status WriteFileAtomically(const fs::path& target, std::string_view text, mode_t mode) {
+  return WriteFileAtomically(target, std::as_bytes(std::span(text.data(), text.size())),
+                             mode);
 }
 
 }  // namespace intaglio::io

@@ -4,6 +4,9 @@
 // beside the target, which is renamed to the target only when everything is on the disk.
 // A reader of the target sees the old content or the new one, never a part.
 //
+// The file has mode 0666 less the umask, or the mode that is given: a secret (0600) is at
+// no time readable by others, also not in the temporary file.
+//
 // A target that exists and is not a regular file (a terminal, a pipe, /dev/null) cannot
 // be replaced by a rename and is written directly. A symbolic link stays: the file it
 // names is replaced.
@@ -14,6 +17,8 @@
 //
 // Not to be called from several threads at once on one object; several objects are fine,
 // even of one target (the last to commit wins).
+
+#include <sys/types.h>
 
 #include <cstddef>
 #include <filesystem>
@@ -26,11 +31,15 @@
 
 namespace intaglio::io {
 
+/// Readable by everybody whom the umask leaves, and by the owner alone.
+inline constexpr mode_t kUsualMode = 0666, kSecretMode = 0600;
+
 /// Writes a file piece by piece, through a buffer of 256 KiB.
 class AtomicFile {
  public:
   /// Creates the temporary file, in the target's folder (which must exist).
-  static Result<AtomicFile> Create(const std::filesystem::path& target);
+  static Result<AtomicFile> Create(const std::filesystem::path& target,
+                                   mode_t mode = kUsualMode);
 
   AtomicFile(AtomicFile&& other) noexcept;
   AtomicFile& operator=(AtomicFile&& other) noexcept;
@@ -58,7 +67,8 @@ class AtomicFile {
 };
 
 Status WriteFileAtomically(const std::filesystem::path& target,
-                           std::span<const std::byte> bytes);
-Status WriteFileAtomically(const std::filesystem::path& target, std::string_view text);
+                           std::span<const std::byte> bytes, mode_t mode = kUsualMode);
+Status WriteFileAtomically(const std::filesystem::path& target, std::string_view text,
+                           mode_t mode = kUsualMode);
 
 }  // namespace intaglio::io

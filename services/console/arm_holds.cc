@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "services/platform/access/secret_file.h"
+#include "services/platform/access/new_key.h"
 #include "services/platform/web/request_rules.h"
 
 namespace intaglio::console {

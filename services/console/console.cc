@@ -11,7 +11,7 @@
 #include "services/console/console_address.h"
 #include "services/console/page_files.h"
 #include "services/job/json_text.h"
-#include "services/platform/access/secret_file.h"
+#include "services/platform/access/new_key.h"
 #include "services/platform/access/users.h"
 #include "services/platform/web/server.h"
 

@@ -6,8 +6,8 @@
 #include <regex>
 
 #include "engrave/core/try.h"
+#include "engrave/io/atomic_file.h"
 #include "engrave/io/whole_file.h"
-#include "services/platform/access/secret_file.h"
 
 namespace intaglio::console {
 namespace {
@@ -46,7 +46,7 @@ Result<ConsoleAddress> ReadAddressFile(const std::filesystem::path& file) {
 
 Status WriteAddressFile(const std::filesystem::path& file,
                         const ConsoleAddress& address) {
-  return access::WriteSecretFile(file, TextOf(address) + "\n");
+  return io::WriteFileAtomically(file, TextOf(address) + "\n", io::kSecretMode);
 }
 
 }  // namespace intaglio::console

@@ -7,7 +7,7 @@
 #include <array>
 
 #include "engrave/core/try.h"
-#include "services/platform/access/secret_file.h"
+#include "services/platform/access/new_key.h"
 
 namespace intaglio::access {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
+#include "engrave/io/atomic_file.h"
 #include "engrave/io/whole_file.h"
-#include "services/platform/access/secret_file.h"
 
 namespace intaglio::access {
 namespace {
@@ -139,7 +139,7 @@ Result<std::vector<User>> ReadUsers(const fs::path& file) {
 }
 
 Status WriteUsers(const fs::path& file, const std::vector<User>& users) {
-  return WriteSecretFile(file, TextOf(users));
+  return io::WriteFileAtomically(file, TextOf(users), io::kSecretMode);
 }
 
 }  // namespace intaglio::access

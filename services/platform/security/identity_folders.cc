@@ -1,10 +1,8 @@
 #include "services/platform/security/identity_folders.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -13,6 +11,7 @@
 #include <sstream>
 
 #include "engrave/core/try.h"
+#include "engrave/io/atomic_file.h"
 #include "services/platform/bus/identity.h"
 #include "services/platform/security/certificates.h"
 
@@ -24,39 +23,18 @@ using std::chrono::days;
 
 constexpr char kAuthority[] = "authority";
 constexpr char kShopFile[] = "shop.txt";
-constexpr mode_t kSecret = 0600, kPublic = 0644;
+constexpr mode_t kPublic = 0644;
 // Hosts whose clocks are behind take a new certificate all the same.
 constexpr std::chrono::hours kClockDifference{1};
-
-tl::unexpected<Error> CannotWrite(const fs::path& path, int error) {
-  return Fail(ErrorCode::kIo,
-              fmt::format("cannot write {}: {}", path.string(), std::strerror(error)),
-              path.string());
-}
 
 Status MakeFolder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error || chmod(folder.c_str(), 0700) != 0) {
-    return CannotWrite(folder, error ? error.value() : errno);
-  }
-  return {};
-}
-
-/// Whole under its name or not at all, and never readable by others in between.
-Status Write(const fs::path& file, const std::string& text, mode_t mode) {
-  const fs::path temporary = file.string() + ".new";
-  unlink(temporary.c_str());
-  const int fd = open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
-  if (fd < 0) return CannotWrite(temporary, errno);
-  const bool written =
-      write(fd, text.data(), text.size()) == static_cast<ssize_t>(text.size()) &&
-      fsync(fd) == 0;
-  const int error = errno;
-  close(fd);
-  if (!written) return CannotWrite(temporary, error);
-  if (rename(temporary.c_str(), file.c_str()) != 0) return CannotWrite(file, errno);
-  return {};
+  if (!error && chmod(folder.c_str(), 0700) == 0) return {};
+  const int why = error ? error.value() : errno;
+  return Fail(ErrorCode::kIo,
+              fmt::format("cannot write {}: {}", folder.string(), std::strerror(why)),
+              folder.string());
 }
 
 Result<std::string> Read(const fs::path& file) {
@@ -74,8 +52,9 @@ Result<std::string> Read(const fs::path& file) {
 Status WriteAuthority(const fs::path& folder, const char* certificate,
                       const KeyPair& pair) {
   const fs::path file = folder / certificate;
-  return Write(file, pair.certificate, kPublic).and_then([&] {
-    return Write(fs::path(file).replace_extension(".key"), pair.private_key, kSecret);
+  return io::WriteFileAtomically(file, pair.certificate, kPublic).and_then([&] {
+    return io::WriteFileAtomically(fs::path(file).replace_extension(".key"),
+                                   pair.private_key, io::kSecretMode);
   });
 }
 
@@ -108,13 +87,13 @@ Status WriteRole(const fs::path& folder, const Role& role, const ShopOptions& sh
   };
   INTAGLIO_TRY(MakeFolder(folder));
   for (const File& file :
-       {File{bus::kPrivateKeyFile, pair.private_key, kSecret},
+       {File{bus::kPrivateKeyFile, pair.private_key, io::kSecretMode},
         File{bus::kCertificateFile, pair.certificate, kPublic},
         File{bus::kIdentityAuthorityFile, by.identity.certificate, kPublic},
         File{bus::kPermissionsAuthorityFile, by.permissions.certificate, kPublic},
         File{bus::kGovernanceFile, *governance, kPublic},
         File{bus::kPermissionsFile, *permissions, kPublic}}) {
-    INTAGLIO_TRY(Write(folder / file.name, file.text, file.mode));
+    INTAGLIO_TRY(io::WriteFileAtomically(folder / file.name, file.text, file.mode));
   }
   return {};
 }
@@ -205,7 +184,9 @@ Status NewIdentities(const fs::path& folder, const ShopOptions& shop,
       .and_then([&] {
         return WriteAuthority(authority, bus::kPermissionsAuthorityFile, *permissions);
       })
-      .and_then([&] { return Write(authority / kShopFile, ShopText(shop), kPublic); })
+      .and_then([&] {
+        return io::WriteFileAtomically(authority / kShopFile, ShopText(shop), kPublic);
+      })
       .and_then([&] {
         return WriteRoles(folder, shop, {*identity, *permissions}, lifetime);
       });
@@ -226,7 +207,9 @@ Result<ShopOptions> RenewIdentities(const fs::path& folder,
       shop.cells.push_back(cell);
   }
   return CheckShop(shop)
-      .and_then([&] { return Write(authority / kShopFile, ShopText(shop), kPublic); })
+      .and_then([&] {
+        return io::WriteFileAtomically(authority / kShopFile, ShopText(shop), kPublic);
+      })
       .and_then([&] {
         return WriteRoles(folder, shop, {identity, permissions}, lifetime);
       })

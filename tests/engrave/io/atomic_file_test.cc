@@ -31,6 +31,26 @@ TEST(AtomicFile, AppearsWholeWhenCommitted) {
   EXPECT_EQ(test::FileCountIn(target.parent_path()), 1u) << "the temporary file is gone";
 }
 
+TEST(AtomicFile, ASecretIsNeverReadableByOthers) {
+  const mode_t before = umask(0);  // which would take nothing away
+  const fs::path target = test::FreshFolder() / "key";
+  ASSERT_TRUE(WriteFileAtomically(target, "readable by all").has_value());
+  auto file = AtomicFile::Create(target, kSecretMode);
+  ASSERT_TRUE(file.has_value());
+  ASSERT_TRUE(file->Write("secret").has_value());
+  int secret_count = 0;
+  for (const auto& entry : fs::directory_iterator(target.parent_path())) {
+    const auto mode = entry.status().permissions() & fs::perms::mask;
+    if (entry.path() == target) continue;
+    EXPECT_EQ(static_cast<int>(mode), 0600) << entry.path();
+    ++secret_count;
+  }
+  EXPECT_EQ(secret_count, 1) << "the temporary file";
+  ASSERT_TRUE(file->Commit().has_value());
+  EXPECT_EQ(static_cast<int>(fs::status(target).permissions() & fs::perms::mask), 0600);
+  umask(before);
+}
+
 TEST(AtomicFile, KeepsEveryByteOfALargeFile) {
   const fs::path target = test::FreshFolder() / "cloud.ply";
   std::string content;  // several buffers long, and not a whole number of them

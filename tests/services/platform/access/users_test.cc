@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "services/platform/access/secret_file.h"
+#include "services/platform/access/new_key.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::access {
