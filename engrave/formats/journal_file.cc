@@ -5,41 +5,20 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <optional>
 
+#include "engrave/core/try.h"
+#include "engrave/formats/record_file.h"
 #include "engrave/io/crc32.h"
 
 namespace intaglio::formats {
 namespace {
 
-constexpr char kJournalMagic[] = "INTJRNL1";
-constexpr std::uint32_t kJournalVersion = 2;
+constexpr RecordKind kJournal{"INTJRNL1", "engraving journal", 2,
+                              2,          kJournalHeaderSize,  kJournalRecordSize};
+constexpr std::uint64_t kMaxJournalFile = std::uint64_t{1} << 36;
 // A record's point must not make the reader allocate without bound.
 constexpr std::uint64_t kMaxPoints = 100'000'000;
-
-template <typename T>
-void Put(std::span<std::byte> bytes, std::size_t offset, T value) {
-  for (std::size_t i = 0; i < sizeof(T); ++i) {
-    bytes[offset + i] =
-        static_cast<std::byte>((static_cast<std::uint64_t>(value) >> (8 * i)) & 0xffu);
-  }
-}
-
-template <typename T>
-T Get(std::span<const std::byte> bytes, std::size_t offset) {
-  std::uint64_t value = 0;
-  for (std::size_t i = 0; i < sizeof(T); ++i) {
-    value |= static_cast<std::uint64_t>(bytes[offset + i]) << (8 * i);
-  }
-  return static_cast<T>(value);
-}
-
-bool CrcHolds(std::span<const std::byte> bytes) {
-  const std::size_t end = bytes.size() - 4;
-  return io::Crc32(bytes.first(end)) == Get<std::uint32_t>(bytes, end);
-}
 
 std::optional<JournalRecord> DecodeRecord(std::span<const std::byte> bytes,
                                           const JournalHeader& header) {
@@ -47,19 +26,19 @@ std::optional<JournalRecord> DecodeRecord(std::span<const std::byte> bytes,
   const bool of_point = IsOfPoint(kind);
   const bool known =
       of_point || kind == JournalKind::kSession || kind == JournalKind::kConsent;
-  const auto point = Get<std::uint32_t>(bytes, 16);
-  if (!CrcHolds(bytes) || !known || (of_point && point >= header.point_count) ||
+  const auto point = NumberAt<std::uint32_t>(bytes.data() + 16);
+  if (!IsSealed(bytes) || !known || (of_point && point >= header.point_count) ||
       bytes[1] > static_cast<std::byte>(PointOutcome::kLeftOut)) {
     return std::nullopt;
   }
   JournalRecord record{kind,
                        static_cast<PointOutcome>(bytes[1]),
                        static_cast<std::uint8_t>(bytes[2]),
-                       Get<std::uint32_t>(bytes, 4),
-                       Get<std::uint64_t>(bytes, 8),
+                       NumberAt<std::uint32_t>(bytes.data() + 4),
+                       NumberAt<std::uint64_t>(bytes.data() + 8),
                        point,
-                       Get<std::uint32_t>(bytes, 24)};
-  const auto extra = Get<std::uint32_t>(bytes, 20);
+                       NumberAt<std::uint32_t>(bytes.data() + 24)};
+  const auto extra = NumberAt<std::uint32_t>(bytes.data() + 20);
   if (kind != JournalKind::kOutcome) {
     record.openings = extra;
   } else {
@@ -75,14 +54,12 @@ std::optional<JournalRecord> DecodeRecord(std::span<const std::byte> bytes,
 std::array<std::byte, kJournalHeaderSize> EncodeJournalHeader(
     const JournalHeader& header) {
   std::array<std::byte, kJournalHeaderSize> bytes{};
-  std::memcpy(bytes.data(), kJournalMagic, 8);
-  Put<std::uint32_t>(bytes, 8, kJournalVersion);
-  Put<std::uint32_t>(bytes, 12, kJournalRecordSize);
-  Put<std::uint64_t>(bytes, 16, header.point_count);
-  Put<std::uint64_t>(bytes, 24, header.epoch);
-  Put<std::uint32_t>(bytes, 32, header.path_crc);
-  Put<std::uint32_t>(bytes, 36, header.station);
-  Put<std::uint32_t>(bytes, 60, io::Crc32(std::span(bytes).first(60)));
+  std::ranges::copy(NewRecordHeader(kJournal), bytes.begin());
+  PutNumber<std::uint64_t>(bytes.data() + 16, header.point_count);
+  PutNumber<std::uint64_t>(bytes.data() + 24, header.epoch);
+  PutNumber<std::uint32_t>(bytes.data() + 32, header.path_crc);
+  PutNumber<std::uint32_t>(bytes.data() + 36, header.station);
+  Seal(bytes);
   return bytes;
 }
 
@@ -92,37 +69,26 @@ std::array<std::byte, kJournalRecordSize> EncodeJournalRecord(
   bytes[0] = static_cast<std::byte>(record.kind);
   bytes[1] = static_cast<std::byte>(record.outcome);
   bytes[2] = static_cast<std::byte>(record.reason);
-  Put<std::uint32_t>(bytes, 4, record.run);
-  Put<std::uint64_t>(bytes, 8, record.tick);
-  Put<std::uint32_t>(bytes, 16, record.point);
+  PutNumber<std::uint32_t>(bytes.data() + 4, record.run);
+  PutNumber<std::uint64_t>(bytes.data() + 8, record.tick);
+  PutNumber<std::uint32_t>(bytes.data() + 16, record.point);
   const bool has_outcome = record.kind == JournalKind::kOutcome;
   if (has_outcome) bytes[3] = static_cast<std::byte>(record.missed_channels);
-  Put<std::uint32_t>(
-      bytes, 20,
+  PutNumber<std::uint32_t>(
+      bytes.data() + 20,
       has_outcome ? std::bit_cast<std::uint32_t>(record.measured_mj) : record.openings);
-  Put<std::uint32_t>(bytes, 24, record.pulse_count);
-  Put<std::uint32_t>(bytes, 28, io::Crc32(std::span(bytes).first(28)));
+  PutNumber<std::uint32_t>(bytes.data() + 24, record.pulse_count);
+  Seal(bytes);
   return bytes;
 }
 
 Result<Journal> ParseJournal(std::span<const std::byte> bytes) {
-  if (bytes.size() < kJournalHeaderSize ||
-      std::memcmp(bytes.data(), kJournalMagic, 8) != 0 ||
-      !CrcHolds(bytes.first(kJournalHeaderSize))) {
-    return Fail(ErrorCode::kUnreadable,
-                "not an engraving journal: its header is missing or damaged");
-  }
-  if (const auto version = Get<std::uint32_t>(bytes, 8); version != kJournalVersion) {
-    return Fail(ErrorCode::kUnsupported,
-                fmt::format("the journal has version {}; this program reads version {}",
-                            version, kJournalVersion),
-                fmt::format("{}", version));
-  }
+  INTAGLIO_TRY(CheckRecordHeader(kJournal, bytes));
   Journal journal;
-  journal.header.point_count = Get<std::uint64_t>(bytes, 16);
-  journal.header.epoch = Get<std::uint64_t>(bytes, 24);
-  journal.header.path_crc = Get<std::uint32_t>(bytes, 32);
-  journal.header.station = Get<std::uint32_t>(bytes, 36);
+  journal.header.point_count = NumberAt<std::uint64_t>(bytes.data() + 16);
+  journal.header.epoch = NumberAt<std::uint64_t>(bytes.data() + 24);
+  journal.header.path_crc = NumberAt<std::uint32_t>(bytes.data() + 32);
+  journal.header.station = NumberAt<std::uint32_t>(bytes.data() + 36);
   if (journal.header.point_count > kMaxPoints) {
     return Fail(ErrorCode::kTooLarge, "the journal has too many points",
                 fmt::format("{}", journal.header.point_count));
@@ -150,23 +116,7 @@ std::uint32_t PathCrc(const PointList& path_mm) {
 }
 
 Result<Journal> ReadJournal(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary | std::ios::ate);
-  if (!in) {
-    return Fail(ErrorCode::kNotFound,
-                fmt::format("cannot open the journal {}", file.string()), file.string());
-  }
-  std::vector<std::byte> bytes(static_cast<std::size_t>(in.tellg()));
-  in.seekg(0);
-  in.read(reinterpret_cast<char*>(bytes.data()),
-          static_cast<std::streamsize>(bytes.size()));
-  if (!in) {
-    return Fail(ErrorCode::kIo, fmt::format("cannot read the journal {}", file.string()),
-                file.string());
-  }
-  return ParseJournal(bytes).map_error([&](Error error) {
-    error.message = file.string() + ": " + error.message;
-    return error;
-  });
+  return ReadRecordFile(file, kMaxJournalFile, ParseJournal);
 }
 
 std::uint32_t PowerUpOfText(std::string_view text) {

@@ -5,7 +5,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <utility>
+
+#include "engrave/core/try.h"
 
 namespace intaglio::io {
 namespace {
@@ -16,8 +20,9 @@ class OpenFile {
   ~OpenFile() {
     if (descriptor_ >= 0) close(descriptor_);
   }
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
+  OpenFile(OpenFile&& other) noexcept
+      : descriptor_(std::exchange(other.descriptor_, -1)) {}
+  OpenFile& operator=(OpenFile&&) = delete;
   int descriptor() const { return descriptor_; }
 
  private:
@@ -36,44 +41,67 @@ bool ReadAll(int descriptor, std::string& bytes) {
   return true;
 }
 
-}  // namespace
+tl::unexpected<Error> Refuse(const std::filesystem::path& file, ErrorCode code,
+                             std::string_view problem_and_remedy) {
+  return Fail(code, fmt::format("{}: {}", file.string(), problem_and_remedy),
+              file.string());
+}
+
+/// An open regular file.
+struct Source {
+  OpenFile in;
+  std::uint64_t size = 0;
+};
 
 // The kind of the file is checked before it is opened, because opening some devices acts
 // on them, and again afterwards, because the path may name another file by then. It is
 // opened without waiting (O_NONBLOCK), because opening a FIFO would wait.
-Result<std::string> ReadWholeFile(const std::filesystem::path& file,
-                                  std::uint64_t max_bytes) {
-  const auto refuse = [&](ErrorCode code, std::string_view problem_and_remedy) {
-    return Fail(code, fmt::format("{}: {}", file.string(), problem_and_remedy),
-                file.string());
-  };
+Result<Source> OpenSource(const std::filesystem::path& file) {
   struct stat status = {};
   if (stat(file.c_str(), &status) != 0 && (errno == ENOENT || errno == ENOTDIR)) {
-    return refuse(ErrorCode::kNotFound,
+    return Refuse(file, ErrorCode::kNotFound,
                   "the file does not exist; check its name and folder");
   }
   constexpr std::string_view kNoFile = "this is not a file; name a file";
   if (status.st_mode != 0 && !S_ISREG(status.st_mode)) {
-    return refuse(ErrorCode::kIo, kNoFile);
+    return Refuse(file, ErrorCode::kIo, kNoFile);
   }
-  const OpenFile in(open(file.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
-  if (in.descriptor() < 0 || fstat(in.descriptor(), &status) != 0) {
-    return refuse(ErrorCode::kIo, "cannot be opened; check that you may read it");
+  const int descriptor = open(file.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+  Source source{OpenFile(descriptor)};
+  if (descriptor < 0 || fstat(descriptor, &status) != 0) {
+    return Refuse(file, ErrorCode::kIo, "cannot be opened; check that you may read it");
   }
-  if (!S_ISREG(status.st_mode)) return refuse(ErrorCode::kIo, kNoFile);
-  const auto size = static_cast<std::uint64_t>(status.st_size);
-  if (size > max_bytes) {
-    return refuse(
-        ErrorCode::kTooLarge,
+  if (!S_ISREG(status.st_mode)) return Refuse(file, ErrorCode::kIo, kNoFile);
+  source.size = static_cast<std::uint64_t>(status.st_size);
+  return source;
+}
+
+Result<std::string> ReadBytes(const std::filesystem::path& file, const Source& source,
+                              std::uint64_t count) {
+  std::string bytes(count, '\0');
+  if (ReadAll(source.in.descriptor(), bytes)) return bytes;
+  return Refuse(file, ErrorCode::kIo, "cannot be read to its end; check the disk");
+}
+
+}  // namespace
+
+Result<std::string> ReadWholeFile(const std::filesystem::path& file,
+                                  std::uint64_t max_bytes) {
+  const auto source = INTAGLIO_TRY(OpenSource(file));
+  if (source.size > max_bytes) {
+    return Refuse(
+        file, ErrorCode::kTooLarge,
         fmt::format("has {} bytes, more than the {} allowed; make it smaller or "
                     "raise the limit",
-                    size, max_bytes));
+                    source.size, max_bytes));
   }
-  std::string bytes(size, '\0');
-  if (!ReadAll(in.descriptor(), bytes)) {
-    return refuse(ErrorCode::kIo, "cannot be read to its end; check the disk");
-  }
-  return bytes;
+  return ReadBytes(file, source, source.size);
+}
+
+Result<std::string> ReadBeginning(const std::filesystem::path& file,
+                                  std::uint64_t count) {
+  const auto source = INTAGLIO_TRY(OpenSource(file));
+  return ReadBytes(file, source, std::min(count, source.size));
 }
 
 Error AboutFile(Error error, const std::filesystem::path& file) {

@@ -14,6 +14,9 @@ namespace intaglio::io {
 Result<std::string> ReadWholeFile(const std::filesystem::path& file,
                                   std::uint64_t max_bytes);
 
+/// The same of its first bytes, `count` or as many as it has, of a file of any size.
+Result<std::string> ReadBeginning(const std::filesystem::path& file, std::uint64_t count);
+
 /// Puts the file's name before an error of a parser.
 Error AboutFile(Error error, const std::filesystem::path& file);
 
