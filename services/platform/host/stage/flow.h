@@ -132,7 +132,6 @@ class Sender {
 using PointIntake = Intake<PointCodec<intaglio_PointBatch>>;
 using PointSender = Sender<PointCodec<intaglio_PointBatch>>;
 using PathIntake = Intake<PointCodec<intaglio_PathBatch>>;
-using PathSender = Sender<PointCodec<intaglio_PathBatch>>;
 using MarkIntake = Intake<MarkCodec>;
 using MarkSender = Sender<MarkCodec>;
 
