@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <regex>
@@ -40,6 +41,29 @@ TEST(Architecture, NamesFilesThatExist) {
       std::regex("(engrave|services|idl|proto|tests|deploy|materials_db)/[a-z0-9_/.]+"));
   EXPECT_GT(names.size(), 100u);
   for (const std::string& name : names) EXPECT_TRUE(IsInTree(name)) << name;
+}
+
+bool HasSources(const fs::path& folder) {
+  return std::ranges::any_of(fs::directory_iterator(folder), [](const auto& entry) {
+    return entry.path().extension() == ".h" || entry.path().extension() == ".cc";
+  });
+}
+
+// By its own name with a slash: the tree writes some beside the folder that they are in.
+TEST(Architecture, ItsSourceTreeHasEveryFolder) {
+  const std::string document = TextOfFile(kRoot / "docs/architecture.md");
+  const auto begin = document.find("## Source tree");
+  const auto tree = document.substr(begin, document.find("\n## ", begin) - begin);
+  int count = 0;
+  for (const char* top : {"engrave", "services"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(kRoot / top)) {
+      if (!entry.is_directory() || !HasSources(entry.path())) continue;
+      ++count;
+      const std::regex name("(^|[^a-z_])" + entry.path().filename().string() + "/");
+      EXPECT_TRUE(std::regex_search(tree, name)) << entry.path();
+    }
+  }
+  EXPECT_GT(count, 80);
 }
 
 TEST(Architecture, NamesFunctionsOfTheTrunkThatExist) {
