@@ -125,7 +125,7 @@ MachineRow PointsRow() {
   row.job =
       "name: \"knot\" glass: \"N-BK7\" block { size_mm { x: 50 y: 50 z: 30 } }\n"
       "models { file: \"" INTAGLIO_SOURCE_DIR
-      "/deploy/jobs/sample.obj\" placement { fit_height_mm: 3 } }\n"
+      "/deploy/jobs/sample.obj\" placement { fit_height_mm: 1.8 } }\n"
       "discretization { min_spacing_mm: 0.3 }\n"
       "laser { photosensor_feedback: false rate_hz: 50 }\n";
   row.services = {"intaglio-job-service", "intaglio-discretizer", "intaglio-sorter",
@@ -133,7 +133,7 @@ MachineRow PointsRow() {
   row.line_service = "intaglio-motion-bridge";
   row.numbers_power_ups = false;
   row.near_mm = 0.05;
-  row.amount = 400;
+  row.amount = 140;
   row.items = PointsOf;
   row.work = FlashesOf;
   return row;
