@@ -110,10 +110,13 @@ TEST(GrblCheck, ComparesTheProfileWithTheSettingsOfTheController) {
   EXPECT_THAT(differs.output, HasSubstr("$110=6000 mm/min"));
 }
 
+constexpr double kKnotSpacing_mm = 0.3;
+
 /// A job of some 50 points a kill; 651 are 3.2 mm high.
 GrblShop::Options JobFor(int kills) {
   GrblShop::Options options;
-  options.job = GrblShop::Knot(std::clamp(3.2 * std::sqrt(kills / 13.0), 3.2, 22.0));
+  options.job =
+      KnotOf(std::clamp(3.2 * std::sqrt(kills / 13.0), 3.2, 22.0), kKnotSpacing_mm);
   return options;
 }
 
@@ -136,7 +139,7 @@ TEST(GrblKills, LeaveFewUncertainPointsAndDoubleNone) {
         done = shop.AwaitDone(3s, true);
     }
     // What the kill before has left is settled once the job goes on.
-    const std::size_t now_uncertain = shop.UncertainPoints();
+    const std::size_t now_uncertain = shop.PointsOfJob().UncertainCount();
     largest = std::max(largest, now_uncertain - uncertain);
     uncertain = now_uncertain;
     if (!done)

@@ -1,0 +1,77 @@
+#pragma once
+
+// A shop that engraves points in glass at a controller which moves the stage and has the
+// laser: the virtual controller and the product's processes, each a process of its own,
+// and one job. The record that the controller writes is the judge.
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+#include "engrave/formats/journal_file.h"
+#include "tests/integration/run_program.h"
+
+namespace intaglio::testing {
+
+class PointShop {
+ public:
+  struct Options {
+    std::string controller;                ///< "grbl", of the program virtual-grbl
+    std::string profile;                   ///< "grbl", of deploy/machines/grbl.textproto
+    std::string more_of_motion_line = {};  ///< fields behind the protocol and the device
+    std::string line = {};  ///< of the controller; empty: a pseudo-terminal
+    std::vector<std::string> controller_options = {};
+    bool has_panel = false;  ///< AskPanel() of the folder works it
+    std::string job;         ///< models, discretization and laser of a job file
+  };
+  explicit PointShop(const Options& options);
+  ~PointShop();
+
+  /// Whether it opens.
+  bool Open();
+  /// Its processes were killed too often for it to go on by itself.
+  bool IsOpen() const { return shop_ && shop_->running(); }
+  /// A command of `intaglio`, to its end; what it prints.
+  std::string Type(std::vector<std::string> words) const;
+  /// Submits and arms the job. Whether it is accepted.
+  bool Submit() const;
+  /// `resuming`: a paused job is resumed, a closed shop opened again.
+  bool AwaitDone(std::chrono::seconds bound, bool resuming);
+  /// With SIGKILL; how many there were.
+  int Kill(const std::string& service) const;
+
+  /// The job's points in their order, and the outcome that the journal has last of each.
+  /// Empty when there is none.
+  struct Points {
+    PointList at_mm;
+    std::vector<formats::PointOutcome> last;
+    std::size_t UncertainCount() const;
+  };
+  Points PointsOfJob() const;
+
+  std::filesystem::path record() const { return folder_ / "record.txt"; }
+  std::filesystem::path profile() const { return folder_ / "machine.textproto"; }
+  const std::filesystem::path& folder() const { return folder_; }
+  const std::string& shown() const { return shown_; }
+  std::string Log() const { return shop_ ? shop_->Output() : ""; }
+
+ private:
+  /// The device that a host opens.
+  std::string StartController(const Options& options);
+  void WriteProfile(const Options& options, const std::string& device) const;
+
+  std::filesystem::path folder_;
+  std::string tag_, shown_;
+  // Its path is short: that of a socket has 107 bytes.
+  std::string socket_;
+  int opened_ = 0;
+  std::unique_ptr<Running> controller_, shop_;
+};
+
+/// models { ... } of the supplied knot, so high, and its spacing.
+std::string KnotOf(double height_mm, double spacing_mm);
+
+}  // namespace intaglio::testing
