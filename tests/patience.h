@@ -68,19 +68,19 @@ class Patience {
 /// Checks until the condition holds or the patience is over; the last check counts.
 /// Discovery between processes has no event of its own that could be waited for.
 ///
-/// The pause before the next check is 2 ms, or twice the time that the check took, 200 ms
-/// at most. A check that runs a program of the bus costs a fifth of a processor when it
+/// The pause before the next check is 2 ms, or four times what the check took, 300 ms at
+/// most. A check that runs a program of the bus costs a fifth of a processor when it
 /// never pauses: 35 ms for itself, and what every other participant does about it.
 inline bool Eventually(const std::function<bool()>& condition,
                        std::chrono::milliseconds bound = std::chrono::seconds(10)) {
   constexpr Patience::Clock::duration kShortest = std::chrono::milliseconds(2),
-                                      kLongest = std::chrono::milliseconds(200);
+                                      kLongest = std::chrono::milliseconds(300);
   const Patience patience(bound);
   while (!patience.over()) {
     const auto began = Patience::Clock::now();
     if (condition()) return true;
     const auto took = Patience::Clock::now() - began;
-    std::this_thread::sleep_for(std::clamp(2 * took, kShortest, kLongest));
+    std::this_thread::sleep_for(std::clamp(4 * took, kShortest, kLongest));
   }
   return condition();
 }

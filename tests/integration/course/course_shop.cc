@@ -31,11 +31,15 @@ const ShopMachine& MachineOf(CourseShop::Machine machine) {
   return machines[static_cast<std::size_t>(machine)];
 }
 
+// The supplied one, with the line, and a spindle that turns after a second.
 std::string ProfileOf(const ShopMachine& machine, const std::string& line) {
   std::string profile = TextIn(std::string(INTAGLIO_SOURCE_DIR "/deploy/machines/") +
                                machine.profile + ".textproto");
   const std::string device = machine.device;
   profile.replace(profile.find(device), device.size(), line);
+  const std::string spin_up = "spin_up_s: 4";
+  if (const auto at = profile.find(spin_up); at != std::string::npos)
+    profile.replace(at, spin_up.size(), "spin_up_s: 1");
   return profile;
 }
 
