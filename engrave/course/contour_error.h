@@ -40,6 +40,14 @@ struct ContourError {
   }
 };
 
+/// The same for a part of a course: of the nodes that it may be near to. Of a node beside
+/// its ends the greatest one-sided error, or the least miss, of all parts counts; parts
+/// that share one instant miss nothing.
+struct PartError {
+  std::size_t first_node = 0;
+  std::vector<double> one_sided_mm, node_miss_mm;
+};
+
 /// `actual_mm` and `commanded_s_mm` (ascending, from below 0 to beyond the path's length)
 /// have the same size, two or more. Where the nearest place changes its segment between
 /// two samples the course between them is examined too. `places` (may be empty) gets
@@ -48,5 +56,33 @@ ContourError MeasureContour(const Path& path, std::span<const Vec2> actual_mm,
                             std::span<const double> commanded_s_mm,
                             const SearchWindow& window,
                             std::span<NearestPlace> places = {});
+PartError MeasurePart(const Path& path, std::span<const Vec2> actual_mm,
+                      std::span<const double> commanded_s_mm, const SearchWindow& window);
+
+/// A course that was measured whole, beside which others run a little off: their greatest
+/// error without measuring each of their places, of which most are too near to count.
+class NeighbourError {
+ public:
+  /// The spans have to outlive it.
+  NeighbourError(const Path& path, std::span<const Vec2> actual_mm,
+                 std::span<const double> commanded_s_mm, const SearchWindow& window);
+  /// The greater of both errors of a course with the same commands; of nodes, those whose
+  /// nearest place of the measured course is one of first .. last - 1.
+  double WorstOf(std::span<const Vec2> other_mm, std::size_t first,
+                 std::size_t last) const;
+
+ private:
+  struct NodePlace {
+    std::size_t node = 0, instant = 0;
+    double distance_mm = 0;
+  };
+
+  const Path& path_;
+  std::span<const Vec2> actual_mm_;
+  std::span<const double> commanded_s_mm_;
+  SearchWindow window_;
+  std::vector<double> distance_mm_;  ///< of each instant
+  std::vector<NodePlace> nodes_;
+};
 
 }  // namespace intaglio::course

@@ -32,20 +32,6 @@ double MinFeed(const Path& path, std::size_t node) {
   return std::min(path.segments()[node - 1].feed_mm_s, path.segments()[node].feed_mm_s);
 }
 
-/// Puts the greatest of the samples' values to the node nearest to each.
-void LoadNodes(const Path& path, const std::vector<double>& commanded_s_mm,
-               const std::vector<double>& values, double allowed,
-               std::vector<double>& load_ratio) {
-  const auto& s = path.node_s_mm();
-  std::size_t k = 0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const double at = commanded_s_mm[i];
-    while (k + 2 < s.size() && at >= s[k + 1]) ++k;
-    const std::size_t near = at - s[k] < s[k + 1] - at ? k : k + 1;
-    load_ratio[near] = std::max(load_ratio[near], values[i] / allowed);
-  }
-}
-
 double GreatestOf(const std::vector<double>& values) {
   return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
 }
@@ -142,45 +128,92 @@ double StraightLimit(const Tracking& tracking, const Segment& segment, double er
                         : kMaxFeedMmS;
 }
 
-}  // namespace
+/// What one part of a course adds to an evaluation.
+struct PartFigures {
+  PartError error;
+  std::vector<double> load_ratio;  ///< of motor and jerk, for the nodes of `error`
+  double motor_mm_s2 = 0, jerk_mm_s3 = 0;
+};
 
-Evaluation Evaluate(const Path& path, const SpeedLaw& law, const Tracking& tracking,
-                    const Allowed& allowed, Exactness exactness) {
+/// Puts the greatest of the samples' values to the node nearest to each.
+void LoadNodes(const Path& path, const std::vector<double>& commanded_s_mm,
+               const std::vector<double>& values, double allowed, PartFigures& found) {
+  const auto& s = path.node_s_mm();
+  std::size_t k = found.error.first_node;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double at = commanded_s_mm[i];
+    while (k + 2 < s.size() && at >= s[k + 1]) ++k;
+    const std::size_t near = at - s[k] < s[k + 1] - at ? k : k + 1;
+    double& load_ratio = found.load_ratio[near - found.error.first_node];
+    load_ratio = std::max(load_ratio, values[i] / allowed);
+  }
+}
+
+PartFigures FiguresOfPart(const Path& path, const SpeedLaw& law, const Tracking& tracking,
+                          const Allowed& allowed, Exactness exactness,
+                          const Instants& instants, Part part, double feed_mm_s) {
   const bool with_motor =
       allowed.motor_mm_s2 > 0 || allowed.jerk_mm_s3 > 0 || exactness == Exactness::kAxes;
   // Without a limit the jerk is for the report alone, which is that of the axes.
   const bool with_jerk = allowed.jerk_mm_s3 > 0 || exactness == Exactness::kAxes;
-  const Tracked tracked =
-      tracking.Follow(path, law, tracking.axes(), exactness, with_motor, with_jerk);
-  double feed_mm_s = 0;
-  for (const Segment& segment : path.segments())
-    feed_mm_s = std::max(feed_mm_s, segment.feed_mm_s);
-  const ContourError error =
-      MeasureContour(path, tracked.actual_mm, tracked.commanded_s_mm,
-                     tracking.WindowFor(feed_mm_s, allowed.error_mm));
-  Evaluation found;
-  found.load_ratio.resize(path.node_count());
-  for (std::size_t k = 0; k < path.node_count(); ++k) {
-    found.nodes.push_back(
-        {law.node_speed_mm_s[k], error.one_sided_mm[k], error.node_miss_mm[k]});
-    found.load_ratio[k] =
-        std::max(error.one_sided_mm[k], error.node_miss_mm[k]) / allowed.error_mm;
-  }
-  found.motor_mm_s2 = GreatestOf(tracked.motor_mm_s2);
-  found.jerk_mm_s3 = GreatestOf(tracked.jerk_mm_s3);
+  if (part.begin > 0) --part.begin;  // the one that it shares with the part before
+  const Tracked tracked = tracking.FollowPart(path, law, tracking.axes(), exactness,
+                                              with_motor, with_jerk, instants, part);
+  PartFigures found;
+  found.error = MeasurePart(path, tracked.actual_mm, tracked.commanded_s_mm,
+                            tracking.WindowFor(feed_mm_s, allowed.error_mm));
+  found.load_ratio.assign(found.error.node_miss_mm.size(), 0);
   if (allowed.motor_mm_s2 > 0)
     LoadNodes(path, tracked.commanded_s_mm, tracked.motor_mm_s2, allowed.motor_mm_s2,
-              found.load_ratio);
+              found);
   if (allowed.jerk_mm_s3 > 0)
     LoadNodes(path, tracked.commanded_s_mm, tracked.jerk_mm_s3, allowed.jerk_mm_s3,
-              found.load_ratio);
+              found);
+  found.motor_mm_s2 = GreatestOf(tracked.motor_mm_s2);
+  found.jerk_mm_s3 = GreatestOf(tracked.jerk_mm_s3);
+  return found;
+}
+
+}  // namespace
+
+Evaluation Evaluate(const Path& path, const SpeedLaw& law, const Tracking& tracking,
+                    const Allowed& allowed, Exactness exactness,
+                    const Executor& executor) {
+  const Instants instants = tracking.InstantsOf(law, tracking.axes(), exactness);
+  const std::vector<Part> parts = PartsOf(instants);
+  std::vector<PartFigures> figures(parts.size());
+  const double feed_mm_s = path.greatest_feed_mm_s();
+  RunEach(executor, parts.size(), [&](std::size_t i) {
+    figures[i] = FiguresOfPart(path, law, tracking, allowed, exactness, instants,
+                               parts[i], feed_mm_s);
+  });
+  Evaluation found;
+  found.load_ratio.assign(path.node_count(), 0);
+  for (const double v : law.node_speed_mm_s)
+    found.nodes.push_back({v, 0, std::numeric_limits<double>::infinity()});
+  for (const PartFigures& part : figures) {
+    for (std::size_t i = 0; i < part.load_ratio.size(); ++i) {
+      const std::size_t node = part.error.first_node + i;
+      NodeFigures& sum = found.nodes[node];
+      sum.one_sided_mm = std::max(sum.one_sided_mm, part.error.one_sided_mm[i]);
+      sum.node_miss_mm = std::min(sum.node_miss_mm, part.error.node_miss_mm[i]);
+      found.load_ratio[node] = std::max(found.load_ratio[node], part.load_ratio[i]);
+    }
+    found.motor_mm_s2 = std::max(found.motor_mm_s2, part.motor_mm_s2);
+    found.jerk_mm_s3 = std::max(found.jerk_mm_s3, part.jerk_mm_s3);
+  }
+  for (std::size_t k = 0; k < path.node_count(); ++k) {
+    const double error_mm =
+        std::max(found.nodes[k].one_sided_mm, found.nodes[k].node_miss_mm);
+    found.load_ratio[k] = std::max(found.load_ratio[k], error_mm / allowed.error_mm);
+  }
   found.worst_load_ratio = GreatestOf(found.load_ratio);
   return found;
 }
 
 Corrected CorrectSpeeds(const Path& path, const Tracking& tracking,
                         const Allowed& allowed, Speeds speeds, int rounds,
-                        const Window& window) {
+                        const Window& window, const Executor& executor) {
   const Speeds first = speeds;
   Corrected best, last;
   bool settling = false;
@@ -195,7 +228,7 @@ Corrected CorrectSpeeds(const Path& path, const Tracking& tracking,
     settling = round >= rounds - kLastRounds;
     last.law = std::move(law);
     last.evaluation = Evaluate(path, last.law, tracking, allowed,
-                               settling ? Exactness::kAxes : Exactness::kModel);
+                               settling ? Exactness::kAxes : Exactness::kModel, executor);
     last.speeds = speeds;
     auto& load_ratio = last.evaluation.load_ratio;
     std::fill_n(load_ratio.begin(), window.first_counted, 0.0);

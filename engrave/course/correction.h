@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "engrave/core/executor.h"
 #include "engrave/course/plan.h"
 
 namespace intaglio::course {
@@ -28,8 +29,10 @@ struct Allowed {
 
 Allowed AllowedBy(const PlanOptions& options);
 
+/// The same whatever the executor.
 Evaluation Evaluate(const Path& path, const SpeedLaw& law, const Tracking& tracking,
-                    const Allowed& allowed, Exactness exactness);
+                    const Allowed& allowed, Exactness exactness,
+                    const Executor& executor = {});
 
 /// What following nodes, and the begin of the window, change at nodes that are final.
 inline constexpr double kFinalSlack = 1.002;
@@ -59,7 +62,7 @@ struct Window {
 /// The fastest law found that keeps what is allowed; when none does, the last one.
 Corrected CorrectSpeeds(const Path& path, const Tracking& tracking,
                         const Allowed& allowed, Speeds speeds, int rounds,
-                        const Window& window = {});
+                        const Window& window = {}, const Executor& executor = {});
 
 /// The speeds to begin with: feeds, straight segments whose axes' different lags cost
 /// less than the tolerance, and corners by the formula (6)-(8), or by the rounding of the

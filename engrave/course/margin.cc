@@ -1,6 +1,7 @@
 #include "engrave/course/margin.h"
 
 #include <algorithm>
+#include <span>
 
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
@@ -12,6 +13,48 @@ namespace {
 constexpr double kErrorAim = 0.98;
 /// Below it another corner speed does not help.
 constexpr double kMinPlannedRatio = 0.2;
+/// Further on both sides of a part, where the nearest places of its nodes may be on a
+/// machine that differs.
+constexpr std::size_t kBesideInstants = 256;
+
+struct Margins {
+  const Path& path;
+  const CoursePlan& plan;
+  const Tracking& tracking;
+  const std::vector<AxisPair>& machines;
+  const Instants& instants;
+  const SearchWindow& window;
+};
+
+/// For each machine.
+std::vector<double> WorstOfPart(const Margins& of, const Part& part) {
+  const AxisPair& axes = of.tracking.axes();
+  const double period_s = of.tracking.options().period_s;
+  std::size_t memory = MemoryInstants(axes, period_s);
+  for (const AxisPair& machine : of.machines)
+    memory = std::max(memory, MemoryInstants(machine, period_s));
+  const std::size_t measured = part.begin - std::min(part.begin, kBesideInstants);
+  const std::size_t begin = measured - std::min(measured, memory);
+  const std::size_t end = std::min(part.end + kBesideInstants, of.instants.count);
+  const Tracked tracked =
+      of.tracking.SetpointsOf(of.path, of.plan.law, of.instants, {begin, end});
+  const auto run = [&](const AxisPair& machine) {
+    std::vector<Vec2> course = RunAxes(machine, period_s, tracked.setpoints_mm);
+    course.erase(course.begin(),
+                 course.begin() + static_cast<std::ptrdiff_t>(measured - begin));
+    return course;
+  };
+  const std::vector<Vec2> planned_mm = run(axes);
+  const NeighbourError beside(of.path, planned_mm,
+                              std::span(tracked.commanded_s_mm).subspan(measured - begin),
+                              of.window);
+  std::vector<double> worst_mm;
+  for (const AxisPair& machine : of.machines) {
+    worst_mm.push_back(
+        beside.WorstOf(run(machine), part.begin - measured, part.end - measured));
+  }
+  return worst_mm;
+}
 
 }  // namespace
 
@@ -37,22 +80,32 @@ std::vector<MechanicsFactors> WrongMechanics(const ModelError& error) {
 }
 
 Margin CheckMargin(const Path& path, const CoursePlan& plan, const AxisPair& axes,
-                   double tolerance_mm, const ModelError& error) {
-  double feed_mm_s = 0;
-  for (const Segment& segment : path.segments())
-    feed_mm_s = std::max(feed_mm_s, segment.feed_mm_s);
+                   double tolerance_mm, const ModelError& error,
+                   const Executor& executor) {
   const Tracking tracking(axes, plan.tracking);
-  const SearchWindow window = tracking.WindowFor(feed_mm_s, tolerance_mm);
+  const SearchWindow window = tracking.WindowFor(path.greatest_feed_mm_s(), tolerance_mm);
   Margin margin;
+  std::vector<AxisPair> machines;
   for (const MechanicsFactors& factors : WrongMechanics(error)) {
-    const AxisPair real{axes[0].WithMechanics(factors.frequency[0], factors.damping[0]),
-                        axes[1].WithMechanics(factors.frequency[1], factors.damping[1])};
-    const Tracked tracked =
-        tracking.Follow(path, plan.law, real, Exactness::kAxes, false);
-    const ContourError found =
-        MeasureContour(path, tracked.actual_mm, tracked.commanded_s_mm, window);
-    margin.cases.push_back({factors, found.worst_mm()});
+    margin.cases.push_back({factors, 0});
+    machines.push_back({axes[0].WithMechanics(factors.frequency[0], factors.damping[0]),
+                        axes[1].WithMechanics(factors.frequency[1], factors.damping[1])});
   }
+  // Until the slowest of them has settled.
+  Instants instants = tracking.InstantsOf(plan.law, axes, Exactness::kAxes);
+  for (const AxisPair& machine : machines) {
+    const Instants own = tracking.InstantsOf(plan.law, machine, Exactness::kAxes);
+    instants.count = std::max(instants.count, own.count);
+  }
+  const std::vector<Part> parts = PartsOf(instants);
+  std::vector<std::vector<double>> worst_mm(parts.size());
+  RunEach(executor, parts.size(), [&](std::size_t i) {
+    worst_mm[i] =
+        WorstOfPart({path, plan, tracking, machines, instants, window}, parts[i]);
+  });
+  for (std::size_t k = 0; k < machines.size(); ++k)
+    for (const std::vector<double>& part : worst_mm)
+      margin.cases[k].worst_mm = std::max(margin.cases[k].worst_mm, part[k]);
   margin.worst = *std::ranges::max_element(margin.cases, {}, &MarginCase::worst_mm);
   margin.holds = margin.worst.worst_mm <= tolerance_mm;
   return margin;
@@ -64,7 +117,8 @@ Result<PlanWithMargin> PlanWithin(const Path& path, const AxisPair& axes,
   PlanOptions trial = options;
   for (int i = 0; i < kMarginTrials; ++i) {
     found.plan = INTAGLIO_TRY(PlanCourse(path, axes, trial));
-    found.margin = CheckMargin(path, found.plan, axes, options.tolerance_mm, error);
+    found.margin = CheckMargin(path, found.plan, axes, options.tolerance_mm, error,
+                               options.executor);
     found.planned_ratio = trial.planned_ratio;
     if (found.margin.holds || !found.plan.holds) return found;
     trial.planned_ratio *=

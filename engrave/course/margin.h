@@ -36,8 +36,10 @@ struct Margin {
 /// The frequency or the damping wrong, up or down, of both axes or of one: 12 machines.
 std::vector<MechanicsFactors> WrongMechanics(const ModelError& error);
 
+/// The same whatever the executor.
 Margin CheckMargin(const Path& path, const CoursePlan& plan, const AxisPair& axes,
-                   double tolerance_mm, const ModelError& error);
+                   double tolerance_mm, const ModelError& error,
+                   const Executor& executor = {});
 
 struct PlanWithMargin {
   CoursePlan plan;

@@ -157,6 +157,10 @@ Path::Path(std::vector<Segment> segments) : segments_(std::move(segments)) {
   }
 }
 
+double Path::greatest_feed_mm_s() const {
+  return std::ranges::max_element(segments_, {}, &Segment::feed_mm_s)->feed_mm_s;
+}
+
 double Path::TurnAt(std::size_t node) const {
   const Vec2 before = DirectionBefore(node), behind = DirectionBehind(node);
   return std::atan2(Cross(before, behind), before.dot(behind));
@@ -171,9 +175,15 @@ Path Path::Part(std::size_t first, std::size_t last) const {
 
 Vec2 PathCursor::PointAt(double s_mm) {
   const auto& node_s_mm = path_.node_s_mm();
-  while (segment_ + 1 < path_.segment_count() && s_mm >= node_s_mm[segment_ + 1])
-    ++segment_;
-  while (segment_ > 0 && s_mm < node_s_mm[segment_]) --segment_;
+  const std::size_t last = path_.segment_count() - 1;
+  if (segment_ < last && s_mm >= node_s_mm[segment_ + 1]) ++segment_;
+  const bool here = (segment_ == 0 || s_mm >= node_s_mm[segment_]) &&
+                    (segment_ == last || s_mm < node_s_mm[segment_ + 1]);
+  if (!here) {
+    const auto behind =
+        std::upper_bound(node_s_mm.begin() + 1, node_s_mm.end() - 1, s_mm);
+    segment_ = static_cast<std::size_t>(behind - node_s_mm.begin()) - 1;
+  }
   return path_.segments()[segment_].PointAt(s_mm - node_s_mm[segment_]);
 }
 

@@ -70,6 +70,7 @@ class Path {
   std::size_t segment_count() const { return segments_.size(); }
   std::size_t node_count() const { return segments_.size() + 1; }
   double length_mm() const { return node_s_mm_.back(); }
+  double greatest_feed_mm_s() const;
   /// Arc length at each node, ascending from 0.
   const std::vector<double>& node_s_mm() const { return node_s_mm_; }
   const Vec2& node_mm(std::size_t node) const {

@@ -160,13 +160,14 @@ Result<CoursePlan> PlanCourse(const Path& path, const AxisPair& axes,
       options.compensate ? CompensatedChoice(path, axes, options) : DirectChoice(options);
   const Allowed allowed = AllowedBy(options);
   const Tracking tracking(axes, choice.tracking);
-  Corrected corrected = CorrectSpeeds(
-      path, tracking, allowed,
-      FirstSpeeds(path, tracking, allowed, choice.acceleration_mm_s2), options.rounds);
+  Corrected corrected =
+      CorrectSpeeds(path, tracking, allowed,
+                    FirstSpeeds(path, tracking, allowed, choice.acceleration_mm_s2),
+                    options.rounds, {}, options.executor);
   // The rounds compute no motor that has no limit.
   if (!options.compensate)
-    corrected.evaluation =
-        Evaluate(path, corrected.law, tracking, allowed, Exactness::kAxes);
+    corrected.evaluation = Evaluate(path, corrected.law, tracking, allowed,
+                                    Exactness::kAxes, options.executor);
   return PlanOf(path, choice, corrected);
 }
 

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "engrave/core/executor.h"
 #include "engrave/course/tracking.h"
 
 namespace intaglio::course {
@@ -32,6 +33,8 @@ struct PlanOptions {
   /// model does not know (margin.h).
   double planned_ratio = 1;
   int rounds = 16;  ///< of correction, 1..100
+  /// For the parts of a long course; the plan does not depend on it.
+  Executor executor;
 };
 
 struct NodeFigures {

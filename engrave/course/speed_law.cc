@@ -59,7 +59,12 @@ class PhaseWriter {
 /// The phase at ascending times.
 class LawCursor {
  public:
-  explicit LawCursor(const SpeedLaw& law) : law_(law) {}
+  LawCursor(const SpeedLaw& law, double first_s) : law_(law) {
+    const auto behind =
+        std::ranges::upper_bound(law.phases, first_s, {}, &Phase::begin_s);
+    if (behind != law.phases.begin())
+      at_ = static_cast<std::size_t>(behind - law.phases.begin()) - 1;
+  }
 
   double PositionAt(double t_s) {
     if (t_s <= 0) return law_.node_speed_mm_s.front() * t_s;
@@ -124,7 +129,7 @@ SpeedLaw PlanSpeeds(const Path& path, std::span<const double> inner_node_mm_s,
 std::vector<double> SampleLaw(const SpeedLaw& law, double period_s, double first_s,
                               std::size_t count, double smooth_s) {
   const auto half = static_cast<std::size_t>(std::lround(smooth_s / (2 * period_s)));
-  LawCursor cursor(law);
+  LawCursor cursor(law, first_s - period_s * static_cast<double>(half));
   std::vector<double> s_mm(count + 2 * half);
   for (std::size_t i = 0; i < s_mm.size(); ++i) {
     s_mm[i] = cursor.PositionAt(
@@ -146,7 +151,7 @@ std::vector<double> SampleLaw(const SpeedLaw& law, double period_s, double first
 
 std::vector<double> SampleSpeed(const SpeedLaw& law, double period_s, double first_s,
                                 std::size_t count) {
-  LawCursor cursor(law);
+  LawCursor cursor(law, first_s);
   std::vector<double> v_mm_s(count);
   for (std::size_t i = 0; i < count; ++i)
     v_mm_s[i] = cursor.SpeedAt(first_s + period_s * static_cast<double>(i));

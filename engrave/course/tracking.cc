@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <limits>
 
 #include "engrave/core/check.h"
 #include "engrave/course/axis_filter.h"
@@ -11,6 +13,10 @@ namespace {
 
 /// How often the slowest lag passes until a transient is below a thousandth of its begin.
 constexpr double kSettleLags = 8;
+
+/// What is left of a difference of the axes' states when it has no effect any more.
+constexpr double kForgottenRatio = 1e-9;
+constexpr double kMaxMemory = 1e9;
 
 using Axis = std::vector<double>;
 
@@ -57,6 +63,31 @@ void TakeGreater(const Axis& values, double period_s, int derivative, Axis& grea
   greatest.resize(values.size(), 0);
   for (std::size_t i = 0; i < d.size(); ++i)
     greatest[i] = std::max(greatest[i], std::abs(d[i]));
+}
+
+/// A derivative of n-th order is off 2 n instants beside the ends: 16 are enough for the
+/// setpoints, and for motor and jerk.
+constexpr std::size_t kEdgeInstants = 2 * (AxisFilter::kMaxOrder + 2);
+
+Part Widened(const Part& part, std::size_t before, std::size_t behind,
+             const Instants& instants) {
+  return {part.begin - std::min(part.begin, before),
+          std::min(part.end + behind, instants.count)};
+}
+
+/// Keeps `count` instants from `first` on.
+void Trim(Tracked& tracked, std::size_t first, std::size_t count) {
+  const auto keep = [&](auto& values) {
+    if (values.empty()) return;
+    values.resize(first + count);
+    values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(first));
+  };
+  tracked.first_s += tracked.period_s * static_cast<double>(first);
+  keep(tracked.commanded_s_mm);
+  keep(tracked.setpoints_mm);
+  keep(tracked.actual_mm);
+  keep(tracked.motor_mm_s2);
+  keep(tracked.jerk_mm_s3);
 }
 
 double GreaterLag(const AxisPair& axes) {
@@ -152,19 +183,35 @@ void Tracking::Compensate(Tracked& tracked, bool with_setpoints) const {
   if (with_setpoints) tracked.setpoints_mm = Join(setpoints[0], setpoints[1]);
 }
 
-Tracked Tracking::Reference(const Path& path, const SpeedLaw& law,
-                            double settle_s) const {
+Instants Tracking::InstantsOf(const SpeedLaw& law, const AxisPair& real,
+                              Exactness exactness) const {
   const double h = options_.period_s;
+  const bool exact = !compensated() || exactness == Exactness::kAxes;
+  const double settle_s = exact ? kSettleLags * GreaterLag(real) : 0;
   const double margin_s =
       (compensated() ? kernel_.length_s() : 0) / 2 + options_.smooth_s / 2 + 3 * h;
   // Whole periods, so that the instants do not depend on the margin.
   const auto before = static_cast<std::size_t>(std::ceil(margin_s / h));
   const auto behind =
       static_cast<std::size_t>(std::ceil((law.duration_s + margin_s + settle_s) / h)) + 1;
+  return {-h * static_cast<double>(before) - std::fmod(law.begin_s, h),
+          before + behind + 1};
+}
+
+std::vector<Part> PartsOf(const Instants& instants) {
+  std::vector<Part> parts;
+  for (std::size_t begin = 0; begin < instants.count; begin += kPartInstants)
+    parts.push_back({begin, std::min(begin + kPartInstants, instants.count)});
+  return parts;
+}
+
+Tracked Tracking::Reference(const Path& path, const SpeedLaw& law,
+                            const Instants& instants, const Part& part) const {
+  const double h = options_.period_s;
   Tracked tracked;
   tracked.period_s = h;
-  tracked.first_s = -h * static_cast<double>(before) - std::fmod(law.begin_s, h);
-  const std::size_t count = before + behind + 1;
+  tracked.first_s = instants.first_s + h * static_cast<double>(part.begin);
+  const std::size_t count = part.end - part.begin;
   const std::size_t half = compensated() ? kernel_.half_count() : 0;
   const auto s_mm = SampleLaw(law, h, tracked.first_s - h * static_cast<double>(half),
                               count + 2 * half, options_.smooth_s);
@@ -173,6 +220,26 @@ Tracked Tracking::Reference(const Path& path, const SpeedLaw& law,
   for (const double s : s_mm) tracked.actual_mm.push_back(cursor.PointAt(s));
   tracked.commanded_s_mm.assign(s_mm.begin() + static_cast<std::ptrdiff_t>(half),
                                 s_mm.end() - static_cast<std::ptrdiff_t>(half));
+  return tracked;
+}
+
+Tracked Tracking::RoughSetpoints(const Path& path, const SpeedLaw& law,
+                                 const Instants& instants, const Part& part,
+                                 bool with_setpoints) const {
+  Tracked tracked = Reference(path, law, instants, part);
+  if (compensated()) {
+    Compensate(tracked, with_setpoints);
+  } else {
+    tracked.setpoints_mm = tracked.actual_mm;
+  }
+  return tracked;
+}
+
+Tracked Tracking::SetpointsOf(const Path& path, const SpeedLaw& law,
+                              const Instants& instants, const Part& part) const {
+  const Part wider = Widened(part, kEdgeInstants, kEdgeInstants, instants);
+  Tracked tracked = RoughSetpoints(path, law, instants, wider, true);
+  Trim(tracked, part.begin - wider.begin, part.end - part.begin);
   return tracked;
 }
 
@@ -193,25 +260,54 @@ void Tracking::AddMotor(Tracked& tracked, bool with_jerk) const {
 
 Tracked Tracking::Follow(const Path& path, const SpeedLaw& law, const AxisPair& real,
                          Exactness exactness, bool with_motor, bool with_jerk) const {
+  const Instants instants = InstantsOf(law, real, exactness);
+  return FollowPart(path, law, real, exactness, with_motor, with_jerk, instants,
+                    {0, instants.count});
+}
+
+Tracked Tracking::FollowPart(const Path& path, const SpeedLaw& law, const AxisPair& real,
+                             Exactness exactness, bool with_motor, bool with_jerk,
+                             const Instants& instants, const Part& part) const {
   const bool exact = !compensated() || exactness == Exactness::kAxes;
-  Tracked tracked = Reference(path, law, exact ? kSettleLags * GreaterLag(real) : 0);
-  if (compensated()) {
-    Compensate(tracked, exact);
-  } else {
-    tracked.setpoints_mm = tracked.actual_mm;
-  }
+  std::size_t memory = exact ? MemoryInstants(real, options_.period_s) : 0;
+  if (!compensated()) memory = std::max(memory, MemoryInstants(axes_, options_.period_s));
+  const Part wider =
+      Widened(part, memory + 2 * kEdgeInstants, 2 * kEdgeInstants, instants);
+  Tracked tracked = RoughSetpoints(path, law, instants, wider, exact);
+  // The setpoints at the ends are rough: no axis begins there.
+  const Part inner = Widened(part, memory + kEdgeInstants, kEdgeInstants, instants);
+  Trim(tracked, inner.begin - wider.begin, inner.end - inner.begin);
   if (with_motor) AddMotor(tracked, with_jerk);
-  if (!exact) return tracked;
-  const auto setpoints = Split(tracked.setpoints_mm);
+  if (exact) {
+    tracked.actual_mm = RunAxes(real, options_.period_s, tracked.setpoints_mm);
+    if (with_motor && with_jerk && !compensated()) {
+      for (const Axis& axis : Split(tracked.actual_mm))
+        TakeGreater(axis, options_.period_s, 3, tracked.jerk_mm_s3);
+    }
+  }
+  Trim(tracked, part.begin - inner.begin, part.end - part.begin);
+  return tracked;
+}
+
+std::size_t MemoryInstants(const AxisPair& real, double period_s) {
+  double slowest_rad_s = std::numeric_limits<double>::infinity();
+  for (const AxisDynamics& axis : real)
+    for (const std::complex<double>& pole : axis.poles())
+      slowest_rad_s = std::min(slowest_rad_s, -pole.real());
+  const double forgotten_s = -std::log(kForgottenRatio) / slowest_rad_s;
+  return static_cast<std::size_t>(
+      std::ceil(std::min(forgotten_s / period_s, kMaxMemory)));
+}
+
+std::vector<Vec2> RunAxes(const AxisPair& real, double period_s,
+                          std::span<const Vec2> setpoints_mm) {
+  const auto setpoints = Split(setpoints_mm);
   std::array<Axis, 2> actual;
   for (std::size_t i = 0; i < 2; ++i) {
     actual[i].resize(setpoints[i].size());
-    AxisFilter(real[i].product(), options_.period_s).Run(setpoints[i], actual[i]);
-    if (with_motor && with_jerk && !compensated())
-      TakeGreater(actual[i], options_.period_s, 3, tracked.jerk_mm_s3);
+    AxisFilter(real[i].product(), period_s).Run(setpoints[i], actual[i]);
   }
-  tracked.actual_mm = Join(actual[0], actual[1]);
-  return tracked;
+  return Join(actual[0], actual[1]);
 }
 
 }  // namespace intaglio::course

@@ -56,6 +56,21 @@ struct Tracked {
   std::vector<double> motor_mm_s2, jerk_mm_s3;
 };
 
+/// The clock of a course: first_s + i period_s, i from 0 to count - 1. It is from rest to
+/// rest, with what kernel and axes need.
+struct Instants {
+  double first_s = 0;
+  std::size_t count = 0;
+};
+
+/// Instants begin .. end - 1 of a course. A long one is followed part by part, so that
+/// memory does not grow with it; each part is what it is in the whole.
+struct Part {
+  std::size_t begin = 0, end = 0;
+};
+inline constexpr std::size_t kPartInstants = 8192;
+std::vector<Part> PartsOf(const Instants& instants);
+
 enum class Exactness {
   kModel,  ///< of a compensated course: the axes are where the smoothed reference is
   kAxes,   ///< the axes' equations are solved with the setpoints as commands
@@ -69,6 +84,14 @@ class Tracking {
   /// `real` are the axes that follow. `with_jerk`: of what `with_motor` asks for.
   Tracked Follow(const Path& path, const SpeedLaw& law, const AxisPair& real,
                  Exactness exactness, bool with_motor, bool with_jerk = true) const;
+  Tracked FollowPart(const Path& path, const SpeedLaw& law, const AxisPair& real,
+                     Exactness exactness, bool with_motor, bool with_jerk,
+                     const Instants& instants, const Part& part) const;
+  /// The setpoints, and in actual_mm what the model makes of a compensated course.
+  Tracked SetpointsOf(const Path& path, const SpeedLaw& law, const Instants& instants,
+                      const Part& part) const;
+  Instants InstantsOf(const SpeedLaw& law, const AxisPair& real,
+                      Exactness exactness) const;
   SearchWindow WindowFor(double speed_mm_s, double tolerance_mm) const;
 
   const AxisPair& axes() const { return axes_; }
@@ -79,9 +102,13 @@ class Tracking {
   double memory_s() const;
 
  private:
-  /// The places of the reference in actual_mm, with what the kernel needs on both sides,
-  /// until settle_s behind the law's end.
-  Tracked Reference(const Path& path, const SpeedLaw& law, double settle_s) const;
+  /// The places of the reference in actual_mm, with what the kernel needs on both sides.
+  Tracked Reference(const Path& path, const SpeedLaw& law, const Instants& instants,
+                    const Part& part) const;
+  /// SetpointsOf, whose derivatives are those of the whole only
+  /// kEdgeInstants inside its ends.
+  Tracked RoughSetpoints(const Path& path, const SpeedLaw& law, const Instants& instants,
+                         const Part& part, bool with_setpoints) const;
   void AddMotor(Tracked& tracked, bool with_jerk) const;
   void Compensate(Tracked& tracked, bool with_setpoints) const;
 
@@ -89,6 +116,13 @@ class Tracking {
   TrackingOptions options_;
   SplineKernel kernel_;
 };
+
+/// How many instants before a part the setpoints act on axes `real`.
+std::size_t MemoryInstants(const AxisPair& real, double period_s);
+
+/// What axes `real` make of setpoints, which they were settled before.
+std::vector<Vec2> RunAxes(const AxisPair& real, double period_s,
+                          std::span<const Vec2> setpoints_mm);
 
 /// One axis smoothed by the kernel: `reference` has 2 half_count() more values than the
 /// result.

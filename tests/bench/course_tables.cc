@@ -229,6 +229,64 @@ void PrintPlanningTime() {
   }
 }
 
+/// What each kind of contour gains by its plan: a program of this kind alone.
+void PrintContent() {
+  const std::pair<const char*, ProgramMix> kinds[] = {{"rectangles", {1, 0, 0, 0}},
+                                                      {"gears", {0, 1, 0, 0}},
+                                                      {"curves", {0, 0, 1, 0}},
+                                                      {"zigzag", {0, 0, 0, 1}}};
+  fmt::print(
+      "\n| content | stops s | predicted | compensated, motor 6 | motor 11 |\n"
+      "|---|---|---|---|---|\n");
+  for (const auto& [name, mix] : kinds) {
+    const Program program = CutProgram(8, kFeedMmS, kSeed + 3, mix);
+    const double stopping_s = StoppingDurationS(program, kAcceleration);
+    fmt::print("| {} | {:.1f} |", name, stopping_s);
+    for (const PlanOptions& options :
+         {PlanOptions{}, CompensatedOptions(6000), CompensatedOptions(11000)}) {
+      const Cut cut = CutByPlan(program, options);
+      fmt::print(" {:.1f} %{} |", 100 * (1 - cut.duration_s / stopping_s),
+                 cut.holds ? "" : " over");
+    }
+    fmt::print("\n");
+    std::fflush(stdout);
+  }
+}
+
+/// One contour of 100 000 segments, planned and tried on machines that differ.
+void PrintLongContour() {
+  constexpr std::size_t kSegments = 100'000;
+  const Program program = CutProgram(480, kFeedMmS, kSeed + 4);
+  std::vector<Segment> segments;
+  Vec2 at_mm = Vec2::Zero();
+  for (const Path& path : program) {
+    // Each contour begins where the one before ends.
+    const Vec2 move_mm = at_mm - path.node_mm(0);
+    for (Segment segment : path.segments()) {
+      segment.begin_mm += move_mm;
+      segment.end_mm += move_mm;
+      segments.push_back(segment);
+    }
+    at_mm = segments.back().end_mm;
+  }
+  segments.resize(std::min(segments.size(), kSegments));
+  const Path path = Path::Of(std::move(segments));
+  for (const bool reserve : {false, true}) {
+    const std::clock_t begin = std::clock();
+    PlanWithMargin found;
+    if (reserve) {
+      found = PlanWithin(path, kMachine, CompensatedOptions(), {}).value();
+    } else {
+      found.plan = PlanCourse(path, kMachine, CompensatedOptions()).value();
+      found.margin = CheckMargin(path, found.plan, kMachine, kToleranceMm, {});
+    }
+    fmt::print("| one contour, {} segments, {:.1f} m{} | {:.1f} |\n",
+               path.segment_count(), path.length_mm() / 1e3,
+               reserve ? ", with a reserve" : "",
+               static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
+  }
+}
+
 void PrintMargins() {
   const Program program = CutProgram(8, kFeedMmS, kSeed + 2);
   const double stopping_s = StoppingDurationS(program, kAcceleration);
@@ -268,5 +326,7 @@ int main(int argc, char** argv) {
   if (wanted("corner")) PrintCorner();
   if (wanted("time")) PrintPlanningTime();
   if (wanted("margin")) PrintMargins();
+  if (wanted("content")) PrintContent();
+  if (wanted("long")) PrintLongContour();
   return 0;
 }

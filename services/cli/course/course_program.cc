@@ -8,6 +8,7 @@
 #include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
 #include "services/client/figure_text.h"
+#include "services/platform/host/threads/worker_threads.h"
 
 namespace intaglio::cli {
 namespace {
@@ -27,14 +28,12 @@ FollowedCourse CourseOf(const CourseProgram& program, const PlannedContour& cont
   found.tracked =
       course::FollowPlan(contour.path, contour.plan, program.axes, program.axes);
   const course::Tracked& tracked = found.tracked;
-  double feed_mm_s = 0;
-  for (const course::Segment& segment : contour.path.segments())
-    feed_mm_s = std::max(feed_mm_s, segment.feed_mm_s);
   found.places.resize(tracked.actual_mm.size());
-  course::MeasureContour(contour.path, tracked.actual_mm, tracked.commanded_s_mm,
-                         course::Tracking(program.axes, contour.plan.tracking)
-                             .WindowFor(feed_mm_s, program.options.tolerance_mm),
-                         found.places);
+  course::MeasureContour(
+      contour.path, tracked.actual_mm, tracked.commanded_s_mm,
+      course::Tracking(program.axes, contour.plan.tracking)
+          .WindowFor(contour.path.greatest_feed_mm_s(), program.options.tolerance_mm),
+      found.places);
   found.speed_mm_s = course::SampleSpeed(contour.plan.law, tracked.period_s,
                                          tracked.first_s, tracked.actual_mm.size());
   return found;
@@ -84,6 +83,25 @@ const PlannedContour* FirstNotHeld(const CourseProgram& program) {
   return found == program.contours.end() ? nullptr : &*found;
 }
 
+/// Segments of a contour from which on its own parts are work for all cores.
+constexpr std::size_t kLongContour = 2000;
+
+Status PlanContour(const course::AxisPair& axes, const course::PlanOptions& options,
+                   const course::ModelError& error, bool reserve,
+                   PlannedContour& contour) {
+  if (reserve) {
+    auto found = INTAGLIO_TRY(course::PlanWithin(contour.path, axes, options, error));
+    contour.plan = std::move(found.plan);
+    contour.margin = std::move(found.margin);
+    contour.planned_ratio = found.planned_ratio;
+    return {};
+  }
+  contour.plan = INTAGLIO_TRY(course::PlanCourse(contour.path, axes, options));
+  contour.margin = course::CheckMargin(contour.path, contour.plan, axes,
+                                       options.tolerance_mm, error, options.executor);
+  return {};
+}
+
 }  // namespace
 
 bool CourseProgram::holds() const {
@@ -112,20 +130,25 @@ Result<CourseProgram> PlanProgram(std::vector<course::Path> paths,
     const std::vector<double> stops(path.node_count() - 2, 0);
     program.stopping_s +=
         course::PlanSpeeds(path, stops, options.acceleration_mm_s2).duration_s;
-    PlannedContour contour{std::move(path), {}, {}, options.planned_ratio};
-    if (reserve) {
-      auto found = INTAGLIO_TRY(course::PlanWithin(contour.path, axes, options, error));
-      contour.plan = std::move(found.plan);
-      contour.margin = std::move(found.margin);
-      contour.planned_ratio = found.planned_ratio;
-    } else {
-      auto plan = INTAGLIO_TRY(course::PlanCourse(contour.path, axes, options));
-      contour.plan = std::move(plan);
-      contour.margin = course::CheckMargin(contour.path, contour.plan, axes,
-                                           options.tolerance_mm, error);
-    }
-    program.contours.push_back(std::move(contour));
+    program.contours.push_back({std::move(path), {}, {}, options.planned_ratio});
   }
+  // Long contours one by one, their parts on all cores; then the others side by side.
+  const Executor cores = host::AllCores();
+  std::vector<PlannedContour*> others;
+  for (PlannedContour& contour : program.contours) {
+    if (contour.path.segment_count() < kLongContour) {
+      others.push_back(&contour);
+      continue;
+    }
+    course::PlanOptions on_all = options;
+    on_all.executor = cores;
+    INTAGLIO_TRY(PlanContour(axes, on_all, error, reserve, contour));
+  }
+  std::vector<Status> planned(others.size());
+  RunEach(cores, others.size(), [&](std::size_t i) {
+    planned[i] = PlanContour(axes, options, error, reserve, *others[i]);
+  });
+  for (Status& status : planned) INTAGLIO_TRY(std::move(status));
   return program;
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/engrave/course/cut_program.h"
 #include "tests/engrave/course/oracle.h"
 
@@ -36,6 +38,38 @@ TEST(PlanWithin, HoldsOnMachinesThatDiffer) {
       // Runge-Kutta in steps of .1 ms.
       EXPECT_LE(error.one_sided_mm, 0.1 + 1e-4);
       EXPECT_LE(error.node_miss_mm, 0.1 + 1e-4);
+    }
+  }
+}
+
+// A contour of several parts, of which each is followed by itself: the same errors as of
+// the whole, which is measured place by place, whatever does the work.
+TEST(CheckMargin, FindsInPartsWhatTheWholeHas) {
+  std::vector<Vec2> nodes_mm{{0, 0}};
+  for (int i = 1; i < 300; ++i)
+    nodes_mm.push_back(nodes_mm.back() + 5 * Vec2(std::cos(1.1 * i * i), std::sin(i)));
+  const Path path = PolylinePath(nodes_mm, 100);
+  const AxisPair machine = MeasuredMachine();
+  for (const PlanOptions& options : {PlanOptions{}, CompensatedOptions()}) {
+    CoursePlan plan;
+    plan.tracking.period_s = 0.0005;
+    if (options.compensate) plan.tracking.kernel_s = 0.022;
+    plan.law = PlanSpeeds(path, std::vector<double>(path.node_count() - 2, 25), 5000);
+    ASSERT_GT(plan.law.duration_s, 3 * kPartInstants * plan.tracking.period_s);
+    const Executor backwards = [](std::size_t count, const auto& work) {
+      while (count > 0) work(--count);
+    };
+    const Margin margin = CheckMargin(path, plan, machine, 0.1, {}, backwards);
+    const Tracking tracking(machine, plan.tracking);
+    for (const MarginCase& c : margin.cases) {
+      const AxisPair real{
+          machine[0].WithMechanics(c.factors.frequency[0], c.factors.damping[0]),
+          machine[1].WithMechanics(c.factors.frequency[1], c.factors.damping[1])};
+      const Tracked whole = FollowPlan(path, plan, machine, real);
+      const ContourError error = MeasureContour(
+          path, whole.actual_mm, whole.commanded_s_mm, tracking.WindowFor(100, 0.1));
+      EXPECT_GT(error.worst_mm(), 0.01);
+      EXPECT_NEAR(c.worst_mm, error.worst_mm(), 1e-8);
     }
   }
 }

@@ -100,6 +100,45 @@ TEST(Tracking, CompensatedAxesAreOnTheSmoothedReference) {
   }
 }
 
+void ExpectSame(const std::vector<double>& part, const std::vector<double>& whole,
+                std::size_t first, double slack) {
+  for (std::size_t i = 0; i < part.size(); ++i)
+    ASSERT_NEAR(part[i], whole[first + i], slack) << i;
+}
+
+// Whatever part is followed by itself, begin, middle or end.
+TEST(Tracking, APartIsWhatItIsInTheWhole) {
+  const AxisPair axes = MeasuredMachine();
+  const Path path = CutProgram(0.3, 100, 80, {0, 0, 0, 1}).front();
+  const SpeedLaw law =
+      PlanSpeeds(path, std::vector<double>(path.node_count() - 2, 20), 3000);
+  for (const TrackingOptions& options :
+       {TrackingOptions{0.0005, 0, {}}, TrackingOptions{0.0005, 0.01, {}},
+        TrackingOptions{0.0005, 0, 0.022}}) {
+    const Tracking tracking(axes, options);
+    for (const Exactness exactness : {Exactness::kModel, Exactness::kAxes}) {
+      const Tracked whole = tracking.Follow(path, law, axes, exactness, true);
+      const Instants instants = tracking.InstantsOf(law, axes, exactness);
+      ASSERT_EQ(instants.count, whole.actual_mm.size());
+      for (const Part part :
+           {Part{0, 100}, Part{1500, 1900}, Part{instants.count - 50, instants.count}}) {
+        const Tracked own =
+            tracking.FollowPart(path, law, axes, exactness, true, true, instants, part);
+        ASSERT_EQ(own.actual_mm.size(), part.end - part.begin);
+        EXPECT_NEAR(own.first_s, whole.first_s + 0.0005 * static_cast<double>(part.begin),
+                    1e-12);
+        for (std::size_t i = 0; i < own.actual_mm.size(); ++i)
+          ASSERT_NEAR((own.actual_mm[i] - whole.actual_mm[part.begin + i]).norm(), 0,
+                      1e-8);
+        ExpectSame(own.commanded_s_mm, whole.commanded_s_mm, part.begin, 1e-9);
+        // Derivatives of values that are rounded.
+        ExpectSame(own.motor_mm_s2, whole.motor_mm_s2, part.begin, 1);
+        ExpectSame(own.jerk_mm_s3, whole.jerk_mm_s3, part.begin, 1000);
+      }
+    }
+  }
+}
+
 // The load on a circle at constant speed has v^2 / R, and the motor more by the
 // mechanics' gain at that rate.
 TEST(Tracking, ReportsTheMotorsAcceleration) {
