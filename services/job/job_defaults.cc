@@ -13,24 +13,14 @@
 #include "services/job/methods/method_table.h"
 #include "services/job/model_kind.h"
 #include "services/job/placeholders.h"
+#include "services/platform/fields/field_defaults.h"
 
 namespace intaglio {
 namespace {
 
 constexpr double kThinnestSlabMm = 0.01;  // of SweepOrder
-constexpr double kDefaultMarginMm = 3;    // the source's objects are 3-5 mm smaller
-constexpr double kDefaultTextMm = 5;
-constexpr double kDefaultStageLagS = 0.0002;
-constexpr std::uint32_t kDefaultMaxMissedInARow = 5;
-constexpr std::uint32_t kDefaultBaud = 115200;
 // Lens catalogues give focal lengths to 0.01 mm: nearer than this is the same lens.
 constexpr double kSameFocalLengthMm = 1e-3;
-
-Vector3 MakeVector(double x, double y, double z) {
-  Vector3 v;
-  v.set_x(x), v.set_y(y), v.set_z(z);
-  return v;
-}
 
 std::string NameOf(const Model& model) {
   return IsText(model)      ? NumberedText(model.text().text(), 1)
@@ -75,24 +65,22 @@ UpAxis UpOf(const Model& model) {
 }
 
 void FillPlacement(const Model& model, Placement& placement) {
-  if (!placement.has_unit_mm() && !MayDeclareUnit(model)) placement.set_unit_mm(1);
-  if (!placement.has_scale_ratio())
-    *placement.mutable_scale_ratio() = MakeVector(1, 1, 1);
-  if (!placement.has_rotate_deg()) *placement.mutable_rotate_deg() = MakeVector(0, 0, 0);
-  if (!placement.has_move_mm()) *placement.mutable_move_mm() = MakeVector(0, 0, 0);
-  if (!placement.has_centre_in_block()) placement.set_centre_in_block(true);
+  if (!MayDeclareUnit(model)) FillDefaults(placement, {Placement::kUnitMmFieldNumber});
+  FillDefaults(placement,
+               {Placement::kScaleRatioFieldNumber, Placement::kRotateDegFieldNumber,
+                Placement::kMoveMmFieldNumber, Placement::kCentreInBlockFieldNumber});
 }
 
 /// The method of a Model or a Discretization; nothing when it has none.
 void FillChosen(google::protobuf::Message& holder, double spacing_mm) {
   const Method* method = MethodOf(holder);
   if (method == nullptr) return;
-  FillDefaults(*method, spacing_mm, MutableMessageOf(*method, holder));
+  FillDefaults(MutableMessageOf(*method, holder), {"min_spacing_mm", spacing_mm});
 }
 
 /// The method of meshes that name none.
 void FillDiscretization(Discretization& discretization) {
-  if (!discretization.has_height_ratio()) discretization.set_height_ratio(1);
+  FillDefaults(discretization);
   if (MethodOf(discretization) == nullptr) {
     MutableMessageOf(*DefaultMethodOf(ModelKind::kMesh), discretization);
   }
@@ -117,19 +105,9 @@ void FillModel(Model& model, const Discretization& discretization) {
     model.mutable_placement()->set_up(UpOf(model));
   }
   FillPlacement(model, *model.mutable_placement());
-  if (IsText(model)) {
-    Text& text = *model.mutable_text();
-    if (!text.has_height_mm()) text.set_height_mm(kDefaultTextMm);
-    if (!text.has_line_ratio()) text.set_line_ratio(1);
-  }
-  if (model.has_copies()) {
-    Copies& copies = *model.mutable_copies();
-    if (!copies.has_count_x()) copies.set_count_x(1);
-    if (!copies.has_count_y()) copies.set_count_y(1);
-    if (!copies.has_count_z()) copies.set_count_z(1);
-    if (!copies.has_step_mm()) *copies.mutable_step_mm() = MakeVector(0, 0, 0);
-  }
-  if (model.has_code()) FillCode(*model.mutable_code());
+  if (IsText(model)) FillDefaults(*model.mutable_text());
+  if (model.has_copies()) FillDefaults(*model.mutable_copies());
+  if (model.has_code()) FillDefaults(*model.mutable_code());
   if (model.method_case() == Model::METHOD_NOT_SET) ChooseMethod(model, discretization);
   FillChosen(model, discretization.min_spacing_mm());
 }
@@ -154,9 +132,7 @@ void FillOrdering(Ordering& ordering, double spacing_mm, const MotionOptions& mo
     ordering.mutable_layers()->set_layer_thickness_mm(spacing_mm);
   }
   if (ordering.has_anneal()) {
-    AnnealOrder& anneal = *ordering.mutable_anneal();
-    if (!anneal.has_tries_per_point()) anneal.set_tries_per_point(30);
-    if (!anneal.has_seed()) anneal.set_seed(1);
+    FillDefaults(*ordering.mutable_anneal());
   }
   if (ordering.has_boustrophedon()) {
     BoustrophedonOrder& rows = *ordering.mutable_boustrophedon();
@@ -166,8 +142,7 @@ void FillOrdering(Ordering& ordering, double spacing_mm, const MotionOptions& mo
   if (ordering.has_published_kdz()) {
     PublishedKdzOrder& published = *ordering.mutable_published_kdz();
     if (published.has_angle_deg()) return;
-    if (!published.has_up_ratio()) published.set_up_ratio(1);
-    if (!published.has_down_ratio()) published.set_down_ratio(1);
+    FillDefaults(published);
   }
 }
 
@@ -189,16 +164,11 @@ void FillMotion(MotionOptions& motion, const Lens& lens, const MachineSpec& mach
   if (!motion.has_max_acceleration_mm_s2()) {
     motion.set_max_acceleration_mm_s2(limits.acceleration_mm_s2);
   }
-  if (!motion.has_tolerance_um()) motion.set_tolerance_um(0);
+  FillDefaults(motion);
   if (!motion.has_depth_tolerance_um()) {
     motion.set_depth_tolerance_um(DefaultDepthToleranceUm(lens, machine));
   }
-  if (!motion.has_lq()) return;
-  LqWeights& lq = *motion.mutable_lq();
-  if (!lq.has_moving_mass_kg()) lq.set_moving_mass_kg(1);
-  if (!lq.has_friction_n_s_m()) lq.set_friction_n_s_m(0);
-  if (!lq.has_speed_weight()) lq.set_speed_weight(0);
-  if (!lq.has_force_weight()) lq.set_force_weight(1);
+  if (motion.has_lq()) FillDefaults(*motion.mutable_lq());
 }
 
 void FillLaser(LaserOptions& laser, const LaserHead& head) {
@@ -206,8 +176,7 @@ void FillLaser(LaserOptions& laser, const LaserHead& head) {
     laser.set_rate_hz(DefaultRateHz(head));
   if (!laser.has_wavelength_nm()) laser.set_wavelength_nm(head.wavelength_nm());
   if (!laser.has_pulse_energy_mj()) laser.set_pulse_energy_mj(head.pulse_energy_mj());
-  if (laser.channels().empty()) laser.add_channels(1);
-  if (!laser.has_photosensor_feedback()) laser.set_photosensor_feedback(true);
+  FillDefaults(laser);
 }
 
 void FillChannels(JobSpec& job) {
@@ -245,13 +214,6 @@ void FillSpacing(const Lens& lens, const MachineSpec& machine,
   discretization.set_min_spacing_mm(std::max(kMinMm, steps / kStepsPerMm));
 }
 
-// Trochimczuk 2008, ch. 6.6.2: the servo cycle of its planar drives.
-constexpr double kDefaultPlanarPeriodS = 0.0002;
-
-void FillPlanar(PlanarDrive& drive) {
-  if (!drive.has_period_s()) drive.set_period_s(kDefaultPlanarPeriodS);
-}
-
 /// Gives a beam that fills no lens half of its width over the focal length.
 void FillApertures(MachineSpec& machine) {
   const double beam_mm = machine.laser().beam_diameter_mm();
@@ -285,7 +247,7 @@ JobSpec WithDefaults(JobSpec job, const MachineSpec& machine) {
     return job;
   }
   if (job.name().empty() && job.models_size() > 0) job.set_name(NameOf(job.models(0)));
-  if (!job.block().has_margin_mm()) job.mutable_block()->set_margin_mm(kDefaultMarginMm);
+  FillDefaults(*job.mutable_block(), {Block::kMarginMmFieldNumber});
   FillLens(*job.mutable_lens(), machine);
   FillSpacing(job.lens(), machine, *job.mutable_discretization());
   FillDiscretization(*job.mutable_discretization());
@@ -301,21 +263,20 @@ JobSpec WithDefaults(JobSpec job, const MachineSpec& machine) {
 
 MachineSpec WithMachineDefaults(MachineSpec machine) {
   if (machine.has_mark_line()) {
-    SerialLine& line = *machine.mutable_mark_line();
-    if (!line.has_baud()) line.set_baud(kDefaultBaud);
+    FillDefaults(*machine.mutable_mark_line());
     return machine;
   }
   for (SerialLine* line : {machine.mutable_laser_line(), machine.mutable_motion_line()}) {
-    if (!line->has_baud()) line->set_baud(kDefaultBaud);
+    FillDefaults(*line);
   }
   if (machine.drive_case() == MachineSpec::DRIVE_NOT_SET)
-    machine.set_stage_lag_s(kDefaultStageLagS);
-  if (machine.has_planar_drive()) FillPlanar(*machine.mutable_planar_drive());
+    FillDefaults(machine, {MachineSpec::kStageLagSFieldNumber});
+  if (machine.has_planar_drive()) FillDefaults(*machine.mutable_planar_drive());
   for (AxisDrive& drive : *machine.mutable_axis_drives()) {
-    if (drive.has_planar_drive()) FillPlanar(*drive.mutable_planar_drive());
+    if (drive.has_planar_drive()) FillDefaults(*drive.mutable_planar_drive());
   }
-  if (machine.has_laser() && !machine.laser().has_max_missed_in_a_row()) {
-    machine.mutable_laser()->set_max_missed_in_a_row(kDefaultMaxMissedInARow);
+  if (machine.has_laser()) {
+    FillDefaults(*machine.mutable_laser(), {LaserHead::kMaxMissedInARowFieldNumber});
   }
   FillApertures(machine);
   return machine;

@@ -15,6 +15,7 @@
 #include "services/job/machine/profile_errors.h"
 #include "services/job/machine/stations.h"
 #include "services/job/teach/taught_check.h"
+#include "services/platform/fields/field_rules.h"
 #include "services/platform/link/endpoint.h"
 
 namespace intaglio {
@@ -98,13 +99,14 @@ void CheckAperture(const MachineSpec& machine, int i, std::vector<Error>& errors
     return Missing(errors, path, "give it, or laser.beam_diameter_mm");
   }
   const double aperture = optics::ApertureOfBeam(beam_mm, lens.focal_length_mm());
-  const FieldRange* range = FindRange("MachineLens", "numerical_aperture");
-  if (aperture >= range->min && aperture <= range->max) return;
+  const NumberRange range =
+      RangeOf<MachineLens>(MachineLens::kNumericalApertureFieldNumber);
+  if (aperture >= range.min && aperture <= range.max) return;
   Wrong(
       errors, path,
       fmt::format("{} by laser.beam_diameter_mm, {}, and focal_length_mm, {}, is outside "
                   "{}..{}; correct these",
-                  aperture, beam_mm, lens.focal_length_mm(), range->min, range->max));
+                  aperture, beam_mm, lens.focal_length_mm(), range.min, range.max));
 }
 
 void CheckLenses(const MachineSpec& machine, std::vector<Error>& errors) {

@@ -8,6 +8,7 @@
 #include "services/job/machine/head_ticks.h"
 #include "services/job/model_kind.h"
 #include "services/job/placeholders.h"
+#include "services/platform/fields/field_defaults.h"
 
 namespace intaglio {
 namespace {
@@ -21,26 +22,20 @@ void CompletePen(MarkPen& pen, const MarkPen& defaults) {
 }
 
 void CompleteHatch(MarkHatch& hatch, bool of_code) {
-  if (!hatch.has_distance_mm()) hatch.set_distance_mm(0.1);
-  if (!hatch.has_angle_deg()) hatch.set_angle_deg(0);
-  if (!hatch.has_bidirectional()) hatch.set_bidirectional(true);
-  if (!hatch.has_contour()) hatch.set_contour(!of_code);
-  if (!hatch.has_inset_mm()) hatch.set_inset_mm(0);
+  if (of_code && !hatch.has_contour()) hatch.set_contour(false);
+  FillDefaults(hatch);
 }
 
 void CompleteContent(MarkItem& item) {
   if (item.has_text()) {
-    Text& text = *item.mutable_text();
-    if (!text.has_height_mm()) text.set_height_mm(5);
-    if (!text.has_line_ratio()) text.set_line_ratio(1);
+    FillDefaults(*item.mutable_text());
   } else if (item.has_image()) {
     MarkImage& image = *item.mutable_image();
-    if (!image.has_distance_mm()) image.set_distance_mm(0.1);
+    FillDefaults(image);
     if (!image.has_dot_mm() && image.make() == MARK_IMAGE_MAKE_DOTS)
       image.set_dot_mm(image.distance_mm() / 2);
-    if (!image.has_threshold_ratio()) image.set_threshold_ratio(0.5);
   } else if (item.has_code()) {
-    FillCode(*item.mutable_code());
+    FillDefaults(*item.mutable_code());
     item.mutable_hatch();
   }
 }
@@ -49,20 +44,8 @@ void CompleteItem(MarkItem& item, const MarkPen& pen) {
   CompletePen(*item.mutable_pen(), pen);
   CompleteContent(item);
   if (item.has_hatch()) CompleteHatch(*item.mutable_hatch(), item.has_code());
-  MarkPlacement& placement = *item.mutable_placement();
-  if (!placement.has_scale_ratio()) placement.set_scale_ratio(1);
-  if (!placement.has_rotate_deg()) placement.set_rotate_deg(0);
-  if (!placement.has_centre()) placement.set_centre(true);
+  FillDefaults(*item.mutable_placement());
 }
-
-}  // namespace
-
-void FillCode(MarkCode& code) {
-  if (!code.has_module_mm()) code.set_module_mm(0.5);
-  if (!code.has_correction_ratio()) code.set_correction_ratio(0.15);
-}
-
-namespace {
 
 void CheckMarkFile(const std::string& file, const std::string& path, Findings& findings) {
   const bool is_font = path.find(".text.") != std::string::npos;
@@ -160,14 +143,8 @@ void CheckExclusions(const JobSpec& job, Findings& findings) {
 }  // namespace
 
 Marks WithDefaults(Marks marks) {
-  MarkPen pen;
-  pen.set_speed_mm_s(1000);
-  pen.set_power_ratio(0.5);
-  pen.set_frequency_hz(20000);
-  pen.set_pass_count(1);
-  CompletePen(*marks.mutable_pen(), pen);
-  if (!marks.has_first_number()) marks.set_first_number(1);
-  if (!marks.has_number_digits()) marks.set_number_digits(1);
+  FillDefaults(*marks.mutable_pen());
+  FillDefaults(marks);
   for (MarkItem& item : *marks.mutable_items()) CompleteItem(item, marks.pen());
   return marks;
 }

@@ -14,9 +14,6 @@ namespace intaglio {
 /// table; of an item's pen that of the job.
 Marks WithDefaults(Marks marks);
 
-/// Fills in the defaults of a code, whether it is marked or a model in a block.
-void FillCode(MarkCode& code);
-
 /// Ranges, what is missing, files that do not exist, and what excludes each other. `job`
 /// as it was read, with marks.
 std::vector<Finding> CheckMarks(const JobSpec& job);

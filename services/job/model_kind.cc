@@ -14,6 +14,7 @@
 #include "engrave/io/lower_case.h"
 #include "engrave/mesh/mesh_import.h"
 #include "services/job/methods/method_table.h"
+#include "services/platform/fields/field_rules.h"
 
 namespace intaglio {
 namespace {
@@ -45,11 +46,10 @@ void VisitMethod(google::protobuf::Message& holder, const std::string& path,
   if (method == nullptr) return;
   google::protobuf::Message& message = MutableMessageOf(*method, holder);
   const google::protobuf::Reflection& reflection = *message.GetReflection();
-  for (const MethodField& row : method->fields) {
-    const auto* field = method->message().FindFieldByName(std::string(row.name));
-    if (!row.names_image || !reflection.HasField(message, field)) continue;
+  for (const auto* field : FieldsOf(method->message())) {
+    if (!RuleOf(*field).names_image() || !reflection.HasField(message, field)) continue;
     std::string file = reflection.GetString(message, field);
-    visit(file, fmt::format("{}{}.{}", path, method->name(), row.name));
+    visit(file, fmt::format("{}{}.{}", path, method->name(), field->name()));
     reflection.SetString(&message, field, std::move(file));
   }
 }

@@ -9,10 +9,10 @@
 
 #include "engrave/io/nearest_name.h"
 #include "services/job/field_path.h"
-#include "services/job/field_ranges.h"
 #include "services/job/job_check.h"
 #include "services/job/job_file.h"
 #include "services/job/placeholders.h"
+#include "services/platform/fields/field_rules.h"
 
 namespace intaglio {
 namespace {

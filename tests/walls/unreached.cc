@@ -20,11 +20,9 @@ namespace fs = std::filesystem;
 /// Unreached names that stay, and why.
 const std::map<std::string, std::string> kStay = {
     // Rows of a table, for the tests that each of its rows has to pass.
-    {"DriveRanges", "rows for tests"},
     {"EndpointKinds", "rows for tests"},
     {"Profiles", "rows for tests"},
     {"SequencedTypes", "rows for tests"},
-    {"TruthRanges", "rows for tests"},
     // Called by the library nanoflann, by these names.
     {"addPoint", "nanoflann"},
     {"kdtree_get_bbox", "nanoflann"},

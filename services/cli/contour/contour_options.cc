@@ -7,6 +7,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/io/lower_case.h"
+#include "services/cli/flags/field_options.h"
 
 namespace intaglio::cli {
 namespace {
@@ -32,6 +33,16 @@ CourseMake MakeOf(const std::string& name) {
   return make;
 }
 
+void SetNumber(const google::protobuf::FieldDescriptor& field, double value,
+               Course& course) {
+  const google::protobuf::Reflection& reflection = *course.GetReflection();
+  if (field.cpp_type() == google::protobuf::FieldDescriptor::CPPTYPE_UINT32) {
+    reflection.SetUInt32(&course, &field, static_cast<std::uint32_t>(value));
+  } else {
+    reflection.SetDouble(&course, &field, value);
+  }
+}
+
 void AddToolOptions(command_line::Command contour, ContourOptions& options) {
   contour
       .AddOption("--make", options.make,
@@ -40,15 +51,6 @@ void AddToolOptions(command_line::Command contour, ContourOptions& options) {
                  "clear what they enclose; cut: parts out of a sheet")
       .OneOf(MakeNames())
       .ShowDefault();
-  contour
-      .AddOption("--tool", options.tool_mm,
-                 "mm, the tool's diameter, of a laser the kerf; default the template's, "
-                 "else 0.2")
-      .Within(0.001, 100.0);
-  contour.AddOption("--passes", options.passes, "of an isolation, default 1")
-      .Within(1, 20);
-  contour.AddOption("--overlap", options.overlap, "of passes, by the tool, default 0.5")
-      .Within(0.5, 0.95);
   contour.AddOption("--layer", options.layer,
                     "of a board of KiCad, e.g. B.Cu; default of cuts Edge.Cuts, else its "
                     "first of copper");
@@ -66,10 +68,6 @@ void AddToolOptions(command_line::Command contour, ContourOptions& options) {
   contour.AddOption("--drill-units", options.drill_units,
                     "of drill files that declare none: the line of their header, e.g. "
                     "INCH,TZ or METRIC,LZ,000.000");
-  contour
-      .AddOption("--lead", options.lead_mm,
-                 "of cuts: mm, radius of the arc on which the tool comes and goes")
-      .Within(0.01, 1000.0);
   contour.AddFlag("--inside", options.inside,
                   "of cuts: openings into a sheet, and not parts out of it");
   contour
@@ -86,46 +84,14 @@ void AddToolOptions(command_line::Command contour, ContourOptions& options) {
       .TakeValues(2);
 }
 
-void AddTabOptions(command_line::Command contour, ContourOptions& options) {
-  const auto count = contour
-                         .AddOption("--tabs", options.tabs,
-                                    "of cuts: how many hold each part, default 0")
-                         .Within(0, 1000);
-  contour
-      .AddOption("--tab-distance", options.tab_distance_mm,
-                 "of cuts: mm, how far apart tabs are at most, in place of their number")
-      .Within(0.1, 10000.0)
-      .Exclude(count);
-  contour.AddOption("--tab-width", options.tab_width_mm, "mm of material left, default 3")
-      .Within(0.01, 1000.0);
-  contour
-      .AddOption("--tab-height", options.tab_height_mm,
-                 "mm above the depth, of mills; default half of the depth")
-      .Within(0.01, 100.0);
-}
-
-void AddMotionOptions(command_line::Command contour, ContourOptions& options) {
-  contour.AddOption("--speed", options.speed_mm_s, "mm/s at work, default 5")
-      .Within(0.01, 10000.0);
-  contour.AddOption("--travel", options.travel_mm_s, "mm/s between, default 50")
-      .Within(0.01, 10000.0);
-  contour
-      .AddOption("--plunge", options.plunge_mm_s, "mm/s down, default the speed at work")
-      .Within(0.01, 10000.0);
-  const auto depth =
-      contour.AddOption("--depth", options.depth_mm, "mm below the surface, default 0.2")
-          .Within(0.0, 100.0);
-  contour.AddOption("--power", options.power, "of a laser, 0..1 of its largest")
-      .Within(0.0, 1.0)
-      .Exclude(depth);
-  contour
-      .AddOption("--repeat", options.repeat,
-                 "times each contour is made, deeper by an equal part; default 1")
-      .Within(1, 100);
-  contour.AddOption("--safe", options.safe_mm, "mm above the surface, between, default 2")
-      .Within(0.01, 1000.0);
-  contour.AddOption("--drill-depth", options.drill_depth_mm, "mm, default 3")
-      .Within(0.01, 100.0);
+/// The numbers of a course, by the rules of its fields.
+void AddNumbers(command_line::Command contour, ContourOptions& options) {
+  for (const auto* field : FieldsOf(*Course::descriptor())) {
+    if (!RuleOf(*field).option().empty())
+      AddFieldOption(contour, *field, options.numbers[field->number()]);
+  }
+  contour.OptionOf("--tab-distance").Exclude(contour.OptionOf("--tabs"));
+  contour.OptionOf("--power").Exclude(contour.OptionOf("--depth"));
 }
 
 void AddProgramOptions(command_line::Command contour, ContourOptions& options) {
@@ -189,22 +155,9 @@ Course TypedCourse(const ContourOptions& options) {
   course.set_nearest_order(options.order == "nearest");
   if (!options.layer.empty()) course.set_layer(options.layer);
   if (options.inside) course.set_inside(true);
-  if (options.lead_mm) course.set_lead_mm(*options.lead_mm);
-  if (options.tabs) course.set_tab_count(*options.tabs);
-  if (options.tab_distance_mm) course.set_tab_distance_mm(*options.tab_distance_mm);
-  if (options.tab_width_mm) course.set_tab_width_mm(*options.tab_width_mm);
-  if (options.tab_height_mm) course.set_tab_height_mm(*options.tab_height_mm);
-  if (options.tool_mm) course.set_tool_diameter_mm(*options.tool_mm);
-  if (options.passes) course.set_pass_count(*options.passes);
-  if (options.overlap) course.set_overlap_ratio(*options.overlap);
-  if (options.speed_mm_s) course.set_speed_mm_s(*options.speed_mm_s);
-  if (options.travel_mm_s) course.set_travel_mm_s(*options.travel_mm_s);
-  if (options.plunge_mm_s) course.set_plunge_mm_s(*options.plunge_mm_s);
-  if (options.depth_mm) course.set_depth_mm(*options.depth_mm);
-  if (options.power) course.set_power_ratio(*options.power);
-  if (options.repeat) course.set_repeat_count(*options.repeat);
-  if (options.safe_mm) course.set_safe_height_mm(*options.safe_mm);
-  if (options.drill_depth_mm) course.set_drill_depth_mm(*options.drill_depth_mm);
+  for (const auto& [number, value] : options.numbers) {
+    if (value) SetNumber(FieldOf<Course>(number), *value, course);
+  }
   return course;
 }
 
@@ -218,8 +171,7 @@ CourseFileOptions TypedFileOptions(const ContourOptions& options) {
 
 void AddContourOptions(command_line::Command contour, ContourOptions& options) {
   AddToolOptions(contour, options);
-  AddTabOptions(contour, options);
-  AddMotionOptions(contour, options);
+  AddNumbers(contour, options);
   AddProgramOptions(contour, options);
   AddViewOptions(contour, options);
 }

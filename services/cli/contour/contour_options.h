@@ -3,6 +3,7 @@
 // What is typed behind `intaglio contour`.
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,10 +20,10 @@ struct ContourOptions {
   std::string layer, mirror = "auto";
   std::optional<double> mirror_x_mm;
   bool inside = false;
-  std::optional<double> lead_mm, tool_mm, overlap, speed_mm_s, travel_mm_s, plunge_mm_s,
-      depth_mm, power, safe_mm, tab_distance_mm, tab_width_mm, tab_height_mm,
-      drill_depth_mm, chord_um, axis_speed_deg_s;
-  std::optional<std::uint32_t> tabs, passes, repeat, max_bytes;
+  /// Fields of the course that are numbers, by their number in the schema.
+  std::map<int, std::optional<double>> numbers;
+  std::optional<double> chord_um, axis_speed_deg_s;
+  std::optional<std::uint32_t> max_bytes;
   std::vector<double> start_mm, origin_mm;
   bool chords = false;
   std::string mill_template, drill_template, out, picture, xml, frames, page, machine,

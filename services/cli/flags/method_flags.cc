@@ -9,9 +9,11 @@
 #include <vector>
 
 #include "engrave/core/check.h"
+#include "services/cli/flags/field_options.h"
 #include "services/job/field_path.h"
 #include "services/job/methods/method_table.h"
 #include "services/job/model_kind.h"
+#include "services/platform/fields/field_rules.h"
 
 namespace intaglio::cli {
 namespace {
@@ -35,30 +37,28 @@ std::string MethodsByKind() {
   return text;
 }
 
+using Field = google::protobuf::FieldDescriptor;
+
 /// The methods with a field of that option, each with the field.
-std::vector<std::pair<const Method*, const MethodField*>> FieldsOf(
+std::vector<std::pair<const Method*, const Field*>> FieldsWith(
     const std::string& option) {
-  std::vector<std::pair<const Method*, const MethodField*>> found;
+  std::vector<std::pair<const Method*, const Field*>> found;
   for (const Method& method : Methods()) {
-    for (const MethodField& field : method.fields) {
-      if (field.option == option) found.emplace_back(&method, &field);
+    for (const Field* field : FieldsOf(method.message())) {
+      if (RuleOf(*field).option() == option) found.emplace_back(&method, field);
     }
   }
   return found;
-}
-
-std::string UnitOf(std::string_view name) {
-  if (name.ends_with("_mm")) return ", mm";
-  if (name.ends_with("_deg")) return ", degrees";
-  return "";
 }
 
 /// "sections: ...; curves, relief: ...": methods for which it means the same share the
 /// text.
 std::string HelpOf(const std::string& option) {
   std::vector<std::pair<std::string, std::string>> by_meaning;  // meaning, methods
-  for (const auto& [method, field] : FieldsOf(option)) {
-    const std::string meaning = std::string(field->meaning) + UnitOf(field->name);
+  for (const auto& [method, field] : FieldsWith(option)) {
+    const std::string unit = UnitText(field->name());
+    const std::string meaning =
+        RuleOf(*field).meaning() + (unit.empty() ? "" : ", " + unit);
     const auto same = std::find_if(by_meaning.begin(), by_meaning.end(),
                                    [&](const auto& m) { return m.first == meaning; });
     if (same == by_meaning.end()) {
@@ -128,7 +128,7 @@ std::string NamesOf(const std::vector<const Method*>& methods) {
 tl::unexpected<Error> NoTarget(const std::string& option, const std::string& value,
                                const std::vector<Target>& targets) {
   std::vector<const Method*> with_it, of_job;
-  for (const auto& [method, field] : FieldsOf(option)) with_it.push_back(method);
+  for (const auto& [method, field] : FieldsWith(option)) with_it.push_back(method);
   for (const Target& target : targets) of_job.push_back(target.method);
   return Fail(ErrorCode::kInvalidValue,
               fmt::format("{} is an option of {}, the job has {}: leave it out, or "
@@ -141,11 +141,12 @@ Status SetValue(const std::string& option, const std::string& value,
                 const std::vector<Target>& targets) {
   bool is_set = false;
   for (const Target& target : targets) {
-    for (const MethodField& field : target.method->fields) {
-      if (field.option != option) continue;
+    for (const Field* field : FieldsOf(target.method->message())) {
+      const FieldRule& rule = RuleOf(*field);
+      if (rule.option() != option) continue;
       const std::string text =
-          field.names_image ? fs::absolute(value).lexically_normal().string() : value;
-      if (auto set = SetField(*target.message, field.name, text); !set) {
+          rule.names_image() ? fs::absolute(value).lexically_normal().string() : value;
+      if (auto set = SetField(*target.message, field->name(), text); !set) {
         return Fail(set.error().code, fmt::format("{}: {}", option, set.error().message),
                     value);
       }
@@ -164,8 +165,8 @@ void AddMethodFlags(command_line::Command command, MethodFlags& flags) {
   command.AddOption("--method", flags.method, "how points are made of " + MethodsByKind())
       .OneOf(names);
   for (const Method& method : Methods()) {
-    for (const MethodField& field : method.fields) {
-      const std::string option(field.option);
+    for (const Field* field : FieldsOf(method.message())) {
+      const std::string& option = RuleOf(*field).option();
       const auto [at, is_new] = flags.values.try_emplace(option);
       if (!is_new) continue;
       command.AddOption(option, at->second, HelpOf(option)).Group("Of the methods");

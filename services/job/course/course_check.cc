@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "services/job/field_ranges.h"
+#include "services/platform/fields/field_defaults.h"
 
 namespace intaglio {
 namespace {
@@ -68,8 +69,8 @@ void CheckTabs(const Course& course, Findings& findings) {
 }
 
 void FillTabs(Course& course) {
-  if (!course.has_tab_count() && !course.has_tab_distance_mm()) course.set_tab_count(0);
-  if (!course.has_tab_width_mm()) course.set_tab_width_mm(3);
+  if (!course.has_tab_distance_mm()) FillDefaults(course, {Course::kTabCountFieldNumber});
+  FillDefaults(course, {Course::kTabWidthMmFieldNumber});
   if (!course.has_tab_height_mm() && course.has_depth_mm())
     course.set_tab_height_mm(course.depth_mm() / 2);
 }
@@ -77,18 +78,16 @@ void FillTabs(Course& course) {
 }  // namespace
 
 Course WithDefaults(Course course) {
-  if (!course.has_tool_diameter_mm()) course.set_tool_diameter_mm(0.2);
+  FillDefaults(course,
+               {Course::kToolDiameterMmFieldNumber, Course::kSpeedMmSFieldNumber,
+                Course::kTravelMmSFieldNumber, Course::kRepeatCountFieldNumber,
+                Course::kSafeHeightMmFieldNumber, Course::kDrillDepthMmFieldNumber});
   const bool isolates = course.make() == COURSE_MAKE_ISOLATION;
-  if (isolates && !course.has_pass_count()) course.set_pass_count(1);
-  if ((isolates || course.make() == COURSE_MAKE_POCKET) && !course.has_overlap_ratio())
-    course.set_overlap_ratio(0.5);
-  if (!course.has_speed_mm_s()) course.set_speed_mm_s(5);
-  if (!course.has_travel_mm_s()) course.set_travel_mm_s(50);
+  if (isolates) FillDefaults(course, {Course::kPassCountFieldNumber});
+  if (isolates || course.make() == COURSE_MAKE_POCKET)
+    FillDefaults(course, {Course::kOverlapRatioFieldNumber});
   if (!course.has_plunge_mm_s()) course.set_plunge_mm_s(course.speed_mm_s());
-  if (!course.has_power_ratio() && !course.has_depth_mm()) course.set_depth_mm(0.2);
-  if (!course.has_repeat_count()) course.set_repeat_count(1);
-  if (!course.has_safe_height_mm()) course.set_safe_height_mm(2);
-  if (!course.has_drill_depth_mm()) course.set_drill_depth_mm(3);
+  if (!course.has_power_ratio()) FillDefaults(course, {Course::kDepthMmFieldNumber});
   if (course.make() == COURSE_MAKE_CUT) FillTabs(course);
   return course;
 }

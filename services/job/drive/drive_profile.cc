@@ -5,87 +5,20 @@
 #include <cmath>
 #include <numbers>
 #include <set>
+#include <utility>
 
 #include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
+#include "services/platform/fields/field_rules.h"
 #include "services/platform/text_format/text_format.h"
 
 namespace intaglio {
 namespace {
 
-namespace pb = google::protobuf;
-
 constexpr int kMaxDepth = 8;
-
-constexpr DriveRange kRanges[] = {
-    {"DriveMotor", "resistance_ohm", 0.001, 1000},
-    {"DriveMotor", "torque_constant_nm_a", 0.0001, 1000},
-    {"DriveMotor", "back_emf_v_s", 0.0001, 1000},
-    {"DriveMotor", "friction_nm_s", 0, 1000},
-    {"DriveMotor", "inertia_kg_m2", 1e-9, 1000},
-    {"DriveMotor", "rated_torque_nm", 0.0001, 100000},
-    {"DriveMotor", "peak_current_a", 0.001, 100000},
-    {"DriveAmplifier", "gain_v_v", 0.001, 10000},
-    {"DriveAmplifier", "tachometer_v_s", 0, 100},
-    {"DriveAmplifier", "max_control_v", 0.01, 1000},
-    {"DriveScrew", "mass_kg", 0, 100000},
-    {"DriveScrew", "lead_m", 0.0001, 1},
-    {"DriveScrew", "friction_ratio", 0, 1},
-    {"DriveScrew", "efficiency_ratio", 0.01, 1},
-    {"DriveScrew", "preload_torque_nm", 0, 10000},
-    {"DriveScrew", "diameter_m", 0, 1},
-    {"DriveScrew", "length_m", 0, 100},
-    {"DriveScrew", "density_kg_m3", 0, 30000},
-    {"DriveScrew", "coupling_inertia_kg_m2", 0, 1000},
-    {"DrivePanel", "proportional", 1e-6, 1e9},
-    {"DrivePanel", "derivative_s", 0, 1e9},
-    {"DrivePanel", "feed_forward_ratio", 0, 2},
-    {"DriveController", "period_s", 1e-6, 0.1},
-    {"DriveController", "converter_bits", 4, 24},
-    {"DriveController", "counts_per_m", 1, 1e10},
-    {"DrivePhase", "duration_s", 0, 100000},
-    {"DrivePhase", "acceleration_m_s2", -1000, 1000},
-    {"DrivePhase", "force_n", -1e6, 1e6},
-    {"DriveProfile", "max_speed_m_s", 1e-6, 1000},
-};
-
-const DriveRange* FindDriveRange(const pb::FieldDescriptor& field) {
-  for (const DriveRange& range : kRanges) {
-    if (field.containing_type()->name() == range.message && field.name() == range.field)
-      return &range;
-  }
-  return nullptr;
-}
 
 void Add(std::vector<Error>& errors, const std::string& path, const std::string& what) {
   errors.push_back({ErrorCode::kInvalidValue, path + ": " + what, ""});
-}
-
-/// Each number of a message, at any depth; a message that is left out is as one of zeros.
-void CheckNumbers(const pb::Message& message, const std::string& path,
-                  std::vector<Error>& errors) {
-  const pb::Reflection& reflection = *message.GetReflection();
-  for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
-    const pb::FieldDescriptor& field = *message.GetDescriptor()->field(i);
-    const std::string at = path.empty() ? field.name() : path + "." + field.name();
-    if (field.cpp_type() == pb::FieldDescriptor::CPPTYPE_MESSAGE) {
-      if (!field.is_repeated()) {
-        CheckNumbers(reflection.GetMessage(message, &field), at, errors);
-        continue;
-      }
-      for (int k = 0; k < reflection.FieldSize(message, &field); ++k) {
-        CheckNumbers(reflection.GetRepeatedMessage(message, &field, k),
-                     fmt::format("{}[{}]", at, k), errors);
-      }
-    } else if (const DriveRange* range = FindDriveRange(field)) {
-      const double value = field.cpp_type() == pb::FieldDescriptor::CPPTYPE_UINT32
-                               ? reflection.GetUInt32(message, &field)
-                               : reflection.GetDouble(message, &field);
-      if (value >= range->min && value <= range->max) continue;  // false for NaN
-      Add(errors, at,
-          fmt::format("{} is outside {:.10g}..{:.10g}", value, range->min, range->max));
-    }
-  }
 }
 
 double InertiaOfAll(const DriveAxis& axis, drive::CylinderRule rule) {
@@ -94,11 +27,11 @@ double InertiaOfAll(const DriveAxis& axis, drive::CylinderRule rule) {
 
 }  // namespace
 
-std::span<const DriveRange> DriveRanges() { return kRanges; }
-
 std::vector<Error> CheckDriveProfile(const DriveProfile& profile) {
   std::vector<Error> errors;
-  CheckNumbers(profile, "", errors);
+  // A message that is left out is as one of zeros.
+  for (NumberFault& fault : NumbersOutOfRange(profile, "", AbsentMessages::kChecked))
+    errors.push_back(std::move(fault.error));
   if (profile.axes().empty())
     Add(errors, "axes", "is missing; describe one axis or more");
   if (profile.demand().empty()) {

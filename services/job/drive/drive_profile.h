@@ -3,7 +3,6 @@
 // Drive profiles: protobuf text format of proto/drive.proto, checked.
 
 #include <filesystem>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,12 +16,6 @@
 namespace intaglio {
 
 inline constexpr std::size_t kMaxDriveProfileBytes = 1 << 18;
-
-struct DriveRange {
-  std::string_view message, field;
-  double min = 0, max = 0;
-};
-std::span<const DriveRange> DriveRanges();
 
 /// All that is wrong, each with its field; empty: it is good.
 std::vector<Error> CheckDriveProfile(const DriveProfile& profile);

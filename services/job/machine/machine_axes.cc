@@ -6,21 +6,14 @@
 #include "engrave/core/check.h"
 #include "engrave/optics/focus.h"
 #include "services/job/channels.h"
-#include "services/job/field_ranges.h"
 #include "services/job/machine/block_origin.h"
 #include "services/job/machine/head_over_block.h"
 #include "services/job/machine/stations.h"
 #include "services/job/options.h"
+#include "services/platform/fields/field_rules.h"
 
 namespace intaglio {
 namespace {
-
-/// What MotionOptions.max_speed_mm_s and max_acceleration_mm_s2 may be.
-double MaxOfJob(const char* field) {
-  const FieldRange* range = FindRange("MotionOptions", field);
-  Require(range != nullptr, "no range of MotionOptions.{}", field);
-  return range->max;
-}
 
 machine::LinearAxis LinearAxisOf(const LinearAxis& axis) {
   return {axis.moves() == AXIS_MOVES_TABLE, axis.reversed(),
@@ -138,10 +131,11 @@ FocusLimits FocusLimitsOf(const MachineSpec& machine) {
   } else {
     scale_mm = KinematicsOf(machine)->BoundsOver({Vec3::Zero(), Vec3::Zero()}).axis_mm;
   }
-  return {std::min(MaxOfJob("max_speed_mm_s"),
-                   limits.max_speed_mm_s.cwiseProduct(scale_mm).maxCoeff()),
-          std::min(MaxOfJob("max_acceleration_mm_s2"),
-                   limits.max_acceleration_mm_s2.cwiseProduct(scale_mm).maxCoeff())};
+  return {
+      std::min(RangeOf<MotionOptions>(MotionOptions::kMaxSpeedMmSFieldNumber).max,
+               limits.max_speed_mm_s.cwiseProduct(scale_mm).maxCoeff()),
+      std::min(RangeOf<MotionOptions>(MotionOptions::kMaxAccelerationMmS2FieldNumber).max,
+               limits.max_acceleration_mm_s2.cwiseProduct(scale_mm).maxCoeff())};
 }
 
 machine::AxesFromGlass AxesFromGlassOf(const FrozenJob& job) {

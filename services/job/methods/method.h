@@ -1,10 +1,11 @@
 #pragma once
 
 // A method of discretization as a job names it: a row of the table of methods
-// (method_table.h). From the rows follow the defaults of a job (job_defaults.h), the
-// ranges of its numbers (field_ranges.h), which method suits which model (model_kind.h),
-// the options of the command line and the table in docs/jobs.md. How it makes points is
-// in a table of its own (point_maker.h), which only a program that makes points links.
+// (method_table.h). From the rows follows which method suits which model (model_kind.h);
+// from the rules beside the fields of its message (services/platform/fields) follow the
+// defaults of a job, the ranges of its numbers, the options of the command line and the
+// table in docs/jobs.md. How it makes points is in a table of its own (point_maker.h),
+// which only a program that makes points links.
 
 #include <optional>
 #include <string>
@@ -18,48 +19,6 @@ namespace intaglio {
 
 enum class ModelKind { kMesh, kDrawing, kText, kImage, kCloud, kCode };
 
-/// What an absent field of a method becomes.
-struct FieldDefault {
-  enum class Of {
-    kNothing,  ///< it stays absent; one without presence is 0, false or its first name
-    kNumber,   ///< `factor`; 1 is true; of a Vector3 each component, of a list its only
-               ///< element
-    kMinSpacing,  ///< factor * Discretization.min_spacing_mm
-    kField,       ///< factor * the number in `field`, a row above in the same method
-  };
-  Of of = Of::kNothing;
-  double factor = 0;
-  std::string_view field = {};
-};
-
-constexpr FieldDefault Number(double value) {
-  return {FieldDefault::Of::kNumber, value, {}};
-}
-constexpr FieldDefault MinSpacing() { return {FieldDefault::Of::kMinSpacing, 1, {}}; }
-constexpr FieldDefault Times(double factor, std::string_view field) {
-  return {FieldDefault::Of::kField, factor, field};
-}
-
-/// Both ends are allowed.
-struct NumberRange {
-  double min = 0;
-  double max = 0;
-};
-
-/// Of the distance of points that a method takes.
-inline constexpr NumberRange kPointDistanceMm{0.01, 100};
-
-struct MethodField {
-  std::string_view name = {};  ///< in the message of the method; ends in its unit
-  /// Of numbers; of a Vector3 each component, of a list each element.
-  std::optional<NumberRange> range = {};
-  FieldDefault by_default = {};
-  /// On the command line, "--layer". Methods share an option for what means the same.
-  std::string_view option = {};
-  std::string_view meaning = {};  ///< a phrase, for docs/jobs.md and --help
-  bool names_image = false;       ///< the field is the name of an image file
-};
-
 /// A field that contradicts another field of the job.
 struct MethodFault {
   std::string field;  ///< path from the method's message, "curve[2].from"
@@ -71,9 +30,8 @@ struct Method {
   int number = 0;                     ///< of its field in Model.method
   std::vector<ModelKind> kinds = {};  ///< that it makes points of
   std::vector<ModelKind> default_of =
-      {};                                ///< that it is the method of where none is named
-  std::string_view meaning = {};         ///< a phrase, for docs/jobs.md
-  std::vector<MethodField> fields = {};  ///< every field of its message, each once
+      {};                         ///< that it is the method of where none is named
+  std::string_view meaning = {};  ///< a phrase, for docs/jobs.md
   /// The field with the distance of its layers, when an order by layers must not be
   /// thinner than that; else empty.
   std::string_view layer_field = {};

@@ -3,7 +3,6 @@
 #include <google/protobuf/descriptor.h>
 
 #include <algorithm>
-#include <cstdint>
 
 #include "engrave/core/check.h"
 
@@ -18,43 +17,6 @@ std::vector<Method> MakeTable() {
     table.insert(table.end(), part.begin(), part.end());
   }
   return table;
-}
-
-bool IsThere(const pb::Message& message, const pb::FieldDescriptor& field) {
-  const pb::Reflection& reflection = *message.GetReflection();
-  return field.is_repeated() ? reflection.FieldSize(message, &field) > 0
-                             : reflection.HasField(message, &field);
-}
-
-double ValueOf(const FieldDefault& by_default, double min_spacing_mm,
-               const pb::Message& message) {
-  switch (by_default.of) {
-    case FieldDefault::Of::kMinSpacing:
-      return by_default.factor * min_spacing_mm;
-    case FieldDefault::Of::kField: {
-      const auto* field =
-          message.GetDescriptor()->FindFieldByName(std::string(by_default.field));
-      return by_default.factor * message.GetReflection()->GetDouble(message, field);
-    }
-    default:
-      return by_default.factor;
-  }
-}
-
-void Set(pb::Message& message, const pb::FieldDescriptor& field, double value) {
-  const pb::Reflection& reflection = *message.GetReflection();
-  if (field.cpp_type() == pb::FieldDescriptor::CPPTYPE_BOOL) {
-    reflection.SetBool(&message, &field, value != 0);
-  } else if (field.cpp_type() == pb::FieldDescriptor::CPPTYPE_UINT32) {
-    reflection.SetUInt32(&message, &field, static_cast<std::uint32_t>(value));
-  } else if (field.message_type() == Vector3::descriptor()) {
-    auto& vector = dynamic_cast<Vector3&>(*reflection.MutableMessage(&message, &field));
-    vector.set_x(value), vector.set_y(value), vector.set_z(value);
-  } else if (field.is_repeated()) {
-    reflection.AddDouble(&message, &field, value);
-  } else {
-    reflection.SetDouble(&message, &field, value);
-  }
 }
 
 const pb::FieldDescriptor& FieldIn(const pb::Message& holder, const Method& method) {
@@ -118,19 +80,6 @@ const pb::Message& MessageOf(const Method& method, const pb::Message& holder) {
 
 pb::Message& MutableMessageOf(const Method& method, pb::Message& holder) {
   return *holder.GetReflection()->MutableMessage(&holder, &FieldIn(holder, method));
-}
-
-void FillDefaults(const Method& method, double min_spacing_mm, pb::Message& message) {
-  for (const MethodField& row : method.fields) {
-    const auto& field = *method.message().FindFieldByName(std::string(row.name));
-    if (row.by_default.of == FieldDefault::Of::kNothing || IsThere(message, field)) {
-      continue;
-    }
-    const double value = ValueOf(row.by_default, min_spacing_mm, message);
-    // A job without a minimum spacing is refused for that, not for what follows of it.
-    if (value == 0 && row.by_default.factor != 0) continue;
-    Set(message, field, value);
-  }
 }
 
 }  // namespace intaglio

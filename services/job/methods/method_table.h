@@ -37,10 +37,6 @@ const google::protobuf::Message& MessageOf(const Method& method,
 google::protobuf::Message& MutableMessageOf(const Method& method,
                                             google::protobuf::Message& holder);
 
-/// Fills in the fields of the method's message that are absent.
-void FillDefaults(const Method& method, double min_spacing_mm,
-                  google::protobuf::Message& message);
-
 /// Parts of the table, in method_table.cc put together.
 std::vector<Method> MeshMethods();
 std::vector<Method> DrawingMethods();

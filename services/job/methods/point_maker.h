@@ -27,7 +27,7 @@ struct MethodInput {
   const Model& model;         ///< of that job, with this method
   mesh::Placement placement;  ///< of the model
   Vec3 block_size_mm;         ///< of the block that it is placed in
-  /// The files that fields of the method name, by MethodField.name; linear light.
+  /// The files that fields of the method name, by the field's name; linear light.
   std::map<std::string_view, image::GreyImage> images = {};
 };
 

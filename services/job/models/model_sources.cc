@@ -30,6 +30,7 @@
 #include "services/job/models/model_file.h"
 #include "services/job/models/text_model.h"
 #include "services/job/options.h"
+#include "services/platform/fields/field_rules.h"
 
 namespace intaglio {
 namespace {
@@ -186,9 +187,9 @@ class Maker {
   /// Takes the files that fields of the method name, in the order of FilesOf.
   Status ReadImages(const Method& method, MethodInput& input) {
     const auto& message = MessageOf(method, input.model);
-    for (const MethodField& row : method.fields) {
-      const auto* field = method.message().FindFieldByName(std::string(row.name));
-      if (!row.names_image || !message.GetReflection()->HasField(message, field)) {
+    for (const auto* field : FieldsOf(method.message())) {
+      if (!RuleOf(*field).names_image() ||
+          !message.GetReflection()->HasField(message, field)) {
         continue;
       }
       const FileBytes file = files_.Take();
@@ -200,7 +201,7 @@ class Maker {
         return Fail(image.error().code, name + ": " + image.error().message,
                     image.error().value);
       }
-      input.images.emplace(row.name, std::move(*image));
+      input.images.emplace(field->name(), std::move(*image));
     }
     return {};
   }

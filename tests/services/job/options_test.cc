@@ -169,10 +169,8 @@ TEST(Options, EachKindOfDriveIsMadeFromItsMessage) {
     std::vector<double> values;
     for (int k = 0; k < message.GetDescriptor()->field_count(); ++k) {
       const auto* parameter = message.GetDescriptor()->field(k);
-      const FieldRange* range =
-          FindRange(message.GetDescriptor()->name(), parameter->name());
-      ASSERT_NE(range, nullptr) << parameter->full_name();
-      values.push_back(0.999 * range->min + 0.001 * range->max);
+      const NumberRange range = RangeOf(*parameter);
+      values.push_back(0.999 * range.min + 0.001 * range.max);
       message.GetReflection()->SetDouble(&message, parameter, values.back());
     }
     const auto expected = drive::MakeDrive(field->name(), values);
@@ -209,21 +207,18 @@ TEST(Options, TheErrorLimitIsOfTheToleranceInTheGlass) {
 
 // A profile that is good makes a drive, and one that makes none is no good profile.
 TEST(Options, TheRangesOfAProfileAreThoseOfTheDrives) {
-  const std::map<std::string_view, std::string_view> messages = {
-      {"first_order", "MachineSpec"},
-      {"second_order", "SecondOrderDrive"},
-      {"servo", "ServoDrive"},
-      {"cascade", "CascadeDrive"},
-      {"stepper_screw", "StepperScrewDrive"},
-      {"planar_drive", "PlanarDrive"}};
+  const google::protobuf::Descriptor& profile = *MachineSpec::descriptor();
   for (const drive::DriveKind& kind : drive::DriveKinds()) {
     for (const drive::DriveParameter& parameter : kind.parameters) {
-      const std::string_view field =
-          parameter.name == "lag_s" ? "stage_lag_s" : parameter.name;
-      const FieldRange* range = FindRange(messages.at(kind.name), field);
-      ASSERT_NE(range, nullptr) << field;
-      EXPECT_EQ(range->min, parameter.min) << field;
-      EXPECT_EQ(range->max, parameter.max) << field;
+      const auto* drive = profile.FindFieldByName(std::string(kind.name));
+      const auto* field =
+          drive == nullptr
+              ? profile.FindFieldByName("stage_lag_s")
+              : drive->message_type()->FindFieldByName(std::string(parameter.name));
+      ASSERT_NE(field, nullptr) << parameter.name;
+      const NumberRange range = RangeOf(*field);
+      EXPECT_EQ(range.min, parameter.min) << field->full_name();
+      EXPECT_EQ(range.max, parameter.max) << field->full_name();
     }
   }
 }

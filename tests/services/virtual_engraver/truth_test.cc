@@ -3,10 +3,7 @@
 #include <google/protobuf/util/message_differencer.h>
 
 #include <cmath>
-#include <fstream>
 #include <limits>
-#include <map>
-#include <regex>
 
 #include "services/virtual_engraver/truth/truth_check.h"
 #include "services/virtual_engraver/truth/truth_file.h"
@@ -16,46 +13,11 @@
 namespace intaglio {
 namespace {
 
-using ::testing::ContainerEq;
 using ::testing::HasSubstr;
-using Ranges = std::map<std::string, std::pair<double, double>>;
 
 std::string ErrorOf(const std::string& text) {
   const auto truth = ParseTruth(text, "t.textproto");
   return truth ? "" : truth.error().message;
-}
-
-/// "a..b" in the comment behind a field, or above it when there is none behind.
-Ranges DocumentedRanges() {
-  static const std::regex kMessage(R"(^message (\w+) \{)");
-  static const std::regex kField(R"(^\s+(?:optional |repeated )?\w+ (\w+) = \d+;(.*))");
-  static const std::regex kRange(R"((-?\d+(?:\.\d+)?)\.\.(-?\d+(?:\.\d+)?))");
-  Ranges ranges;
-  std::ifstream stream(INTAGLIO_SOURCE_DIR "/proto/truth.proto");
-  std::string message, comment;
-  for (std::string line; std::getline(stream, line);) {
-    std::smatch match, range;
-    if (std::regex_search(line, match, kMessage)) message = match[1];
-    if (std::regex_search(line, match, kField)) {
-      comment += match[2];
-      if (std::regex_search(comment, range, kRange)) {
-        ranges[fmt::format("{}.{}", message, match[1].str())] = {std::stod(range[1]),
-                                                                 std::stod(range[2])};
-      }
-      comment.clear();
-    } else {
-      comment = line.find("//") == std::string::npos ? "" : comment + line;
-    }
-  }
-  return ranges;
-}
-
-TEST(Truth, CommentsAndTableOfRangesAgree) {
-  Ranges table;
-  for (const TruthRange& range : TruthRanges()) {
-    table[fmt::format("{}.{}", range.message, range.field)] = {range.min, range.max};
-  }
-  EXPECT_THAT(table, ContainerEq(DocumentedRanges()));
 }
 
 TEST(Truth, EveryWrongValueIsNamedAtOnce) {

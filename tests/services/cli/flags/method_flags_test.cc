@@ -13,6 +13,7 @@
 
 #include "services/job/field_ranges.h"
 #include "services/job/methods/method_table.h"
+#include "services/platform/fields/field_rules.h"
 
 namespace intaglio::cli {
 namespace {
@@ -58,15 +59,14 @@ struct Sample {
   std::unique_ptr<pb::Message> message;
 };
 
-Sample SampleFor(const Method& method, const MethodField& row) {
-  const Field& field = *method.message().FindFieldByName(std::string(row.name));
+Sample SampleFor(const Method& method, const Field& field) {
   Sample sample;
   sample.message.reset(
       pb::MessageFactory::generated_factory()->GetPrototype(&method.message())->New());
   pb::Message& message = *sample.message;
   const pb::Reflection& reflection = *message.GetReflection();
-  const double number =
-      row.range ? row.range->min + (row.range->max - row.range->min) / 4 : 0;
+  const auto range = FindRange(field);
+  const double number = range ? range->min + (range->max - range->min) / 4 : 0;
   switch (field.cpp_type()) {
     case Field::CPPTYPE_DOUBLE:
       sample.text = fmt::format("{}", number);
@@ -79,8 +79,8 @@ Sample SampleFor(const Method& method, const MethodField& row) {
       }
       break;
     case Field::CPPTYPE_UINT32:
-      sample.text = fmt::format("{}", row.range->max);
-      reflection.SetUInt32(&message, &field, static_cast<std::uint32_t>(row.range->max));
+      sample.text = fmt::format("{}", range->max);
+      reflection.SetUInt32(&message, &field, static_cast<std::uint32_t>(range->max));
       break;
     case Field::CPPTYPE_BOOL:
       sample.text = "true";
@@ -113,13 +113,13 @@ Sample SampleFor(const Method& method, const MethodField& row) {
 
 TEST(MethodFlags, EveryFieldOfEveryMethodHasOne) {
   for (const Method& method : Methods()) {
-    for (const MethodField& row : method.fields) {
-      SCOPED_TRACE(fmt::format("{} {}", method.name(), row.name));
-      const Sample sample = SampleFor(method, row);
+    for (const Field* field : FieldsOf(method.message())) {
+      SCOPED_TRACE(fmt::format("{} {}", method.name(), field->name()));
+      const Sample sample = SampleFor(method, *field);
       // With =, so that a number below 0 is no option.
       const auto job = JobWith(
-          FileOf(method),
-          {"--method", method.name(), fmt::format("{}={}", row.option, sample.text)});
+          FileOf(method), {"--method", method.name(),
+                           fmt::format("{}={}", RuleOf(*field).option(), sample.text)});
       ASSERT_TRUE(job.has_value()) << job.error().message;
       EXPECT_TRUE(
           pb::util::MessageDifferencer::Equals(MessageIn(*job, method), *sample.message))

@@ -1,10 +1,14 @@
 #include "tests/services/cli/schemas/json_schema.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
 #include <set>
+
+#include "services/platform/fields/field_rules.h"
+#include "tests/services/platform/fields/rule_text.h"
 
 namespace intaglio::schemas {
 namespace {
@@ -43,6 +47,31 @@ std::string CommentOf(const Descriptor& descriptor) {
   }
   while (!text.empty() && text.back() == ' ') text.pop_back();
   return text;
+}
+
+/// "0.01..100", "default 1": what the rule of a field adds to its meaning.
+std::string RuleText(const Field& field) {
+  const FieldRule& rule = RuleOf(field);
+  std::vector<std::string> parts;
+  if (rule.has_min()) parts.push_back(RangeText(field));
+  if (rule.has_default_value()) {
+    parts.push_back("default " + DefaultText(field));
+  } else if (rule.default_field() == "min_spacing_mm") {
+    parts.push_back("default: the minimum spacing");
+  } else if (!rule.default_field().empty()) {
+    parts.push_back(
+        fmt::format("default: {} times {}", rule.default_ratio(), rule.default_field()));
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+/// The meaning of a field, by its comment or its rule, with its range and default.
+std::string DescriptionOf(const Field& field) {
+  const std::string& meaning = RuleOf(field).meaning();
+  const std::string comment = meaning.empty() ? CommentOf(field) : meaning;
+  const std::string rule = RuleText(field);
+  if (comment.empty() || rule.empty()) return comment + rule;
+  return comment + (comment.back() == '.' ? " " : ", ") + rule;
 }
 
 /// Where the definition of a message is.
@@ -107,8 +136,8 @@ Json::Members FieldSchema(const Field& field) {
   } else {
     schema = ValueOf(field);
   }
-  if (const std::string comment = CommentOf(field); !comment.empty()) {
-    schema.insert(schema.begin(), {"description", {comment}});
+  if (const std::string text = DescriptionOf(field); !text.empty()) {
+    schema.insert(schema.begin(), {"description", {text}});
   }
   return schema;
 }

@@ -6,8 +6,6 @@
 
 #include <fstream>
 #include <iterator>
-#include <map>
-#include <regex>
 #include <string>
 
 namespace intaglio {
@@ -73,26 +71,6 @@ TEST(DriveProfile, EveryWrongValueIsNamedWithItsField) {
   EXPECT_EQ(
       ParseDriveProfile(std::string(kMaxDriveProfileBytes + 1, '#'), "p").error().code,
       ErrorCode::kTooLarge);
-}
-
-// The comments of the schema have the ranges of the check.
-TEST(DriveProfile, CommentsAndTableOfRangesAgree) {
-  static const std::regex kMessage(R"(^message (\w+) \{)");
-  static const std::regex kField(R"(^\s+\w+ (\w+) = \d+;\s+// (-?[\d.]+)\.\.([\d.]+))");
-  std::map<std::string, std::pair<double, double>> documented, table;
-  std::ifstream stream(INTAGLIO_SOURCE_DIR "/proto/drive.proto");
-  std::string message;
-  for (std::string line; std::getline(stream, line);) {
-    std::smatch match;
-    if (std::regex_search(line, match, kMessage)) message = match[1];
-    if (std::regex_search(line, match, kField)) {
-      documented[fmt::format("{}.{}", message, match[1].str())] = {std::stod(match[2]),
-                                                                   std::stod(match[3])};
-    }
-  }
-  for (const DriveRange& range : DriveRanges())
-    table[fmt::format("{}.{}", range.message, range.field)] = {range.min, range.max};
-  EXPECT_THAT(documented, ::testing::ContainerEq(table));
 }
 
 }  // namespace

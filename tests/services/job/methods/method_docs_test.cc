@@ -13,6 +13,8 @@
 
 #include "services/job/methods/method_table.h"
 #include "services/job/model_kind.h"
+#include "services/platform/fields/field_rules.h"
+#include "tests/services/platform/fields/rule_text.h"
 
 namespace intaglio {
 namespace {
@@ -42,8 +44,8 @@ std::string NamesIn(const google::protobuf::EnumDescriptor& type) {
   return text;
 }
 
-std::string NameIn(const MethodField& row, const Member& field) {
-  std::string name(row.name);
+std::string NameIn(const Member& field) {
+  std::string name = field.name();
   if (field.is_repeated()) name += "[]";
   if (field.message_type() == nullptr) return name;
   name += " {";
@@ -53,29 +55,18 @@ std::string NameIn(const MethodField& row, const Member& field) {
   return name + "}";
 }
 
-std::string RangeOf(const MethodField& row, const Member& field) {
-  if (row.range) return fmt::format("{}..{}", row.range->min, row.range->max);
-  return field.enum_type() == nullptr ? "" : NamesIn(*field.enum_type());
+std::string AllowedText(const Member& field) {
+  return field.enum_type() == nullptr ? RangeText(field) : NamesIn(*field.enum_type());
 }
 
-std::string DefaultOf(const MethodField& row, const Member& field) {
-  const FieldDefault& by_default = row.by_default;
-  const bool is_bool = field.cpp_type() == Member::CPPTYPE_BOOL;
-  switch (by_default.of) {
-    case FieldDefault::Of::kMinSpacing:
-      return "min. spacing";
-    case FieldDefault::Of::kField:
-      return fmt::format("{} times `{}`", by_default.factor, by_default.field);
-    case FieldDefault::Of::kNumber:
-      if (is_bool) return by_default.factor != 0 ? "true" : "false";
-      return field.message_type() == nullptr
-                 ? fmt::format("{}", by_default.factor)
-                 : fmt::format("{0} {0} {0}", by_default.factor);
-    case FieldDefault::Of::kNothing:
-      break;
-  }
+std::string AbsentText(const Member& field) {
+  const FieldRule& rule = RuleOf(field);
+  if (rule.default_field() == "min_spacing_mm") return "min. spacing";
+  if (!rule.default_field().empty())
+    return fmt::format("{} times `{}`", rule.default_ratio(), rule.default_field());
+  if (rule.has_default_value()) return DefaultText(field);
   if (field.enum_type() != nullptr && !field.has_optional_keyword()) return "the first";
-  return is_bool ? "false" : "none";
+  return field.cpp_type() == Member::CPPTYPE_BOOL ? "false" : "none";
 }
 
 std::string KindsOf(const Method& method) {
@@ -92,12 +83,11 @@ std::string Table() {
   for (const Method& method : Methods()) {
     table += fmt::format("| `{0}` | {1} | | `--method {0}` | {2} |\n", method.name(),
                          KindsOf(method), method.meaning);
-    for (const MethodField& row : method.fields) {
-      const Member& field = *method.message().FindFieldByName(std::string(row.name));
-      const std::string range = RangeOf(row, field);
-      table += fmt::format("| `.{}` |{}| {} | `{}` | {} |\n", NameIn(row, field),
-                           range.empty() ? " " : " " + range + " ", DefaultOf(row, field),
-                           row.option, row.meaning);
+    for (const Member* field : FieldsOf(method.message())) {
+      const std::string range = AllowedText(*field);
+      table += fmt::format("| `.{}` |{}| {} | `{}` | {} |\n", NameIn(*field),
+                           range.empty() ? " " : " " + range + " ", AbsentText(*field),
+                           RuleOf(*field).option(), RuleOf(*field).meaning());
     }
   }
   return table;

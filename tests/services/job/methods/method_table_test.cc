@@ -18,6 +18,7 @@
 #include "services/job/methods/point_maker.h"
 #include "services/job/models/model_sources.h"
 #include "services/job/options.h"
+#include "services/platform/fields/field_defaults.h"
 #include "tests/engrave/discretize/oracles.h"
 #include "tests/engrave/discretize/source_checks.h"
 #include "tests/services/job/methods/small_models.h"
@@ -32,9 +33,6 @@ class EveryMethod : public testing::TestWithParam<const Method*> {
  protected:
   const Method& method_ = *GetParam();
 
-  const pb::FieldDescriptor& FieldOf(const MethodField& row) const {
-    return *method_.message().FindFieldByName(std::string(row.name));
-  }
   std::unique_ptr<pb::Message> Empty() const {
     return std::unique_ptr<pb::Message>(
         pb::MessageFactory::generated_factory()->GetPrototype(&method_.message())->New());
@@ -93,70 +91,59 @@ TEST_P(EveryMethod, IsMadeOfWhatItsKindsAreReadAs) {
   }
 }
 
-TEST_P(EveryMethod, HasARowForEachFieldOfItsMessage) {
-  std::multiset<std::string> of_schema, of_table;
-  for (int i = 0; i < method_.message().field_count(); ++i) {
-    of_schema.insert(method_.message().field(i)->name());
-  }
-  for (const MethodField& row : method_.fields) of_table.insert(std::string(row.name));
-  EXPECT_EQ(of_table, of_schema);
-}
-
-TEST_P(EveryMethod, HasAnOptionOfItsOwnAndAMeaningForEachField) {
+TEST_P(EveryMethod, HasAnOptionOfItsOwnForEachField) {
   std::set<std::string_view> options;
-  for (const MethodField& row : method_.fields) {
-    EXPECT_TRUE(row.option.starts_with("--")) << row.name;
-    EXPECT_TRUE(options.insert(row.option).second) << row.option;
-    EXPECT_FALSE(row.meaning.empty()) << row.name;
-    EXPECT_EQ(row.names_image,
-              FieldOf(row).cpp_type() == pb::FieldDescriptor::CPPTYPE_STRING)
-        << row.name;
+  for (const auto* field : FieldsOf(method_.message())) {
+    const FieldRule& rule = RuleOf(*field);
+    EXPECT_TRUE(rule.option().starts_with("--")) << field->name();
+    EXPECT_TRUE(options.insert(rule.option()).second) << rule.option();
+    EXPECT_EQ(rule.names_image(),
+              field->cpp_type() == pb::FieldDescriptor::CPPTYPE_STRING)
+        << field->name();
   }
 }
 
 // ---- defaults ------------------------------------------------------------------------
 
 TEST_P(EveryMethod, HasDefaultsWithinItsRanges) {
-  const FieldRange spacing = *FindRange("Discretization", "min_spacing_mm");
+  const NumberRange spacing =
+      RangeOf<Discretization>(Discretization::kMinSpacingMmFieldNumber);
   for (const double spacing_mm : {spacing.min, spacing.max}) {
     const auto message = Empty();
-    FillDefaults(method_, spacing_mm, *message);
+    FillDefaults(*message, {"min_spacing_mm", spacing_mm});
     std::vector<Error> errors;
     CheckRanges(*message, "", errors);
     for (const Error& error : errors) ADD_FAILURE() << error.message;
-    for (const MethodField& row : method_.fields) {
-      if (row.by_default.of == FieldDefault::Of::kNothing) continue;
-      const auto& field = FieldOf(row);
-      EXPECT_TRUE(field.is_repeated()
-                      ? message->GetReflection()->FieldSize(*message, &field) == 1
-                      : message->GetReflection()->HasField(*message, &field))
-          << row.name;
+    for (const auto* field : FieldsOf(method_.message())) {
+      const FieldRule& rule = RuleOf(*field);
+      if (!rule.has_default_value() && rule.default_field().empty()) continue;
+      EXPECT_TRUE(field->is_repeated()
+                      ? message->GetReflection()->FieldSize(*message, field) == 1
+                      : message->GetReflection()->HasField(*message, field))
+          << field->name();
     }
   }
 }
 
 // A number of another field is there only when that is filled in before.
 TEST_P(EveryMethod, TakesDefaultsFromFieldsAbove) {
-  std::set<std::string_view> above;
-  for (const MethodField& row : method_.fields) {
-    if (row.by_default.of == FieldDefault::Of::kField) {
-      EXPECT_TRUE(above.contains(row.by_default.field)) << row.name;
-    }
-    above.insert(row.name);
+  std::set<std::string> above = {"min_spacing_mm"};
+  for (const auto* field : FieldsOf(method_.message())) {
+    const std::string& base = RuleOf(*field).default_field();
+    EXPECT_TRUE(base.empty() || above.contains(base)) << field->name();
+    above.insert(field->name());
   }
 }
 
 TEST_P(EveryMethod, KeepsWhatIsThere) {
-  for (const MethodField& row : method_.fields) {
-    const auto& field = FieldOf(row);
-    if (field.cpp_type() != pb::FieldDescriptor::CPPTYPE_DOUBLE || field.is_repeated()) {
+  for (const auto* field : FieldsOf(method_.message())) {
+    if (field->cpp_type() != pb::FieldDescriptor::CPPTYPE_DOUBLE || field->is_repeated())
       continue;
-    }
     const auto message = Empty();
     const pb::Reflection& reflection = *message->GetReflection();
-    reflection.SetDouble(message.get(), &field, 0.0625);  // no default
-    FillDefaults(method_, 0.3, *message);
-    EXPECT_EQ(reflection.GetDouble(*message, &field), 0.0625) << row.name;
+    reflection.SetDouble(message.get(), field, 0.0625);  // no default
+    FillDefaults(*message, {"min_spacing_mm", 0.3});
+    EXPECT_EQ(reflection.GetDouble(*message, field), 0.0625) << field->name();
   }
 }
 
