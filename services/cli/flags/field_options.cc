@@ -1,8 +1,8 @@
 #include "services/cli/flags/field_options.h"
 
-#include <fmt/format.h>
-
 #include <utility>
+
+#include "services/platform/fields/field_text.h"
 
 namespace intaglio::cli {
 
@@ -18,11 +18,9 @@ std::string UnitText(std::string_view field_name) {
 }
 
 std::string FieldHelp(const google::protobuf::FieldDescriptor& field) {
-  const FieldRule& rule = RuleOf(field);
-  const std::string unit = UnitText(field.name());
-  const std::string text = (unit.empty() ? "" : unit + ", ") + rule.meaning();
-  if (!rule.has_default_value()) return text;
-  return fmt::format("{}; default {}", text, rule.default_value());
+  const std::string unit = UnitText(field.name()), value = DefaultText(field);
+  const std::string text = (unit.empty() ? "" : unit + ", ") + RuleOf(field).meaning();
+  return value.empty() ? text : text + "; default " + value;
 }
 
 }  // namespace intaglio::cli
