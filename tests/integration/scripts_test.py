@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""What scripts rely on: every JSON that the commands write is as its schema in docs/schemas
-says, and the module deploy/examples/intaglio.py works on real processes.
+"""What scripts rely on: every JSON that the commands write is as its schema, which the
+build writes, says, and the module deploy/examples/intaglio.py works on real processes.
 
     scripts_test.py --intaglio build/release/bin/intaglio --folder /tmp/scripts
+        --schemas build/release/docs/schemas
 
 Needs Debian's python3-jsonschema.
 """
@@ -42,7 +43,7 @@ machine_file: "{SOURCE / 'deploy/machines/els-03.textproto'}"
 
 def schema(name):
     """The schema, stricter than it is published: no member may be missing in it."""
-    whole = json.loads((SOURCE / "docs/schemas" / f"{name}.schema.json").read_text())
+    whole = json.loads((options.schemas / f"{name}.schema.json").read_text())
     jsonschema.Draft202012Validator.check_schema(whole)
 
     def close(part):
@@ -95,7 +96,7 @@ class Folder(unittest.TestCase):
 
 class SchemasTest(Folder):
     def test_each_is_a_schema_and_refuses_what_is_not_as_it_says(self):
-        for file in sorted((SOURCE / "docs/schemas").glob("*.schema.json")):
+        for file in sorted(options.schemas.glob("*.schema.json")):
             whole = schema(file.name.split(".")[0])
             self.assertEqual(whole["$id"], file.name)
         event = json.loads(json.dumps(dataclasses.asdict(intaglio.Event())))
@@ -290,6 +291,7 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--intaglio", required=True)
     parser.add_argument("--folder", type=pathlib.Path, required=True)
+    parser.add_argument("--schemas", type=pathlib.Path, required=True)
     options, rest = parser.parse_known_args()
     options.folder = options.folder.resolve()
     options.folder.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-#include "tests/services/cli/schemas/json_schema.h"
+#include "services/cli/schemas/json_schema.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -8,7 +8,7 @@
 #include <set>
 
 #include "services/platform/fields/field_rules.h"
-#include "tests/services/platform/fields/rule_text.h"
+#include "services/platform/fields/field_text.h"
 
 namespace intaglio::schemas {
 namespace {

@@ -9,8 +9,9 @@
 #include <fstream>
 #include <map>
 
+#include "services/cli/schemas/command_schemas.h"
+#include "services/cli/schemas/json_schema.h"
 #include "services/console/routes.h"
-#include "tests/services/cli/schemas/json_schema.h"
 
 namespace intaglio::schemas {
 namespace {
@@ -40,8 +41,10 @@ std::string SchemaNameOf(std::string_view message) {
 Json ContentOf(std::string_view type) {
   if (type.find('/') != std::string_view::npos)
     return Object({{std::string(type), Object({})}});
-  const std::string file = "schemas/" + SchemaNameOf(type) + ".schema.json";
-  EXPECT_TRUE(std::filesystem::exists(kDocs / file)) << file;
+  static const auto kSchemas = CommandSchemas(INTAGLIO_SOURCE_DIR);
+  const std::string name = SchemaNameOf(type) + ".schema.json";
+  EXPECT_TRUE(kSchemas.contains(name)) << name;
+  const std::string file = "schemas/" + name;
   return Object(
       {{"application/json", Object({{"schema", Object({{"$ref", Text(file)}})}})}});
 }

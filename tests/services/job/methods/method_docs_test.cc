@@ -14,6 +14,7 @@
 #include "services/job/methods/method_table.h"
 #include "services/job/model_kind.h"
 #include "services/platform/fields/field_rules.h"
+#include "services/platform/fields/field_text.h"
 #include "tests/services/platform/fields/rule_text.h"
 
 namespace intaglio {

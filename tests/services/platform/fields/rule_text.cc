@@ -4,8 +4,7 @@
 
 #include <regex>
 
-#include "proto/job.pb.h"
-#include "services/platform/fields/field_rules.h"
+#include "services/platform/fields/field_text.h"
 
 namespace intaglio {
 namespace {
@@ -22,21 +21,6 @@ bool IsImpliedByAbsence(const Field& field, const std::string& value) {
 }
 
 }  // namespace
-
-std::string RangeText(const Field& field) {
-  const auto range = FindRange(field);
-  return range ? fmt::format("{}..{}", range->min, range->max) : "";
-}
-
-std::string DefaultText(const Field& field) {
-  const FieldRule& rule = RuleOf(field);
-  if (!rule.has_default_value()) return "";
-  if (field.cpp_type() == Field::CPPTYPE_BOOL)
-    return rule.default_value() != 0 ? "true" : "false";
-  if (field.message_type() == Vector3::descriptor())
-    return fmt::format("{0} {0} {0}", rule.default_value());
-  return fmt::format("{}", rule.default_value());
-}
 
 std::string RuledCell(const Field& field, const std::string& cell) {
   std::string ruled = cell;
