@@ -8,6 +8,7 @@
 #include "services/client/patience.h"
 #include "services/history/job_names.h"
 #include "services/job/json_text.h"
+#include "services/job/verdict/outcome_counts.h"
 #include "services/job/verdict/warnings.h"
 #include "services/platform/host/stage/counts_at_end.h"
 #include "services/platform/host/times/utc_time.h"
@@ -23,16 +24,6 @@ constexpr auto kAlone = 2s;
 std::uint32_t Count(std::uint64_t count) {
   return static_cast<std::uint32_t>(
       std::min<std::uint64_t>(count, std::numeric_limits<std::uint32_t>::max()));
-}
-
-intaglio_PointCounts CountsOf(const EngraveOutcome& outcome) {
-  intaglio_PointCounts counts{};
-  counts.planned = outcome.planned_count();
-  counts.made = outcome.made_count();
-  counts.missed = outcome.missed_count();
-  counts.skipped = outcome.skipped_count();
-  counts.uncertain = outcome.uncertain_count();
-  return counts;
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "proto/task.pb.h"
 #include "services/history/job_history.h"
+#include "services/job/verdict/outcome_counts.h"
 #include "services/job/verdict/verdict.h"
 #include "services/job/verdict/warnings.h"
 #include "services/job_service/job_store.h"
@@ -32,16 +33,6 @@ std::optional<EngraveOutcome> OutcomeIn(SQLite::Database& database,
     return {};
   }
   return outcome.engrave();
-}
-
-intaglio_PointCounts CountsOf(const EngraveOutcome& outcome) {
-  intaglio_PointCounts counts{};
-  counts.planned = outcome.planned_count();
-  counts.made = outcome.made_count();
-  counts.missed = outcome.missed_count();
-  counts.skipped = outcome.skipped_count();
-  counts.uncertain = outcome.uncertain_count();
-  return counts;
 }
 
 /// What an estimate is compared with: the ticks of a job that one synchronizer made
