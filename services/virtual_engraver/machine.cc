@@ -42,11 +42,11 @@ std::unique_ptr<link::ByteStream> Machine::Delayed(
 }
 
 void Machine::PlugLaserLine(std::unique_ptr<link::ByteStream> end) {
-  laser_line_.Plug(Delayed(std::move(end)), clock_);
+  laser_line_.Plug(Delayed(std::move(end)), clock_, options_.laser.lockstep);
 }
 
 void Machine::PlugMotionLine(std::unique_ptr<link::ByteStream> end) {
-  motion_line_.Plug(Delayed(std::move(end)), clock_);
+  motion_line_.Plug(Delayed(std::move(end)), clock_, options_.laser.lockstep);
 }
 
 void Machine::PlugOneLine(std::unique_ptr<link::ByteStream> end) {

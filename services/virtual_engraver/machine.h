@@ -12,7 +12,8 @@
 //
 // A safe state of its own: no valid frame on the laser line for 250 ms while a shutter is
 // open or a tick is decided closes the shutters; on the motion line during a run it stops
-// the stage. Wall time, in lockstep, too.
+// the stage. In lockstep silence has no length: only a line whose host has closed it, or
+// that is unplugged, is lost.
 
 #include <array>
 #include <chrono>

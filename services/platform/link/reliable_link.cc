@@ -23,11 +23,14 @@ using std::chrono::nanoseconds;
 
 enum ControlFrame : std::uint8_t {
   kOpen = 0x01,       // host: its epoch, 0 asks for the highest; session in the header
-  kOpened = 0x02,     // device's answer
+  kOpened = 0x02,     // device's answer: kWaits, or nothing
   kKeepAlive = 0x03,  // also a bare acknowledgement
   kNack = 0x04,       // resend from `acknowledged`
   kRefused = 0x05,    // device's other answer: the highest epoch that opened it
 };
+
+// The payload of kOpened from a device whose time waits for its host.
+constexpr std::byte kWaits{1};
 
 constexpr std::uint64_t kMaxEpochStep = 1u << 20;
 
@@ -52,6 +55,7 @@ struct ReliableLink::State {
         clock(std::move(steady_clock)),
         options(link_options),
         epoch(std::move(line_epoch)),
+        waits(link_options.waits),
         last_received(clock()) {}
 
   struct Frame {
@@ -67,6 +71,7 @@ struct ReliableLink::State {
   void ReceiveOpen(std::uint32_t of_session, std::span<const std::byte> payload);
   void ReceiveRefusal(std::span<const std::byte> payload);
   void KeepOpening(nanoseconds now);
+  void AskWhetherObeyed(nanoseconds now);
   void TakeAcknowledgement(std::uint16_t acknowledged, bool resend);
   void GoBack();
   void Transmit(std::uint8_t type, std::uint16_t sequence,
@@ -74,6 +79,8 @@ struct ReliableLink::State {
   void TransmitControl(ControlFrame type);
   bool Backlogged() const { return unwritten.size() - written >= kMaxUnwritten; }
   bool HasNew() const;
+  bool IsPeerLate() const { return clock() - last_received > options.dead_after; }
+  bool IsPeerLost() const { return !waits && IsPeerLate(); }
   void SendNew();
   void KeepTime();
   Status Write();
@@ -83,6 +90,7 @@ struct ReliableLink::State {
   SteadyClock clock;
   LinkOptions options;
   std::shared_ptr<LineEpoch> epoch;
+  bool waits;  // for a silent peer: of a host, as the device told it
   FrameParser parser;
   Counters counters;
 
@@ -145,7 +153,7 @@ void ReliableLink::State::ReceiveOpen(std::uint32_t of_session,
   if (of_session != session || !established) StartSession(of_session);
   established = true;
   last_received = clock();
-  TransmitControl(kOpened);
+  if (!Backlogged()) Transmit(kOpened, 0, std::span(&kWaits, waits ? 1 : 0));
 }
 
 void ReliableLink::State::ReceiveRefusal(std::span<const std::byte> payload) {
@@ -179,6 +187,7 @@ bool ReliableLink::State::ReceiveControl(const FrameHeader& header,
   }
   if (header.type == kOpened && side == Side::kHost && !established) {
     established = true;
+    waits = !payload.empty() && payload.front() == kWaits;
     last_progress = clock();
   }
   if (!established) return true;
@@ -262,12 +271,21 @@ void ReliableLink::State::KeepOpening(nanoseconds now) {
   Transmit(kOpen, 0, out.Take());
 }
 
+// A device that waits may be silent because it obeys a newer host: its refusal says so.
+void ReliableLink::State::AskWhetherObeyed(nanoseconds now) {
+  if (now - last_open < options.dead_after || !unwritten.empty()) return;
+  last_open = now;
+  ByteWriter out;
+  out.Put(std::uint64_t{0});
+  Transmit(kOpen, 0, out.Take());
+}
+
 void ReliableLink::State::KeepTime() {
   if (epoch->fenced) return;
   const nanoseconds now = clock();
-  const bool silent = now - last_received > options.dead_after;
-  if (side == Side::kHost && (!established || silent)) return KeepOpening(now);
+  if (side == Side::kHost && (!established || IsPeerLost())) return KeepOpening(now);
   if (!established) return;
+  if (side == Side::kHost && IsPeerLate()) AskWhetherObeyed(now);
   if (sent_count > 0 && now - last_progress > options.resend_after) GoBack();
   SendNew();
   if (owes_acknowledgement || now - last_sent >= options.keep_alive)
@@ -339,9 +357,7 @@ Status ReliableLink::Send(std::uint8_t type, std::span<const std::byte> payload)
   return {};
 }
 
-bool ReliableLink::up() const {
-  return state_->established && silence() <= state_->options.dead_after;
-}
+bool ReliableLink::up() const { return state_->established && !state_->IsPeerLost(); }
 std::uint32_t ReliableLink::session() const { return state_->session; }
 nanoseconds ReliableLink::silence() const {
   return state_->clock() - state_->last_received;

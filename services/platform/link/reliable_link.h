@@ -11,6 +11,10 @@
 //    | == sequenced frames both ways, cumulative acknowledgements, go-back-N ==
 //    | -- kKeepAlive when idle ------> |   either side: silence of `dead_after` = down
 //
+// A device whose time is simulated waits for its host (LinkOptions::waits, told in
+// kOpened): silence of either side is no lost line there, however long, and only a stream
+// that ends is. So no stall of a process costs such a machine a tick.
+//
 // Frames of another session are dropped: bytes that an earlier host left in the line have
 // no effect. A device obeys its newest host only (LineEpoch): an older one is refused,
 // and sends nothing more for good once it receives the refusal. The receiver's credit
@@ -38,6 +42,8 @@ struct LinkOptions {
   std::chrono::milliseconds resend_after{30};  ///< without an acknowledgement
   std::chrono::milliseconds keep_alive{50};    ///< longest silence of our own
   std::chrono::milliseconds dead_after{250};   ///< silence of the peer that means down
+  bool waits =
+      false;  ///< of a device: its time is simulated, and stops for a silent host
 };
 
 enum class Side { kHost, kDevice };

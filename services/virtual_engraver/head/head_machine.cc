@@ -46,7 +46,7 @@ HeadMachine::HeadMachine(const HeadOptions& options, std::ofstream record,
 
 void HeadMachine::Plug(std::unique_ptr<link::ByteStream> end) {
   controller_.LoseHost();
-  line_.Plug(std::move(end), clock_);
+  line_.Plug(std::move(end), clock_, lockstep_);
   line_.ForgetSession();
 }
 

@@ -3,12 +3,14 @@
 namespace intaglio::virtual_engraver {
 
 void DeviceLine::Plug(std::unique_ptr<link::ByteStream> end,
-                      const link::SteadyClock& clock) {
+                      const link::SteadyClock& clock, bool waits) {
   waiting_.clear();
   link_.reset();
+  link::LinkOptions options;
+  options.waits = waits;
   if (end) {
     link_ = std::make_unique<link::ReliableLink>(link::Side::kDevice, std::move(end),
-                                                 clock, link::LinkOptions{}, epoch_);
+                                                 clock, options, epoch_);
   }
 }
 

@@ -20,8 +20,9 @@ class DeviceLine {
   static constexpr std::size_t kMaxWaiting = 256;
 
   /// The machine's end of the line is plugged in; null unplugs it. What waited is
-  /// dropped.
-  void Plug(std::unique_ptr<link::ByteStream> end, const link::SteadyClock& clock);
+  /// dropped. `waits`: the machine's time stops for a silent host (lockstep).
+  void Plug(std::unique_ptr<link::ByteStream> end, const link::SteadyClock& clock,
+            bool waits = false);
   /// Passes what has come to `handler`. True when a new session has begun, for which
   /// nothing waits.
   bool Poll(const link::ReliableLink::Handler& handler);

@@ -170,8 +170,8 @@ std::vector<std::uint64_t> TicksOfCracks(const FakeCell& cell) {
   return ticks;
 }
 
-// By wall time a permission that is late says nothing of a machine whose time waits.
-TEST(EngravingInSimulatedTime, ALatePermissionCostsNoTick) {
+/// A process or a line that `stall` holds up for seconds, five times.
+void ExpectNoTickLostWhile(void (*stall)(FakeCell& cell, bool stalls)) {
   const CellOptions options = {.points = 4000, .lockstep = true, .simulates_time = true};
   FakeCell undisturbed(options), busy(options);
   undisturbed.Grant();
@@ -179,9 +179,9 @@ TEST(EngravingInSimulatedTime, ALatePermissionCostsNoTick) {
   busy.Grant();
   for (int i = 1; i <= 5; ++i) {
     ASSERT_TRUE(busy.StepUntilMade(600 * i)) << busy.Description();
-    busy.permission_fresh = false;
-    // What is armed; then its time stops.
-    busy.StepFor(1s);
+    stall(busy, true);
+    // Its lease, and what is armed; then its time stops.
+    busy.StepFor(1500ms);
     const std::uint64_t tick = busy.laser.tick();
     const auto armed_at = busy.laser.newest_arm_at();
     busy.StepFor(3s);
@@ -190,7 +190,7 @@ TEST(EngravingInSimulatedTime, ALatePermissionCostsNoTick) {
     EXPECT_EQ(busy.phase(), Phase::kRunning);
     EXPECT_THAT(busy.engraving->message(), testing::HasSubstr("is late"));
     ASSERT_LT(busy.made(), options.points) << "the job is too short for this test";
-    busy.permission_fresh = true;
+    stall(busy, false);
   }
   ASSERT_TRUE(busy.StepUntilDone()) << busy.Description();
   EXPECT_EQ(busy.engraving->run_count(), 1u);
@@ -198,29 +198,23 @@ TEST(EngravingInSimulatedTime, ALatePermissionCostsNoTick) {
   EXPECT_THAT(busy.Disagreements(), testing::IsEmpty());
 }
 
+// By wall time a permission that is late says nothing of a machine whose time waits.
+TEST(EngravingInSimulatedTime, ALatePermissionCostsNoTick) {
+  ExpectNoTickLostWhile(
+      [](FakeCell& cell, bool stalls) { cell.permission_fresh = !stalls; });
+}
+
 TEST(EngravingInSimulatedTime, ALateStateOfTheStageCostsNoTick) {
-  const CellOptions options = {.points = 4000, .lockstep = true, .simulates_time = true};
-  FakeCell undisturbed(options), busy(options);
-  undisturbed.Grant();
-  ASSERT_TRUE(undisturbed.StepUntilDone()) << undisturbed.Description();
-  busy.Grant();
-  for (int i = 1; i <= 5; ++i) {
-    ASSERT_TRUE(busy.StepUntilMade(600 * i)) << busy.Description();
-    busy.stage.silent = true;
-    // Its lease, and what is armed; then its time stops.
-    busy.StepFor(1500ms);
-    const std::uint64_t tick = busy.laser.tick();
-    busy.StepFor(3s);
-    EXPECT_EQ(busy.laser.tick(), tick);
-    EXPECT_EQ(busy.phase(), Phase::kRunning);
-    EXPECT_THAT(busy.engraving->message(), testing::HasSubstr("is late"));
-    ASSERT_LT(busy.made(), options.points) << "the job is too short for this test";
-    busy.stage.silent = false;
-  }
-  ASSERT_TRUE(busy.StepUntilDone()) << busy.Description();
-  EXPECT_EQ(busy.engraving->run_count(), 1u);
-  EXPECT_EQ(TicksOfCracks(busy), TicksOfCracks(undisturbed));
-  EXPECT_THAT(busy.Disagreements(), testing::IsEmpty());
+  ExpectNoTickLostWhile([](FakeCell& cell, bool stalls) { cell.stage.silent = stalls; });
+}
+
+TEST(EngravingInSimulatedTime, ALateStateOfTheLaserCostsNoTick) {
+  ExpectNoTickLostWhile([](FakeCell& cell, bool stalls) { cell.laser.mute = stalls; });
+}
+
+// The machine's process is stopped, or its line carries nothing.
+TEST(EngravingInSimulatedTime, ASilentLineOfTheLaserCostsNoTick) {
+  ExpectNoTickLostWhile([](FakeCell& cell, bool stalls) { cell.CutLine(stalls); });
 }
 
 TEST(EngravingInSimulatedTime, AnEndedBridgeIsNotWaitedFor) {

@@ -84,6 +84,7 @@ FakeCell::FakeCell(const CellOptions& options)
   if (options.lockstep) stage.braking_ticks = 20;
   laser.serial_number = options.laser_serial_number;
   laser.locks_door = options.needs_door_lock;
+  laser.waits = options.simulates_time;
   laser.Plug(LineEnd(false));
   Begin(JobBegun::kNo);
 }

@@ -9,8 +9,10 @@ using link::TickOutcome;
 using namespace std::chrono_literals;
 
 void FakeLaser::Plug(std::unique_ptr<link::ByteStream> end) {
+  link::LinkOptions options;
+  options.waits = waits;
   line_ = std::make_unique<link::ReliableLink>(link::Side::kDevice, std::move(end),
-                                               clock_, link::LinkOptions{}, epoch_);
+                                               clock_, options, epoch_);
   session_ = 0;
   waiting_.clear();
 }

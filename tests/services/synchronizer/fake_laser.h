@@ -82,6 +82,7 @@ class FakeLaser {
   bool short_sync = false;                        ///< the lamp sync is not counted
   bool trigger_late = false;                      ///< the Q-switch takes no trigger
   bool mute = false;     ///< keeps the line alive and reports nothing
+  bool waits = false;    ///< for a silent host, as a machine whose time is simulated
   bool forgets = false;  ///< nothing that was asked about the past is known
   /// Called with each tick that is about to be armed, before it is.
   std::function<void(std::uint64_t tick)> on_arm;

@@ -27,7 +27,7 @@ class Line : public ::testing::Test {
     const SteadyClock clock = [this] { return now; };
     device = std::make_unique<ReliableLink>(
         Side::kDevice, std::make_unique<FaultyEnd>(to_device, to_host, random, clock),
-        clock);
+        clock, options);
   }
   void NewHost() {
     const SteadyClock clock = [this] { return now; };
@@ -92,6 +92,7 @@ class Line : public ::testing::Test {
   }
 
   nanoseconds now{0};
+  LinkOptions options;  // of the device
   std::shared_ptr<std::mt19937_64> random = std::make_shared<std::mt19937_64>(1);
   std::shared_ptr<FaultyPipe> to_device, to_host;
   std::unique_ptr<ReliableLink> host, device;
@@ -144,6 +145,30 @@ TEST_F(Line, SilenceOf250MillisecondsIsDownAndAFrameIsUpAgain) {
   EXPECT_TRUE(host->up()) << "the other direction is whole";
   to_device->cut = false;
   Open();
+}
+
+// A process that was stopped for a minute, and what it had sent before is lost, too.
+TEST_F(Line, OfADeviceThatWaitsIsNotLostBySilence) {
+  options.waits = true;
+  Connect();
+  Open();
+  const std::uint32_t session = host->session();
+  for (const auto& silent : {std::vector{to_device}, {to_host}, {to_device, to_host}}) {
+    for (const auto& pipe : silent) pipe->cut = true;
+    ASSERT_TRUE(Send(*host, 1) && Send(*device, 2));
+    for (int i = 0; i < 60'000; ++i) {
+      Turn();
+      ASSERT_TRUE(BothUp()) << i;
+    }
+    for (const auto& pipe : silent) pipe->cut = false;
+    for (int i = 0; i < 100; ++i) Turn();
+    EXPECT_EQ(device_got, std::vector<std::uint32_t>{1});
+    EXPECT_EQ(host_got, std::vector<std::uint32_t>{2});
+    Exchange(500);
+    device_got.clear();
+    host_got.clear();
+  }
+  EXPECT_EQ(host->session(), session);
 }
 
 TEST_F(Line, KeepsToTheWindowAndReportsIt) {
