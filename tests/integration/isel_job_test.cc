@@ -120,8 +120,12 @@ TEST_F(IselJob, KillsOfTheBridgeDoubleNoPoint) {
   const Judgement judgement = Judge();
   EXPECT_GT(killed, 0U);
   EXPECT_EQ(judgement.doubled + judgement.stray, 0U);
-  // They are of the points that the profile allows open when the bridge dies.
-  EXPECT_LE(judgement.uncertain, 4U * killed);
+  // A kill leaves those that were armed and not reported, at most
+  // laser.max_unsettled_points of the profile. A line between bridge and controller that
+  // is lost without a kill would add the one pulse that was sent (L6); so the controller
+  // runs in real time, as the bridge does.
+  constexpr std::size_t kOpenPoints = 4;
+  EXPECT_LE(judgement.uncertain, kOpenPoints * killed);
   EXPECT_GE(judgement.made + judgement.uncertain, judgement.points);
   EXPECT_FALSE(judgement.moved);
   std::cout << "  " << killed << " kills, " << judgement.points << " points, "

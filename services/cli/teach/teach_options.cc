@@ -10,6 +10,7 @@
 #include "services/cli/interrupt.h"
 #include "services/client/exit_codes.h"
 #include "services/platform/host/peers/role_refusal.h"
+#include "services/platform/link/real_time.h"
 
 namespace intaglio::cli {
 
@@ -22,6 +23,8 @@ void AddTeachFlags(command_line::Command command, TeachOptions& options) {
 int WithMachine(const TeachOptions& options,
                 const std::function<int(client::TeachClient&)>& action) {
   CatchInterrupts();
+  // What is held by hand is let go when its repetitions are late.
+  (void)link::RaisePriority();
   bus::Bus bus(options.bus);
   const auto cell = client::TeachClient::FindMachine(bus, options.cell);
   if (!cell) return Complain(cell.error());

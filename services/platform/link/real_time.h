@@ -7,8 +7,17 @@
 
 namespace intaglio::link {
 
-/// Round-robin real-time scheduling for this thread and those it starts, memory locked.
-/// Returns what the system refused, for the log; empty when it granted all.
-std::string AskForRealTime();
+/// What the system gave, and what it refused, each as a part of a sentence; empty:
+/// nothing.
+struct RealTimeGrant {
+  std::string granted, refused;
+};
+
+/// Round-robin real-time scheduling for this thread and those it starts; where the system
+/// refuses that, a nice value below all others that it allows.
+RealTimeGrant RaisePriority();
+
+/// The same, and memory locked.
+RealTimeGrant AskForRealTime();
 
 }  // namespace intaglio::link

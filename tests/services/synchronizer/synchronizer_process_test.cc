@@ -51,8 +51,9 @@ class SynchronizerProcess : public ::testing::Test {
   std::unique_ptr<Running> Start(const std::string& log,
                                  const std::vector<std::string>& more = {}) {
     std::vector<std::string> arguments = {
-        "--machine", machine_file_.string(), "--device", engraver_.laser_line(),
-        "--tag",     test::PrivateTag(),     "--cell",   kCell};
+        "--machine",  machine_file_.string(), "--device", engraver_.laser_line(),
+        "--tag",      test::PrivateTag(),     "--cell",   kCell,
+        "--real-time"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return std::make_unique<Running>(intaglio::testing::Program("intaglio-synchronizer"),
                                      arguments, folder_ / log);
@@ -143,7 +144,7 @@ class WithAJob : public SynchronizerProcess {
         std::vector<std::string>{"--machine",
                                  INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto",
                                  "--device", engraver_.motion_line(), "--tag",
-                                 test::PrivateTag(), "--cell", kCell},
+                                 test::PrivateTag(), "--cell", kCell, "--real-time"},
         folder_ / "bridge.log");
   }
   /// To the synchronizer of this process id, when it is ready.

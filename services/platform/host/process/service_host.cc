@@ -242,8 +242,9 @@ int RunService(const ServiceDescription& description, int argc, char** argv,
   try {
     OpenLog(description.name, options.log_level, options.log_file);
     if (options.real_time) {
-      const std::string refused = link::AskForRealTime();
-      if (!refused.empty()) LogWarning("not granted: {}", refused);
+      const link::RealTimeGrant grant = link::AskForRealTime();
+      if (!grant.granted.empty()) LogInfo("granted: {}", grant.granted);
+      if (!grant.refused.empty()) LogWarning("not granted: {}", grant.refused);
     }
     CheckUser(options);
     CheckCell(description, options.bus);

@@ -18,6 +18,7 @@
 #include <span>
 #include <thread>
 
+#include "services/platform/link/real_time.h"
 #include "services/virtual_engraver/machine_line.h"
 #include "tests/services/drivers/isel/virtual_isel.h"
 
@@ -79,6 +80,8 @@ int main(int argc, char** argv) {
     std::cerr << line.error().message << "\n";
     return 2;
   }
+  // A controller of steel does not wait for a busy host.
+  (void)link::AskForRealTime();
   std::cout << "ready " << (*line)->device() << std::endl;
   Serve(**line, record_file);
   return 0;
