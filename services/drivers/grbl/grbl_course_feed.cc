@@ -35,6 +35,9 @@ void GrblCourseDriver::Take(const GrblLine::Event& event) {
   if (std::holds_alternative<GrblHeld>(event)) {
     return StopItself("the controller was on hold: check the work, then resume");
   }
+  if (const auto* refused = std::get_if<GrblNotSetUp>(&event)) {
+    return StopItself(WhyGrblIsNotSetUp(refused->code));
+  }
   if (const auto* error = std::get_if<GrblError>(&event)) {
     StopItself("the controller refused a line: " + TextOfGrblError(error->code) +
                "; check its version, then resume");
@@ -208,6 +211,7 @@ void GrblCourseDriver::DropQueue() {
 void GrblCourseDriver::StopItself(std::string why) {
   // What comes while it recovers is another stop: a person has to look again.
   if (!state_.safe_state || recovers_) ++own_stops_;
+  if (recovers_) state_.fault.clear();
   recovers_ = false;
   Fault(std::move(why));
 }

@@ -48,6 +48,9 @@ void GrblDriver::Take(const GrblLine::Event& event) {
     return Halt(intaglio_MOTION_SAFE_STATE,
                 "the controller was on hold: check the block, then resume");
   }
+  if (const auto* refused = std::get_if<GrblNotSetUp>(&event)) {
+    return Halt(intaglio_MOTION_SAFE_STATE, WhyGrblIsNotSetUp(refused->code));
+  }
   // What follows in its buffer goes on; a hold keeps it until the reset of ClearFault.
   if (!homing_) line_.SendRealtime('!');
   Halt(intaglio_MOTION_SAFE_STATE, "the controller refused a line: " +

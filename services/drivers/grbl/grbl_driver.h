@@ -86,7 +86,7 @@ class GrblDriver final : public LockstepDriver {
   bool IsSettled() const override { return unsettled_.empty() && !pending_; }
   bool HasPending() const override { return pending_.has_value(); }
   bool IsGivenOut() const override;
-  bool IsSetUp() const { return line_.takes_lines() || line_.locked(); }
+  bool IsSetUp() const { return line_.takes_lines() || line_.needs_recovery(); }
   bool HasRecovered() const override;
   bool chain_is_open() const override { return line_.door_is_open(); }
   std::uint32_t openings() const override { return line_.door_openings(); }

@@ -98,19 +98,8 @@ void GrblLine::Take(const GrblAnswer& answer, std::vector<Event>& events) {
     if (build->receive_bytes > 0) traits_.receive_bytes = build->receive_bytes;
   } else if (const auto* setting = std::get_if<GrblSetting>(&answer)) {
     TakeSetting(*setting);
-  }
-}
-
-void GrblLine::TakeSetting(const GrblSetting& setting) {
-  if (setting.number == 12) traits_.arc_tolerance_mm = setting.value;
-  if (setting.number == 30) traits_.max_power = setting.value;
-  if (setting.number == 22) traits_.homing = (static_cast<int>(setting.value) & 1) != 0;
-  if (setting.number == 32) traits_.laser_mode = setting.value == 1;
-  if (setting.number >= 100 && setting.number <= 102) {
-    traits_.steps_per_mm[setting.number - 100] = setting.value;
-  }
-  if (setting.number >= 110 && setting.number <= 112) {
-    traits_.max_speed_mm_s[setting.number - 110] = setting.value / 60;
+  } else if (const auto* modes = std::get_if<GrblModes>(&answer)) {
+    if (modes_asked_at_) modes_ = *modes;
   }
 }
 
@@ -171,7 +160,10 @@ void GrblLine::TakeAcknowledgement(bool good, int code, std::vector<Event>& even
   }
   if (phase_ == Phase::kIdentifying && outstanding_.empty()) Identified(events);
   if (!setting_up_) return;
-  if (!good) setting_up_ = false;
+  if (!good) {
+    setting_up_ = false;
+    events.emplace_back(GrblNotSetUp{code});
+  }
   if (outstanding_.empty() && setting_up_) {
     setting_up_ = false;
     set_up_ = awaits_status_ = true;
@@ -216,85 +208,36 @@ void GrblLine::TakeStatus(GrblStatus status, std::vector<Event>& events) {
     return;
   }
   held_ = false;
+  if (AwaitsModes(status)) return;
   if (WasSwitchedOff(status)) {
     ++power_ups_;
     LosePlace();
   }
   reach_.reset();
+  modes_asked_at_.reset();
   out_ = kGrblReset;
   phase_ = Phase::kResetting;
   phase_at_ = now();
 }
 
-// In the time in which the line was down: each power-up begins at the zero of the axes.
+// On hold and behind a door it takes no line.
+bool GrblLine::AwaitsModes(const GrblStatus& status) {
+  const bool ask = reach_ && was_set_up_ && status.state == GrblState::kIdle;
+  if (!ask || modes_) return false;
+  if (modes_asked_at_) return now() - *modes_asked_at_ <= kGrblSilence;
+  modes_asked_at_ = now();
+  out_ += "$G\n";
+  return true;
+}
+
+// In the time in which the line was down.
 bool GrblLine::WasSwitchedOff(const GrblStatus& status) const {
   if (!reach_) return false;
   if (!IsWithin(*reach_, *status.work_mm)) return true;
+  if (modes_) return modes_->as_after_reset;
   // One that homes is locked then.
   return !traits_.homing && status.machine_mm &&
          status.machine_mm->cwiseAbs().maxCoeff() < kAtZero_mm;
-}
-
-std::string GrblLine::RefusalOfTraits() const {
-  if (auto why = link::RefusalOf(expected_, traits_.serial_number); !why.empty()) {
-    return why;
-  }
-  if (tool_ == GrblTool::kLaser && !traits_.laser_mode) {
-    return "the controller is not in laser mode, so the laser could stay lit at rest: "
-           "set "
-           "$32=1";
-  }
-  if (tool_ == GrblTool::kSpindle && traits_.laser_mode) {
-    return "the controller is in laser mode, in which a spindle stops in every G0: set "
-           "$32=0";
-  }
-  if (!(traits_.max_power > 0) || !(traits_.steps_per_mm.minCoeff() > 0)) {
-    return "the controller does not report $30 and $100-$102: check its version with $$";
-  }
-  return "";
-}
-
-void GrblLine::Identified(std::vector<Event>& events) {
-  refusal_ = RefusalOfTraits();
-  if (!refusal_.empty()) {
-    message_ = refusal_;
-    phase_ = Phase::kRefused;
-    return;
-  }
-  phase_ = Phase::kUp;
-  phase_at_ = now();
-  ++sessions_;
-  message_.clear();
-  events.emplace_back(GrblUp{});
-  if (std::exchange(found_held_, false)) events.emplace_back(GrblHeld{});
-  awaits_status_ = true;
-  if (!alarm_) SetUp();
-  next_status_ = {};
-}
-
-void GrblLine::SetUp() {
-  setting_up_ = true;
-  set_up_ = false;
-  SendOwn({"M5S0", "G21G90G94G54G1"});
-}
-
-bool GrblLine::Recover(const GrblStatus& newest) {
-  // A line of the set-up waits while it holds.
-  if (phase_ != Phase::kUp || homing_ || awaits_status_) return false;
-  const bool holds = newest.state == GrblState::kHold || newest.state == GrblState::kDoor;
-  if (holds && newest.substate == 0) {
-    Reset();
-  } else if (locked() && newest.state == GrblState::kAlarm && !traits_.homing) {
-    Unlock();
-  }
-  return takes_lines() && newest.state == GrblState::kIdle;
-}
-
-void GrblLine::Unlock() {
-  if (phase_ != Phase::kUp || set_up_ || setting_up_) return;
-  LosePlace();
-  SendOwn({"$X"});
-  SetUp();
 }
 
 void GrblLine::TakeZero(const std::array<bool, 3>& sets) {
@@ -363,6 +306,9 @@ void GrblLine::Ask() {
 
 void GrblLine::Lose(std::string why, std::vector<Event>& events) {
   const bool was_up = up();
+  if (was_up) was_set_up_ = set_up_;
+  modes_asked_at_.reset();
+  modes_.reset();
   message_ = std::move(why);
   phase_ = Phase::kAsking;
   resets_itself_ = set_up_ = setting_up_ = held_ = homing_ = home_failed_ = false;

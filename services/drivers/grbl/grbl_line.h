@@ -9,7 +9,8 @@
 //                      +----------------------------------------- kUp <------+-->
 //                      kRefused
 //
-// kAsking sends '?' alone and, once, '!' to a controller that moves for a host of before.
+// kAsking sends '?' and, once, '!' to a controller that moves for a host of before, and
+// $G at rest to one that was set up: behind half a line it makes one that means nothing.
 // The reset at rest drops what an earlier host left in the receive buffer, also half a
 // line, is dark, and keeps the position; no line is sent before it. A hold that this host
 // did not ask for is a person's: it is reported behind GrblUp (GrblHeld).
@@ -19,9 +20,14 @@
 //
 // Where the tool is may be unknown to the controller: after its power-up, a reset by
 // another, an alarm and an unlock. place_is_lost() is true until it has homed or a person
-// has set its zero. That it was switched off while the line was down shows as a banner,
-// or as a place that nothing which was sent leads to, or as the zero of its axes, where
-// each power-up begins.
+// has set its zero. That it was switched off or reset while the line was down shows as a
+// banner, as a place that nothing which was sent leads to, or by its modes ($G), which a
+// reset and a power-up forget. One that does not answer $G, or lost the line before it
+// was set up, was switched off if it is at the zero of its axes, where each power-up
+// begins.
+//
+// A line of the set-up that is refused is reported, and no line is sent until Recover,
+// which a person's new grant leads to, has sent the set-up once more.
 //
 // Lines are counted by their characters: what is not acknowledged never exceeds the
 // receive buffer, so no byte is lost in it. Realtime commands need no room.
@@ -57,17 +63,20 @@ struct GrblTraits {
 /// so a laser needs it, and a spindle, which has to turn there, must not have it.
 enum class GrblTool { kLaser, kSpindle };
 
-struct GrblUp {};     ///< a session has begun: the controller is at rest, empty and dark
-struct GrblHomed {};  ///< what SendHome began has ended well
-struct GrblLost {};   ///< the line, or the controller's memory of what was sent
-struct GrblHeld {};   ///< it was on hold, by a person, when the session began
+struct GrblUp {};      ///< a session has begun: the controller is at rest, empty and dark
+struct GrblHomed {};   ///< what SendHome began has ended well
+struct GrblLost {};    ///< the line, or the controller's memory of what was sent
+struct GrblHeld {};    ///< it was on hold, by a person, when the session began
+struct GrblNotSetUp {  ///< it refused a line of the set-up, and takes none
+  int code = 0;
+};
 
 class GrblLine final : public ControllerLine {
  public:
   /// A GrblStatus has work_mm. In the order in which they came. GrblOk and GrblError are
   /// of Send's lines alone.
   using Event = std::variant<GrblUp, GrblLost, GrblOk, GrblError, GrblAlarm, GrblStatus,
-                             GrblHomed, GrblHeld>;
+                             GrblHomed, GrblHeld, GrblNotSetUp>;
 
   GrblLine(link::StreamOpener open, link::SteadyClock clock,
            link::ExpectedDevice expected, GrblTool tool = GrblTool::kLaser);
@@ -79,8 +88,10 @@ class GrblLine final : public ControllerLine {
   bool up() const override { return phase_ == Phase::kUp || resets_itself_; }
   /// Lines are taken: up, unlocked and set up.
   bool takes_lines() const { return is_ready() && set_up_; }
-  /// The newest status is an alarm, or the lines of the set-up were refused.
-  bool locked() const { return is_ready() && !set_up_; }
+  /// The newest status is an alarm.
+  bool locked() const { return needs_recovery() && alarm_; }
+  /// It takes no line before Recover, or a home: it is locked, or its set-up was refused.
+  bool needs_recovery() const { return is_ready() && !set_up_; }
   /// A reset was sent, and its answer has not come.
   bool resetting() const { return phase_ == Phase::kResetting; }
   const GrblTraits& traits() const { return traits_; }
@@ -110,7 +121,8 @@ class GrblLine final : public ControllerLine {
   void Reset();
   /// To a controller that takes lines, once for each call of a caller who repeats it: out
   /// of a hold and a closed door by a reset at rest, which forgets what was queued; out
-  /// of an alarm by $X and the set-up, unless it has switches: then it is homed.
+  /// of an alarm by $X and the set-up, unless it has switches: then it is homed; out of a
+  /// set-up that was refused by the same lines.
   /// `newest`: the newest status. True: it is idle and takes lines.
   bool Recover(const GrblStatus& newest);
   void RequestStatus() { next_status_ = {}; }
@@ -145,6 +157,8 @@ class GrblLine final : public ControllerLine {
   bool is_ready() const {
     return phase_ == Phase::kUp && !setting_up_ && !homing_ && !awaits_status_;
   }
+  /// What $G answers is asked for, and has not come.
+  bool AwaitsModes(const GrblStatus& status);
   bool WasSwitchedOff(const GrblStatus& status) const;
   void LosePlace() { lost_axes_ = {true, true, true}; }
 
@@ -165,6 +179,9 @@ class GrblLine final : public ControllerLine {
   std::uint32_t door_openings_ = 0;
   std::optional<Vec3> work_offset_mm_;  // the newest that was reported
   std::optional<Box3> reach_;
+  bool was_set_up_ = false;  // when the line was lost
+  std::optional<std::chrono::nanoseconds> modes_asked_at_;
+  std::optional<GrblModes> modes_;   // since the line was lost
   std::array<bool, 3> lost_axes_{};  // of which it may not know where they are
   std::chrono::nanoseconds next_status_{0}, phase_at_{0};
   /// Of the oldest question without an answer: a host that was too busy to ask has not

@@ -106,7 +106,17 @@ GrblAnswer StatusOf(std::string_view text) {
   return status;
 }
 
+GrblAnswer ModesOf(std::string_view text) {
+  bool rapid = false, feeds = true;
+  for (const std::string_view word : Split(text, ' ')) {
+    if (word == "G0") rapid = true;
+    if (StartsWith(word, "F")) feeds = NumberOf<double>(word.substr(1)) != 0.0;
+  }
+  return GrblModes{rapid && !feeds};
+}
+
 GrblAnswer BracketOf(std::string_view text) {
+  if (StartsWith(text, "GC:")) return ModesOf(text.substr(3));
   if (StartsWith(text, "VER:")) {
     const auto parts = Split(text.substr(4), ':');
     return GrblVersion{std::string(parts[0]),
@@ -208,6 +218,11 @@ std::string ZeroLine(const Vec3& here_mm, const std::array<bool, 3>& sets) {
       text += fmt::format("{}{:.4f}", "XYZ"[i], here_mm[i]);
   }
   return text;
+}
+
+std::string WhyGrblIsNotSetUp(int code) {
+  return "the controller refused a line of its set-up: " + TextOfGrblError(code) +
+         "; check its version, then resume";
 }
 
 std::string WhyGrblPlaceIsLost(const std::string& remedy) {

@@ -74,10 +74,17 @@ struct GrblSetting {
   int number = 0;
   double value = 0;
 };
+/// [GC:G1 G54 G17 G21 G90 G94 M5 M9 T0 F600 S0], the answer to $G.
+struct GrblModes {
+  /// G0 without a feed, as a reset and a power-up leave them: this host's set-up ends
+  /// with G1, and every G1 of it has a feed.
+  bool as_after_reset = false;
+};
 struct GrblOther {};
 
-using GrblAnswer = std::variant<GrblOther, GrblOk, GrblError, GrblAlarm, GrblBanner,
-                                GrblStatus, GrblVersion, GrblBuild, GrblSetting>;
+using GrblAnswer =
+    std::variant<GrblOther, GrblOk, GrblError, GrblAlarm, GrblBanner, GrblStatus,
+                 GrblVersion, GrblBuild, GrblSetting, GrblModes>;
 
 /// Of one line, without its end. Never fails.
 GrblAnswer ParseGrblAnswer(std::string_view line);
@@ -100,6 +107,9 @@ class GrblAnswerReader {
 
 /// G10L20P1: the place of the tool has these coordinates in G54, in the axes of `sets`.
 std::string ZeroLine(const Vec3& here_mm, const std::array<bool, 3>& sets);
+
+/// A sentence about a line of the set-up that was refused with error:CODE.
+std::string WhyGrblIsNotSetUp(int code);
 
 /// A sentence about GrblLine::place_is_lost(), with what a person does about it.
 std::string WhyGrblPlaceIsLost(const std::string& remedy);

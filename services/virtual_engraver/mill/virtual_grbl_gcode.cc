@@ -115,6 +115,14 @@ void VirtualGrbl::ExecuteSystem(const std::string& line) {
     locked_ = false;
     return Answer(0);
   }
+  if (line == "$G") {
+    const int spindle = spindle_ == Spindle::kOff       ? 5
+                        : spindle_ == Spindle::kDynamic ? 4
+                                                        : 3;
+    Send(fmt::format("[GC:G{:d} G54 G17 G21 G{} G94 M{} M9 T0 F{:.0f} S{:.0f}]\r\n",
+                     !rapid_, absolute_ ? 90 : 91, spindle, feed_mm_min_, power_));
+    return Answer(0);
+  }
   if (state_ != State::kIdle && state_ != State::kAlarm) return Answer(kNotIdle);
   if (line == "$I") {
     Send(fmt::format("[VER:1.1{}:{}]\r\n[OPT:VN+,{},{}]\r\n",
