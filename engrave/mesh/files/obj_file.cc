@@ -88,14 +88,18 @@ class ObjReader {
     }
     if (std::ranges::find(kWithoutFaces, statement) != kWithoutFaces.end()) return {};
     if (std::ranges::find(kLeftOut, statement) != kLeftOut.end()) {
-      mesh_.findings.Add({.what = std::string(statement),
-                          .where = fmt::format("line {}", line_number_),
-                          .remedy = "only faces are read",
-                          .count = 1,
-                          .effect = Effect::kLost});
+      AddLost(statement);
       return {};
     }
     return Refuse(fmt::format("is not a line of an OBJ: {:.60?}", line));
+  }
+
+  void AddLost(std::string_view statement) {
+    mesh_.findings.Add({.what = std::string(statement),
+                        .where = fmt::format("line {}", line_number_),
+                        .remedy = "only faces are read",
+                        .count = 1,
+                        .effect = Effect::kLost});
   }
 
   bool IsAskedFor(std::string_view object) const {
@@ -142,7 +146,10 @@ class ObjReader {
       if (corners_.size() > source_.options.max_triangles + 2)
         return source_.RefuseTriangleCount();
     }
-    if (corners_.size() < 3) return {};
+    if (corners_.size() < 3) {
+      AddLost("f of fewer than three corners");
+      return {};
+    }
     if (!object_.empty() && std::ranges::find(names_, object_) == names_.end())
       names_.emplace_back(object_);
     return is_wanted_ ? AddPolygon() : Status();

@@ -36,6 +36,23 @@ std::size_t IndexList(const io::PlyElement& element) {
   return first;
 }
 
+/// What has no place: nothing of a surface is lost with it.
+bool IsOfAppearance(std::string_view element) {
+  return element == "material" || element == "camera" || element == "light";
+}
+
+/// "x", if the vertices have no such number; empty: they have all three.
+std::string_view MissingCoordinate(const io::PlyElement& vertices) {
+  for (const std::string_view name : {"x", "y", "z"}) {
+    const bool has =
+        std::ranges::any_of(vertices.properties, [name](const io::PlyProperty& property) {
+          return property.name == name && !property.is_list;
+        });
+    if (!has) return name;
+  }
+  return {};
+}
+
 class PlyReader {
  public:
   PlyReader(const ImportSource& source, const io::PlyHeader& header,
@@ -53,13 +70,11 @@ class PlyReader {
     if (mesh_.triangles.empty()) return source_.RefuseEmptyModel();
     mesh_.vertices = welder_.TakePoints();
     AddUnusedVertices(welded_, mesh_.findings);
+    AddLost("face of fewer than three corners", small_face_count_);
     for (const io::PlyElement& element : header_.elements) {
-      if (element.name != "edge" || element.count == 0) continue;
-      mesh_.findings.Add({.what = "element edge",
-                          .where = "",
-                          .remedy = "only faces are read",
-                          .count = element.count,
-                          .effect = Effect::kLost});
+      const bool is_read = io::HoldsFaces(element) || IsOfAppearance(element.name);
+      if (!is_read && element.name != "vertex")
+        AddLost("element " + element.name, element.count);
     }
     return std::move(mesh_);
   }
@@ -69,6 +84,15 @@ class PlyReader {
     return source_.RefuseAsUnreadable(
         fmt::format("it ends, or is damaged, in row {} of the {} of element {:.30}",
                     row + 1, element.count, element.name));
+  }
+
+  void AddLost(const std::string& what, std::uint64_t count) {
+    if (count == 0) return;
+    mesh_.findings.Add({.what = what,
+                        .where = "",
+                        .remedy = "only faces are read",
+                        .count = count,
+                        .effect = Effect::kLost});
   }
 
   Status ReadRow(const io::PlyElement& element, std::uint64_t row) {
@@ -138,7 +162,10 @@ class PlyReader {
       INTAGLIO_TRY(CheckCorner(corner, row));
       places_.push_back(points_[static_cast<std::size_t>(corner)]);
     }
-    if (corners_.size() < 3) return {};
+    if (corners_.size() < 3) {
+      ++small_face_count_;
+      return {};
+    }
     const auto triangles = TriangulatePolygon(places_);
     if (!triangles) {
       return source_.Refuse(
@@ -179,6 +206,7 @@ class PlyReader {
   std::vector<std::uint32_t> welded_;
   std::vector<std::int64_t> corners_;  ///< of the row
   PointList places_;
+  std::uint64_t small_face_count_ = 0;
   VertexWelder welder_;
   ImportedMesh mesh_;
 };
@@ -195,6 +223,12 @@ Result<ImportedMesh> ReadPly(std::string_view file, const ImportSource& source) 
     return source.RefuseAsUnreadable("its header declares no element vertex");
   }
   for (const io::PlyElement& element : header->elements) {
+    const std::string_view missing =
+        element.name == "vertex" ? MissingCoordinate(element) : std::string_view();
+    if (!missing.empty()) {
+      return source.RefuseAsUnreadable(
+          fmt::format("its vertices have no property {}", missing));
+    }
     if (element.name != "range_grid" || element.count == 0) continue;
     return source.Refuse(ErrorCode::kUnsupported,
                          "its element range_grid, a grid of ranges of a scanner, is not "

@@ -1,8 +1,9 @@
 #pragma once
 
 // Reads a PLY (Turk 1994) with faces: polygons (vertex_indices, vertex_index) and
-// triangle strips, whose parts are divided by -1. Other elements and properties are read
-// past. A grid of ranges (range_grid) is refused by name.
+// triangle strips, whose parts are divided by -1. Other properties are read past, as are
+// elements of the look of a model; all others are findings. A grid of ranges (range_grid)
+// and vertices without x, y or z are refused by name.
 
 #include <string_view>
 
