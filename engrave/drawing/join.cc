@@ -1,99 +1,46 @@
-#include <cmath>
-#include <cstdint>
-#include <unordered_map>
+#include <optional>
+#include <utility>
 
 #include "engrave/core/check.h"
-#include "engrave/drawing/cell.h"
+#include "engrave/curve/open_ends.h"
 #include "engrave/drawing/flatten.h"
 
 namespace intaglio::drawing {
 namespace {
 
-/// End 2 i is the beginning of curve i, end 2 i + 1 its end.
-using End = std::size_t;
-constexpr End kNoEnd = static_cast<End>(-1);
-// More ends than this in one cell cannot be a pair that meets.
-constexpr std::size_t kCrowd = 8;
+using curve::End;
+using curve::kNoEnd;
+using curve::OtherEnd;
 
-End OtherEnd(End end) { return end ^ 1; }
-
-using EndCell = Cell<4>;  // layer, then place
+std::vector<std::optional<curve::CurveEnds>> EndsOf(
+    const std::vector<FlatCurve>& curves) {
+  std::vector<std::optional<curve::CurveEnds>> ends(curves.size());
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    const PointList& points = curves[i].points_mm;
+    if (!curves[i].closed && points.size() > 1)
+      ends[i] = curve::CurveEnds{curves[i].layer, points.front(), points.back()};
+  }
+  return ends;
+}
 
 class Joiner {
  public:
   Joiner(double tolerance_mm, std::vector<FlatCurve> curves)
-      : tolerance_mm_(tolerance_mm), curves_(std::move(curves)) {}
+      : ends_(EndsOf(curves), tolerance_mm), curves_(std::move(curves)) {}
 
   std::vector<FlatCurve> Join() {
-    for (End end = 0; end < 2 * curves_.size(); ++end) {
-      if (CanJoin(end)) cells_[CellOf(end)].push_back(end);
-    }
-    partner_.assign(2 * curves_.size(), kNoEnd);
-    for (End end = 0; end < partner_.size(); ++end) {
-      if (CanJoin(end)) partner_[end] = OnlyNeighbour(end);
-    }
     used_.assign(curves_.size(), false);
     std::vector<FlatCurve> joined;
     for (std::size_t i = 0; i < curves_.size(); ++i) {
-      if (!used_[i]) joined.push_back(Chain(FirstEndOfChain(2 * i)));
+      if (!used_[i]) joined.push_back(Chain(ends_.FirstOfChain(2 * i)));
     }
     return joined;
   }
 
  private:
-  bool CanJoin(End end) const {
-    return !curves_[end / 2].closed && curves_[end / 2].points_mm.size() > 1;
-  }
-  const Vec3& PointOf(End end) const {
-    const PointList& points = curves_[end / 2].points_mm;
-    return end % 2 == 0 ? points.front() : points.back();
-  }
-  EndCell CellOf(End end) const {
-    const Vec3 p = PointOf(end) / tolerance_mm_;
-    return {curves_[end / 2].layer, std::llround(p.x()), std::llround(p.y()),
-            std::llround(p.z())};
-  }
-
-  /// The one other end within the tolerance; none when there are more.
-  End OnlyNeighbour(End end) const {
-    const EndCell middle = CellOf(end);
-    End only = kNoEnd;
-    for (int step = 0; step < 27; ++step) {
-      const EndCell cell{middle[0], middle[1] + step % 3 - 1,
-                         middle[2] + step / 3 % 3 - 1, middle[3] + step / 9 - 1};
-      const auto found = cells_.find(cell);
-      if (found == cells_.end()) continue;
-      if (found->second.size() > kCrowd) return kNoEnd;
-      for (const End other : found->second) {
-        if (other == end || (PointOf(other) - PointOf(end)).norm() > tolerance_mm_) {
-          continue;
-        }
-        if (only != kNoEnd) return kNoEnd;
-        only = other;
-      }
-    }
-    return only;
-  }
-
-  /// The end that `end` is joined to: each is the only neighbour of the other.
-  End Partner(End end) const {
-    const End partner = partner_[end];
-    return partner != kNoEnd && partner_[partner] == end ? partner : kNoEnd;
-  }
-
-  /// Backwards from `end` until nothing is joined, or round a ring to `end` again.
-  End FirstEndOfChain(End end) const {
-    End first = end;
-    while (Partner(first) != kNoEnd) {
-      first = OtherEnd(Partner(first));
-      if (first == end) break;
-    }
-    return first;
-  }
-
   FlatCurve Chain(End first) {
     const FlatCurve& head = curves_[first / 2];
-    if (Partner(first) == kNoEnd && Partner(OtherEnd(first)) == kNoEnd) {
+    if (ends_.PartnerOf(first) == kNoEnd && ends_.PartnerOf(OtherEnd(first)) == kNoEnd) {
       used_[first / 2] = true;
       return std::move(curves_[first / 2]);
     }
@@ -110,7 +57,7 @@ class Joiner {
       } else {
         points.insert(points.end(), part.rbegin() + skip, part.rend());
       }
-      const End next = Partner(OtherEnd(end));
+      const End next = ends_.PartnerOf(OtherEnd(end));
       if (next == kNoEnd) return chain;
       if (next == first) break;
       end = next;
@@ -122,10 +69,8 @@ class Joiner {
     return chain;
   }
 
-  double tolerance_mm_;
+  curve::OpenEnds ends_;
   std::vector<FlatCurve> curves_;
-  std::unordered_map<EndCell, std::vector<End>, CellHash> cells_;
-  std::vector<End> partner_;
   std::vector<bool> used_;
 };
 

@@ -7,7 +7,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/core/segment.h"
-#include "engrave/drawing/cell.h"
+#include "engrave/curve/cell.h"
 #include "engrave/drawing/flatten.h"
 
 // Curves that run along each other have the same bounding box: boxes are found in a grid
@@ -26,7 +26,7 @@ constexpr double kLengthRatio = 0.01;
 // Distances from a segment, about 5 ns each.
 constexpr std::uint64_t kMaxDistances = 100'000'000;
 
-using BoxCell = Cell<6>;
+using BoxCell = curve::Cell<6>;
 
 struct Shape {
   std::array<double, 6> box{};
@@ -118,7 +118,7 @@ class Repeated {
 
   double tolerance_mm_;
   std::uint64_t distances_ = 0;
-  std::unordered_map<BoxCell, std::vector<std::pair<std::size_t, Shape>>, CellHash>
+  std::unordered_map<BoxCell, std::vector<std::pair<std::size_t, Shape>>, curve::CellHash>
       by_cell_;
 };
 

@@ -11,6 +11,7 @@
 #include "engrave/contour/region/loose_edges.h"
 #include "engrave/contour/region/region_index.h"
 #include "engrave/core/try.h"
+#include "engrave/curve/open_ends.h"
 #include "engrave/drawing/flatten.h"
 
 namespace intaglio::contour {
@@ -136,56 +137,17 @@ struct Chain {
   }
 };
 
-/// The two ends of open chains, and of each the one other end that it meets.
-class ChainEnds {
- public:
-  ChainEnds(const std::vector<Chain>& chains, double joint_mm)
-      : chains_(chains), joint_mm_(joint_mm), partners_(2 * chains.size()) {
-    for (std::size_t end = 0; end < partners_.size(); ++end) {
-      if (!chains[end / 2].closed) cells_[CellOf(Place(end), 0, 0)].push_back(end);
-    }
-    for (std::size_t end = 0; end < partners_.size(); ++end) {
-      if (!chains[end / 2].closed) partners_[end] = OnlyOneNear(end);
-    }
+/// Where chains begin and end, of those that may be joined.
+std::vector<std::optional<curve::CurveEnds>> EndsOf(const std::vector<Chain>& chains) {
+  std::vector<std::optional<curve::CurveEnds>> ends(chains.size());
+  for (std::size_t i = 0; i < chains.size(); ++i) {
+    if (chains[i].closed) continue;
+    const Vec2 begin = chains[i].EndMm(0), end = chains[i].EndMm(1);
+    ends[i] = curve::CurveEnds{
+        chains[i].layer, {begin.x(), begin.y(), 0}, {end.x(), end.y(), 0}};
   }
-
-  /// Both agree.
-  std::optional<std::size_t> PartnerOf(std::size_t end) const {
-    const auto other = partners_[end];
-    return other && partners_[*other] == end ? other : std::nullopt;
-  }
-
- private:
-  using Cell = std::pair<std::int64_t, std::int64_t>;
-
-  Vec2 Place(std::size_t end) const {
-    return chains_[end / 2].EndMm(static_cast<int>(end % 2));
-  }
-  Cell CellOf(const Vec2& place, int dx, int dy) const {
-    return {static_cast<std::int64_t>(std::floor(place.x() / joint_mm_)) + dx,
-            static_cast<std::int64_t>(std::floor(place.y() / joint_mm_)) + dy};
-  }
-  std::optional<std::size_t> OnlyOneNear(std::size_t end) const {
-    std::optional<std::size_t> near;
-    for (int k = 0; k < 9; ++k) {
-      const auto cell = cells_.find(CellOf(Place(end), k % 3 - 1, k / 3 - 1));
-      if (cell == cells_.end()) continue;
-      for (const std::size_t other : cell->second) {
-        if (other == end || chains_[other / 2].layer != chains_[end / 2].layer ||
-            (Place(other) - Place(end)).norm() >= joint_mm_)
-          continue;
-        if (near) return std::nullopt;
-        near = other;
-      }
-    }
-    return near;
-  }
-
-  const std::vector<Chain>& chains_;
-  double joint_mm_;
-  std::map<Cell, std::vector<std::size_t>> cells_;
-  std::vector<std::optional<std::size_t>> partners_;
-};
+  return ends;
+}
 
 Edges Backwards(const Edges& edges) {
   Edges turned;
@@ -204,41 +166,35 @@ void LineToClose(const Vec2& to_mm, Edges& edges) {
 
 /// From the chain of the end `first`, along the partners, until there is none or the
 /// first is met again.
-FollowedCurve JoinedFrom(std::size_t first, const std::vector<Chain>& chains,
-                         const ChainEnds& ends, std::vector<char>& used) {
-  FollowedCurve curve;
-  std::optional<std::size_t> entry = first;
-  while (entry && used[*entry / 2] == 0) {
-    used[*entry / 2] = 1;
-    const Edges& next = chains[*entry / 2].edges;
-    const Edges part = *entry % 2 == 0 ? next : Backwards(next);
-    if (!curve.edges.empty()) LineToClose(part.front().begin_mm, curve.edges);
-    curve.edges.insert(curve.edges.end(), part.begin(), part.end());
-    entry = ends.PartnerOf(*entry ^ 1U);
+FollowedCurve JoinedFrom(curve::End first, const std::vector<Chain>& chains,
+                         const curve::OpenEnds& ends, std::vector<char>& used) {
+  FollowedCurve joined;
+  curve::End entry = first;
+  while (entry != curve::kNoEnd && used[entry / 2] == 0) {
+    used[entry / 2] = 1;
+    const Edges& next = chains[entry / 2].edges;
+    const Edges part = entry % 2 == 0 ? next : Backwards(next);
+    if (!joined.edges.empty()) LineToClose(part.front().begin_mm, joined.edges);
+    joined.edges.insert(joined.edges.end(), part.begin(), part.end());
+    entry = ends.PartnerOf(curve::OtherEnd(entry));
   }
-  curve.closed = entry == first;
-  if (curve.closed) LineToClose(curve.edges.front().begin_mm, curve.edges);
-  return curve;
+  joined.closed = entry == first;
+  if (joined.closed) LineToClose(joined.edges.front().begin_mm, joined.edges);
+  return joined;
 }
 
 std::vector<FollowedCurve> JoinedChains(std::vector<Chain> chains, double joint_mm) {
-  const ChainEnds ends(chains, joint_mm);
+  // Ends nearer than the joint, and not those as far apart as it.
+  const curve::OpenEnds ends(EndsOf(chains), std::nextafter(joint_mm, 0));
   std::vector<char> used(chains.size(), 0);
   std::vector<std::pair<std::size_t, FollowedCurve>> joined;
-  const auto take = [&](std::size_t i, std::size_t end) {
-    joined.emplace_back(i, JoinedFrom(end, chains, ends, used));
-  };
   for (std::size_t i = 0; i < chains.size(); ++i) {
     if (chains[i].closed) {
       used[i] = 1;
       joined.emplace_back(i, FollowedCurve{std::move(chains[i].edges), true});
     } else if (used[i] == 0) {
       // From a free end, so that the row is taken whole; of a ring from anywhere.
-      std::size_t end = 2 * i;
-      for (auto at = ends.PartnerOf(end); at && *at / 2 != i; at = ends.PartnerOf(end))
-        end = *at ^ 1U;
-      const bool ring = ends.PartnerOf(end).has_value();
-      take(i, ring ? 2 * i : end);
+      joined.emplace_back(i, JoinedFrom(ends.FirstOfChain(2 * i), chains, ends, used));
     }
   }
   std::vector<FollowedCurve> curves;

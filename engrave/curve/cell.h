@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace intaglio::drawing {
+namespace intaglio::curve {
 
 template <std::size_t kDimensions>
 using Cell = std::array<std::int64_t, kDimensions>;
@@ -24,4 +24,4 @@ struct CellHash {
   }
 };
 
-}  // namespace intaglio::drawing
+}  // namespace intaglio::curve
