@@ -192,8 +192,11 @@ void LinuxcncDriver::UpdateState(const HalSample& sample) {
   state_.link_up = state_.link_up || settled_;
   state_.refusal.clear();
   state_.position_mm = sample.actual_mm;
+  // It spends a grant as an opening does, also between two runs.
+  if (state_.homed && !sample.Has(kHalHomed)) ++lost_places_;
   state_.homed = sample.Has(kHalHomed);
-  if (!state_.homed && run_in_flight_) SetFault(intaglio_MOTION_SAFE_STATE, kNotHomed);
+  if (!state_.homed && (run_in_flight_ || jog_in_flight_))
+    SetFault(intaglio_MOTION_SAFE_STATE, kNotHomed);
   state_.covered_through_tick = course_.active() ? course_.covered_through_tick() : 0;
   state_.at_rest = settled_ && !course_.active() && !run_in_flight_ && !jog_in_flight_;
   ++state_.number;

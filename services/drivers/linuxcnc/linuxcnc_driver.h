@@ -135,9 +135,10 @@ class LinuxcncDriver final : public MotionDriver, public LaserController {
   // motion
   RowCourse course_;
   RowJog jog_;
-  bool run_in_flight_ = false;  ///< rows of the run are not reported yet, or to come
-  bool jog_in_flight_ = false;  ///< the same of a jog
-  bool run_lost_ = false;       ///< by a lost line
+  std::uint32_t lost_places_ = 0;  ///< times that axes-homed went off
+  bool run_in_flight_ = false;     ///< rows of the run are not reported yet, or to come
+  bool jog_in_flight_ = false;     ///< the same of a jog
+  bool run_lost_ = false;          ///< by a lost line
   bool clearing_ = false;
   bool settled_ = false;  ///< `place_mm_` is where the axes rest
   int still_samples_ = 0;

@@ -40,7 +40,7 @@ void LinuxcncDriver::UpdateStatus(const HalSample& sample) {
   status_.last_fired_tick = ticks_.last_fired();
   status_.decided_through = ticks_.decided_through();
   status_.disarms_taken = sample.arm >= disarm_number_ ? disarms_ : disarms_ - 1;
-  status_.openings = sample.openings;
+  status_.openings = sample.openings + lost_places_;
   if (status_.tick == 0) status_.tick = sample.tick;
   ++status_number_;
   status_at_ = clock_();

@@ -76,10 +76,48 @@ void AFaultEndsTheMotion(const MotionRigMaker& make, ControllerFault fault,
   bench.ExpectGoodRun(9);
 }
 
+// Where the controller has braked may lie between two steps, to and fro of which a
+// stepper goes; a step of the coarsest controller here is shorter than this.
+void ExpectRest(MotionBench& bench, std::chrono::milliseconds time,
+                const std::string& violation) {
+  constexpr double kStep_mm = 0.0055;
+  const Vec3 place = bench.rig().actual_mm();
+  for (std::int64_t i = 0; i < time.count(); ++i) {
+    bench.Step();
+    Expect((bench.rig().actual_mm() - place).cwiseAbs().maxCoeff() < kStep_mm, violation);
+  }
+}
+
+// At the instant when the place goes, the axes may be anywhere: rest, and the next run
+// by a person's will alone.
+void APlaceThatIsLostEndsTheRun(const MotionRigMaker& make) {
+  MotionBench bench(make);
+  bench.Connect();
+  bench.MoveALot(1);
+  const KnownOfLaser known = KnownOf(bench);
+  if (!bench.rig().LosePlaceInMotion()) return;
+  bench.ExpectFault(intaglio_MOTION_SAFE_STATE, "M18: a place that is lost in a run");
+  bench.StepFor(100ms + bench.rig().braking_time());
+  ExpectRest(bench, 300ms, "M18: the motion goes on where the place is lost");
+  Expect(UsedLaser(bench) == nullptr || KnownOf(bench) != known,
+         "M18: a place that is lost is not counted");
+  Expect(bench.rig().FindPlace(), "M18: a person cannot state the place");
+  ExpectRest(bench, 1s, "M18: it goes on by itself when the place is known again");
+  Expect(bench.state().fault == intaglio_MOTION_SAFE_STATE, "M18: the fault ends itself");
+  if (UsedLaser(bench) != nullptr) Expect(UsedLaser(bench)->Reset(), "Reset");
+  Expect(bench.driver().ClearFault(), "ClearFault");
+  Expect(bench.Until([&] {
+    return bench.state().fault == intaglio_MOTION_OK && bench.state().at_rest;
+  }),
+         "M18: the fault stays: " + bench.Message());
+  bench.positions.clear();
+  bench.ExpectGoodRun(9);
+}
+
 }  // namespace
 
 std::vector<MotionCheck> MotionFaultChecks() {
-  std::vector<MotionCheck> all;
+  std::vector<MotionCheck> all = {{"M18_lost_in_a_run", &APlaceThatIsLostEndsTheRun}};
   for (const ControllerFault fault : kControllerFaults) {
     for (const FaultInstant instant : kFaultInstants) {
       all.push_back({fmt::format("M17_{}_{}", NameOf(fault), NameOf(instant)),

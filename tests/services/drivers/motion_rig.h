@@ -58,6 +58,9 @@ class MotionRig {
   /// The controller does not know any more where its axes are, and moves nothing; false:
   /// one of this family always knows. Over when it returns.
   virtual bool LosePlace() { return false; }
+  /// The same in the middle of a motion that nothing else ends; false: here a place is
+  /// lost by what ends the motion (M17), or never.
+  virtual bool LosePlaceInMotion() { return false; }
   /// As a person then does, until it knows again.
   virtual bool FindPlace() {
     return driver->SetZero(actual_mm(), {true, true, true}) &&

@@ -87,6 +87,7 @@ class Motion final : public drivers::MotionRig {
     rig_.SwitchOn();
   }
   bool LosePlace() override { return SetHomed(false); }
+  bool LosePlaceInMotion() override { return SetHomed(false); }
   bool FindPlace() override { return SetHomed(true); }
   Vec3 actual_mm() override { return rig_.tap.newest().actual_mm; }
   bool moves() override { return rig_.tap.moves(); }
