@@ -73,9 +73,8 @@ int History(const HistoryOptions& options) {
   history::Filter filter = options.filter;
   if (options.job != 0) filter.job = options.job;
   if (auto good = history::CheckFilter(filter); !good) return Complain(good.error());
-  const fs::path database = options.database.empty()
-                                ? fs::path(options.folder) / "jobs.db"
-                                : fs::path(options.database);
+  const std::string database =
+      options.database.empty() ? options.folder + "/jobs.db" : options.database;
   const auto jobs = history::ReadHistory(database, filter);
   if (!jobs) return Complain(jobs.error());
   if (options.json) return PrintHistory(*jobs);
@@ -99,8 +98,9 @@ void AddHistoryCommand(command_line::Command app) {
                                      "folder of the shop, as for intaglio up")
                           .ShowDefault();
   history
-      .AddOption("--database", options->database,
-                 "or the database file of the job service, as for its --database")
+      .AddOption(
+          "--database", options->database,
+          "or the database of the job service, as for its --database: a file or a server")
       .Exclude(folder);
   history.AddOption(
       "--since", options->filter.since,

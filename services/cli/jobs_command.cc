@@ -156,8 +156,9 @@ void AddAgain(command_line::Command app, const std::shared_ptr<JobsOptions>& opt
                                      "folder of the shop, as for intaglio up")
                           .ShowDefault();
   again
-      .AddOption("--database", options->database,
-                 "or the database file of the job service, as for its --database")
+      .AddOption(
+          "--database", options->database,
+          "or the database of the job service, as for its --database: a file or a server")
       .Exclude(folder);
   AddArmAndWatch(again, *options);
   AddBusFlags(again, options->bus);

@@ -1,12 +1,12 @@
 #include "services/history/job_history.h"
 
-#include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
 #include <filesystem>
 #include <string_view>
 
@@ -16,6 +16,7 @@
 #include "services/history/job_names.h"
 #include "services/history/write_ahead_log.h"
 #include "services/platform/host/times/utc_time.h"
+#include "services/sql/address.h"
 
 namespace intaglio::history {
 namespace {
@@ -44,12 +45,7 @@ SELECT j.number, j.uid, j.name, j.cell, j.material, j.state, j.verdict, j.attemp
   j.planned_count, j.made_count, j.missed_count, j.skipped_count, j.uncertain_count,
   coalesce(s.taken_utc, '') AS submitted_utc, j.started_utc, j.engraving_utc, j.ended_utc,
   j.report, j.recording, {0}, {1},
-  coalesce(e.done_count, 0) AS done_count, coalesce(e.total_count, 0) AS total_count,
-  CASE j.started_utc WHEN '' THEN 0 ELSE
-    (julianday(CASE j.ended_utc WHEN '' THEN ?1 ELSE j.ended_utc END)
-      - julianday(j.started_utc)) * 86400 END AS duration_s,
-  CASE j.engraving_utc WHEN '' THEN 0 ELSE
-    (julianday(?1) - julianday(j.engraving_utc)) * 86400 END AS engraving_s
+  coalesce(e.done_count, 0) AS done_count, coalesce(e.total_count, 0) AS total_count
 FROM jobs AS j
 LEFT JOIN submissions AS s ON s.submission_uid = j.submission_uid
 LEFT JOIN stages AS e ON e.job_uid = j.uid AND e.stage = 2
@@ -60,7 +56,7 @@ class Conditions {
  public:
   explicit Conditions(const Filter& filter) {
     if (filter.job) {
-      Add("j.number = {}", std::to_string(*filter.job));
+      texts_.push_back(fmt::format("j.number = {}", *filter.job));
       return;
     }
     // The plus keeps SQLite from the index of it, in which all ended jobs are one: that
@@ -78,20 +74,16 @@ class Conditions {
     return fmt::format("WHERE {} ORDER BY j.ended_utc, j.number",
                        fmt::join(texts_, " AND "));
   }
-  void Bind(SQLite::Statement& statement) const {
-    for (std::size_t i = 0; i < values_.size(); ++i) {
-      statement.bind(static_cast<int>(i) + kFirst, values_[i]);
-    }
+  void Bind(sql::Statement& statement) const {
+    int place = 0;
+    for (const std::string& value : values_) statement.Bind(++place, value);
   }
 
  private:
-  static constexpr int kFirst = 2;  // ?1 is the time
   void Add(const char* condition, const std::string& value) {
     if (value.empty()) return;
     values_.push_back(value);
-    const std::string place =
-        fmt::format("?{}", static_cast<int>(values_.size()) - 1 + kFirst);
-    texts_.push_back(fmt::format(fmt::runtime(condition), place));
+    texts_.push_back(fmt::format(fmt::runtime(condition), "?"));
   }
   std::vector<std::string> texts_, values_;
 };
@@ -103,21 +95,26 @@ std::string ReportOf(const std::string& stored, const std::string& folder) {
   return std::filesystem::exists(report, error) ? report.string() : stored;
 }
 
-JobStatistics RowOf(SQLite::Statement& row) {
+/// From a time of the database to another; 0: there is no first one.
+double SecondsBetween(const std::string& begin_utc, SystemTime end) {
+  const auto begin = host::TimeOfUtc(begin_utc);
+  return begin ? std::chrono::duration<double>(end - *begin).count() : 0;
+}
+
+JobStatistics RowOf(sql::Statement& row, SystemTime now) {
   JobStatistics s;
-  const auto text = [&row](const char* column) {
-    return row.getColumn(column).getString();
+  const auto text = [&row](const char* column) { return row.Text(column); };
+  const auto u32 = [&row](const char* column) {
+    return static_cast<std::uint32_t>(row.Integer(column));
   };
-  const auto u32 = [&row](const char* column) { return row.getColumn(column).getUInt(); };
-  const auto number = [&row](const char* column) {
-    return row.getColumn(column).getDouble();
-  };
+  const auto number = [&row](const char* column) { return row.Real(column); };
   s.set_job(u32("number"));
   s.set_uid(text("uid"));
   s.set_name(text("name"));
   s.set_cell(text("cell"));
   s.set_material(text("material"));
-  s.set_state(StateName(static_cast<intaglio_JobState>(row.getColumn("state").getInt())));
+  s.set_state(
+      StateName(static_cast<intaglio_JobState>(static_cast<int>(row.Integer("state")))));
   s.set_verdict(text("verdict"));
   s.set_planned(u32("planned_count"));
   s.set_made(u32("made_count"));
@@ -128,7 +125,8 @@ JobStatistics RowOf(SQLite::Statement& row) {
   s.set_started_utc(text("started_utc"));
   s.set_engraving_utc(text("engraving_utc"));
   s.set_ended_utc(text("ended_utc"));
-  s.set_duration_s(number("duration_s"));
+  s.set_duration_s(
+      SecondsBetween(s.started_utc(), host::TimeOfUtc(s.ended_utc()).value_or(now)));
   const double rate_hz = number("rate_hz");
   if (rate_hz > 0) {
     s.set_estimated_s(number("estimate_ticks") / rate_hz);
@@ -141,7 +139,7 @@ JobStatistics RowOf(SQLite::Statement& row) {
     s.set_estimate_ratio(s.estimated_s() / s.undisturbed_s());
   }
   s.set_attempt(u32("attempt"));
-  s.set_priority(row.getColumn("priority").getInt());
+  s.set_priority(static_cast<int>(row.Integer("priority")));
   s.set_message(text("message"));
   s.set_result_directory(text("result_directory"));
   s.set_report(ReportOf(text("report"), text("result_directory")));
@@ -217,102 +215,113 @@ Status CheckFilter(const Filter& filter) {
               filter.verdict);
 }
 
-std::vector<JobStatistics> SelectJobs(SQLite::Database& database, const Filter& filter,
+std::vector<JobStatistics> SelectJobs(sql::Connection& database, const Filter& filter,
                                       SystemTime now) {
   const Conditions conditions(filter);
-  const int version = database.execAndGet("PRAGMA user_version").getInt();
+  const int version = database.Version();
   const char* const columns = version < kWarningsVersion
                                   ? "'' AS warnings, '' AS breakage_accepted_by"
                                   : "j.warnings, j.breakage_accepted_by";
   const char* const estimates = version < kEstimatesVersion
                                     ? "0 AS first_estimate_ticks, 0 AS undisturbed_ticks"
                                     : "j.first_estimate_ticks, j.undisturbed_ticks";
-  SQLite::Statement select(
-      database,
+  const auto select = database.Prepare(
       fmt::format(fmt::runtime(kSelect), columns, estimates) + conditions.Text());
-  select.bind(1, host::UtcText(now));
-  conditions.Bind(select);
+  conditions.Bind(*select);
   std::vector<JobStatistics> jobs;
-  while (select.executeStep()) {
-    jobs.push_back(RowOf(select));
+  while (select->Step()) {
+    jobs.push_back(RowOf(*select, now));
     const auto count = [&select](const char* column) {
-      return static_cast<std::uint64_t>(select.getColumn(column).getInt64());
+      return static_cast<std::uint64_t>(select->Integer(column));
     };
     AddProgress(jobs.back(), count("done_count"), count("total_count"),
-                select.getColumn("engraving_s").getDouble(), now);
+                SecondsBetween(jobs.back().engraving_utc(), now), now);
   }
   return jobs;
 }
 
 namespace {
 
-/// What `read` makes of the opened database.
-template <typename T, typename Read>
-Result<T> Opened(const fs::path& path, const Read& read) {
+Status CheckFile(const fs::path& file) {
   std::error_code ignored;
-  if (!fs::exists(path, ignored) && !fs::exists(path.string() + "-wal", ignored)) {
+  if (!fs::exists(file, ignored) && !fs::exists(file.string() + "-wal", ignored)) {
     return Fail(ErrorCode::kNotFound,
                 fmt::format("{}: the file does not exist: give the folder of the shop "
                             "with --folder, or the job service's --database",
-                            path.string()),
-                path.string());
+                            file.string()),
+                file.string());
   }
-  INTAGLIO_TRY(CheckJobDatabase(path));
-  INTAGLIO_TRY(CheckLogInUse(path));
+  INTAGLIO_TRY(CheckJobDatabase(file));
+  return CheckLogInUse(file);
+}
+
+/// What `read` makes of the opened database.
+template <typename T, typename Read>
+Result<T> Opened(const std::string& address, const Read& read) {
+  const bool is_file = !sql::IsServerAddress(address);
+  const std::string place = sql::WithoutPassword(address);
+  if (is_file) INTAGLIO_TRY(CheckFile(address));
   try {
-    SQLite::Database database(path.string(), SQLite::OPEN_READONLY, 2000);
-    const int version = database.execAndGet("PRAGMA user_version").getInt();
-    if (version < kHistoryVersion) {
+    const auto database = sql::OpenToRead(address);
+    const int version = database->Version();
+    if (version < kHistoryVersion || version > kJobDatabaseVersion) {
       return Fail(ErrorCode::kUnreadable,
-                  fmt::format("{}: has version {}, without a history: start a current "
-                              "job service on it to add one (intaglio up)",
-                              path.string(), version),
-                  path.string());
+                  fmt::format("{}: has version {}, this program reads {} to {}: start a "
+                              "current job service on an older one (intaglio up), or use "
+                              "the newer program",
+                              place, version, kHistoryVersion, kJobDatabaseVersion),
+                  place);
     }
-    return read(database);
-  } catch (const SQLite::Exception& error) {
-    if (IsDamage(error.getErrorCode()))
-      return tl::unexpected(DamagedQueue(path, error.what()));
-    return Fail(ErrorCode::kIo,
-                fmt::format("{}: {}: check that it is the database of a job service, and "
-                            "that you may read it and write to its folder",
-                            path.string(), error.what()),
-                path.string());
+    return read(*database);
+  } catch (const sql::SqlError& error) {
+    if (is_file && error.kind() == sql::SqlError::Kind::kDamaged)
+      return tl::unexpected(DamagedQueue(address, error.what()));
+    return Fail(
+        ErrorCode::kIo,
+        fmt::format("{}: {}: check that it is the database of a job service, and "
+                    "that you may read it{}",
+                    place, error.what(), is_file ? " and write to its folder" : ""),
+        place);
   }
 }
 
 }  // namespace
 
-Result<std::vector<JobStatistics>> ReadHistory(const fs::path& path,
+Result<std::vector<JobStatistics>> ReadHistory(const std::string& database,
                                                const Filter& filter) {
   using Jobs = std::vector<JobStatistics>;
-  return Opened<Jobs>(path, [&filter](SQLite::Database& database) -> Result<Jobs> {
-    return SelectJobs(database, filter, std::chrono::system_clock::now());
+  return Opened<Jobs>(database, [&filter](sql::Connection& opened) -> Result<Jobs> {
+    return SelectJobs(opened, filter, std::chrono::system_clock::now());
   });
 }
 
-Result<JobSpec> ReadJob(const fs::path& path, const std::string& uid_or_number) {
-  return Opened<JobSpec>(path, [&](SQLite::Database& database) -> Result<JobSpec> {
+Result<JobSpec> ReadJob(const std::string& database, const std::string& uid_or_number) {
+  return Opened<JobSpec>(database, [&](sql::Connection& opened) -> Result<JobSpec> {
     // As it is written: 12, not 012. A uid has a hyphen.
+    std::uint32_t number = 0;
+    const char* const end = uid_or_number.data() + uid_or_number.size();
+    const auto read = std::from_chars(uid_or_number.data(), end, number);
     const bool is_number =
-        !uid_or_number.starts_with('0') &&
-        std::all_of(uid_or_number.begin(), uid_or_number.end(),
-                    [](unsigned char letter) { return std::isdigit(letter) != 0; });
-    SQLite::Statement select(database,
-                             fmt::format("SELECT frozen_job FROM jobs WHERE {} = ?",
-                                         is_number ? "number" : "uid"));
-    select.bind(1, uid_or_number);
-    if (!select.executeStep()) {
+        !uid_or_number.starts_with('0') && read.ec == std::errc() && read.ptr == end;
+    const auto select = opened.Prepare(fmt::format(
+        "SELECT frozen_job FROM jobs WHERE {} = ?", is_number ? "number" : "uid"));
+    if (is_number) {
+      select->Bind(1, number);
+    } else {
+      select->Bind(1, uid_or_number);
+    }
+    const std::string place = sql::WithoutPassword(database);
+    if (!select->Step()) {
       return Fail(ErrorCode::kNotFound,
-                  fmt::format("{}: no job '{}'; intaglio history lists the jobs",
-                              path.string(), uid_or_number),
+                  fmt::format("{}: no job '{}'; intaglio history lists the jobs", place,
+                              uid_or_number),
                   uid_or_number);
     }
     FrozenJob frozen;
-    if (frozen.ParseFromString(select.getColumn(0).getString())) return frozen.job();
+    if (frozen.ParseFromString(select->Text(0))) return frozen.job();
     return Fail(ErrorCode::kUnreadable,
-                fmt::format("{}: job {} cannot be read; submit its job file again",
-                            path.string(), uid_or_number),
+                fmt::format("{}: job {} cannot be read; submit its job file again", place,
+                            uid_or_number),
                 uid_or_number);
   });
 }

@@ -6,7 +6,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,8 +14,8 @@
 #include "proto/job.pb.h"
 #include "proto/shop.pb.h"
 
-namespace SQLite {
-class Database;
+namespace intaglio::sql {
+class Connection;
 }
 
 namespace intaglio::history {
@@ -37,19 +36,19 @@ struct Filter {
 /// kInvalidValue when a time or a verdict is none, with what is expected.
 Status CheckFilter(const Filter& filter);
 
+/// `database`: an address of services/sql/address.h, a file or a server.
 /// Jobs that have ended, oldest end first; kNotFound, kIo or kUnreadable with the remedy.
 /// Precondition: CheckFilter.
-Result<std::vector<JobStatistics>> ReadHistory(const std::filesystem::path& database,
+Result<std::vector<JobStatistics>> ReadHistory(const std::string& database,
                                                const Filter& filter);
 
 /// A job as it was made, every default filled in, by its uid or short number. Errors as
 /// above, and kNotFound for a job that is none of this shop's.
-Result<JobSpec> ReadJob(const std::filesystem::path& database,
-                        const std::string& uid_or_number);
+Result<JobSpec> ReadJob(const std::string& database, const std::string& uid_or_number);
 
-/// As ReadHistory, from an open database; throws SQLite::Exception. `now` is for the
+/// As ReadHistory, from an open database; throws sql::SqlError. `now` is for the
 /// progress and the expected end of a job that is engraved.
-std::vector<JobStatistics> SelectJobs(SQLite::Database& database, const Filter& filter,
+std::vector<JobStatistics> SelectJobs(sql::Connection& database, const Filter& filter,
                                       std::chrono::system_clock::time_point now);
 
 /// How good the first estimates were, over the jobs that can be compared.

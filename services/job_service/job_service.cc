@@ -64,9 +64,10 @@ FrozenJob FrozenOf(const JobRecord& job) {
 }  // namespace
 
 JobService::JobService(host::ServiceHost& host, const JobServiceOptions& options,
+                       JobStore store, const std::optional<SeenByStandby>& standby,
                        StatusBoard& board, Nanoseconds now)
     : options_(options),
-      store_(options.database),
+      store_(std::move(store)),
       reader_(ReadingWith(options.materials)),
       statistics_(store_, options.recording.string()),
       epoch_(store_.BeginRun()),
@@ -80,7 +81,9 @@ JobService::JobService(host::ServiceHost& host, const JobServiceOptions& options
       engrave_tasks_(host.bus(), bus::kEngraveTask),
       permissions_(host.bus()),
       interlocks_(host.bus()),
-      seen_(options_.database.string() + ".seen"),
+      seen_({[this] { return store_.Note(); },
+             [this](const std::string& text) { store_.KeepNote(text); }},
+            standby),
       feed_(host.bus()),
       queue_(*this),
       now_(now) {

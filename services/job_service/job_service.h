@@ -30,7 +30,8 @@
 namespace intaglio::job_service {
 
 struct JobServiceOptions {
-  std::filesystem::path database;   ///< the queue; made when it is not there
+  std::string database;  ///< the queue: a file, made when it is not there, or a server
+  bool standby = false;  ///< waits while another job service has the queue of a server
   std::filesystem::path materials;  ///< the material base
   std::filesystem::path results;    ///< a job's results go to results/<job_uid>/
   /// Where every topic is recorded: what the history names for a job that has no
@@ -40,10 +41,11 @@ struct JobServiceOptions {
 
 class JobService : private JobActions {
  public:
-  /// Throws StoreError when a database cannot be opened.
-  /// `board` outlives this.
-  JobService(host::ServiceHost& host, const JobServiceOptions& options,
-             StatusBoard& board, Nanoseconds now);
+  /// Throws StoreError when the store refuses. `board` outlives this. `standby`: what
+  /// this process has seen of the one before it, if it stood by.
+  JobService(host::ServiceHost& host, const JobServiceOptions& options, JobStore store,
+             const std::optional<SeenByStandby>& standby, StatusBoard& board,
+             Nanoseconds now);
   ~JobService() override;
 
   /// `now`: time since the machine was switched on, in which it may have slept.

@@ -1,7 +1,8 @@
 #pragma once
 
-// The queue on disk: SQLite, with migrations (PRAGMA user_version). When Keep and the
-// other writing functions return, the change is durable: an accepted job survives the
+// The queue, stored: in a file of SQLite, or on a server of PostgreSQL that several
+// computers reach, with the same statements and migrations (services/sql). When Keep and
+// the other writing functions return, the change is durable: an accepted job survives the
 // death of the process and of the machine.
 //
 // Tables: runs (epochs of the job service), jobs, submissions (what became of each, also
@@ -15,7 +16,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -28,8 +28,8 @@
 #include "services/job_service/queue/job_queue.h"
 #include "services/job_service/queue/job_record.h"
 
-namespace SQLite {
-class Database;
+namespace intaglio::sql {
+class Connection;
 }
 
 namespace intaglio::job_service {
@@ -52,10 +52,17 @@ struct JobResult {
   intaglio_PointCounts counts{};
 };
 
+/// Opens a file, which is made with its folder when there is none, or connects to a
+/// server (sql::IsServerAddress). It is not owned yet (sql::Connection::TryOwn).
+std::unique_ptr<sql::Connection> OpenStore(const std::string& address);
+
 class JobStore {
  public:
-  /// Makes the file and its folder when there is none. Throws when it cannot.
-  explicit JobStore(const std::filesystem::path& path);
+  /// `owned`: TryOwn has given it to this process.
+  explicit JobStore(std::unique_ptr<sql::Connection> owned);
+  /// Opens and owns it; throws when another job service has it.
+  explicit JobStore(const std::string& address);
+  JobStore(JobStore&&) noexcept;
   ~JobStore();
 
   /// Begins a run of the job service: its epoch is greater than every one before; as it
@@ -123,10 +130,15 @@ class JobStore {
   /// As Load, one that has ended; nullopt when it has not.
   std::optional<JobRecord> LoadEnded(const std::string& job_uid);
 
+  /// A line beside the queue that is not durable, of a job service that runs
+  /// (last_seen.h).
+  std::string Note();
+  void KeepNote(const std::string& text);
+
  private:
   void Migrate();
   void FillInHistory();
-  std::unique_ptr<SQLite::Database> database_;
+  std::unique_ptr<sql::Connection> database_;
 };
 
 }  // namespace intaglio::job_service

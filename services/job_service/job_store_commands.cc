@@ -1,8 +1,5 @@
 // What JobStore keeps of the commands: each with its answer.
 
-#include <SQLiteCpp/SQLiteCpp.h>
-#include <fmt/format.h>
-
 #include "services/job_service/job_store.h"
 #include "services/job_service/store_guard.h"
 
@@ -10,35 +7,33 @@ namespace intaglio::job_service {
 
 void JobStore::KeepAnswer(const CommandView& command, const CommandAnswer& answer) {
   Guarded(*database_, [&] {
-    SQLite::Statement insert(
-        *database_,
-        fmt::format("INSERT OR IGNORE INTO commands (sender, number, job_uid, kind, "
-                    "operator_name, code, message, basis, taken_utc) "
-                    "VALUES (?, ?, ?, ?, ?, ?, ?, ?, {})",
-                    kNow));
-    insert.bind(1, command.sender);
-    insert.bind(2, Signed(command.number));
-    insert.bind(3, command.job_uid);
-    insert.bind(4, static_cast<int>(command.kind));
-    insert.bind(5, command.operator_name);
-    insert.bind(6, static_cast<int>(answer.code));
-    insert.bind(7, answer.message);
-    insert.bind(8, static_cast<int>(command.basis));
-    insert.exec();
+    const auto insert = database_->Prepare(
+        "INSERT INTO commands (sender, number, job_uid, kind, "
+        "operator_name, code, message, basis, taken_utc) "
+        "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT DO NOTHING");
+    insert->Bind(1, command.sender);
+    insert->Bind(2, Signed(command.number));
+    insert->Bind(3, command.job_uid);
+    insert->Bind(4, static_cast<int>(command.kind));
+    insert->Bind(5, command.operator_name);
+    insert->Bind(6, static_cast<int>(answer.code));
+    insert->Bind(7, answer.message);
+    insert->Bind(8, static_cast<int>(command.basis));
+    insert->Bind(9, NowUtc());
+    insert->Execute();
   });
 }
 
 std::optional<CommandAnswer> JobStore::AnswerTo(const std::string& sender,
                                                 std::uint64_t number) {
   return Guarded(*database_, [&]() -> std::optional<CommandAnswer> {
-    SQLite::Statement select(
-        *database_, "SELECT code, message FROM commands WHERE sender = ? AND number = ?");
-    select.bind(1, sender);
-    select.bind(2, Signed(number));
-    if (!select.executeStep()) return {};
-    return CommandAnswer{
-        static_cast<intaglio_CommandAnswerCode>(select.getColumn(0).getInt()),
-        select.getColumn(1).getString()};
+    const auto select = database_->Prepare(
+        "SELECT code, message FROM commands WHERE sender = ? AND number = ?");
+    select->Bind(1, sender);
+    select->Bind(2, Signed(number));
+    if (!select->Step()) return {};
+    return CommandAnswer{static_cast<intaglio_CommandAnswerCode>(select->Integer(0)),
+                         select->Text(1)};
   });
 }
 

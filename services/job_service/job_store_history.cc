@@ -1,6 +1,5 @@
 // What JobStore keeps of a job that has ended, and of those that ended before it did.
 
-#include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
 
 #include <optional>
@@ -19,17 +18,16 @@ namespace intaglio::job_service {
 namespace {
 
 /// Loads that of the job's newest engraving, once it has reported one.
-std::optional<EngraveOutcome> OutcomeIn(SQLite::Database& database,
+std::optional<EngraveOutcome> OutcomeIn(sql::Connection& database,
                                         const std::string& job_uid) {
-  SQLite::Statement select(database,
-                           "SELECT outcome FROM tasks WHERE job_uid = ? AND stage = ? "
-                           "ORDER BY attempt DESC LIMIT 1");
-  select.bind(1, job_uid);
-  select.bind(2, static_cast<int>(intaglio_STAGE_ENGRAVE));
-  if (!select.executeStep() || select.getColumn(0).isNull()) return {};
+  const auto select = database.Prepare(
+      "SELECT outcome FROM tasks WHERE job_uid = ? AND stage = ? "
+      "ORDER BY attempt DESC LIMIT 1");
+  select->Bind(1, job_uid);
+  select->Bind(2, static_cast<int>(intaglio_STAGE_ENGRAVE));
+  if (!select->Step() || select->IsNull(0)) return {};
   StageOutcome outcome;
-  if (!outcome.ParseFromString(select.getColumn(0).getString()) ||
-      !outcome.has_engrave()) {
+  if (!outcome.ParseFromString(select->Text(0)) || !outcome.has_engrave()) {
     return {};
   }
   return outcome.engrave();
@@ -37,7 +35,7 @@ std::optional<EngraveOutcome> OutcomeIn(SQLite::Database& database,
 
 /// What an estimate is compared with: the ticks of a job that one synchronizer made
 /// whole, in one run, at full speed; else 0.
-std::uint64_t UndisturbedTicks(SQLite::Database& database, const std::string& job_uid,
+std::uint64_t UndisturbedTicks(sql::Connection& database, const std::string& job_uid,
                                const EngraveOutcome& outcome) {
   const bool whole =
       outcome.planned_count() > 0 &&
@@ -46,20 +44,20 @@ std::uint64_t UndisturbedTicks(SQLite::Database& database, const std::string& jo
   const bool at_full_speed =
       outcome.min_speed_percent() == 100 && outcome.max_speed_percent() <= 100;
   if (!whole || outcome.run_count() != 1 || !at_full_speed) return 0;
-  SQLite::Statement given(database,
-                          "SELECT count(*) FROM tasks WHERE job_uid = ? AND stage = ?");
-  given.bind(1, job_uid);
-  given.bind(2, static_cast<int>(intaglio_STAGE_ENGRAVE));
-  const bool by_one = given.executeStep() && given.getColumn(0).getInt() == 1;
+  const auto given =
+      database.Prepare("SELECT count(*) FROM tasks WHERE job_uid = ? AND stage = ?");
+  given->Bind(1, job_uid);
+  given->Bind(2, static_cast<int>(intaglio_STAGE_ENGRAVE));
+  const bool by_one = given->Step() && given->Integer(0) == 1;
   return by_one ? outcome.used_ticks() : 0;
 }
 
 /// The warnings that a job was kept with.
-Warnings WarningsIn(SQLite::Database& database, const std::string& job_uid) {
-  SQLite::Statement select(database, "SELECT warnings FROM jobs WHERE uid = ?");
-  select.bind(1, job_uid);
-  if (!select.executeStep()) return {};
-  return WarningsOfBytes(select.getColumn(0).getString());
+Warnings WarningsIn(sql::Connection& database, const std::string& job_uid) {
+  const auto select = database.Prepare("SELECT warnings FROM jobs WHERE uid = ?");
+  select->Bind(1, job_uid);
+  if (!select->Step()) return {};
+  return WarningsOfBytes(select->Text(0));
 }
 
 }  // namespace
@@ -67,11 +65,11 @@ Warnings WarningsIn(SQLite::Database& database, const std::string& job_uid) {
 void JobStore::KeepVerdict(const std::string& job_uid, const std::string& report,
                            const std::string& recording, const LastKnown& last) {
   Guarded(*database_, [&] {
-    SQLite::Statement ended(*database_,
-                            "SELECT state, makes FROM jobs WHERE uid = ? AND ended = 1");
-    ended.bind(1, job_uid);
-    if (!ended.executeStep()) return;
-    const bool done = ended.getColumn(0).getInt() == static_cast<int>(intaglio_JOB_DONE);
+    const auto ended =
+        database_->Prepare("SELECT state, makes FROM jobs WHERE uid = ? AND ended = 1");
+    ended->Bind(1, job_uid);
+    if (!ended->Step()) return;
+    const bool done = ended->Integer(0) == static_cast<int>(intaglio_JOB_DONE);
     const auto outcome = OutcomeIn(*database_, job_uid);
     const intaglio_PointCounts counts = outcome ? CountsOf(*outcome)
                                         : last.counts.planned > 0
@@ -79,45 +77,42 @@ void JobStore::KeepVerdict(const std::string& job_uid, const std::string& report
                                             : ResultOf(job_uid).counts;
     std::string verdict;
     if (outcome || last.is_all) {
-      verdict = VerdictName(VerdictOf(done, counts, WarningsIn(*database_, job_uid),
-                                      ended.getColumn(1).getString())
-                                .verdict);
+      verdict = VerdictName(
+          VerdictOf(done, counts, WarningsIn(*database_, job_uid), ended->Text(1))
+              .verdict);
     }
-    SQLite::Statement update(
-        *database_,
+    const auto update = database_->Prepare(
         "UPDATE jobs SET verdict = ?2, planned_count = ?3, made_count = ?4, "
         "missed_count = ?5, skipped_count = ?6, uncertain_count = ?7, used_ticks = ?8, "
         "report = ?9, recording = ?10, undisturbed_ticks = ?11 WHERE uid = ?1");
-    update.bind(1, job_uid);
-    update.bind(2, verdict);
+    update->Bind(1, job_uid);
+    update->Bind(2, verdict);
     int column = 3;
     const EngraveOutcome ticks = outcome.value_or(EngraveOutcome());
     for (const std::uint64_t count :
          {counts.planned, counts.made, counts.missed, counts.skipped, counts.uncertain,
           std::uint64_t{ticks.used_ticks()}}) {
-      update.bind(column++, static_cast<std::int64_t>(count));
+      update->Bind(column++, static_cast<std::int64_t>(count));
     }
-    update.bind(9, report);
-    update.bind(10, recording);
-    update.bind(11,
-                static_cast<std::int64_t>(UndisturbedTicks(*database_, job_uid, ticks)));
-    update.exec();
+    update->Bind(9, report);
+    update->Bind(10, recording);
+    update->Bind(11,
+                 static_cast<std::int64_t>(UndisturbedTicks(*database_, job_uid, ticks)));
+    update->Execute();
   });
 }
 
 JobResult JobStore::ResultOf(const std::string& job_uid) {
   return Guarded(*database_, [&]() -> JobResult {
-    SQLite::Statement select(
-        *database_,
+    const auto select = database_->Prepare(
         "SELECT verdict, planned_count, made_count, missed_count, skipped_count, "
         "uncertain_count FROM jobs WHERE uid = ?");
-    select.bind(1, job_uid);
-    if (!select.executeStep()) return {};
+    select->Bind(1, job_uid);
+    if (!select->Step()) return {};
     const auto count = [&select](int column) {
-      return static_cast<std::uint64_t>(select.getColumn(column).getInt64());
+      return static_cast<std::uint64_t>(select->Integer(column));
     };
-    return {select.getColumn(0).getString(),
-            {count(1), count(2), count(3), count(4), count(5), 0, 0}};
+    return {select->Text(0), {count(1), count(2), count(3), count(4), count(5), 0, 0}};
   });
 }
 
@@ -137,17 +132,17 @@ JobStatistics JobStore::StatisticsOf(const JobRecord& job,
 
 void JobStore::FillInHistory() {
   std::vector<std::pair<std::string, std::string>> glasses;
-  SQLite::Statement select(*database_, "SELECT uid, frozen_job FROM jobs");
-  while (select.executeStep()) {
+  const auto select = database_->Prepare("SELECT uid, frozen_job FROM jobs");
+  while (select->Step()) {
     FrozenJob frozen;
-    if (!frozen.ParseFromString(select.getColumn(1).getString())) continue;
-    glasses.emplace_back(select.getColumn(0).getString(), frozen.job().glass());
+    if (!frozen.ParseFromString(select->Text(1))) continue;
+    glasses.emplace_back(select->Text(0), frozen.job().glass());
   }
   for (const auto& [uid, glass] : glasses) {
-    SQLite::Statement update(*database_, "UPDATE jobs SET material = ? WHERE uid = ?");
-    update.bind(1, glass);
-    update.bind(2, uid);
-    update.exec();
+    const auto update = database_->Prepare("UPDATE jobs SET material = ? WHERE uid = ?");
+    update->Bind(1, glass);
+    update->Bind(2, uid);
+    update->Execute();
     KeepVerdict(uid, "", "");
   }
 }

@@ -1,6 +1,5 @@
 // What JobStore keeps of the tasks: to whom they were given, and what came of them.
 
-#include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
 
 #include <map>
@@ -17,12 +16,12 @@ namespace {
 constexpr const char* kWhereTask =
     "job_uid = ?1 AND attempt = ?2 AND stage = ?3 AND part = ?4 AND part_attempt = ?5";
 
-void BindTask(SQLite::Statement& statement, intaglio_Stage stage, const TaskId& task) {
-  statement.bind(1, task.job_uid);
-  statement.bind(2, task.attempt);
-  statement.bind(3, static_cast<int>(stage));
-  statement.bind(4, task.part);
-  statement.bind(5, task.part_attempt);
+void BindTask(sql::Statement& statement, intaglio_Stage stage, const TaskId& task) {
+  statement.Bind(1, task.job_uid);
+  statement.Bind(2, task.attempt);
+  statement.Bind(3, static_cast<int>(stage));
+  statement.Bind(4, task.part);
+  statement.Bind(5, task.part_attempt);
 }
 
 }  // namespace
@@ -31,54 +30,56 @@ void JobStore::KeepTask(const TaskOrder& order) {
   Guarded(*database_, [&] {
     const std::string text =
         order.revoked
-            ? fmt::format("UPDATE tasks SET revoked_utc = {}, worker = ?6 WHERE {}", kNow,
+            ? fmt::format("UPDATE tasks SET revoked_utc = ?7, worker = ?6 WHERE {}",
                           kWhereTask)
-            : fmt::format(
-                  "INSERT OR REPLACE INTO tasks "
-                  "(job_uid, attempt, stage, part, part_attempt, worker, given_utc) "
-                  "VALUES (?1, ?2, ?3, ?4, ?5, ?6, {})",
-                  kNow);
-    SQLite::Statement statement(*database_, text);
-    BindTask(statement, order.stage, order.task);
-    statement.bind(6, order.worker);
-    statement.exec();
+            : "INSERT INTO tasks "
+              "(job_uid, attempt, stage, part, part_attempt, worker, given_utc) "
+              "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7) "
+              "ON CONFLICT (job_uid, attempt, stage, part, part_attempt) DO UPDATE SET "
+              "worker = excluded.worker, given_utc = excluded.given_utc, "
+              "revoked_utc = NULL, ended_utc = NULL, state = NULL, message = NULL, "
+              "outcome = NULL";
+    const auto statement = database_->Prepare(text);
+    BindTask(*statement, order.stage, order.task);
+    statement->Bind(6, order.worker);
+    statement->Bind(7, NowUtc());
+    statement->Execute();
   });
 }
 
 bool JobStore::KeepTaskEnd(const TaskView& task, const std::string& outcome) {
   return Guarded(*database_, [&] {
-    SQLite::Statement update(
-        *database_,
-        fmt::format("UPDATE tasks SET ended_utc = {}, state = ?6, message = ?7, "
+    const auto update = database_->Prepare(
+        fmt::format("UPDATE tasks SET ended_utc = ?10, state = ?6, message = ?7, "
                     "outcome = ?8 WHERE {} AND worker = ?9 AND ended_utc IS NULL",
-                    kNow, kWhereTask));
-    BindTask(update, task.stage, task.task);
-    update.bind(6, static_cast<int>(task.state));
-    update.bind(7, task.message);
-    update.bind(8, outcome.data(), static_cast<int>(outcome.size()));
-    update.bind(9, task.worker);
-    return update.exec() > 0;
+                    kWhereTask));
+    BindTask(*update, task.stage, task.task);
+    update->Bind(6, static_cast<int>(task.state));
+    update->Bind(7, task.message);
+    update->BindBytes(8, outcome);
+    update->Bind(9, task.worker);
+    update->Bind(10, NowUtc());
+    return update->Execute() > 0;
   });
 }
 
 AttemptOutcomes JobStore::OutcomesOf(const std::string& job_uid, std::uint32_t attempt) {
   return Guarded(*database_, [&] {
-    SQLite::Statement select(
-        *database_,
+    const auto select = database_->Prepare(
         "SELECT stage, part, outcome FROM tasks WHERE job_uid = ? AND attempt = ? AND "
         "stage < ? AND state = ? AND outcome IS NOT NULL ORDER BY part, part_attempt");
-    select.bind(1, job_uid);
-    select.bind(2, attempt);
-    select.bind(3, static_cast<int>(intaglio_STAGE_ENGRAVE));
-    select.bind(4, static_cast<int>(intaglio_TASK_DONE));
+    select->Bind(1, job_uid);
+    select->Bind(2, attempt);
+    select->Bind(3, static_cast<int>(intaglio_STAGE_ENGRAVE));
+    select->Bind(4, static_cast<int>(intaglio_TASK_DONE));
     AttemptOutcomes outcomes;
     std::map<std::uint32_t, DiscretizeOutcome> parts;  // the newest attempt at each
-    while (select.executeStep()) {
+    while (select->Step()) {
       StageOutcome outcome;
-      if (!outcome.ParseFromString(select.getColumn(2).getString())) continue;
+      if (!outcome.ParseFromString(select->Text(2))) continue;
       if (outcome.has_sort()) outcomes.sort = outcome.sort();
       if (outcome.has_discretize()) {
-        parts[select.getColumn(1).getUInt()] = outcome.discretize();
+        parts[select->Integer(1)] = outcome.discretize();
       }
     }
     for (auto& [part, outcome] : parts) outcomes.parts.push_back(std::move(outcome));

@@ -2,61 +2,43 @@
 
 // What the sources of JobStore share.
 
-#include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
-#include <sqlite3.h>
 
+#include <chrono>
 #include <string>
 
 #include "services/history/job_database.h"
 #include "services/job_service/job_store.h"
+#include "services/platform/host/times/utc_time.h"
+#include "services/sql/address.h"
+#include "services/sql/connection.h"
 
 namespace intaglio::job_service {
 
-/// The time in SQL, as host::UtcText.
-inline constexpr const char* kNow = "strftime('%Y-%m-%dT%H:%M:%fZ', 'now')";
+/// The time of a statement.
+inline std::string NowUtc() { return host::UtcText(std::chrono::system_clock::now()); }
 
-// SQLite's integers are signed; all of ours fit but epochs in theory, which go through
-// unchanged bit for bit.
+// The integers of a database are signed; all of ours fit but epochs in theory, which go
+// through unchanged bit for bit.
 inline std::int64_t Signed(std::uint64_t value) {
   return static_cast<std::int64_t>(value);
 }
 
-/// What SQLite reports of the file, with the remedy.
-inline StoreError ErrorOf(const std::string& file, const SQLite::Exception& error) {
-  if (history::IsDamage(error.getErrorCode()))
-    return {history::DamagedQueue(file, error.what()).message, false};
-  constexpr int kPrimary = 0xff;  // an extended code has it in its lowest byte
-  switch (error.getErrorCode() & kPrimary) {
-    case SQLITE_FULL:
-    case SQLITE_IOERR:
-    case SQLITE_CANTOPEN:
-    case SQLITE_READONLY:
-    case SQLITE_PERM:
-    case SQLITE_AUTH:
-    case SQLITE_BUSY:
-    case SQLITE_LOCKED:
-    case SQLITE_NOMEM:
-      return {
-          fmt::format(
-              "job database {}: {}; free space on its disk, and check that its folder "
-              "exists and may be written: the job service then continues automatically",
-              file, error.what()),
-          true};
-    default:
-      return {fmt::format("job database {}: {}; give another file with --database, or "
-                          "replace it by an intact copy",
-                          file, error.what()),
-              false};
-  }
+/// What the engine reports of the store at `place`, with the remedy.
+inline StoreError ErrorOf(const std::string& place, const sql::SqlError& error) {
+  if (error.kind() == sql::SqlError::Kind::kDamaged && !sql::IsServerAddress(place))
+    return {history::DamagedQueue(place, error.what()).message, false};
+  return {fmt::format("job database {}: {}; {}", sql::WithoutPassword(place),
+                      error.what(), sql::RemedyOf(place, error.kind())),
+          error.kind() == sql::SqlError::Kind::kPasses};
 }
 
 template <typename Body>
-auto Guarded(const SQLite::Database& database, Body&& body) {
+auto Guarded(const sql::Connection& database, Body&& body) {
   try {
     return body();
-  } catch (const SQLite::Exception& error) {
-    throw ErrorOf(database.getFilename(), error);
+  } catch (const sql::SqlError& error) {
+    throw ErrorOf(database.Place(), error);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -15,6 +16,7 @@
 #include "services/client/figure_text.h"
 #include "services/client/fresh_paths.h"
 #include "services/client/locks/folder_lock.h"
+#include "services/sql/address.h"
 
 namespace intaglio::cli {
 namespace {
@@ -59,7 +61,22 @@ void PrintParts(const std::vector<backup::ArchivedFile>& files) {
   }
 }
 
+/// The queue of a server is kept by its own tools.
+Status CheckQueueIsFile(const BackupOptions& options) {
+  const auto& without = options.without;
+  const bool has_queue =
+      std::find(without.begin(), without.end(), "queue") == without.end();
+  if (!has_queue || !sql::IsServerAddress(options.database)) return {};
+  return Fail(
+      ErrorCode::kUnsupported,
+      fmt::format("--database {}: this queue is on a server: add --without queue, "
+                  "and keep it with pg_dump --schema intaglio",
+                  sql::WithoutPassword(options.database)),
+      "--database");
+}
+
 int BackUp(const BackupOptions& options) {
+  if (auto file = CheckQueueIsFile(options); !file) return Complain(file.error());
   const auto files = backup::BackUp(
       PlacesOf(options), {options.without.begin(), options.without.end()}, options.file);
   if (!files) return Complain(files.error());
@@ -80,6 +97,7 @@ int List(const backup::Archive& archive) {
 }
 
 int Restore(const BackupOptions& options) {
+  if (auto file = CheckQueueIsFile(options); !file) return Complain(file.error());
   const auto archive = backup::Archive::Open(options.file);
   if (!archive) return Complain(archive.error());
   if (options.list) return List(*archive);

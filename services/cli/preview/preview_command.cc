@@ -187,8 +187,9 @@ void AddPreviewCommand(command_line::Command app) {
                      "folder of the shop of a job's number, as for intaglio up")
           .ShowDefault();
   preview
-      .AddOption("--database", options->database,
-                 "or the database file of the job service, as for its --database")
+      .AddOption(
+          "--database", options->database,
+          "or the database of the job service, as for its --database: a file or a server")
       .Exclude(folder);
   preview.SetFooter(
       "Example: intaglio preview horse.stl --height 40 --block 60 60 60\n"

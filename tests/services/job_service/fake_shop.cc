@@ -37,13 +37,14 @@ std::array<bus::Writer<T>, 3> WritersOf(bus::Bus& bus, const bus::Topic<T>& topi
 }  // namespace
 
 ServiceProcess::ServiceProcess(const std::filesystem::path& folder,
-                               const std::string& tag) {
+                               const std::string& tag, const std::string& database,
+                               const std::vector<std::string>& more) {
   std::vector<std::string> arguments = {
       std::string(INTAGLIO_BIN_DIR) + "/intaglio-job-service",
       "--tag",
       tag,
       "--database",
-      folder / "jobs.db",
+      database.empty() ? (folder / "jobs.db").string() : database,
       "--materials-db",
       folder / "materials.db",
       "--results",
@@ -51,6 +52,7 @@ ServiceProcess::ServiceProcess(const std::filesystem::path& folder,
       "--die-with-parent",
       "--log-level",
       "warning"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
   std::vector<char*> argv;
   argv.reserve(arguments.size() + 1);
   for (std::string& argument : arguments) argv.push_back(argument.data());

@@ -20,7 +20,10 @@ namespace intaglio::job_service {
 /// bin/intaglio-job-service; killed with its holder.
 class ServiceProcess {
  public:
-  ServiceProcess(const std::filesystem::path& folder, const std::string& tag);
+  /// `database`: jobs.db in the folder when it is empty.
+  ServiceProcess(const std::filesystem::path& folder, const std::string& tag,
+                 const std::string& database = {},
+                 const std::vector<std::string>& more = {});
   ~ServiceProcess() { Kill(); }
   int pid() const { return pid_; }
   void Kill();  ///< SIGKILL

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "services/job_service/boot_clock.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::job_service {
 namespace {
@@ -20,6 +21,10 @@ class LastSeenTest : public testing::Test {
   void Write(const std::string& boot, std::chrono::nanoseconds at) {
     std::ofstream(file_) << boot << ' ' << at.count() << '\n';
   }
+  NotePlace Place() {
+    return {[this] { return test::ContentOf(file_); },
+            [this](const std::string& text) { std::ofstream(file_) << text; }};
+  }
   static std::string Boot() {
     std::string id;
     std::getline(std::ifstream("/proc/sys/kernel/random/boot_id"), id);
@@ -30,12 +35,12 @@ class LastSeenTest : public testing::Test {
 };
 
 TEST_F(LastSeenTest, TheFirstOneKnowsOfNoOther) {
-  EXPECT_FALSE(LastSeen(file_).absence().has_value());
+  EXPECT_FALSE(LastSeen(Place()).absence().has_value());
 }
 
 TEST_F(LastSeenTest, TheNextOneKnowsForHowLongThereWasNone) {
-  LastSeen(file_).Note();
-  const auto absence = LastSeen(file_).absence();
+  LastSeen(Place()).Note();
+  const auto absence = LastSeen(Place()).absence();
   ASSERT_TRUE(absence.has_value());
   EXPECT_GE(*absence, 0ns);
   EXPECT_LT(*absence, 60s);
@@ -47,7 +52,7 @@ TEST_F(LastSeenTest, AnotherBootOrNonsenseIsNotKnown) {
         {Boot(), std::chrono::nanoseconds(INT64_MAX)},
         {"", 5s}}) {
     Write(boot, at);
-    EXPECT_FALSE(LastSeen(file_).absence().has_value()) << boot;
+    EXPECT_FALSE(LastSeen(Place()).absence().has_value()) << boot;
   }
 }
 
@@ -61,14 +66,14 @@ TEST_F(LastSeenTest, AbsencesAreAddedUpOverLives) {
   };
   write(1s);
   for (int life = 0; life < 3; ++life) {
-    LastSeen seen(file_);
+    LastSeen seen(Place());
     ASSERT_TRUE(seen.absence().has_value());
     EXPECT_GE(*seen.absence(), 50s) << life;
     EXPECT_LT(*seen.absence(), 55s) << life;
     seen.Note();
   }
   write(30s);
-  EXPECT_LT(*LastSeen(file_).absence(), 30s) << "it was there for long enough";
+  EXPECT_LT(*LastSeen(Place()).absence(), 30s) << "it was there for long enough";
 }
 
 TEST_F(LastSeenTest, ANonsensicalSumIsNotKnown) {
@@ -79,14 +84,36 @@ TEST_F(LastSeenTest, ANonsensicalSumIsNotKnown) {
         {0, -1},
         {0, INT64_MAX}}) {
     std::ofstream(file_) << Boot() << ' ' << at.count() << ' ' << since << ' ' << sum;
-    EXPECT_FALSE(LastSeen(file_).absence().has_value()) << since << ' ' << sum;
+    EXPECT_FALSE(LastSeen(Place()).absence().has_value()) << since << ' ' << sum;
   }
 }
 
-TEST_F(LastSeenTest, ADiskThatRefusesHoldsNothingUp) {
-  LastSeen seen("/nonexistent/folder/seen");
-  seen.Note();
-  EXPECT_FALSE(seen.absence().has_value());
+// Another computer's clock says nothing here: what stood by counts by its own.
+TEST_F(LastSeenTest, AnotherComputersAbsenceIsMeasuredByTheStandby) {
+  const auto now = SinceBoot();
+  const std::string note = "another-boot " + std::to_string((900h).count()) + " 0 0\n";
+  std::ofstream(file_) << note;
+  EXPECT_FALSE(LastSeen(Place()).absence().has_value());
+  std::ofstream(file_) << note;
+  EXPECT_FALSE(LastSeen(Place(), SeenByStandby{"older", now - 3s}).absence().has_value());
+  std::ofstream(file_) << note;
+  const auto absence = LastSeen(Place(), SeenByStandby{note, now - 3s}).absence();
+  ASSERT_TRUE(absence.has_value());
+  EXPECT_GE(*absence, 3s);
+  EXPECT_LT(*absence, 20s);
+}
+
+// 25 s away there, and as long until the one that stood by has taken over here.
+TEST_F(LastSeenTest, AbsencesAreAddedUpOverComputers) {
+  const auto now = SinceBoot();
+  const std::chrono::nanoseconds there = 5000h, sum = 25s;
+  const std::string note = "another-boot " + std::to_string(there.count()) + ' ' +
+                           std::to_string((there - 1s).count()) + ' ' +
+                           std::to_string(sum.count()) + '\n';
+  std::ofstream(file_) << note;
+  const auto absence = LastSeen(Place(), SeenByStandby{note, now - 25s}).absence();
+  ASSERT_TRUE(absence.has_value());
+  EXPECT_GE(*absence, 50s);
 }
 
 }  // namespace

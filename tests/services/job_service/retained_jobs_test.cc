@@ -80,11 +80,12 @@ class RetainedJobs : public testing::Test {
             "WHERE number = {0}",
             kRemembered + 5, static_cast<int>(intaglio_STAGE_ENGRAVE),
             static_cast<int>(intaglio_JOB_CANCELLED)));
-    service_.emplace(
-        host_,
-        JobServiceOptions{
-            folder / "jobs.db", folder / "materials.db", folder / "results", {}},
-        board_, now_);
+    service_.emplace(host_,
+                     JobServiceOptions{.database = folder / "jobs.db",
+                                       .materials = folder / "materials.db",
+                                       .results = folder / "results",
+                                       .recording = {}},
+                     JobStore(folder / "jobs.db"), std::nullopt, board_, now_);
   }
   bool Until(Watcher& watcher, const std::function<bool()>& condition) {
     return test::Eventually([&] {

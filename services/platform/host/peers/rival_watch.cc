@@ -22,6 +22,7 @@ RivalWatch::Verdict RivalWatch::JudgeStart(Nanoseconds now) {
   for (const auto& [instance, received] : received_) {
     if (IsStale(received, now)) continue;
     const intaglio_HealthState state = received.rival.state;
+    if (starting_ == Starting::kWaits && state == intaglio_HEALTH_STARTING) continue;
     if (received.count < 2 || state == intaglio_HEALTH_STOPPING) {
       waits = true;
     } else if (Works(state) || instance < own_instance_) {

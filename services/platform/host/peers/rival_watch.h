@@ -7,10 +7,12 @@
 //              a rival that starts, too           -> kEnd for the greater instance name
 //              a rival that ends, or was received only once (it may be dead: its last
 //              sample outlives it)                -> kWait, until it is silent for kStale
-//              none, for the time of `look`       -> kGoOn
+//              none, for the time of `period`       -> kGoOn
 //   working:   a rival that works, too            -> kEnd for the greater instance name
 //
 // So of two that start at once one stays, also when only one of them sees the other.
+// Where another lock has decided already who goes on (a store's), those that start stand
+// by and are no rivals.
 
 #include <chrono>
 #include <map>
@@ -34,9 +36,15 @@ class RivalWatch {
   /// Health comes every 200 ms, and the lease of a dead process lasts as long.
   static constexpr std::chrono::milliseconds kStale{1500};
 
-  /// `look`: for how long no rival may be received before this one goes on.
-  RivalWatch(std::string own_instance, Nanoseconds began, Nanoseconds period)
-      : own_instance_(std::move(own_instance)), began_(began), period_(period) {}
+  enum class Starting { kIsRival, kWaits };
+
+  /// `period`: for how long no rival may be received before this one goes on.
+  RivalWatch(std::string own_instance, Nanoseconds began, Nanoseconds period,
+             Starting starting = Starting::kIsRival)
+      : own_instance_(std::move(own_instance)),
+        began_(began),
+        period_(period),
+        starting_(starting) {}
 
   void Receive(const Rival& rival, Nanoseconds now);
   void Lose(const std::string& instance) { received_.erase(instance); }
@@ -59,6 +67,7 @@ class RivalWatch {
 
   std::string own_instance_;
   Nanoseconds began_, period_;
+  Starting starting_;
   std::map<std::string, Received> received_;
   Rival rival_;
 };

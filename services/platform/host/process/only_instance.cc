@@ -34,11 +34,12 @@ int End(ServiceHost& host, const std::string& code, const std::string& text, int
 
 }  // namespace
 
-OnlyInstance::OnlyInstance(ServiceHost& host, intaglio_ServiceRole role)
+OnlyInstance::OnlyInstance(ServiceHost& host, intaglio_ServiceRole role,
+                           Starting starting)
     : host_(host),
       role_(role),
       health_(host.bus(), bus::kServiceHealth, bus::RolePartition(host.bus().role())),
-      watch_(host.instance(), Now(), WatchPeriodOf(host.bus().options())) {}
+      watch_(host.instance(), Now(), WatchPeriodOf(host.bus().options()), starting) {}
 
 void OnlyInstance::Take() {
   const std::string& cell = host_.bus().options().cell;

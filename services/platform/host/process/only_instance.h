@@ -23,7 +23,10 @@ inline constexpr int kExitTakenOver = 4;
 /// the identity of this one. From one thread.
 class OnlyInstance {
  public:
-  OnlyInstance(ServiceHost& host, intaglio_ServiceRole role);
+  using Starting = RivalWatch::Starting;
+
+  OnlyInstance(ServiceHost& host, intaglio_ServiceRole role,
+               Starting starting = Starting::kIsRival);
 
   /// Waits until this process may go on, 0.25 s when it is alone on its computer, longer
   /// on a network or when one before it has just died. True: it has to end instead.

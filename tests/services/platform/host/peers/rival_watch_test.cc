@@ -134,5 +134,15 @@ TEST(RivalWatch, OneStaysHoweverLateTheyReceiveEachOther) {
   }
 }
 
+// The store of the queue has decided who goes on: the other one stands by.
+TEST(RivalWatch, AStandbyIsNoRivalOfTheOwner) {
+  RivalWatch watch("b", 0ms, kWatchPeriod, RivalWatch::Starting::kWaits);
+  for (auto t = 0ms; t <= kWatchPeriod; t += 100ms)
+    watch.Receive(Named("a", intaglio_HEALTH_STARTING), t);
+  EXPECT_EQ(watch.JudgeStart(kWatchPeriod), Verdict::kGoOn);
+  watch.Receive(Named("a", intaglio_HEALTH_READY), kWatchPeriod);
+  EXPECT_EQ(watch.JudgeStart(kWatchPeriod), Verdict::kEnd) << "it works";
+}
+
 }  // namespace
 }  // namespace intaglio::host

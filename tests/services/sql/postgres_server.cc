@@ -1,0 +1,152 @@
+#include "tests/services/sql/postgres_server.h"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+#include <vector>
+
+#include "services/sql/postgres_connection.h"
+
+namespace intaglio::test {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+constexpr uid_t kNobody = 65534;
+constexpr auto kPatience = 60s;
+
+/// Where Debian has the programs of the newest version; empty: nowhere.
+fs::path Programs() {
+  fs::path newest;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator("/usr/lib/postgresql", error)) {
+    const fs::path bin = entry.path() / "bin";
+    if (fs::exists(bin / "initdb") && bin > newest) newest = bin;
+  }
+  return newest;
+}
+
+int FreePort() {
+  const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  bind(fd, reinterpret_cast<sockaddr*>(&address), size);
+  getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
+  close(fd);
+  return ntohs(address.sin_port);
+}
+
+}  // namespace
+
+bool PostgresServer::IsInstalled() { return !Programs().empty(); }
+
+PostgresServer::PostgresServer() : port_(FreePort()) {
+  std::string name = (fs::temp_directory_path() / "intaglio-sql-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) {
+    error_ = "no temporary folder";
+    return;
+  }
+  folder_ = name;
+  if (geteuid() == 0 && chown(name.c_str(), kNobody, kNobody) != 0) error_ = "chown";
+  const int made =
+      RunProgram((Programs() / "initdb").string(),
+                 {"-D", (folder_ / "data").string(), "-U", "intaglio", "-A", "trust",
+                  "-E", "UTF8", "--locale=C", "--no-sync", "--no-instructions"},
+                 true);
+  if (made != 0) {
+    error_ = fmt::format("initdb ended with {}", made);
+    return;
+  }
+  Start();
+}
+
+PostgresServer::~PostgresServer() {
+  Kill();
+  std::error_code ignored;
+  if (!folder_.empty()) fs::remove_all(folder_, ignored);
+}
+
+std::string PostgresServer::address() const {
+  return fmt::format("postgresql://intaglio@127.0.0.1:{}/postgres", port_);
+}
+
+int PostgresServer::RunProgram(const std::string& program,
+                               const std::vector<std::string>& arguments, bool wait) {
+  std::vector<std::string> words = {program};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const std::string log = (folder_ / "log").string();
+  const pid_t child = fork();
+  if (child == 0) {
+    setpgid(0, 0);
+    if (geteuid() == 0 && (setgid(kNobody) != 0 || setuid(kNobody) != 0)) _exit(126);
+    prctl(PR_SET_PDEATHSIG, SIGQUIT);
+    const int out = open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
+    dup2(out, STDOUT_FILENO);
+    dup2(out, STDERR_FILENO);
+    if (chdir("/") == 0) execv(argv[0], argv.data());
+    _exit(127);
+  }
+  if (!wait) {
+    pid_ = child;
+    return 0;
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+bool PostgresServer::Answers() const {
+  try {
+    sql::OpenPostgres(address());
+    return true;
+  } catch (const sql::SqlError&) {
+    return false;
+  }
+}
+
+void PostgresServer::Start() {
+  RunProgram((Programs() / "postgres").string(),
+             {"-D", (folder_ / "data").string(), "-h", "127.0.0.1", "-p",
+              std::to_string(port_), "-k", "", "-F"},
+             false);
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (!Answers()) {
+    if (std::chrono::steady_clock::now() > end) {
+      error_ = "the server does not answer";
+      return;
+    }
+    std::this_thread::sleep_for(50ms);
+  }
+}
+
+void PostgresServer::Kill() {
+  if (pid_ <= 0) return;
+  kill(-pid_, SIGKILL);
+  waitpid(pid_, nullptr, 0);
+  pid_ = -1;
+}
+
+void PostgresServer::EndSessions() {
+  const auto connection = sql::OpenPostgres(address());
+  const auto end = connection->Prepare(
+      "SELECT count(pg_terminate_backend(pid)) FROM pg_stat_activity "
+      "WHERE pid <> pg_backend_pid() AND application_name = 'intaglio'");
+  end->Step();
+}
+
+}  // namespace intaglio::test
