@@ -4,10 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iostream>
 #include <sstream>
+#include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "tests/integration/point_shop.h"
 
@@ -20,7 +25,7 @@ using testing::Eventually;
 // The supplied profile has these; N-BK7 at 355 nm (Schott's Sellmeier coefficients).
 constexpr double kFieldMm = 110, kPupilMm = 224, kAxisStepsPerMm = 400, kIndex = 1.538155;
 constexpr double kHalfBlockMm = 25, kBlockHeightMm = 30, kZStepMm = 0.066;
-constexpr std::size_t kListPoints = 150;
+constexpr std::size_t kListPoints = 32;
 
 /// Where a beam that is aimed at a place of the field, so far below the face, is in
 /// focus: in the middle between its sagittal and its tangential focus, which neighbouring
@@ -43,14 +48,21 @@ Vec3 FocusInGlass(const Vec2& field_mm, double below_mm) {
   return {at_mm.x() + kHalfBlockMm, at_mm.y() + kHalfBlockMm, kBlockHeightMm - depth_mm};
 }
 
+std::vector<std::pair<std::string, std::string>> OtherLines(bool slow) {
+  if (!slow) return {};
+  return {{"    dwell_s", "    dwell_s: 0.004"}};
+}
+
 class BoardPoints : public ::testing::Test {
  protected:
-  BoardPoints()
+  explicit BoardPoints(double spacing_mm = 0.3, bool on_usb = false)
       : shop_({.controller = "bjjcz",
                .profile = "bjjcz-glass",
                .controller_options = {"--axis", "400"},
+               .other_lines = OtherLines(on_usb),
+               .on_usb = on_usb,
                .has_panel = true,
-               .job = testing::KnotOf(6, 0.3) +
+               .job = testing::KnotOf(6, spacing_mm) +
                       "laser { photosensor_feedback: false }\n"}) {}
   void SetUp() override {
     ASSERT_TRUE(shop_.Open()) << shop_.Log();
@@ -131,32 +143,101 @@ TEST_F(BoardPoints, EachIsMadeOnceAndInItsPlace) {
             << " um beside, " << judgement.above_um << " um above or below\n";
 }
 
-TEST_F(BoardPoints, KillsAndAPulledCableDoubleNoPoint) {
-  const std::vector<std::string> victims = {
-      "intaglio-synchronizer", "intaglio-motion-bridge", "cable", "intaglio-job-service"};
-  std::size_t inflicted = 0;
-  for (const std::string& victim : victims) {
+// On USB, behind tests/services/platform/link/fake_libusb.cc as the programs' library. A
+// point takes 4 ms here, so that no fault comes behind the last one.
+class BoardPointsOnUsb : public BoardPoints {
+ protected:
+  BoardPointsOnUsb() : BoardPoints(0.2, true) {}
+  /// The job is resumed where it waits for it.
+  bool AwaitGrowth(std::size_t count) {
     const std::size_t before = Flashes().size();
-    if (!Eventually([&] { return Flashes().size() > before + 40; }, 30s)) break;
-    if (victim == "cable") {
-      AtPanel("unplug");
-      std::this_thread::sleep_for(1s);
-      AtPanel("plug");
-      ++inflicted;
-    } else {
-      inflicted += static_cast<std::size_t>(shop_.Kill(victim));
-    }
-    (void)shop_.AwaitDone(5s, true);
+    return Eventually(
+        [&] {
+          if (Flashes().size() >= before + count) return true;
+          (void)shop_.AwaitDone(0s, true);
+          return false;
+        },
+        60s);
   }
+  struct Fault {
+    std::string name;
+    std::function<bool()> inflict;
+  };
+  Fault Death(const std::string& service) {
+    return {service, [this, service] { return shop_.Kill(service) > 0; }};
+  }
+  Fault ForAWhile(const std::string& name, const std::function<void(bool)>& set) {
+    return {name, [set] {
+              set(true);
+              std::this_thread::sleep_for(1s);
+              set(false);
+              return true;
+            }};
+  }
+  bool Types(const std::vector<std::string>& words) const {
+    return shop_.Type(words).find("error") == std::string::npos;
+  }
+  std::vector<Fault> Faults();
+};
+
+std::vector<BoardPointsOnUsb::Fault> BoardPointsOnUsb::Faults() {
+  const auto plug = shop_.folder() / "usb/1-2.3", pulled = shop_.folder() / "pulled";
+  const auto home = [this] {
+    AtPanel("power off");
+    std::this_thread::sleep_for(1s);
+    AtPanel("power on");
+    return Eventually([this] { return shop_.Type({"teach", "home"}).empty(); }, 60s);
+  };
+  return {
+      {"pause",
+       [this] {
+         return Types({"pause", "1"});
+       }},
+      {"resume", [this] { return AwaitGrowth(1); }},
+      {"stop",
+       [this] {
+         (void)shop_.Type({"stop"});
+         std::this_thread::sleep_for(300ms);
+         return Types({"stop", "--reset"});
+       }},
+      Death("intaglio-synchronizer"),
+      Death("intaglio-motion-bridge"),
+      ForAWhile("cable",
+                [plug, pulled](bool cut) {
+                  std::filesystem::rename(cut ? plug : pulled, cut ? pulled : plug);
+                }),
+      Death("intaglio-job-service"),
+      ForAWhile("door",
+                [this](bool open) { AtPanel(open ? "door open" : "door close"); }),
+      Death("intaglio-sorter"),
+      Death("intaglio-discretizer"),
+      {"power", home},
+  };
+}
+
+TEST_F(BoardPointsOnUsb, AtElevenInstantsNoPointIsDoubledOrMissingAndAListIsUncertain) {
+  std::size_t uncertain = 0, inflicted = 0;
+  for (const Fault& fault : Faults()) {
+    ASSERT_TRUE(AwaitGrowth(40)) << "before " << fault.name << ": " << shop_.shown();
+    ASSERT_TRUE(fault.inflict()) << fault.name;
+    ++inflicted;
+    ASSERT_TRUE(AwaitGrowth(1)) << "behind " << fault.name << ": " << shop_.shown();
+    const Judgement now = Judge();
+    EXPECT_EQ(now.doubled + now.stray, 0U) << fault.name;
+    EXPECT_LE(now.uncertain - uncertain, kListPoints) << fault.name;
+    std::cout << "  " << fault.name << ": " << now.uncertain - uncertain
+              << " uncertain\n";
+    uncertain = now.uncertain;
+  }
+  EXPECT_EQ(inflicted, 11U);
   ASSERT_TRUE(shop_.AwaitDone(240s, true)) << shop_.shown();
   const Judgement judgement = Judge();
-  EXPECT_GT(inflicted, 1U);
   EXPECT_EQ(
       judgement.doubled + judgement.stray + judgement.missing + judgement.made_unknown,
       0U);
-  EXPECT_LE(judgement.uncertain, kListPoints * inflicted);
-  std::cout << "  " << inflicted << " faults, " << judgement.points << " points, "
-            << judgement.flashes << " made, " << judgement.uncertain << " uncertain\n";
+  EXPECT_GT(judgement.uncertain, 0U) << "no fault came into a list";
+  std::cout << "  " << judgement.points << " points, " << judgement.flashes << " made, "
+            << judgement.uncertain << " uncertain\n";
 }
 
 // The axis has lost its place: nothing is made before a person has homed it.

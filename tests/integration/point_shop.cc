@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 
@@ -33,7 +34,14 @@ PointShop::PointShop(const Options& options)
     : folder_(test::FreshFolder()),
       tag_(options.controller + std::to_string(getpid())),
       socket_("/tmp/" + tag_) {
-  const std::string device = StartController(options);
+  std::string device = StartController(options);
+  if (options.on_usb) {
+    fs::create_directory(folder_ / "usb");
+    fs::create_symlink(device, folder_ / "usb/1-2.3");
+    setenv("INTAGLIO_FAKE_USB", (folder_ / "usb").c_str(), 1);
+    setenv("LD_LIBRARY_PATH", INTAGLIO_FAKE_USB_FOLDER, 1);
+    device = "usb:9588:9899";
+  }
   fs::create_directory(socket_);
   fs::permissions(socket_, fs::perms::owner_all);
   WriteProfile(options, device);
@@ -47,6 +55,8 @@ PointShop::~PointShop() {
     shop_->Signal(SIGTERM);
     shop_->WaitForEnd(20s);
   }
+  unsetenv("LD_LIBRARY_PATH");
+  unsetenv("INTAGLIO_FAKE_USB");
   std::error_code ignored;
   fs::remove_all(socket_, ignored);
 }
@@ -87,6 +97,9 @@ void PointShop::WriteProfile(const Options& options, const std::string& device) 
           socket_);
     } else if (line.find("warm_up_s") != std::string::npos) {
       line = "  warm_up_s: 0";
+    }
+    for (const auto& [begin, other] : options.other_lines) {
+      if (line.starts_with(begin)) line = other;
     }
     out << line << '\n';
   }

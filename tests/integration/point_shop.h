@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engrave/core/geometry.h"
@@ -24,6 +25,11 @@ class PointShop {
     std::string more_of_motion_line = {};  ///< fields behind the protocol and the device
     std::string line = {};  ///< of the controller; empty: a pseudo-terminal
     std::vector<std::string> controller_options = {};
+    /// The profile's line that begins with the first is the second.
+    std::vector<std::pair<std::string, std::string>> other_lines = {};
+    /// The controller is a BJJCZ board on the bus of fake_libusb.cc, which is the
+    /// programs' library then: folder()/usb.
+    bool on_usb = false;
     bool has_panel = false;  ///< AskPanel() of the folder works it
     std::string job;         ///< models, discretization and laser of a job file
   };

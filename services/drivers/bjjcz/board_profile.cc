@@ -121,6 +121,10 @@ void CheckPoints(const MachineSpec& machine, BoardErrors& errors) {
   if (!machine.bjjcz_board().has_point_frequency_hz())
     errors.Missing("bjjcz_board.point_frequency_hz",
                    "give the frequency of the laser's pulses at a point");
+  if (!machine.laser().has_max_unsettled_points())
+    errors.Missing("laser.max_unsettled_points",
+                   "give how many points a list may have: so many become uncertain "
+                   "when all fails at once, 32");
   if (!(machine.z().steps_per_mm() > 0))
     errors.Missing("z.steps_per_mm", "give the steps of the board's axis for 1 mm");
   if (!machine.head_over_block().has_jump_and_dwell())

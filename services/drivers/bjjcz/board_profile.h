@@ -17,7 +17,8 @@ namespace intaglio::drivers {
 std::vector<Error> CheckBjjczProfile(const MachineSpec& machine);
 
 /// The same of a machine that makes points in glass, whose motion_line it is:
-/// head_over_block with jump_and_dwell, the width of the field, the steps of z.
+/// head_over_block with jump_and_dwell, the width of the field, the steps of z, and how
+/// many points a list may have.
 std::vector<Error> CheckBjjczPointProfile(const MachineSpec& machine);
 
 /// From any state of the board: dark, its list empty, its outputs off, then correction,

@@ -16,7 +16,8 @@ constexpr double kMiddlePlace = 32768, kBoardPlaces = 65536;
 PointLists::PointLists(const MachineSpec& machine)
     : board_(machine.bjjcz_board()),
       jumps_(machine.head_over_block().jump_and_dwell()),
-      places_per_mm_(kBoardPlaces / std::max(1e-3, machine.scan_head().field_mm())) {}
+      places_per_mm_(kBoardPlaces / std::max(1e-3, machine.scan_head().field_mm())),
+      max_points_(std::max(1U, machine.laser().max_unsettled_points())) {}
 
 PointLists::Place PointLists::PlaceOf(const Vec2& at_mm) const {
   const auto place = [&](double mm) {
@@ -37,6 +38,7 @@ void PointLists::Begin(double places_ms) {
   AppendLaser(board_, 1, board_.point_frequency_hz(), list_.commands);
   list_.commands.push_back({kJumpDelay, {Microseconds(jumps_.jump_delay_s())}});
   has_jump_ = false;
+  point_count_ = 0;
 }
 
 void PointLists::AddJump(const Place& to) {
@@ -57,9 +59,11 @@ bool PointLists::Add(const Vec2& to_mm, bool fires) {
   const double seconds = way / (jumps_.jump_mm_s() * places_per_mm_) +
                          jumps_.jump_delay_s() + (fires ? jumps_.dwell_s() : 0);
   const bool has_room = list_.seconds + seconds <= kMaxListSeconds &&
-                        list_.commands.size() + 3 <= kMaxListCommands;
+                        list_.commands.size() + 3 <= kMaxListCommands &&
+                        (!fires || point_count_ < max_points_);
   if (!is_first && !has_room) return false;
   AddJump(to);
+  if (fires) ++point_count_;
   if (fires)
     list_.commands.push_back({kLaserOnPoint, {ToUint16(1e5 * jumps_.dwell_s())}});
   list_.seconds += seconds;

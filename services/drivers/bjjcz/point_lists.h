@@ -3,8 +3,12 @@
 // Points in glass as lists of a BJJCZ board: a jump to each, and the laser on at rest.
 // Places are the board's own, 0..65535; a point is at the nearest of them, so within half
 // a place on each axis.
+//
+// A list has laser.max_unsettled_points at most, so that no more are uncertain when all
+// fails at once: the synchronizer arms no more than these, either.
 
 #include <array>
+#include <cstdint>
 
 #include "engrave/core/geometry.h"
 #include "proto/machine.pb.h"
@@ -24,7 +28,7 @@ class PointLists {
 
   void BeginRun() { first_of_run_ = true; }
   /// From where the mirrors are to `to_mm`, and the laser on there, if it `fires`. False:
-  /// the list has no room for it; an empty one has.
+  /// the list has no room for it, or has its points; an empty one has room.
   bool Add(const Vec2& to_mm, bool fires);
   /// Dark, in no less than `seconds`: by hand.
   void AddSlow(const Vec2& to_mm, double seconds);
@@ -47,8 +51,9 @@ class PointLists {
   BjjczBoard board_;
   JumpAndDwell jumps_;
   double places_per_mm_;
-  Place at_{32768, 32768};        ///< where the list leads
-  Place begun_at_{32768, 32768};  ///< where it begins
+  std::uint32_t max_points_, point_count_ = 0;  ///< of a list
+  Place at_{32768, 32768};                      ///< where the list leads
+  Place begun_at_{32768, 32768};                ///< where it begins
   LmcList list_;
   bool first_of_run_ = true, has_jump_ = false;
 };

@@ -139,6 +139,7 @@ MachineSpec BjjczPointProfile() {
   machine.mutable_laser()->add_rates_hz(kPointRate_hz);
   machine.mutable_laser()->add_rates_hz(kFastPointRate_hz);
   machine.mutable_laser()->set_warm_up_s(0.1);
+  machine.mutable_laser()->set_max_unsettled_points(kBoardListPoints);
   machine.mutable_laser()->set_pulse_energy_mj(10);
   return machine;
 }

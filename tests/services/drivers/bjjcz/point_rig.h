@@ -3,6 +3,7 @@
 // A virtual BJJCZ board at the driver of points in glass: as the rig of a motion driver,
 // and as that of a laser driver.
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,6 +16,9 @@ namespace intaglio::drivers {
 
 inline constexpr double kBoardFieldMm = 110, kBoardStepsPerMm = 1000;
 inline constexpr double kBoardPlacesPerMm = 65536 / kBoardFieldMm;
+
+/// Of a list.
+inline constexpr std::uint32_t kBoardListPoints = 32;
 
 /// A field of 110 mm, of which 100 mm are travelled; points of 0.5 ms.
 MachineSpec BjjczPointProfile();

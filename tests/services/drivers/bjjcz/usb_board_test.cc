@@ -1,22 +1,20 @@
 // A BJJCZ board on USB, behind fake_libusb.cc, in real time: a socket of this test is the
 // board's end of either line, so what the driver sends over both can be compared.
 
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/socket.h>
-#include <sys/un.h>
 #include <unistd.h>
 
-#include <array>
-#include <atomic>
 #include <chrono>
+#include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "tests/services/drivers/bjjcz/board_at_socket.h"
 #include "tests/services/drivers/bjjcz/point_rig.h"
 #include "tests/test_folder.h"
 
@@ -29,79 +27,7 @@ using ::testing::ElementsAreArray;
 using ::testing::HasSubstr;
 
 constexpr double kUsbRate_hz = 4000;
-constexpr int kUsbPoints = 150;
-
-/// A virtual board that listens on a socket, one host at a time.
-class BoardAtSocket {
- public:
-  BoardAtSocket(const std::string& path, bjjcz::VirtualBjjczOptions options)
-      : board_(options), path_(path) {
-    board_.SetAxis(51000);
-    board_.SetInput(kBjjczDoorInput, true);
-    listener_ = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-    sockaddr_un at{};
-    at.sun_family = AF_UNIX;
-    path.copy(at.sun_path, sizeof at.sun_path - 1);
-    EXPECT_EQ(bind(listener_, reinterpret_cast<const sockaddr*>(&at), sizeof at), 0);
-    EXPECT_EQ(listen(listener_, 5), 0);
-    thread_ = std::jthread([this](const std::stop_token& stop) { Serve(stop); });
-  }
-  BoardAtSocket(const BoardAtSocket&) = delete;
-  BoardAtSocket& operator=(const BoardAtSocket&) = delete;
-  ~BoardAtSocket() {
-    Stop();
-    close(listener_);
-    if (host_ >= 0) close(host_);
-    fs::remove(path_);
-  }
-  /// Then bytes and flashes are read.
-  void Stop() {
-    thread_.request_stop();
-    if (thread_.joinable()) thread_.join();
-  }
-  const bjjcz::VirtualBjjcz& board() const { return board_; }
-  const std::string& bytes() const { return bytes_; }
-  int host_count() const { return host_count_; }
-
- private:
-  void Serve(const std::stop_token& stop) {
-    auto last = std::chrono::steady_clock::now();
-    while (!stop.stop_requested()) {
-      const int next = accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
-      if (next >= 0) {
-        if (host_ >= 0) close(host_);
-        host_ = next;
-        ++host_count_;
-        board_.Reopen();
-      }
-      std::array<char, 4096> buffer;
-      ssize_t count = 0;
-      while (host_ >= 0 && (count = read(host_, buffer.data(), buffer.size())) > 0) {
-        bytes_.append(buffer.data(), static_cast<std::size_t>(count));
-        board_.Write({buffer.data(), static_cast<std::size_t>(count)});
-      }
-      const auto now = std::chrono::steady_clock::now();
-      board_.Advance(std::chrono::duration<double, std::micro>(now - last).count());
-      last = now;
-      const std::string sent = board_.Read();
-      if (host_ >= 0 && !sent.empty())
-        (void)send(host_, sent.data(), sent.size(), MSG_NOSIGNAL);
-      std::this_thread::sleep_for(500us);
-    }
-  }
-
-  bjjcz::VirtualBjjcz board_;
-  std::string path_, bytes_;
-  int listener_ = -1, host_ = -1;
-  std::atomic<int> host_count_{0};
-  std::jthread thread_;
-};
-
-bjjcz::VirtualBjjczOptions PlainBoard() {
-  bjjcz::VirtualBjjczOptions options;
-  options.needs_oscillator = false;
-  return options;
-}
+constexpr std::size_t kUsbPoints = 150;
 
 class UsbBoard : public ::testing::Test {
  protected:
@@ -135,7 +61,17 @@ class UsbBoard : public ::testing::Test {
     }
     return true;
   }
-  /// A row of points in one layer, all of them decided before the first is made.
+  static std::vector<Vec3> Points() {
+    std::vector<Vec3> points;
+    for (std::size_t i = 0; i < kUsbPoints; ++i) {
+      const auto number = static_cast<double>(i);
+      points.emplace_back(0.3123 * number - 20,
+                          5.4567 - 0.0789 * static_cast<double>(i % 7),
+                          0.066 * static_cast<double>(i / 50));
+    }
+    return points;
+  }
+  /// All of them are decided before the first is made; z moves before each 50.
   void MakePoints() {
     LaserController& laser = *driver_->laser();
     ASSERT_TRUE(Until([&] { return laser.up(); })) << laser.message();
@@ -151,11 +87,12 @@ class UsbBoard : public ::testing::Test {
     ASSERT_TRUE(driver_->BeginRun(1, start, 0)) << driver_->state().message;
     std::vector<motion::Segment> segments;
     std::vector<bool> fire(2, false);
-    for (int i = 0; i < kUsbPoints; ++i) {
-      const Vec3 place(0.3 * i - 20, 5, 0);
-      segments.push_back(
-          {place, Vec3::Zero(), 2 * motion::kSubticksPerTick, true, i + 1 == kUsbPoints});
-      fire.insert(fire.end(), {false, true});
+    for (const Vec3& place : Points()) {
+      const std::uint32_t ticks = segments.size() % 50 == 0 ? 200 : 2;
+      segments.push_back({place, Vec3::Zero(), ticks * motion::kSubticksPerTick, true,
+                          segments.size() + 1 == kUsbPoints});
+      fire.resize(fire.size() + ticks);
+      fire.back() = true;
     }
     ASSERT_GE(driver_->Room(), segments.size());
     ASSERT_TRUE(driver_->Append(segments, {}));
@@ -191,7 +128,7 @@ TEST_F(UsbBoard, AllBytesAreThoseOfTheSocket) {
         << driver_->state().message;
     driver_.reset();
     at.Stop();
-    EXPECT_EQ(at.board().flashes().size(), static_cast<std::size_t>(kUsbPoints));
+    EXPECT_EQ(at.board().flashes().size(), kUsbPoints);
     EXPECT_EQ(at.board().unknown_count(), 0U);
     messages[usb ? 1 : 0] = Messages(at.bytes());
     // Each command and each packet is a transfer.
@@ -207,6 +144,44 @@ TEST_F(UsbBoard, AllBytesAreThoseOfTheSocket) {
   }
   EXPECT_GT(messages[0].size(), 25U);
   EXPECT_THAT(messages[1], ElementsAreArray(messages[0]));
+}
+
+// lmc_client.py is written from the public descriptions alone, in another language.
+TEST_F(UsbBoard, AnotherClientMakesTheSameRecordOfTheSameList) {
+  std::vector<bjjcz::Flash> flashes[2];
+  const std::string path = bus_ / "1-2.3";
+  {
+    BoardAtSocket at(path, PlainBoard());
+    Make("usb:9588:9899");
+    MakePoints();
+    EXPECT_TRUE(Until([&] { return driver_->state().at_rest && driver_->Room() > 200; }));
+    driver_.reset();
+    at.Stop();
+    flashes[0] = at.board().flashes();
+  }
+  std::ofstream points(bus_ / "points.txt");
+  for (const Vec3& place : Points())
+    points << place.x() << ' ' << place.y() << ' '
+           << std::lround((place.z() + 51) * kBoardStepsPerMm) << '\n';
+  points.close();
+  {
+    BoardAtSocket at(path, PlainBoard());
+    const std::string command =
+        "python3 " INTAGLIO_SOURCE_DIR "/tests/services/drivers/bjjcz/lmc_client.py " +
+        path + " " + (bus_ / "points.txt").string() + " 110 3000 200 500 30000";
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    at.Stop();
+    EXPECT_EQ(at.board().unknown_count(), 0U);
+    flashes[1] = at.board().flashes();
+  }
+  ASSERT_EQ(flashes[0].size(), kUsbPoints);
+  ASSERT_EQ(flashes[1].size(), kUsbPoints);
+  for (std::size_t i = 0; i < kUsbPoints; ++i) {
+    EXPECT_NEAR(flashes[0][i].at[0], flashes[1][i].at[0], 0.5) << i;
+    EXPECT_NEAR(flashes[0][i].at[1], flashes[1][i].at[1], 0.5) << i;
+    EXPECT_EQ(flashes[0][i].axis, flashes[1][i].axis) << i;
+    EXPECT_NEAR(flashes[0][i].lit_us, flashes[1][i].lit_us, 1) << i;
+  }
 }
 
 // Two boards on the bus: the one of the profile's number is taken, the other is asked for

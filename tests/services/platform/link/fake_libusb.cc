@@ -1,6 +1,6 @@
 // What libusb-1.0 has that services/platform/link/usb_device.cc calls, without USB. It
 // replaces the library in a program that it is linked into, and in any other as a shared
-// library (INTAGLIO_FAKE_USB_LIBRARY).
+// library.
 //
 // The folder INTAGLIO_FAKE_USB is the bus: each file "BUS-PORT.PORT..." is a BJJCZ board
 // at that place, a Unix-domain socket or a pseudo-terminal that has its bytes. Files
