@@ -163,15 +163,10 @@ sort::PublishedKdzOptions RatiosOf(const PublishedKdzOrder& order) {
   return {k, k};
 }
 
-/// Sets what a head that jumps and dwells needs; its beams lean, so the upright cone of
-/// the order is wide enough for all of them.
+/// Sets what a head that jumps and dwells needs.
 void SetJumps(const FrozenJob& job, sort::OrderOptions& options) {
   const HeadOverBlockKinematics& head = job.machine().head_over_block();
   if (!head.has_jump_and_dwell()) return;
-  options.cone.tangent =
-      CoveringTangentOf(job.machine(), options.cone.tangent,
-                        optics::RefractiveIndexOf(job.optics().stage_per_glass_ratio(),
-                                                  job.job().lens().numerical_aperture()));
   const auto kinematics = KinematicsOptionsOf(job.machine());
   const double up =
       std::get<machine::ScanHeadOptions>(kinematics).z.per_unit_mm() > 0 ? 1 : -1;

@@ -117,6 +117,7 @@ Result<Order> OrderByJumpLayers(const PointList& points_mm, const OrderOptions& 
     from_mm = places_mm[order.back()].head<2>();
     begin = end;
   }
+  if (options.cone.lean) return KeepToCone(points_mm, order, options.cone);
   return order;
 }
 

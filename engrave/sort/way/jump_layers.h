@@ -12,8 +12,8 @@
 // is not telecentric. A lower layer never shades a higher one as long as such a surface
 // is flatter than the cone is steep: dz/dr <= 0.2 at 15 degrees and 60 mm depth, where a
 // cone that leans 13 degrees has a tangent of 0.25, so their product is far below 1.
-// Within a layer the cone decides (cone_order.h). It stands upright: give one that covers
-// the beams that lean.
+// Within a layer the cone of each point decides (cone_order.h), which leans as its beam
+// does (beam_lean.h); where it leans, also between layers, should a lens bend them more.
 
 #include <cstdint>
 #include <span>

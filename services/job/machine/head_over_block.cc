@@ -68,19 +68,6 @@ machine::ScanHeadOptions HeadOptionsOf(const HeadOverBlockKinematics& head) {
   return options;
 }
 
-double CoveringTangentOf(const MachineSpec& machine, double cone_tangent,
-                         double refractive_index) {
-  const HeadOverBlockKinematics& head = machine.head_over_block();
-  if (!head.has_pupil_x_mm()) return cone_tangent;
-  const auto half_mm = [](const AxisLimits& axis) {
-    return std::max(std::abs(axis.travel_min_mm()), std::abs(axis.travel_max_mm()));
-  };
-  const double in_air = std::hypot(half_mm(machine.x()) / head.pupil_x_mm(),
-                                   half_mm(machine.y()) / head.pupil_y_mm());
-  const double lean_rad = std::asin(std::sin(std::atan(in_air)) / refractive_index);
-  return std::tan(lean_rad + std::atan(cone_tangent));
-}
-
 sort::JumpTimes JumpTimesOf(const MachineSpec& machine) {
   const JumpAndDwell& jumps = machine.head_over_block().jump_and_dwell();
   return {jumps.jump_mm_s(),

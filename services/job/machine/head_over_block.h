@@ -16,12 +16,6 @@ namespace intaglio {
 /// CheckHeadOverBlock passes.
 machine::ScanHeadOptions HeadOptionsOf(const HeadOverBlockKinematics& head);
 
-/// Tangent of the half angle of an upright cone in the glass that covers every beam of
-/// the field, however it leans; `cone_tangent`: of an upright beam in the glass. Of a
-/// machine with head_over_block.
-double CoveringTangentOf(const MachineSpec& machine, double cone_tangent,
-                         double refractive_index);
-
 /// Times of a head with jump_and_dwell; its z: the machine's axis.
 sort::JumpTimes JumpTimesOf(const MachineSpec& machine);
 

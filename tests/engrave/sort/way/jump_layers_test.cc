@@ -71,8 +71,8 @@ TEST(JumpLayers, FiresThroughNothingWhereBeamsLean) {
                : Vec2(0, 0);
   };
   OrderOptions options = Telecentric();
-  const double lean = std::asin(std::sin(std::atan(25 * std::sqrt(2.0) / 140)) / kIndex);
-  options.cone = {std::tan(lean + std::atan(kTangent)), 0.02, 0.15};
+  options.cone = {kTangent, 0.02, 0.15};
+  options.cone.lean = BeamLean{{kPupilMm, kPupilMm}, {0, 0}, kHeightMm, kIndex, 36};
   // Coddington's middle focus: deeper beside the axis at the same height.
   options.jump_layers.head_from_glass = [](const Vec3& p) {
     const double q =
