@@ -149,7 +149,7 @@ TEST(BjjczPoints, EachIsMadeWithinHalfAPlaceOfTheBoard) {
 // At ten instants; the board goes on with what it has and keeps its axis, so it is the
 // same power-up, and all but the list in hand is known.
 TEST(BjjczPoints, OnlyTheListInHandIsUncertainWhenTheLineIsCut) {
-  std::size_t most = 0;
+  std::size_t largest = 0;
   for (int instant = 1; instant <= 10; ++instant) {
     Cell cell;
     cell.Connect();
@@ -180,9 +180,9 @@ TEST(BjjczPoints, OnlyTheListInHandIsUncertainWhenTheLineIsCut) {
         EXPECT_EQ(cell.past[tick] == TickOutcome::kFiredUnseen, was_made) << tick;
     }
     EXPECT_LE(uncertain, kBoardListPoints) << instant;
-    most = std::max(most, uncertain);
+    largest = std::max(largest, uncertain);
   }
-  EXPECT_GT(most, 0u) << "no cut came into a list";
+  EXPECT_GT(largest, 0u) << "no cut came into a list";
 }
 
 TEST(BjjczPoints, APowerCycleIsAnotherPowerUpAndHasToBeHomed) {

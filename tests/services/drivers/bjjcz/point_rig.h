@@ -17,7 +17,7 @@ namespace intaglio::drivers {
 inline constexpr double kBoardFieldMm = 110, kBoardStepsPerMm = 1000;
 inline constexpr double kBoardPlacesPerMm = 65536 / kBoardFieldMm;
 
-/// Of a list.
+/// How many points a list has at most.
 inline constexpr std::uint32_t kBoardListPoints = 32;
 
 /// A field of 110 mm, of which 100 mm are travelled; points of 0.5 ms.
