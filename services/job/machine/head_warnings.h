@@ -1,6 +1,7 @@
 #pragma once
 
-// What is allowed in the profile of a scan head and makes poor work.
+// What is allowed in the profile of a scan head and makes poor work: mirrors whose jumps
+// are burnt, and an axis of a BJJCZ board that nobody has measured.
 
 #include <vector>
 

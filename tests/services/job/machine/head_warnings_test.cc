@@ -39,5 +39,20 @@ TEST(HeadWarnings, OneThatWaitsOrLeadsIsNot) {
   EXPECT_TRUE(HeadWarningsOf(MachineSpec()).empty());
 }
 
+TEST(HeadWarnings, ABoardsAxisThatNobodyHasMeasuredIsWarnedOf) {
+  MachineSpec machine;
+  machine.mutable_motion_line()->set_protocol("bjjcz");
+  machine.mutable_head_over_block();
+  const auto found = HeadWarningsOf(machine);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_THAT(found[0].message, HasSubstr("head_over_block.z.scale_ratio: is missing"));
+  EXPECT_THAT(found[0].message, HasSubstr("intaglio teach jog z 10"));
+  machine.mutable_head_over_block()->mutable_z()->set_scale_ratio(1);
+  EXPECT_TRUE(HeadWarningsOf(machine).empty());
+  machine.mutable_head_over_block()->clear_z();
+  machine.mutable_motion_line()->set_protocol("linuxcnc");
+  EXPECT_TRUE(HeadWarningsOf(machine).empty());
+}
+
 }  // namespace
 }  // namespace intaglio
