@@ -64,4 +64,21 @@ std::optional<UpAxis> UpOfBaseFace(const TriangleMesh& placed) {
   return std::nullopt;
 }
 
+bool RestsOnBase(const TriangleMesh& placed) {
+  const Box3 box = placed.Bounds();
+  if (box.empty()) return false;
+  for (const Flatness& flatness : kMadeAndScanned) {
+    const FaceShares z = SharesAlong(2, placed, box, flatness);
+    if (z.low < flatness.flat_share) continue;
+    const auto not_flat = [&](double share) { return share < flatness.not_flat_share; };
+    if (!not_flat(z.high)) return false;
+    for (const int axis : {0, 1}) {
+      const FaceShares sides = SharesAlong(axis, placed, box, flatness);
+      if (!not_flat(sides.low) || !not_flat(sides.high)) return false;
+    }
+    return true;
+  }
+  return false;
+}
+
 }  // namespace intaglio::mesh

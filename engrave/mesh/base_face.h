@@ -25,4 +25,8 @@ namespace intaglio::mesh {
 /// face.
 std::optional<UpAxis> UpOfBaseFace(const TriangleMesh& placed);
 
+/// Whether the bottom of a placed mesh is its only flat face, by the same bounds: the
+/// model stands on its base.
+bool RestsOnBase(const TriangleMesh& placed);
+
 }  // namespace intaglio::mesh

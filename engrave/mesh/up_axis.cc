@@ -7,6 +7,7 @@
 #include "engrave/core/check.h"
 #include "engrave/io/lower_case.h"
 #include "engrave/mesh/collada_check.h"
+#include "engrave/mesh/up_convention.h"
 
 namespace intaglio::mesh {
 namespace {
@@ -69,6 +70,12 @@ std::optional<UpAxis> UpAxisOfFile(std::string_view extension, std::string_view 
   if (lower == "gltf" || lower == "glb") return UpAxis::kY;
   if (lower == "dae") return UpAxisInCollada(file);
   return std::nullopt;
+}
+
+UpConvention UpConventionOf(std::string_view extension) {
+  const std::string lower = io::LowerCaseExtension(extension);
+  if (lower == "obj") return UpConvention::kMostlyY;
+  return lower == "ply" ? UpConvention::kYOrZ : UpConvention::kZ;
 }
 
 }  // namespace intaglio::mesh

@@ -27,6 +27,7 @@
 #include "services/cli/run_command.h"
 #include "services/cli/security_command.h"
 #include "services/cli/sheet/sheet_command.h"
+#include "services/cli/status/logs_command.h"
 #include "services/cli/status/status_command.h"
 #include "services/cli/stop_command.h"
 #include "services/cli/teach/teach_command.h"
@@ -62,6 +63,7 @@ std::unique_ptr<command_line::Program> IntaglioProgram() {
   AddStatusCommand(root);
   AddTeachCommand(root);
   AddHistoryCommand(root);
+  AddLogsCommand(root);
   AddBackupCommands(root);
   AddProofsCommand(root);
   AddPreviewCommand(root);

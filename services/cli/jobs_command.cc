@@ -141,7 +141,6 @@ void AddArmAndWatch(command_line::Command command, JobsOptions& options) {
   command.AddFlag(
       "--arm", options.arm,
       "you are at the machine: the job is armed once, as soon as it has its machine");
-  AddAcceptFlag(command, options.accept);
   AddSameBlockFlag(command, options.same_block);
   command.AddFlag("--watch", options.watch, "follow it to its end");
   AddEventsFlag(command, options.events);
@@ -161,6 +160,7 @@ void AddAgain(command_line::Command app, const std::shared_ptr<JobsOptions>& opt
           "or the database of the job service, as for its --database: a file or a server")
       .Exclude(folder);
   AddArmAndWatch(again, *options);
+  AddAcceptFlag(again, options->accept);
   AddBusFlags(again, options->bus);
   again.SetFooter(
       "Example: intaglio again 12 --arm --watch\n"
@@ -177,6 +177,7 @@ void AddJobsCommands(command_line::Command app) {
   AddJobFlags(submit, options->job);
   AddBusFlags(submit, options->bus);
   AddArmAndWatch(submit, *options);
+  AddAcceptAndAnswers(submit, options->accept);
   const auto series = submit.AddOption(
       "--series", options->series,
       "CSV file: a job for each row; {column} in texts and file names of "

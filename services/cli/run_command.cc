@@ -26,6 +26,7 @@
 #include "services/client/event_lines.h"
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
+#include "services/client/folder_name.h"
 #include "services/client/job_client.h"
 #include "services/client/proof_folder.h"
 #include "services/client/proof_verdict.h"
@@ -98,7 +99,8 @@ class RunSession {
 Status RunSession::MakeFolders() {
   out_ = options_.out.empty()
              ? fs::path("intaglio-out") /
-                   fmt::format("{}-{}", job_.job.name(), client::UtcNow())
+                   fmt::format("{}-{}", client::FolderNameOf(job_.job.name()),
+                               client::FolderTimeOf(client::UtcNow()))
              : fs::path(options_.out);
   out_ = fs::absolute(out_).lexically_normal();
   session_ = out_ / "session";
@@ -329,6 +331,8 @@ int RunSession::Prove(const client::JobView& job, const client::JobClient& clien
 int RunJob(const RunOptions& given) {
   CatchInterrupts();
   RunOptions options = given;
+  if (const auto taken = TakeAnswers(options.accept, options.job); !taken)
+    return Complain(taken.error(), client::kExitWrongInput);
   auto job = BuildJobToEngrave(options.job);
   if (!job) return Complain(job.error(), client::kExitWrongInput);
   if (options.materials_db.empty())

@@ -174,7 +174,10 @@ int ComplainOfShop(const Error& error) {
 
 int ComplainOf(const Error& error) { return Complain(error, client::kExitMachine); }
 
-int Submit(const JobsOptions& options) {
+int Submit(const JobsOptions& given) {
+  JobsOptions options = given;
+  if (const auto taken = TakeAnswers(options.accept, options.job); !taken)
+    return Complain(taken.error(), client::kExitWrongInput);
   if (!options.series.empty()) return SubmitSeries(options);
   if (!options.stations.empty()) return SubmitAtStations(options);
   const auto job = BuildJobToEngrave(options.job);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "engrave/io/lower_case.h"
+#include "engrave/mesh/up_convention.h"
 #include "engrave/optics/pulse_focus.h"
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/machine_axes.h"
@@ -61,7 +62,10 @@ UpAxis UpOf(const Model& model) {
   const std::string extension =
       io::LowerCaseExtension(std::filesystem::path(model.file()).extension().string());
   if (extension == "gltf" || extension == "glb") return UP_AXIS_Y;
-  return extension == "dae" ? UP_AXIS_DECLARED : UP_AXIS_Z;
+  if (extension == "dae") return UP_AXIS_DECLARED;
+  // Nobody has answered where a person has to be asked (model_checks.h).
+  return mesh::UpConventionOf(extension) == mesh::UpConvention::kZ ? UP_AXIS_Z
+                                                                   : UP_AXIS_DECLARED;
 }
 
 void FillPlacement(const Model& model, Placement& placement) {

@@ -10,7 +10,7 @@ namespace intaglio::cli {
 void AddRunFlags(command_line::Command run, RunOptions& options) {
   AddJobFlags(run, options.job);
   AddEventsFlag(run, options.events);
-  AddAcceptFlag(run, options.accept);
+  AddAcceptAndAnswers(run, options.accept);
   run.AddOption("--out", options.out,
                 "folder of the proof, default intaglio-out/NAME-TIME");
   const auto lockstep = run.AddFlag("--lockstep", options.lockstep,

@@ -14,12 +14,14 @@
 
 #include "engrave/core/try.h"
 #include "services/cli/complain.h"
+#include "services/cli/flags/accept_flag.h"
 #include "services/cli/job_glass.h"
 #include "services/cli/job_options.h"
 #include "services/cli/json/print_json.h"
 #include "services/cli/progress/progress_bar.h"
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
+#include "services/client/folder_name.h"
 #include "services/client/preview/preview.h"
 #include "services/client/preview/preview_text.h"
 #include "services/client/proof_folder.h"
@@ -45,6 +47,7 @@ struct PreviewCommandOptions {
   JobFlags job;
   std::string folder = "intaglio-shop", database, out, materials_db;
   bool json = false;
+  AcceptFlag accept;
 };
 
 /// A progress bar that appears when the work takes more than a second.
@@ -112,15 +115,6 @@ Result<JobToPreview> FreezeNamed(const PreviewCommandOptions& options) {
                       std::move(job.of_arrangement)};
 }
 
-/// A name of a folder: that of the job without what divides paths.
-std::string FolderNameOf(const std::string& job_name) {
-  std::string name = job_name.substr(0, 100);
-  for (char& c : name) {
-    if (c == '/' || static_cast<unsigned char>(c) < ' ') c = '_';
-  }
-  return name.empty() || name == "." || name == ".." ? "job" : name;
-}
-
 void Print(const client::Preview& preview, const fs::path& folder) {
   const JobPreview& figures = preview.figures;
   std::cout << fmt::format("{:<11} {}\n", "job", figures.name());
@@ -136,7 +130,10 @@ void Print(const client::Preview& preview, const fs::path& folder) {
                            (folder / client::kPreviewPage).string());
 }
 
-int MakeAndWrite(const PreviewCommandOptions& options) {
+int MakeAndWrite(const PreviewCommandOptions& given) {
+  PreviewCommandOptions options = given;
+  if (const auto taken = TakeAnswers(options.accept, options.job); !taken)
+    return Complain(taken.error());
   const auto job = FreezeNamed(options);
   if (!job) return Complain(job.error());
   for (const std::string& note : job->notes) std::cerr << note << "\n";
@@ -152,9 +149,10 @@ int MakeAndWrite(const PreviewCommandOptions& options) {
       });
   meter.reset();
   if (!preview) return Complain(preview.error());
-  const fs::path folder = options.out.empty() ? fs::path("intaglio-preview") /
-                                                    FolderNameOf(preview->figures.name())
-                                              : fs::path(options.out);
+  const fs::path folder =
+      options.out.empty()
+          ? fs::path("intaglio-preview") / client::FolderNameOf(preview->figures.name())
+          : fs::path(options.out);
   if (auto written = client::WritePreview(folder, *preview); !written) {
     return Complain(written.error());
   }
@@ -176,6 +174,7 @@ void AddPreviewCommand(command_line::Command app) {
   preview.AddOption("JOB|MODEL", options->job.what,
                     "a job file, the number of a job in a shop, or models");
   AddJobOptions(preview, options->job);
+  AddAnswers(preview, options->accept);
   preview.AddOption("--out", options->out,
                     "folder of page, picture and figures, default intaglio-preview/NAME");
   preview.AddFlag("--json", options->json, "print the figures for programs");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -106,6 +107,29 @@ Result<std::uint64_t> TicksOf(const FrozenJob& job, const CloudToTime& cloud,
   return summary.ticks;
 }
 
+/// The sum over all pieces. Several are planned at once, and one by all workers.
+Result<std::uint64_t> TicksOfAll(const FrozenJob& job, const CloudToTime& cloud,
+                                 const std::vector<Indices>& pieces,
+                                 const Executor& executor, const ProgressSink& progress) {
+  std::mutex reporting;
+  std::size_t done = 0;
+  const auto report = [&](std::size_t more) {
+    const std::scoped_lock lock(reporting);
+    done += more;
+    return !progress || progress(done, pieces.size());
+  };
+  const ProgressSink share = [&](std::uint64_t, std::uint64_t) { return report(0); };
+  const bool alone = pieces.size() == 1;
+  std::vector<Result<std::uint64_t>> ticks(pieces.size());
+  RunEach(alone ? Executor() : executor, pieces.size(), [&](std::size_t i) {
+    ticks[i] = TicksOf(job, cloud, pieces[i], alone ? executor : Executor(), share);
+    report(1);
+  });
+  std::uint64_t sum = 0;
+  for (const auto& of_piece : ticks) sum += INTAGLIO_TRY(of_piece);
+  return sum;
+}
+
 /// Times all points in their order at a head that jumps and dwells, by its controller's
 /// times: its clock knows no ticks.
 Result<TimePreview> JumpTimeOf(const FrozenJob& job, const CloudToTime& cloud,
@@ -156,15 +180,10 @@ Result<TimePreview> EstimateTime(const FrozenJob& job, const CloudToTime& cloud,
   const std::vector<Indices> pieces =
       PiecesOf(cloud.points_mm, max_planned_points, job.job().ordering().has_sweep());
   const FrozenJob quick = WithQuickOrder(job, point_count);
-  std::uint64_t planned_count = 0, planned_ticks = 0;
-  for (std::size_t i = 0; i < pieces.size(); ++i) {
-    const ProgressSink share = [&](std::uint64_t, std::uint64_t) {
-      return !progress || progress(i, pieces.size());
-    };
-    const auto ticks = INTAGLIO_TRY(TicksOf(quick, cloud, pieces[i], executor, share));
-    planned_count += pieces[i].size();
-    planned_ticks += ticks;
-  }
+  const auto planned_ticks =
+      INTAGLIO_TRY(TicksOfAll(quick, cloud, pieces, executor, progress));
+  std::uint64_t planned_count = 0;
+  for (const Indices& piece : pieces) planned_count += piece.size();
   const double all_per_planned =
       static_cast<double>(point_count) / static_cast<double>(planned_count);
   const double ticks = std::round(static_cast<double>(planned_ticks) * all_per_planned);

@@ -11,10 +11,13 @@
 
 #include "engrave/mesh/base_face.h"
 #include "engrave/mesh/plausible_size.h"
+#include "engrave/mesh/up_convention.h"
 #include "services/job/model_kind.h"
 
 namespace intaglio {
 namespace {
+
+using mesh::UpConvention;
 
 // A person turns a model by hand to a degree or two.
 constexpr double kUprightCosine = 0.999;
@@ -36,6 +39,24 @@ std::string UpOption(mesh::UpAxis up) {
 void Add(const Model& model, std::string sentence, Warnings& warnings) {
   warnings.push_back(MakeWarning(WarningCode::kOrientation,
                                  fmt::format("{}: {}", NameOf(model), sentence)));
+}
+
+/// kZ where the file or a person has said which axis is up.
+mesh::UpConvention OpenConventionOf(const Model& model,
+                                    std::optional<mesh::UpAxis> declared) {
+  if (declared || model.placement().up() != UP_AXIS_DECLARED) return UpConvention::kZ;
+  return mesh::UpConventionOf(std::filesystem::path(model.file()).extension().string());
+}
+
+void AskForUp(const Model& model, UpConvention convention, Warnings& warnings) {
+  Add(model,
+      fmt::format(
+          "its format names no axis that points up, and {} have y up; it is taken with z "
+          "up. If it lies on its back in the picture, --accept up=y (placement.up: "
+          "UP_AXIS_Y) stands it up; if not, --accept up=z ends this question",
+          convention == UpConvention::kMostlyY ? "most of its files"
+                                               : "many of its files"),
+      warnings);
 }
 
 bool IsRotated(const MethodInput& input) {
@@ -86,7 +107,12 @@ void AddOrientationOfMesh(const MethodInput& input, std::optional<mesh::UpAxis> 
   if (IsRotated(input)) return AddForgottenUp(input, declared, warnings);
   if (IsMirrored(input)) return;
   const auto upright = mesh::UpOfBaseFace(placed);
-  if (!upright) return;
+  const UpConvention convention = OpenConventionOf(input.model, declared);
+  if (!upright) {
+    if (convention != UpConvention::kZ && !mesh::RestsOnBase(placed))
+      AskForUp(input.model, convention, warnings);
+    return;
+  }
   const Vec3 up_in_file =
       mesh::UprightFrom(input.placement.up).transpose() * mesh::DirectionOf(*upright);
   Add(input.model,
@@ -95,6 +121,10 @@ void AddOrientationOfMesh(const MethodInput& input, std::optional<mesh::UpAxis> 
                                                     : "in front: it may lie on its back",
                   UpOption(mesh::NearestUpAxis(up_in_file))),
       warnings);
+  if (convention == UpConvention::kMostlyY &&
+      mesh::NearestUpAxis(up_in_file) == mesh::UpAxis::kY) {
+    warnings.back().weight = WarningWeight::kWarning;
+  }
 }
 
 void AddOrientationOfSheet(const MethodInput& input, Warnings& warnings) {

@@ -93,9 +93,12 @@ TEST(Options, UpFollowsFromTheKindAndTheFormat) {
     EXPECT_EQ(up_of(upright, true), UP_AXIS_Z) << upright << ", rotated";
   }
   EXPECT_EQ(up_of("a.dae"), UP_AXIS_DECLARED);
-  for (const char* as_it_is :
-       {"a.stl", "a.obj", "a.ply", "a.3mf", "a.3ds", "a.xyz", "a.cft", "a.scl"}) {
+  for (const char* as_it_is : {"a.stl", "a.3mf", "a.3ds", "a.xyz", "a.cft", "a.scl"}) {
     EXPECT_EQ(up_of(as_it_is), UP_AXIS_Z) << as_it_is;
+  }
+  for (const char* asked_about : {"a.obj", "a.PLY"}) {
+    EXPECT_EQ(up_of(asked_about), UP_AXIS_DECLARED) << asked_about;
+    EXPECT_EQ(up_of(asked_about, true), UP_AXIS_Z) << asked_about << ", rotated";
   }
 }
 

@@ -205,6 +205,66 @@ TEST(ModelChecks, AFigureOnItsHeadOrItsBackIsAskedAbout) {
   EXPECT_THAT(one.WarningsAbout("cone.stl", StlOf(ConeAlong(1))), IsEmpty());
 }
 
+/// A ball: no face of it tells where its base is.
+mesh::TriangleMesh RoundMesh() {
+  mesh::TriangleMesh ball;
+  constexpr std::uint32_t kRings = 16, kSides = 32;
+  for (std::uint32_t ring = 0; ring <= kRings; ++ring) {
+    const double polar = std::numbers::pi * ring / kRings;
+    for (std::uint32_t i = 0; i < kSides; ++i) {
+      const double turn = 2 * std::numbers::pi * i / kSides;
+      ball.vertices.push_back(10 * Vec3(std::sin(polar) * std::cos(turn),
+                                        std::sin(polar) * std::sin(turn),
+                                        std::cos(polar)));
+    }
+  }
+  for (std::uint32_t ring = 0; ring < kRings; ++ring) {
+    for (std::uint32_t i = 0; i < kSides; ++i) {
+      const std::uint32_t a = ring * kSides + i, b = ring * kSides + (i + 1) % kSides;
+      ball.triangles.push_back({a, a + kSides, b});
+      ball.triangles.push_back({b, a + kSides, b + kSides});
+    }
+  }
+  return ball;
+}
+
+auto AsksForUp(WarningWeight weight, const char* text) {
+  return ::testing::Contains(
+      IsWarning(WarningCode::kOrientation, weight, HasSubstr(text)));
+}
+
+auto AsksNothingAboutUp() {
+  return Not(::testing::Contains(Field(&Warning::code, WarningCode::kOrientation)));
+}
+
+TEST(ModelChecks, AFormatWithoutAnUpAxisIsAskedAboutUntilItIsAnswered) {
+  const std::string obj = mesh::Obj(RoundMesh()), ply = mesh::Ply(RoundMesh());
+  CheckedModel one;
+  EXPECT_THAT(one.WarningsAbout("ball.obj", obj),
+              AsksForUp(WarningWeight::kNote, "--accept up=y"));
+  EXPECT_THAT(one.WarningsAbout("ball.OBJ", obj),
+              AsksForUp(WarningWeight::kNote, "--accept up=z"));
+  EXPECT_THAT(one.WarningsAbout("ball.ply", ply),
+              AsksForUp(WarningWeight::kNote, "many of its files"));
+  EXPECT_THAT(one.WarningsAbout("ball.stl", StlOf(RoundMesh())), AsksNothingAboutUp());
+  for (const UpAxis answer : {UP_AXIS_Y, UP_AXIS_Z}) {
+    one.placement.set_up(answer);
+    EXPECT_THAT(one.WarningsAbout("ball.obj", obj), AsksNothingAboutUp());
+    EXPECT_THAT(one.WarningsAbout("ball.ply", ply), AsksNothingAboutUp());
+  }
+}
+
+TEST(ModelChecks, AFlatFaceSpeaksForOrAgainstTheConvention) {
+  CheckedModel one;
+  EXPECT_THAT(one.WarningsAbout("cone.obj", mesh::Obj(ConeAlong(1))),
+              AsksForUp(WarningWeight::kWarning, "--up y"));
+  EXPECT_THAT(one.WarningsAbout("cone.ply", mesh::Ply(ConeAlong(1))),
+              AsksForUp(WarningWeight::kNote, "--up y"));
+  EXPECT_THAT(one.WarningsAbout("cone.obj", mesh::Obj(ConeAlong(2))),
+              AsksNothingAboutUp())
+      << "it stands on its base";
+}
+
 TEST(ModelChecks, ADrawingThatIsRotatedAndLiesFlatIsAskedAbout) {
   const std::string square =
       R"(<svg xmlns="http://www.w3.org/2000/svg" width="20mm" height="20mm" )"
