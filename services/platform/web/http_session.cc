@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <boost/asio/dispatch.hpp>
 #include <boost/asio/post.hpp>
-#include <boost/beast/http/buffer_body.hpp>
-#include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
+#include <limits>
 #include <optional>
 
 #include "services/platform/web/sessions.h"
@@ -21,15 +20,17 @@ Response Refusal(int status, const std::string& sentence) {
   return TextResponse(status, "text/plain; charset=utf-8", sentence + "\n");
 }
 
+using Head = http::request_header<>;
+
 /// The only value of a header; empty: there is none. False: there are several.
-bool Single(const RawRequest& request, http::field name, std::string_view& value) {
+bool Single(const Head& request, http::field name, std::string_view& value) {
   if (request.count(name) > 1) return false;
   value = ViewOf(request[name]);
   return true;
 }
 
 /// Empty: nobody's.
-std::string SessionOf(const Core& core, const RawRequest& request) {
+std::string SessionOf(const Core& core, const Head& request) {
   std::string_view cookies, bearer;
   if (!Single(request, http::field::cookie, cookies) ||
       !Single(request, http::field::authorization, bearer))
@@ -44,8 +45,12 @@ std::string SessionOf(const Core& core, const RawRequest& request) {
   return {};
 }
 
+constexpr char kLogIn[] =
+    "log in, or open the address that was printed, with its key, or send "
+    "\"Authorization: Bearer KEY\"";
+
 /// Why the request is refused whatever it asks for.
-std::optional<Response> WhyForeign(const Core& core, const RawRequest& request) {
+std::optional<Response> WhyForeign(const Core& core, const Head& request) {
   std::string_view host, origin;
   if (!Single(request, http::field::host, host) || !IsOwnHost(host, core.own))
     return Refusal(421, fmt::format("this is {}:{}", OriginOf(core.own), core.own.port));
@@ -91,10 +96,26 @@ class HttpSession : public Waiting, public std::enable_shared_from_this<HttpSess
   void Read() {
     const Limits& limits = core_.options.limits;
     place_ = core_.waiting.insert(core_.waiting.end(), this);
-    parser_.emplace();
-    parser_->header_limit(static_cast<std::uint32_t>(limits.header_bytes));
-    parser_->body_limit(limits.body_bytes);
+    head_.emplace();
+    head_->header_limit(static_cast<std::uint32_t>(limits.header_bytes));
+    head_->body_limit(std::numeric_limits<std::uint64_t>::max());
     stream_.expires_after(limits.request_time);
+    http::async_read_header(stream_, buffer_, *head_,
+                            [self = shared_from_this()](ErrorOf error, std::size_t) {
+                              if (error) return self->Take(error);
+                              self->ReadBody();
+                            });
+  }
+
+  void ReadBody() {
+    const std::uint64_t limit = core_.options.limits.body_bytes;
+    if (IsLong(head_->get())) {
+      StopWaiting();
+      return DecideLong();
+    }
+    if (head_->content_length().value_or(0) > limit) return Take(http::error::body_limit);
+    parser_.emplace(std::move(*head_));
+    parser_->body_limit(limit);
     http::async_read(
         stream_, buffer_, *parser_,
         [self = shared_from_this()](ErrorOf error, std::size_t) { self->Take(error); });
@@ -117,6 +138,29 @@ class HttpSession : public Waiting, public std::enable_shared_from_this<HttpSess
     Decide(std::move(request));
   }
 
+  bool IsLong(const Head& head) const {
+    const auto target = ParseTarget(ViewOf(head.target()));
+    const auto& paths = core_.options.long_paths;
+    return target && head.method() == http::verb::post &&
+           std::any_of(paths.begin(), paths.end(), [&](const std::string& path) {
+             return target->path.starts_with(path);
+           });
+  }
+
+  /// A request of a long path, before its body.
+  void DecideLong() {
+    const Head& head = head_->get();
+    keep_alive_ = false;
+    if (auto foreign = WhyForeign(core_, head)) return Write(*foreign);
+    const Caller caller{SessionOf(core_, head), address_};
+    if (caller.session.empty()) return Write(Refusal(401, kLogIn));
+    if (!head_->content_length())
+      return Write(Refusal(411, "give the length of the body (Content-Length)"));
+    Request request{"POST", *ParseTarget(ViewOf(head.target())), {}, caller};
+    StartLongBody(counted_, std::move(stream_), std::move(buffer_), std::move(*head_),
+                  std::move(request));
+  }
+
   void Decide(RawRequest request) {
     if (auto foreign = WhyForeign(core_, request)) return Write(*foreign);
     auto target = ParseTarget(ViewOf(request.target()));
@@ -129,9 +173,7 @@ class HttpSession : public Waiting, public std::enable_shared_from_this<HttpSess
       return WritePage(page->second, target->query);
     const Caller caller{SessionOf(core_, request), address_};
     if (caller.session.empty() && !IsOneOf(core_.options.open_paths, target->path)) {
-      return Write(Refusal(401,
-                           "log in, or open the address that was printed, with its key, "
-                           "or send \"Authorization: Bearer KEY\""));
+      return Write(Refusal(401, kLogIn));
     }
     if (get && IsOneOf(core_.options.socket_paths, target->path))
       return StartSocketOf(std::move(request), target->path, caller);
@@ -211,13 +253,7 @@ class HttpSession : public Waiting, public std::enable_shared_from_this<HttpSess
                       *response.token, core_.own.is_encrypted ? "; Secure" : "",
                       response.token->empty() ? "; Max-Age=0" : ""));
     }
-    message_.result(static_cast<unsigned>(response.status));
-    message_.version(11);
-    SetSafeHeaders(message_);
-    message_.set(http::field::content_type, response.content_type);
-    message_.body() = {const_cast<char*>(body_->data()), body_->size(), false};
-    message_.keep_alive(keep_alive_);
-    message_.content_length(body_->size());
+    Fill(message_, response, core_, keep_alive_);
     stream_.expires_after(core_.options.limits.write_time);
     http::async_write(stream_, message_,
                       [self = shared_from_this()](ErrorOf error, std::size_t) {
@@ -232,6 +268,7 @@ class HttpSession : public Waiting, public std::enable_shared_from_this<HttpSess
   std::string address_;  // of the other computer
   net::steady_timer answer_timer_;
   beast::flat_buffer buffer_;
+  std::optional<HeadParser> head_;
   std::optional<http::request_parser<http::string_body>> parser_;
   http::response<http::buffer_body> message_;
   std::shared_ptr<const std::string> body_;

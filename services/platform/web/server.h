@@ -74,9 +74,25 @@ struct Limits {
   std::chrono::milliseconds comment_period{5'000};  ///< of a silent event stream
 };
 
+/// Takes a long body piece by piece, in the thread of Run. Destroyed before End: the
+/// connection broke, or the request was answered already.
+class BodySink {
+ public:
+  virtual ~BodySink() = default;
+  /// Not empty. `taken` asks for the next piece, from any thread: no two wait at once.
+  virtual void Take(std::string bytes, std::function<void()> taken) = 0;
+  /// Everything has come: the request has to be answered now.
+  virtual void End() = 0;
+};
+
 /// Called in the thread of Run; they do not wait.
 struct Handlers {
   std::function<void(const Request&, Reply)> request;
+  /// The sink of a request of `long_paths`, whose body has `body_bytes`; null: it is
+  /// answered without reading the body. The reply may also come while pieces come.
+  std::function<std::shared_ptr<BodySink>(const Request&, std::uint64_t body_bytes,
+                                          Reply)>
+      body;
   /// What a new peer of a path gets first.
   std::function<std::string(const std::string& path)> greeting;
   /// A text from a WebSocket.
@@ -95,6 +111,8 @@ struct ServerOptions {
   std::vector<std::string> open_paths;    ///< of requests that need no session
   std::vector<std::string> event_paths;   ///< of server-sent events
   std::vector<std::string> socket_paths;  ///< of WebSockets
+  /// What the paths of POST with a body of any length begin with.
+  std::vector<std::string> long_paths;
   Limits limits;
 };
 

@@ -7,8 +7,10 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http/buffer_body.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/message.hpp>
+#include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <deque>
 #include <list>
@@ -23,6 +25,8 @@ namespace intaglio::web {
 
 namespace http = boost::beast::http;
 using RawRequest = http::request<http::string_body>;
+/// Has read the headers of a request and nothing of its body.
+using HeadParser = http::request_parser<http::empty_body>;
 
 /// A connection that stays open and is written to.
 class Peer {
@@ -104,8 +108,15 @@ class OutQueue {
 void StartEvents(CountedPtr counted, Stream stream, std::string path, Caller caller);
 void StartSocket(CountedPtr counted, Stream stream, RawRequest request, std::string path,
                  Caller caller);
+/// Reads the body of a checked request for Handlers::body, answers it, and ends the
+/// connection.
+void StartLongBody(CountedPtr counted, Stream stream, beast::flat_buffer buffer,
+                   HeadParser&& head, Request request);
 /// Reads requests from a new connection.
 void StartHttp(Core& core, Stream stream);
+
+/// For a year a browser opens an encrypted server by https alone.
+inline constexpr char kStrictTransport[] = "max-age=31536000";
 
 /// Headers of every response.
 template <typename Message>
@@ -120,6 +131,21 @@ void SetSafeHeaders(Message& message) {
               "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
               "connect-src 'self'; worker-src 'self'; base-uri 'none'; "
               "frame-ancestors 'none'; form-action 'none'");
+}
+
+/// Status, headers and body of a response; its body has to live until it is written.
+inline void Fill(http::response<http::buffer_body>& message, const Response& response,
+                 const Core& core, bool keep_alive) {
+  message.result(static_cast<unsigned>(response.status));
+  message.version(11);
+  SetSafeHeaders(message);
+  if (core.own.is_encrypted)
+    message.set(http::field::strict_transport_security, kStrictTransport);
+  message.set(http::field::content_type, response.content_type);
+  message.body() = {const_cast<char*>(response.body->data()), response.body->size(),
+                    false};
+  message.keep_alive(keep_alive);
+  message.content_length(response.body->size());
 }
 
 }  // namespace intaglio::web

@@ -27,12 +27,21 @@ class WebServer : public ::testing::Test {
     options.pages["/"] = TextResponse(200, "text/html; charset=utf-8", "page");
     options.event_paths = {"/events"};
     options.socket_paths = {"/socket"};
+    options.long_paths = {"/long"};
     options.limits = limits;
     Handlers handlers;
     handlers.request = [this](const Request& request, Reply reply) {
       ++asked_;
       if (request.target.path != "/never")
         reply(TextResponse(200, "text/plain", request.method + request.body));
+    };
+    handlers.body = [this](const Request& request, std::uint64_t body_bytes,
+                           Reply reply) -> std::shared_ptr<BodySink> {
+      if (request.target.path == "/long/refused") {
+        reply(TextResponse(403, "text/plain", "refused"));
+        return nullptr;
+      }
+      return std::make_shared<CountingSink>(*this, body_bytes, std::move(reply));
     };
     handlers.greeting = [](const std::string& path) { return "hello " + path; };
     handlers.message = [this](PeerId peer, const Caller&, const std::string& text) {
@@ -53,7 +62,81 @@ class WebServer : public ::testing::Test {
   std::unique_ptr<Server> server_;
   std::thread thread_;
   std::atomic<int> asked_ = 0;
+  std::atomic<std::size_t> largest_piece_ = 0;
+  std::atomic<int> broken_ = 0;
+
+ private:
+  /// Answers how much came; refuses a body at its first '!'.
+  class CountingSink : public BodySink {
+   public:
+    CountingSink(WebServer& test, std::uint64_t body_bytes, Reply reply)
+        : test_(test), body_bytes_(body_bytes), reply_(std::move(reply)) {}
+    ~CountingSink() override { test_.broken_ += answered_ ? 0 : 1; }
+    void Take(std::string bytes, std::function<void()> taken) override {
+      test_.largest_piece_ = std::max<std::size_t>(test_.largest_piece_, bytes.size());
+      count_ += bytes.size();
+      if (bytes.find('!') != std::string::npos) {
+        answered_ = true;
+        return reply_(TextResponse(409, "text/plain", "no !"));
+      }
+      // From another thread, as a disk's would be.
+      std::thread(std::move(taken)).detach();
+    }
+    void End() override {
+      answered_ = true;
+      reply_(TextResponse(200, "text/plain",
+                          std::to_string(count_) + " of " + std::to_string(body_bytes_)));
+    }
+
+   private:
+    WebServer& test_;
+    std::uint64_t body_bytes_;
+    Reply reply_;
+    std::size_t count_ = 0;
+    bool answered_ = false;
+  };
 };
+
+TEST_F(WebServer, TakesALongBodyPieceByPiece) {
+  Open();
+  const auto send = [&](const std::string& path, const std::string& body,
+                        const std::string& headers = {}) {
+    return Ask(
+        port(),
+        {.method = "POST", .path = path, .key = "key", .body = body, .headers = headers});
+  };
+  const std::string large(5'000'000, 'x');
+  const auto answer = send("/long/file", large);
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_EQ(answer.body, "5000000 of 5000000");
+  EXPECT_LE(largest_piece_, 65536u) << "never the whole";
+  EXPECT_EQ(send("/long/file", "").body, "0 of 0");
+  // The answer is read although the client has sent everything before it reads.
+  const auto refused = send("/long/refused", std::string(300'000, 'x'));
+  EXPECT_EQ(refused.status, 403);
+  EXPECT_EQ(refused.body, "refused");
+  EXPECT_EQ(send("/long/file", std::string(100'000, '!')).status, 409);
+  EXPECT_EQ(send("/long/file", "x", "Origin: http://evil.example\r\n").status, 403);
+  EXPECT_EQ(Ask(port(), {.method = "POST", .path = "/long/file", .body = "x"}).status,
+            401);
+  EXPECT_EQ(broken_, 0);
+}
+
+TEST_F(WebServer, ALongBodyThatBreaksOffEndsItsSink) {
+  Open();
+  {
+    WebConnection connection(port());
+    connection.Send(
+        "POST /long/file HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port()) +
+        "\r\nAuthorization: Bearer key\r\nContent-Length: 1000000\r\n"
+        "Expect: 100-continue\r\n\r\n");
+    EXPECT_THAT(connection.ReadUntil("\r\n\r\n", 10s), HasSubstr("100 Continue"));
+    connection.Send(std::string(1000, 'x'));
+  }
+  for (int i = 0; i < 1000 && broken_ == 0; ++i) std::this_thread::sleep_for(10ms);
+  EXPECT_EQ(broken_, 1);
+  EXPECT_EQ(Ask(port(), {}).status, 200);
+}
 
 TEST_F(WebServer, ServesPagesToAllAndTheRestToTheKey) {
   Open();
