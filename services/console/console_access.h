@@ -25,12 +25,13 @@ inline constexpr char kKeyName[] = "this computer";
 struct Visitor {
   std::string session, name;
   access::UserRole role = access::UserRole::kObserver;
+  bool rests = false;  ///< an operator who did nothing for 30 minutes: looks alone
 };
 
 /// Why a request is refused.
 struct Refusal {
   int status;        ///< of HTTP
-  std::string code;  ///< not_operator, not_in_charge
+  std::string code;  ///< not_operator, resting, not_in_charge
   std::string message;
 };
 

@@ -85,7 +85,7 @@ LogIns::Opened LogIns::Start(const User& user, Clock::time_point now) {
   Opened opened;
   opened.token = NewKey();
   opened.session = {IdOf(opened.token), user.name, user.role};
-  sessions_[opened.session.id] = {opened.session, user.hash, now, now};
+  sessions_[opened.session.id] = {opened.session, user.hash, now, now, now};
   return opened;
 }
 
@@ -99,13 +99,29 @@ std::optional<Session> LogIns::Find(const std::string& token, Clock::time_point 
     return std::nullopt;
   }
   found->second.used = now;
-  return found->second.session;
+  return SessionOf(found->second, now);
 }
 
-std::optional<Session> LogIns::At(const std::string& id) const {
+Session LogIns::SessionOf(const Open& open, Clock::time_point now) const {
+  Session session = open.session;
+  session.rests =
+      session.role == UserRole::kOperator && now > open.acted + limits_.idle_time;
+  if (session.rests) session.role = UserRole::kObserver;
+  return session;
+}
+
+std::optional<Session> LogIns::At(const std::string& id, Clock::time_point now) const {
   const std::lock_guard lock(mutex_);
   const auto found = sessions_.find(id);
-  return found == sessions_.end() ? std::nullopt : std::optional(found->second.session);
+  if (found == sessions_.end()) return std::nullopt;
+  return SessionOf(found->second, now);
+}
+
+void LogIns::Act(const std::string& id, Clock::time_point now) {
+  const std::lock_guard lock(mutex_);
+  const auto found = sessions_.find(id);
+  if (found != sessions_.end() && !SessionOf(found->second, now).rests)
+    found->second.acted = now;
 }
 
 void LogIns::LogOut(const std::string& id) {
@@ -113,10 +129,11 @@ void LogIns::LogOut(const std::string& id) {
   if (const auto found = sessions_.find(id); found != sessions_.end()) End(found);
 }
 
-bool LogIns::IsHere(const std::string& name) const {
+bool LogIns::IsHere(const std::string& name, Clock::time_point now) const {
   const std::lock_guard lock(mutex_);
-  return std::any_of(sessions_.begin(), sessions_.end(),
-                     [&](const auto& open) { return open.second.session.name == name; });
+  return std::any_of(sessions_.begin(), sessions_.end(), [&](const auto& open) {
+    return open.second.session.name == name && !SessionOf(open.second, now).rests;
+  });
 }
 
 std::vector<std::string> LogIns::TakeEnded(Clock::time_point now) {

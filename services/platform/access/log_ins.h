@@ -4,6 +4,9 @@
 //
 //   LogIn      name and password -> token, 256 bits at random; kept as its hash alone
 //   Find       token -> session; a use of it
+//   Act        the person does something
+//   rests      idle_time after the last act: it has the role observer until the next
+//              log-in, so that a page that is only looked at stays, and commands nothing
 //   ends       by LogOut; idle_time after the last use; whole_time after the log-in; when
 //              the user is no longer in the file, or with another role or password
 //
@@ -39,6 +42,7 @@ struct Session {
   std::string id;  ///< the hash of its token
   std::string name;
   UserRole role = UserRole::kObserver;
+  bool rests = false;  ///< an operator who has done nothing for idle_time
 };
 
 class LogIns {
@@ -57,10 +61,12 @@ class LogIns {
                        const std::string& address, Clock::time_point now);
   std::optional<Session> Find(const std::string& token, Clock::time_point now);
   /// By its id; no use of it.
-  std::optional<Session> At(const std::string& id) const;
+  std::optional<Session> At(const std::string& id, Clock::time_point now) const;
+  /// Of a session that does not rest.
+  void Act(const std::string& id, Clock::time_point now);
   void LogOut(const std::string& id);
-  /// Somebody of this name is logged in.
-  bool IsHere(const std::string& name) const;
+  /// Somebody of this name is logged in, and does not rest.
+  bool IsHere(const std::string& name, Clock::time_point now) const;
   /// Ends what is over by now, or by the file; the ids of all that ended since the last
   /// call.
   std::vector<std::string> TakeEnded(Clock::time_point now);
@@ -69,12 +75,13 @@ class LogIns {
   struct Open {
     Session session;
     std::string hash;  // of the password then
-    Clock::time_point opened, used;
+    Clock::time_point opened, used, acted;
   };
   struct Failures {
     int count = 0;
     Clock::time_point last, next;
   };
+  Session SessionOf(const Open& open, Clock::time_point now) const;
   void EndBy(const std::vector<User>& users);
   void End(std::map<std::string, Open>::iterator session);
   void CountFailure(const std::string& key, Clock::time_point now);

@@ -45,14 +45,14 @@ TEST_F(LogInsOfTwo, ATokenIsTheSessionUntilItsEnd) {
   ASSERT_TRUE(found);
   EXPECT_EQ(found->name, "anna");
   EXPECT_EQ(found->role, UserRole::kOperator);
-  EXPECT_TRUE(log_ins_.At(found->id));
-  EXPECT_TRUE(log_ins_.IsHere("anna"));
+  EXPECT_TRUE(log_ins_.At(found->id, now_));
+  EXPECT_TRUE(log_ins_.IsHere("anna", now_));
   EXPECT_FALSE(log_ins_.Find(found->id, now_));
   EXPECT_FALSE(log_ins_.Find("", now_));
   EXPECT_NE(Try("right password")->token, opened->token);
   log_ins_.LogOut(found->id);
   EXPECT_FALSE(log_ins_.Find(opened->token, now_));
-  EXPECT_FALSE(log_ins_.At(found->id));
+  EXPECT_FALSE(log_ins_.At(found->id, now_));
   EXPECT_THAT(log_ins_.TakeEnded(now_), testing::ElementsAre(found->id));
 }
 
@@ -72,6 +72,25 @@ TEST_F(LogInsOfTwo, ASessionEndsWhenItIsIdleAndAfterItsWholeTime) {
   now_ = opened + 12h + 1s;
   EXPECT_EQ(log_ins_.TakeEnded(now_).size(), 1u) << "without a request of it, too";
   EXPECT_FALSE(log_ins_.Find(used, now_));
+}
+
+TEST_F(LogInsOfTwo, APageThatIsOnlyLookedAtStaysAndCommandsNothing) {
+  const auto opened = Try("right password");
+  now_ += 29min;
+  log_ins_.Act(opened->session.id, now_);
+  now_ += 29min;
+  EXPECT_EQ(log_ins_.Find(opened->token, now_)->role, UserRole::kOperator);
+  now_ += 2min;
+  const auto resting = log_ins_.Find(opened->token, now_);
+  ASSERT_TRUE(resting);
+  EXPECT_EQ(resting->role, UserRole::kObserver);
+  EXPECT_TRUE(resting->rests);
+  EXPECT_FALSE(log_ins_.IsHere("anna", now_)) << "is in charge of nothing any more";
+  log_ins_.Act(opened->session.id, now_);
+  EXPECT_TRUE(log_ins_.At(opened->session.id, now_)->rests) << "until the next log-in";
+  EXPECT_THAT(log_ins_.TakeEnded(now_), testing::IsEmpty());
+  const auto again = Try("right password");
+  EXPECT_FALSE(log_ins_.At(again->session.id, now_)->rests);
 }
 
 TEST_F(LogInsOfTwo, AUserWhoIsRemovedOrChangedIsLoggedOut) {
