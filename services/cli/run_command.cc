@@ -140,7 +140,7 @@ Result<client::ServiceSet> RunSession::StartServices(
   set.without = {options_.without.begin(), options_.without.end()};
   if (options_.record) set.recording = out_ / "session.mcap";
   set.recording_bulk = options_.bulk;
-  set.console_port = ConsolePortOf(options_.console_port);
+  set.console = SettingOf(options_.console);
   HandOnSizeLimits(options_.job.size_limits);
   return client::ServiceSet::Start(set, &machine);
 }
@@ -176,7 +176,7 @@ int RunSession::Engrave(client::ServiceSet& services) {
   if (!reported) return Complain(reported.error(), client::kExitInternal);
   std::cerr << fmt::format("processes   {}, logs in {}\n",
                            fmt::join(services.Processes(), ", "), session_.string());
-  if (!options_.console_port.empty()) {
+  if (!options_.console.port.empty()) {
     const auto address = services.AwaitConsole();
     if (!address) return Complain(address.error(), client::kExitWrongInput);
     std::cerr << "web console " << *address << "\n";

@@ -54,7 +54,7 @@ struct UpOptions {
   bool lockstep = false;
   bool record = false;
   std::string bulk;
-  std::string console_port;
+  ConsoleFlags console;
   double speed = 1;
   TruthFlags truth;
   MountFlags mount;
@@ -197,7 +197,7 @@ int Up(const UpOptions& options) {
   set.bus = options.bus;
   set.bus.cell = machine->name();
   set.without = {options.without.begin(), options.without.end()};
-  set.console_port = ConsolePortOf(options.console_port);
+  set.console = SettingOf(options.console);
   // What a refused shop has made goes again, while the folder is still locked.
   std::optional<client::FolderLock> lock;
   client::FreshPaths fresh(
@@ -242,7 +242,7 @@ int Up(const UpOptions& options) {
     services->Stop();
     return Complain(reported.error(), client::kExitMachine);
   }
-  if (set.console_port >= 0) {
+  if (set.console.port >= 0) {
     const auto address = services->AwaitConsole();
     if (!address) {
       services->Stop();
@@ -270,7 +270,7 @@ void AddUpCommand(command_line::Command app) {
   const auto record = up.AddFlag("--record", options->record,
                                  "record all messages in the folder's recordings");
   AddBulkFlag(up, options->bulk).Need(record);
-  AddConsoleFlag(up, options->console_port);
+  AddConsoleFlags(up, options->console);
   up.AddFlag("--real-machine", options->real_machine,
              "no virtual engraver: the profile's serial devices are used");
   const auto lockstep =

@@ -12,6 +12,7 @@
 #include "services/client/proof/glass_search.h"
 #include "services/client/proof/marks/cut_evidence.h"
 #include "services/client/proof/marks/mark_search.h"
+#include "services/client/shop/shop_flags.h"
 #include "services/job/job_check.h"
 #include "services/job/job_file.h"
 #include "services/platform/command_line/other_programs.h"
@@ -149,7 +150,7 @@ Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
     if (options.without.contains(name) || (name == "recorder" && !set.records_)) continue;
     INTAGLIO_TRY(set.StartService(options, name, arguments));
   }
-  if (options.console_port >= 0) INTAGLIO_TRY(set.StartConsole(options));
+  if (options.console.port >= 0) INTAGLIO_TRY(set.StartConsole(options));
   return set;
 }
 
@@ -232,12 +233,8 @@ Status ServiceSet::StartService(const ServiceSetOptions& options, const std::str
 
 Status ServiceSet::Keep(const ServiceSetOptions& options, const std::string& name,
                         std::vector<std::string> arguments) {
-  const bus::BusOptions& bus = options.bus;
-  arguments.insert(arguments.end(), {"--domain", std::to_string(bus.control_domain),
-                                     "--interface", bus.interface});
-  if (!bus.tag.empty()) arguments.insert(arguments.end(), {"--tag", bus.tag});
-  if (!bus.security.empty())
-    arguments.insert(arguments.end(), {"--security", bus.security});
+  const auto shop = ShopWords(options.bus);
+  arguments.insert(arguments.end(), shop.begin(), shop.end());
   if (options.die_with_parent) arguments.push_back(DieWithUs());
   auto started = INTAGLIO_TRY(
       KeptProcess::Start({name, command_line::ProgramFolder() / ("intaglio-" + name),
@@ -249,11 +246,23 @@ Status ServiceSet::Keep(const ServiceSetOptions& options, const std::string& nam
 Status ServiceSet::StartConsole(const ServiceSetOptions& options) {
   console_address_ = options.folder / "console.address";
   console_address_before_ = ConsoleStamp(console_address_);
-  return Keep(options, "console",
-              {"--port", std::to_string(options.console_port), "--address-file",
-               console_address_.string(), "--users",
-               (options.folder / kConsoleUsersFile).string(), "--audit",
-               (options.folder / "console_audit.jsonl").string()});
+  const ConsoleSetting& console = options.console;
+  const auto users = console.users.empty() ? (options.folder / kConsoleUsersFile).string()
+                                           : console.users;
+  std::vector<std::string> words = {
+      "--port",         std::to_string(console.port),
+      "--address-file", console_address_.string(),
+      "--users",        users,
+      "--audit",        (options.folder / "console_audit.jsonl").string(),
+      "--uploads",      (options.folder / "uploads").string(),
+      "--database",     (options.folder / "jobs.db").string()};
+  const auto add = [&words](const char* option, const std::string& value) {
+    if (!value.empty()) words.insert(words.end(), {option, value});
+  };
+  add("--address", console.address);
+  add("--certificate", console.certificate);
+  add("--private-key", console.private_key);
+  return Keep(options, "console", std::move(words));
 }
 
 Result<std::string> ServiceSet::AwaitConsole() {

@@ -29,6 +29,14 @@ struct VirtualMachine {
 /// Who may log in to the web console of a shop; in its folder.
 inline constexpr char kConsoleUsersFile[] = "console.users";
 
+/// A web console beside the services (docs/console.md).
+struct ConsoleSetting {
+  int port = -1;                         ///< 0: a free one; -1: no console
+  std::string address;                   ///< empty: this computer alone
+  std::string certificate, private_key;  ///< PEM files; empty: not encrypted
+  std::string users;                     ///< file; empty: kConsoleUsersFile
+};
+
 struct ServiceSetOptions {
   std::filesystem::path folder;   ///< sockets, logs, database; made anew
   std::filesystem::path results;  ///< job folders
@@ -39,7 +47,7 @@ struct ServiceSetOptions {
   std::filesystem::path recording;  ///< file of a recorder; empty: none
   std::string recording_bulk;       ///< all (""), thin or none, as its --bulk
   bool die_with_parent = true;
-  int console_port = -1;  ///< of a web console; 0: a free one; -1: no console
+  ConsoleSetting console;
 };
 
 /// `machine` with what was taught when the shop in `folder` was open before, unless its

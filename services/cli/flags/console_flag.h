@@ -2,15 +2,23 @@
 
 #include <string>
 
+#include "services/client/service_set.h"
 #include "services/platform/command_line/program.h"
 
 namespace intaglio::cli {
 
-/// --console[=PORT]: `port` is that of a web console, "0" a free one, empty none. A text,
-/// because a flag that is a number is counted: it begins at 0, and 0 counts as "no".
-void AddConsoleFlag(command_line::Command command, std::string& port);
+struct ConsoleFlags {
+  /// Of --console[=PORT]: that of a web console, "0" a free one, empty none. A text,
+  /// because a flag that is a number is counted: it begins at 0, and 0 counts as "no".
+  std::string port;
+  client::ConsoleSetting setting;  ///< its port is filled in by SettingOf
+};
 
-/// A value of ServiceSetOptions::console_port: -1 without a console.
-int ConsolePortOf(const std::string& port);
+/// --console[=PORT], and where it serves: --console-address, --console-certificate,
+/// --console-private-key, --console-users.
+void AddConsoleFlags(command_line::Command command, ConsoleFlags& flags);
+
+/// Port -1 without a console.
+client::ConsoleSetting SettingOf(const ConsoleFlags& flags);
 
 }  // namespace intaglio::cli

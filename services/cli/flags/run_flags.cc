@@ -30,7 +30,7 @@ void AddRunFlags(command_line::Command run, RunOptions& options) {
   run.AddOption("--without", options.without,
                 "services that run elsewhere, e.g. discretizer");
   run.AddOption("--materials", options.materials_db, "material base, default the user's");
-  AddConsoleFlag(run, options.console_port);
+  AddConsoleFlags(run, options.console);
   AddPrivateBusFlags(run, options.bus);
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "services/cli/flags/accept_flag.h"
+#include "services/cli/flags/console_flag.h"
 #include "services/cli/flags/customer_picture_flags.h"
 #include "services/cli/flags/truth_flags.h"
 #include "services/cli/job_options.h"
@@ -26,7 +27,7 @@ struct RunOptions {
   bool record = true;
   CustomerPictureFlags picture;
   std::string bulk;
-  std::string console_port;
+  ConsoleFlags console;
   bus::BusOptions bus;
 };
 

@@ -28,4 +28,13 @@ void AddShopFlags(command_line::Command command, bus::BusOptions& options,
       .FromEnvironment("INTAGLIO_TAG");
 }
 
+std::vector<std::string> ShopWords(const bus::BusOptions& options) {
+  std::vector<std::string> words = {"--domain", std::to_string(options.control_domain),
+                                    "--interface", options.interface};
+  if (!options.tag.empty()) words.insert(words.end(), {"--tag", options.tag});
+  if (!options.security.empty())
+    words.insert(words.end(), {"--security", options.security});
+  return words;
+}
+
 }  // namespace intaglio::client

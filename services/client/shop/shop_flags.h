@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "services/platform/bus/bus.h"
 #include "services/platform/command_line/program.h"
@@ -17,5 +18,8 @@ void AddShopFlags(command_line::Command command, bus::BusOptions& options,
 /// the environment names is not joined.
 void AddPrivateShopFlags(command_line::Command command, bus::BusOptions& options,
                          const std::string& identities);
+
+/// The same options as words, for another program.
+std::vector<std::string> ShopWords(const bus::BusOptions& options);
 
 }  // namespace intaglio::client
