@@ -4,7 +4,7 @@ import { Dict, endStates, make, post } from './dom';
 import { FirePanel } from './fire';
 import { ResultPanel } from './result';
 import { LogIn, SessionLine, readSession } from './session';
-import { text } from './text';
+import { LanguageList, fill, text, translatePage } from './text';
 
 /** The connection /control: the state, ten times a second, and Stop. */
 class Control {
@@ -135,12 +135,14 @@ class MachineList extends HTMLElement {
       const place = stage
         ? [stage.x_mm, stage.y_mm, stage.z_mm].map((mm: number) => mm.toFixed(2)).join(' ')
         : '-';
-      const door = machine.door_closed ? 'door closed' : 'DOOR OPEN';
-      const key = machine.key_on ? 'key on' : 'key off';
-      const held = machine.stops_held?.length ? 'STOP PRESSED' : 'stop released';
+      const lamp = fill(text.lamp, { lamp: machine.lamp });
+      const door = machine.door_closed ? text.doorClosed : text.doorOpen;
+      const key = machine.key_on ? text.keyOn : text.keyOff;
+      const held = machine.stops_held?.length ? text.stopPressed : text.stopReleased;
       const item = make('li', machine.cell);
-      item.append(make('div', `lamp ${machine.lamp}, ${key}, ${door}, ${held}`));
-      item.append(make('div', `stage ${place} mm, ${machine.mounted || '-'}`, 'quiet'));
+      item.append(make('div', [lamp, key, door, held].join(', ')));
+      item.append(make('div', fill(text.stagePlace, { place, block: machine.mounted || '-' }),
+        'quiet'));
       list.append(item);
     }
     if (!machines.length) list.append(make('li', text.noMachines, 'quiet'));
@@ -151,7 +153,9 @@ class MachineList extends HTMLElement {
 function duration(seconds: number): string {
   const whole = Math.max(0, Math.round(seconds));
   const minutes = Math.floor(whole / 60);
-  return minutes ? `${minutes} min ${whole % 60} s` : `${whole} s`;
+  return minutes
+    ? fill(text.minutes, { minutes, seconds: whole % 60 })
+    : fill(text.seconds, { seconds: whole });
 }
 
 /** A line of the list; it stays the same element while its job is there. */
@@ -209,9 +213,12 @@ class JobLine {
     this.bar.value = stage?.done ?? 0;
     const rate = stage?.rate ?? 0;
     const remaining = stage ? stage.total - stage.done : 0;
-    const parts = stage ? [`${stage.stage} ${stage.done} of ${stage.total} ${job.makes}`] : [];
-    if (rate > 0) parts.push(`${rate.toFixed(0)}/s`);
-    if (rate > 0 && remaining > 0) parts.push(`${duration(remaining / rate)} ${text.left}`);
+    const parts = stage
+      ? [fill(text.stageProgress, { ...stage, makes: job.makes } as Dict)]
+      : [];
+    if (rate > 0) parts.push(fill(text.perSecond, { rate: rate.toFixed(0) }));
+    if (rate > 0 && remaining > 0)
+      parts.push(fill(text.left, { time: duration(remaining / rate) }));
     this.figures.textContent = [...parts, job.message, job.alarm].filter(Boolean).join(', ');
     const ended = endStates.includes(job.state);
     for (const button of this.buttons.querySelectorAll<HTMLElement>('[data-command]'))
@@ -266,7 +273,7 @@ class GlassView extends HTMLElement {
   connectedCallback() {
     const canvas = document.createElement('canvas');
     canvas.setAttribute('role', 'img');
-    canvas.setAttribute('aria-label', 'planned points, and cracks that were made');
+    canvas.setAttribute('aria-label', text.glassPicture);
     this.append(canvas, this.line);
     if (!('transferControlToOffscreen' in canvas)) return;
     const offscreen = canvas.transferControlToOffscreen();
@@ -296,7 +303,7 @@ class GlassView extends HTMLElement {
 
   private report(data: Dict) {
     if (data.missing) this.line.textContent = text.otherHost;
-    else this.line.textContent = `${data.made} of ${data.planned} ${text.points} ${text.made}`;
+    else this.line.textContent = fill(text.cracksMade, data);
     this.dataset.drawn = String(data.drawn ?? 0);
   }
 
@@ -314,6 +321,8 @@ class GlassView extends HTMLElement {
   }
 }
 
+translatePage();
+customElements.define('language-list', LanguageList);
 customElements.define('session-line', SessionLine);
 customElements.define('log-in', LogIn);
 customElements.define('stop-button', StopButton);
@@ -338,11 +347,11 @@ control.onConnection = (connected) => {
 };
 
 /** The log-in in place of the shop, while nobody is logged in. */
-async function showSession() {
-  const session = await readSession();
+async function showSession(here = false) {
+  const session = await readSession(here);
   if (session === null) return;
   sessionLine.update(session);
-  logIn.hidden = !!session;
+  logIn.hidden = !!session && !session.rests;
   document.querySelector('main')!.hidden = !session;
 }
 sessionLine.onChange = logIn.onChange = () => {
@@ -350,6 +359,16 @@ sessionLine.onChange = logIn.onChange = () => {
   showSession();
 };
 showSession();
+// A page in view stays logged in, to look; touches keep the right to command.
+setInterval(() => document.hidden || showSession(), 5 * 60 * 1000);
+let touchedAt = performance.now();
+for (const touch of ['pointerdown', 'keydown']) {
+  document.addEventListener(touch, () => {
+    if (performance.now() - touchedAt < 60 * 1000) return;
+    touchedAt = performance.now();
+    showSession(true);
+  });
+}
 document.addEventListener('visibilitychange', () => jobs.letGo());
 window.addEventListener('blur', () => jobs.letGo());
 control.onStop = (answer) => stop.answer(answer);

@@ -1,6 +1,6 @@
 // Who is logged in, who is in charge, and the log-in. Nothing of it lets a machine move or fire.
 import { Dict, make, post } from './dom';
-import { text } from './text';
+import { fill, text } from './text';
 
 function field(type: string, label: string, autocomplete: string): [HTMLElement, HTMLInputElement] {
   const line = make('label', label);
@@ -38,14 +38,16 @@ export class SessionLine extends HTMLElement {
     this.session = session;
     this.hidden = !session;
     document.body.dataset.role = session?.role ?? '';
-    this.person.textContent = session ? `${session.name} (${text[session.role as 'operator']})` : '';
+    const role = session?.rests ? text.rests : text[session?.role as 'operator'];
+    this.person.textContent = session ? `${session.name} (${role})` : '';
+    this.person.className = session?.rests ? 'need' : '';
     this.showCharge(session?.in_charge ?? '');
   }
 
   showCharge(name: string) {
     const isOperator = this.session?.role === 'operator';
     const isOther = !!name && name !== this.session?.name;
-    this.charge.textContent = name ? `${text.inCharge}: ${name}` : '';
+    this.charge.textContent = name ? fill(text.inCharge, { name }) : '';
     this.charge.className = isOther ? 'need' : '';
     this.take.hidden = !isOperator || !isOther;
   }
@@ -74,10 +76,11 @@ export class LogIn extends HTMLElement {
   }
 }
 
-/** undefined: nobody is logged in here; null: that is not known, there was no answer. */
-export async function readSession(): Promise<Dict | undefined | null> {
+/** undefined: nobody is logged in here; null: that is not known, there was no answer. `here`:
+ * because a person touched the page. */
+export async function readSession(here = false): Promise<Dict | undefined | null> {
   try {
-    const response = await fetch('/api/v1/session');
+    const response = await fetch(`/api/v1/session${here ? '?here=1' : ''}`);
     if (response.status === 401) return undefined;
     return response.ok ? await response.json() : null;
   } catch {

@@ -1,44 +1,70 @@
-// The texts of the page, in one place.
-export const text = {
-  stop: 'STOP',
-  stopHint: 'Stops every machine. At a machine, use its own button.',
-  lost: 'No connection to the console: press the button of the machine.',
-  stopping: 'Stop sent',
-  notConfirmed: 'not confirmed: press the button of the machine',
-  confirmed: 'no pulse is fired',
-  shuttersClosed: 'shutters closed',
-  atRest: 'stage at rest',
-  moving: 'stage not known to be at rest',
-  nothing: 'Nothing.',
-  noJobs: 'No jobs. Submit one: intaglio submit JOB',
-  noMachines: 'No machine is there.',
-  pause: 'Pause',
-  holdToArm: 'Hold to ARM: this block is in, the machine may fire',
-  holdToResume: 'Hold to RESUME: this block is in, the machine may fire',
-  notMounted: 'nobody has reported what is mounted: intaglio mount',
-  consent: 'I accept that the glass may break',
-  from: 'leave out for good what is not made before point',
-  fireUncertain: 'I checked the block: fire uncertain points again',
-  speed: 'speed, %',
-  setSpeed: 'Set',
-  cancel: 'Cancel',
-  cancelSure: 'Cancel this job for good?',
-  watch: 'Show',
-  points: 'points',
-  left: 'left',
-  noGlass: 'Choose a job with a plan.',
-  otherHost: 'The folder of this job is on another computer, or it has no plan yet.',
-  made: 'made',
-  picture: 'Picture',
-  report: 'Report',
-  operator: 'operator',
-  observer: 'observer',
-  inCharge: 'in charge',
-  takeOver: 'Take over',
-  logOut: 'Log out',
-  logIn: 'Log in',
-  name: 'Name',
-  password: 'Password',
-  logInHint: 'Nobody is logged in here, so this page cannot stop a machine: use its own button.',
-  noPicture: 'There is no picture yet, or it is on another computer.',
+// The texts of the page, in the language that was chosen, or the browser's. What comes from the
+// shop, names and messages, is shown as it is.
+import de from './texts/de.json';
+import en from './texts/en.json';
+import es from './texts/es.json';
+import pl from './texts/pl.json';
+import zh from './texts/zh.json';
+
+export type Texts = typeof en;
+const catalogues: Record<string, Texts> = { en, de, es, pl, zh };
+const names: Record<string, string> = {
+  en: 'English', de: 'Deutsch', es: 'Español', pl: 'Polski', zh: '中文',
 };
+const chosenName = 'language';
+
+/** Where nothing may be kept, the browser's language counts. */
+function chosen(): string | null {
+  try {
+    return localStorage.getItem(chosenName);
+  } catch {
+    return null;
+  }
+}
+
+function firstKnown(): string {
+  for (const wanted of [chosen() ?? '', ...navigator.languages]) {
+    const language = wanted.slice(0, 2).toLowerCase();
+    if (language in catalogues) return language;
+  }
+  return 'en';
+}
+
+export const language = firstKnown();
+export const text: Texts = catalogues[language];
+
+/** A text with its places, "{name}", filled in. */
+export function fill(pattern: string, values: Record<string, string | number>): string {
+  return pattern.replace(/\{(\w+)\}/g, (place, name) => String(values[name] ?? place));
+}
+
+/** A list of the languages; a choice loads the page again, which sends nothing. */
+export class LanguageList extends HTMLElement {
+  connectedCallback() {
+    const list = document.createElement('select');
+    list.setAttribute('aria-label', text.language);
+    for (const [code, name] of Object.entries(names)) {
+      const option = document.createElement('option');
+      option.value = option.lang = code;
+      option.textContent = name;
+      option.selected = code === language;
+      list.append(option);
+    }
+    list.addEventListener('change', () => {
+      try {
+        localStorage.setItem(chosenName, list.value);
+      } catch {
+        return;
+      }
+      location.reload();
+    });
+    this.append(list);
+  }
+}
+
+/** Elements of the page's file: data-text names their text. */
+export function translatePage() {
+  document.documentElement.lang = language;
+  for (const element of document.querySelectorAll<HTMLElement>('[data-text]'))
+    element.textContent = text[element.dataset.text as keyof Texts];
+}

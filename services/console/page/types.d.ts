@@ -20,6 +20,7 @@ declare module 'three' {
     scale: Vector3;
     up: Vector3;
     frustumCulled: boolean;
+    visible: boolean;
     add(...objects: Object3D[]): this;
     remove(object: Object3D): this;
     lookAt(x: number, y: number, z: number): void;
@@ -39,12 +40,13 @@ declare module 'three' {
   }
   export const DynamicDrawUsage: number;
   export class BufferAttribute {
-    constructor(array: Float32Array, size: number);
+    constructor(array: Float32Array | Uint8Array, size: number);
     needsUpdate: boolean;
     setUsage(usage: number): this;
   }
   export class InterleavedBuffer {
     constructor(array: Uint16Array, stride: number);
+    array: Uint16Array;
   }
   export class InterleavedBufferAttribute {
     constructor(buffer: InterleavedBuffer, size: number, offset: number, normalized: boolean);
@@ -64,9 +66,16 @@ declare module 'three' {
   }
   export class Points extends Object3D {
     constructor(geometry: BufferGeometry, material: ShaderMaterial);
+    geometry: BufferGeometry;
   }
   export class WebGLRenderer {
-    constructor(parameters: { canvas: OffscreenCanvas; antialias: boolean });
+    constructor(parameters: {
+      canvas: OffscreenCanvas;
+      antialias: boolean;
+      preserveDrawingBuffer: boolean;
+    });
+    autoClear: boolean;
+    clear(): void;
     setSize(width: number, height: number, style: boolean): void;
     render(scene: Scene, camera: PerspectiveCamera): void;
   }
