@@ -1,0 +1,299 @@
+"""A shop by its web console, from a computer that has nothing of Intaglio but this file.
+
+Pure standard library; docs/console.md has the requests and docs/openapi.json their form.
+Every method returns the object of the answer's JSON, as dicts and lists.
+
+    import intaglio_console
+
+    shop = intaglio_console.Console("https://shop.example:8850", cafile="shop.pem")
+    shop.log_in("anna", "correct horse")
+    job = shop.submit("order-7", "knot.textproto", ["knot.stl"])["job"]
+    for event in shop.follow(job):
+        print(event["state"])
+    print(shop.report(job))
+
+With the address that a console of this computer printed no log-in is needed:
+`Console("http://127.0.0.1:8850/?key=...")`.
+
+Whoever calls `arm` or `resume` by a program is at the machine and has read the block.
+"""
+
+import array
+import http.cookiejar
+import json
+import os
+import pathlib
+import ssl
+import sys
+import time
+import urllib.error
+import urllib.parse
+import urllib.request
+
+_PIECE_BYTES = 4 << 20
+_END_STATES = ("done", "failed", "cancelled")
+
+
+class Refused(Exception):
+    """The console does not do it. str() is its reason; `status` that of HTTP, `answer` all."""
+
+    def __init__(self, status, answer):
+        super().__init__(answer.get("message") or f"HTTP {status}")
+        self.status = status
+        self.answer = answer
+        self.code = answer.get("code", "")
+
+
+class Console:
+    """A console by its address, which may have the key. `cafile`: the certificate of one that
+    is not of a known authority."""
+
+    def __init__(self, address, cafile=None, timeout_s=150):
+        parts = urllib.parse.urlsplit(address)
+        self._origin = f"{parts.scheme}://{parts.netloc}"
+        self._key = urllib.parse.parse_qs(parts.query).get("key", [""])[0]
+        self._timeout_s = timeout_s
+        handlers = [urllib.request.HTTPCookieProcessor(http.cookiejar.CookieJar()),
+                    urllib.request.ProxyHandler({})]
+        if parts.scheme == "https":
+            context = ssl.create_default_context(cafile=cafile)
+            handlers.append(urllib.request.HTTPSHandler(context=context))
+        self._opener = urllib.request.build_opener(*handlers)
+
+    def _open(self, method, path, body=None, **query):
+        query = {name: value for name, value in query.items() if value is not None}
+        url = self._origin + urllib.parse.quote(path)
+        if query:
+            url += "?" + urllib.parse.urlencode(query)
+        request = urllib.request.Request(url, data=body, method=method)
+        request.add_header("Content-Type", "application/octet-stream")
+        if self._key:
+            request.add_header("Authorization", "Bearer " + self._key)
+        try:
+            return self._opener.open(request, timeout=self._timeout_s)
+        except urllib.error.HTTPError as error:
+            text = error.read().decode(errors="replace")
+            try:
+                answer = json.loads(text)
+            except ValueError:
+                answer = {"message": text.strip()}
+            raise Refused(error.code, answer) from None
+
+    def _bytes(self, path, **query):
+        with self._open("GET", "/api/v1/" + path, **query) as answer:
+            return answer.read()
+
+    def _get(self, path, **query):
+        return json.loads(self._bytes(path, **query))
+
+    def _post(self, path, **members):
+        with self._open("POST", "/api/v1/" + path, json.dumps(members).encode()) as answer:
+            return json.load(answer)
+
+    def log_in(self, name, password):
+        """A session of this person; ConsoleSession."""
+        return self._post("login", name=name, password=password)
+
+    def log_out(self):
+        """Ends it."""
+        return self._post("logout")
+
+    def session(self):
+        """Who is logged in, and who is in charge; ConsoleSession."""
+        return self._get("session")
+
+    def take_charge(self):
+        """The commands of everybody else are refused from now on; ConsoleSession."""
+        return self._post("charge")
+
+    def stop(self, reason=""):
+        """Stops every machine; StopAnswer, with what confirmed it."""
+        return self._post("stop", reason=reason)
+
+    def status(self):
+        """The shop; ShopStatus."""
+        return self._get("status")
+
+    def jobs(self):
+        """Its jobs; a list of JobRecord."""
+        return self._get("jobs").get("jobs", [])
+
+    def job(self, job):
+        """A job by its number or uid; JobRecord."""
+        return self._get(f"jobs/{job}")
+
+    def history(self, **filters):
+        """The jobs that have ended, a list of JobStatistics. since, until, name, glass, verdict,
+        cell choose some."""
+        return self._get("history", **filters).get("jobs", [])
+
+    def metrics(self):
+        """The text for Prometheus."""
+        with self._open("GET", "/metrics") as answer:
+            return answer.read().decode()
+
+    def upload(self, submission, file, progress=lambda sent, size: None):
+        """Sends a file of a submission, in pieces; goes on where an earlier call ended.
+        UploadAnswer. `progress` is called with the bytes sent and all."""
+        file = pathlib.Path(file)
+        path = f"submissions/{submission}/files/{file.name}"
+        size = file.stat().st_size
+        sent = 0
+        try:
+            before = self._get(path)
+            if not before["complete"] and before["size_bytes"] == size:
+                sent = before["received_bytes"]
+        except Refused as refused:
+            if refused.status != 404:
+                raise
+        with open(file, "rb") as source:
+            source.seek(sent)
+            while True:
+                piece = source.read(_PIECE_BYTES if size > _PIECE_BYTES else -1)
+                with self._open("POST", "/api/v1/" + path, piece, offset=sent,
+                                size=size) as answer:
+                    state = json.load(answer)
+                sent += len(piece)
+                progress(sent, size)
+                if state["complete"] or not piece:
+                    return state
+
+    def submit(self, submission, job_file, files=()):
+        """Sends the files, then the job file. SubmitAnswer, whose `job` is the number. The same
+        submission again submits nothing twice."""
+        for file in files:
+            self.upload(submission, file)
+        text = pathlib.Path(job_file).read_bytes()
+        with self._open("POST", f"/api/v1/submissions/{submission}", text) as answer:
+            return json.load(answer)
+
+    def _held(self, command, job, block, members):
+        hold = self._post(f"jobs/{job}/hold", block=block)
+        time.sleep(hold["hold_s"] + 0.1)
+        return self._post(f"jobs/{job}/{command}", token=hold["token"], **members)
+
+    def arm(self, job, block, accept_breakage=False):
+        """Lets a machine fire for this job, with this block in it, as the status names it
+        (`mounted`). CommandAnswer."""
+        return self._held("arm", job, block, {"accept_breakage": accept_breakage})
+
+    def resume(self, job, block, accept_breakage=False, from_point=0, fire_uncertain=False):
+        """Goes on with a job that is paused. CommandAnswer."""
+        return self._held("resume", job, block,
+                          {"accept_breakage": accept_breakage, "from_point": from_point,
+                           "fire_uncertain": fire_uncertain})
+
+    def pause(self, job):
+        """CommandAnswer."""
+        return self._post(f"jobs/{job}/pause")
+
+    def cancel(self, job):
+        """For good. CommandAnswer."""
+        return self._post(f"jobs/{job}/cancel")
+
+    def set_speed(self, job, percent):
+        """1 to 140 percent of the job's limits. CommandAnswer."""
+        return self._post(f"jobs/{job}/speed", percent=percent)
+
+    def events(self):
+        """What happens to jobs from now on, JobEvent after JobEvent (docs/cli.md)."""
+        with self._open("GET", "/api/v1/events") as lines:
+            for line in lines:
+                if line.startswith(b"data: "):
+                    yield json.loads(line[6:])
+
+    def follow(self, job, period_s=0.5):
+        """JobRecord after JobRecord of a job, at each change of its state, to its end."""
+        state = None
+        while state not in _END_STATES:
+            record = self.job(job)
+            if record["state"] != state:
+                state = record["state"]
+                yield record
+            else:
+                time.sleep(period_s)
+
+    def _when_made(self, path, wait_s):
+        end = time.monotonic() + wait_s
+        while True:
+            try:
+                return self._bytes(path)
+            except Refused as refused:
+                if refused.status != 404 or time.monotonic() > end:
+                    raise
+            time.sleep(0.5)
+
+    def report(self, job, wait_s=60):
+        """Its report, which is made some seconds after its end; JobReport."""
+        return json.loads(self._when_made(f"jobs/{job}/report", wait_s))
+
+    def picture(self, job, wait_s=60):
+        """The customer's picture, a PNG."""
+        return self._when_made(f"jobs/{job}/picture", wait_s)
+
+    def views(self, job, wait_s=60):
+        """Its views, a PNG."""
+        return self._when_made(f"jobs/{job}/views", wait_s)
+
+    def plan(self, job):
+        """Its planned points, mm, glass frame, in the order in which they are made: an array of
+        three columns where numpy is installed, else a list of tuples."""
+        packed = self._bytes(f"jobs/{job}/plan")
+        if packed[:8] != b"INTPLAN1":
+            raise ValueError("the plan is of another version of the console")
+        count = int.from_bytes(packed[8:12], "little")
+        block_mm = _little_endian("f", packed[12:24])
+        shares = _little_endian("H", packed[24:24 + 8 * count])
+        places = _little_endian("I", packed[24 + 8 * count:])
+        points = [()] * count
+        for i, place in enumerate(places):
+            points[place] = tuple(shares[4 * i + axis] / 65535 * block_mm[axis]
+                                  for axis in range(3))
+        return _as_array(points)
+
+    def made(self, job):
+        """What was made of them: pairs of the place in the order and the outcome
+        (PointOutcome), as they were recorded."""
+        pairs, start = [], 0
+        while True:
+            packed = self._bytes(f"jobs/{job}/made", **{"from": start})
+            following = int.from_bytes(packed[:4], "little")
+            for record in _little_endian("I", packed[4:]):
+                pairs.append((record & (1 << 29) - 1, record >> 29))
+            if following == start:
+                return _as_array(pairs)
+            start = following
+
+
+def _little_endian(code, packed):
+    values = array.array(code)
+    values.frombytes(packed)
+    if sys.byteorder == "big":
+        values.byteswap()
+    return values
+
+
+def _as_array(rows):
+    try:
+        import numpy
+    except ImportError:
+        return rows
+    return numpy.array(rows)
+
+
+def main():
+    """Submits a job: intaglio_console.py ADDRESS ID JOB_FILE [FILE...]; a name and a password are
+    read from INTAGLIO_USER and INTAGLIO_PASSWORD."""
+    if len(sys.argv) < 4:
+        sys.exit(main.__doc__)
+    shop = Console(sys.argv[1])
+    if os.environ.get("INTAGLIO_USER"):
+        shop.log_in(os.environ["INTAGLIO_USER"], os.environ.get("INTAGLIO_PASSWORD", ""))
+    try:
+        print("job", shop.submit(sys.argv[2], sys.argv[3], sys.argv[4:])["job"])
+    except Refused as refused:
+        sys.exit(f"intaglio_console.py: {refused}")
+
+
+if __name__ == "__main__":
+    main()
