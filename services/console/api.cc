@@ -9,6 +9,9 @@
 #include <optional>
 
 #include "services/client/shop/job_record.h"
+#include "services/console/json_response.h"
+#include "services/console/shop_history.h"
+#include "services/job/job_file.h"
 #include "services/job/json_text.h"
 
 namespace intaglio::console {
@@ -16,18 +19,6 @@ namespace {
 
 constexpr std::string_view kApi = "/api/v1/";
 constexpr std::string_view kJobs = "jobs/";
-
-web::Response JsonResponse(int status, const google::protobuf::Message& message) {
-  auto json = JsonTextOf(message);
-  if (json) return web::TextResponse(status, "application/json", std::move(*json));
-  return web::TextResponse(500, "text/plain; charset=utf-8", json.error().message + "\n");
-}
-
-web::Response ErrorResponse(int status, std::string message) {
-  ConsoleError error;
-  error.set_message(std::move(message));
-  return JsonResponse(status, error);
-}
 
 web::Response Unknown() {
   return ErrorResponse(404, "there is nothing at this path: docs/console.md has all");
@@ -49,6 +40,7 @@ ConsoleAudit EntryOf(const Visitor& visitor, const web::Caller& caller,
   return entry;
 }
 
+constexpr char kManyFiles[] = "too many files are being read: try again";
 constexpr char kBytes[] = "application/octet-stream";
 
 /// What a job's folder has of it, by the part of the path; nothing else is read there.
@@ -139,6 +131,23 @@ std::string ReasonIn(const std::string& body) {
   return request ? request->reason() : std::string();
 }
 
+/// A job file, which is submitted when it is whole.
+class JobFileSink : public web::BodySink {
+ public:
+  JobFileSink(SubmitApi& submit, std::string id, web::Reply reply)
+      : submit_(submit), id_(std::move(id)), reply_(std::move(reply)) {}
+  void Take(std::string bytes, std::function<void()> taken) override {
+    text_ += bytes;
+    taken();
+  }
+  void End() override { submit_.Submit(id_, std::move(text_), std::move(reply_)); }
+
+ private:
+  SubmitApi& submit_;
+  std::string id_, text_;
+  web::Reply reply_;
+};
+
 /// "7" and "plan" of "7/plan".
 std::pair<std::string, std::string> SplitJob(std::string_view path) {
   const auto slash = path.find('/');
@@ -177,20 +186,43 @@ std::string Api::AnswerMessage(const web::Caller& caller, const std::string& tex
   return json ? *json : std::string("{}");
 }
 
+std::optional<Visitor> Api::Admit(const web::Request& request, web::Reply& reply) {
+  const Route* route = FindRoute(request.method, request.target.path);
+  const auto visitor = access_.VisitorOf(request.caller);
+  if (!visitor || route == nullptr) {
+    reply(visitor ? Unknown() : ErrorResponse(401, kNobody));
+    return std::nullopt;
+  }
+  if (request.method == "POST") reply = Audited(request, *visitor, std::move(reply));
+  if (request.method == "POST" || request.target.query.contains("here"))
+    access_.log_ins().Act(visitor->session, access::LogIns::Clock::now());
+  const auto refusal = access_.WhyNot(route->right, *visitor);
+  if (!refusal) return visitor;
+  CommandAnswer answer;
+  answer.set_code(refusal->code);
+  answer.set_message(refusal->message);
+  reply(JsonResponse(refusal->status, answer));
+  return std::nullopt;
+}
+
 void Api::Answer(const web::Request& request, web::Reply reply) {
   const Route* route = FindRoute(request.method, request.target.path);
   if (route != nullptr && route->right == Right::kOpen) return LogIn(request, reply);
-  const auto visitor = access_.VisitorOf(request.caller);
-  if (!visitor) return reply(ErrorResponse(401, kNobody));
-  if (route == nullptr) return reply(Unknown());
-  if (request.method == "POST") reply = Audited(request, *visitor, std::move(reply));
-  if (const auto refusal = access_.WhyNot(route->right, *visitor)) {
-    CommandAnswer answer;
-    answer.set_code(refusal->code);
-    answer.set_message(refusal->message);
-    return reply(JsonResponse(refusal->status, answer));
+  if (const auto visitor = Admit(request, reply))
+    Dispatch(request, *visitor, std::move(reply));
+}
+
+std::shared_ptr<web::BodySink> Api::Receive(const web::Request& request,
+                                            std::uint64_t body_bytes, web::Reply reply) {
+  if (!Admit(request, reply)) return nullptr;
+  const auto path = ParseSubmissionPath(request.target.path);
+  if (path && !path->file.empty())
+    return submit_.Receive(*path, request, body_bytes, std::move(reply));
+  if (!path || body_bytes > kMaxJobFileBytes) {
+    reply(path ? ErrorResponse(413, "a job file has at most 1 MB") : Unknown());
+    return nullptr;
   }
-  Dispatch(request, *visitor, std::move(reply));
+  return std::make_shared<JobFileSink>(submit_, path->id, std::move(reply));
 }
 
 void Api::Dispatch(const web::Request& request, const Visitor& visitor,
@@ -242,7 +274,7 @@ void Api::LogIn(const web::Request& request, const web::Reply& reply) {
         }
         const access::Session& session = opened->session;
         web::Response response = JsonResponse(
-            200, desk_access.SessionOf({session.id, session.name, session.role}));
+            200, desk_access.SessionOf({session.id, session.name, session.role, false}));
         response.token = opened->token;
         answer(response);
       });
@@ -274,6 +306,14 @@ void Api::AnswerGet(const std::string& path, const web::Request& request,
       reply(JsonResponse(200, client::JobListOf(desk.client().jobs())));
     });
   }
+  if (const auto submission = ParseSubmissionPath(request.target.path))
+    return submit_.AnswerUpload(*submission, std::move(reply));
+  if (path == "history") {
+    const bool taken = clouds_.Ask([this, query = request.target.query, reply] {
+      reply(HistoryResponse(database_, query));
+    });
+    return taken ? void() : reply(ErrorResponse(503, kManyFiles));
+  }
   const auto from = NumberIn(request, "from");
   if (!from) return reply(ErrorResponse(400, "from: give a whole number"));
   if (!path.starts_with(kJobs)) return reply(Unknown());
@@ -298,7 +338,7 @@ void Api::AnswerJob(const std::string& job, const std::string& part, std::uint32
     const bool taken = file != nullptr  ? clouds_.AskForFile(folder / file->file, answer)
                        : part == "plan" ? clouds_.AskForPlan(folder, answer)
                                         : clouds_.AskForMade(folder, from, answer);
-    if (!taken) reply(ErrorResponse(503, "too many files are being read: try again"));
+    if (!taken) reply(ErrorResponse(503, kManyFiles));
   });
 }
 

@@ -5,12 +5,15 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "services/console/audit_log.h"
 #include "services/console/cloud_reader.h"
 #include "services/console/console_access.h"
 #include "services/console/shop_desk.h"
+#include "services/console/submit/submit_api.h"
 #include "services/platform/web/server.h"
 
 namespace intaglio::console {
@@ -22,15 +25,26 @@ class Api {
  public:
   /// All live longer.
   Api(ShopDesk& desk, CloudReader& clouds, ConsoleAccess& access, AuditLog& audit,
-      WorkQueue& log_ins)
-      : desk_(desk), clouds_(clouds), access_(access), audit_(audit), log_ins_(log_ins) {}
+      WorkQueue& log_ins, SubmitApi& submit, std::filesystem::path database)
+      : desk_(desk),
+        clouds_(clouds),
+        access_(access),
+        audit_(audit),
+        log_ins_(log_ins),
+        submit_(submit),
+        database_(std::move(database)) {}
 
   // In the server's thread.
   void Answer(const web::Request& request, web::Reply reply);
+  /// Takes the body of a request below kSubmissionsPath; null: refused.
+  std::shared_ptr<web::BodySink> Receive(const web::Request& request,
+                                         std::uint64_t body_bytes, web::Reply reply);
   /// The answer to a text from the WebSocket, in one line of JSON.
   std::string AnswerMessage(const web::Caller& caller, const std::string& text);
 
  private:
+  /// Who sends it, and may; nullopt: it is refused and answered. POST is audited.
+  std::optional<Visitor> Admit(const web::Request& request, web::Reply& reply);
   void LogIn(const web::Request& request, const web::Reply& reply);
   void AnswerSession(const std::string& path, const Visitor& visitor,
                      const web::Reply& reply);
@@ -48,6 +62,8 @@ class Api {
   ConsoleAccess& access_;
   AuditLog& audit_;
   WorkQueue& log_ins_;  // where passwords are checked
+  SubmitApi& submit_;
+  std::filesystem::path database_;  // of the job service; empty: not known
 };
 
 /// What a page asks for on the WebSocket. kInvalidValue: it is no ConsoleRequest.

@@ -22,6 +22,7 @@ class CloudReader {
   // From any thread. False: too many requests wait already.
   bool AskForPlan(std::filesystem::path folder, Answer answer);
   bool AskForMade(std::filesystem::path folder, std::uint32_t from, Answer answer);
+  bool Ask(std::function<void()> read) { return queue_.Add(std::move(read)); }
   /// All of a file, up to 64 MB.
   bool AskForFile(std::filesystem::path file, Answer answer);
 

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "engrave/core/try.h"
+#include "services/client/shop/shop_flags.h"
 #include "services/console/api.h"
 #include "services/console/console_address.h"
 #include "services/console/page_files.h"
@@ -22,6 +23,8 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kStatePeriod = 100ms;
+/// Longer than a submission takes (submissions.cc).
+constexpr auto kAnswerTime = 120s;
 // At 30 ms each; then a log-in is asked to come again.
 constexpr std::size_t kMaxLogIns = 16;
 
@@ -100,6 +103,8 @@ web::ServerOptions ServerOptionsOf(const ConsoleOptions& options,
   }
   server.event_paths = {kEventsPath};
   server.socket_paths = {kControlPath};
+  server.long_paths = {kSubmissionsPath};
+  server.limits.answer_time = kAnswerTime;
   return server;
 }
 
@@ -136,10 +141,15 @@ Status Serve(const ConsoleOptions& options, const std::function<bool()>& stoppin
   std::unique_ptr<web::Server> server;
   CloudReader clouds;  // its answers go to the server, which lives longer
   WorkQueue log_ins(kMaxLogIns);
-  Api api(desk, clouds, access, audit, log_ins);
+  SubmitApi submit({options.uploads, client::ShopWords(options.bus)});
+  Api api(desk, clouds, access, audit, log_ins, submit, options.database);
   web::Handlers handlers;
   handlers.request = [&](const web::Request& request, web::Reply reply) {
     api.Answer(request, std::move(reply));
+  };
+  handlers.body = [&](const web::Request& request, std::uint64_t body_bytes,
+                      web::Reply reply) {
+    return api.Receive(request, body_bytes, std::move(reply));
   };
   handlers.greeting = [](const std::string&) { return std::string(); };
   handlers.message = [&](web::PeerId peer, const web::Caller& caller,

@@ -78,6 +78,11 @@ int main(int argc, char** argv) {
                  "file of who may log in, as `intaglio console user add` writes it");
   root.AddOption("--audit", options.audit_file,
                  "file that gets a line of each press and each log-in");
+  root.AddOption("--database", options.database,
+                 "database file of the job service, for the history");
+  root.AddOption("--uploads", options.uploads,
+                 "folder for the files of jobs that are submitted here; without it none "
+                 "are");
   command_line::AddParentFlag(root, starter);
   root.SetFooter(
       "Usually started by `intaglio up --console`; see docs/console.md.\n"

@@ -5,8 +5,6 @@
 namespace intaglio::console {
 namespace {
 
-constexpr std::string_view kJobPart = "{job}";
-
 // clang-format off
 constexpr Route kRoutes[] = {
     {"POST", "/api/v1/login", Right::kOpen, "LogInRequest", "ConsoleSession",
@@ -39,20 +37,39 @@ constexpr Route kRoutes[] = {
      "Cancel for good"},
     {"POST", "/api/v1/jobs/{job}/speed", Right::kCharge, "SpeedRequest", "CommandAnswer",
      "Set the speed"},
+    {"GET", "/api/v1/submissions/{id}/files/{file}", Right::kRead, "", "UploadAnswer",
+     "How much of a file of a submission has come"},
+    {"POST", "/api/v1/submissions/{id}/files/{file}", Right::kOperate,
+     "application/octet-stream", "UploadAnswer",
+     "Send a file of a submission, from the byte `offset` on; it has `size` bytes"},
+    {"POST", "/api/v1/submissions/{id}", Right::kOperate, "JobSpec", "SubmitAnswer",
+     "Submit the job of this job file, which names the files that were sent"},
+    {"GET", "/api/v1/history", Right::kRead, "", "JobHistory",
+     "The jobs that have ended; since, until, name, glass, verdict and cell choose some"},
     {"GET", "/api/v1/events", Right::kRead, "", "text/event-stream",
      "The lines of --events"},
     {"GET", "/metrics", Right::kRead, "", "text/plain", "For Prometheus"},
 };
 // clang-format on
 
-bool IsPath(std::string_view pattern, std::string_view path) {
-  const auto part = pattern.find(kJobPart);
-  if (part == std::string_view::npos) return path == pattern;
-  if (!path.starts_with(pattern.substr(0, part))) return false;
-  path.remove_prefix(part);
-  pattern.remove_prefix(part + kJobPart.size());
+/// The first part of a path, which is shortened by it and its '/'.
+std::string_view TakePart(std::string_view& path) {
   const auto end = std::min(path.find('/'), path.size());
-  return end > 0 && path.substr(end) == pattern;
+  const std::string_view part = path.substr(0, end);
+  path.remove_prefix(std::min(end + 1, path.size()));
+  return part;
+}
+
+bool IsPath(std::string_view pattern, std::string_view path) {
+  if (std::count(pattern.begin(), pattern.end(), '/') !=
+      std::count(path.begin(), path.end(), '/'))
+    return false;
+  while (!pattern.empty() || !path.empty()) {
+    const std::string_view expected = TakePart(pattern), part = TakePart(path);
+    const bool is_any = expected.starts_with('{');
+    if (is_any ? part.empty() : part != expected) return false;
+  }
+  return true;
 }
 
 }  // namespace

@@ -18,9 +18,10 @@ enum class Right {
 
 struct Route {
   std::string_view method;
-  std::string_view path;  ///< "{job}" is one part of it, a number or a uid
+  /// A name in braces is any one part of it: {job} a number or a uid.
+  std::string_view path;
   Right right;
-  std::string_view request;  ///< message of the body, empty: none
+  std::string_view request;  ///< message of the body, or a media type; empty: none
   std::string_view answer;   ///< message, or a media type
   std::string_view purpose;
 };

@@ -21,6 +21,7 @@ import jsonschema
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 DOCS = ROOT / "docs"
+EXAMPLES = ROOT / "deploy/examples"
 
 
 def documented_lines():
@@ -61,6 +62,99 @@ def check_answers(folder, ask):
                         json.loads((DOCS / schema).read_text()))
 
 
+def check_submissions(folder):
+    """Everything again submits nothing twice; what is wrong with a job is answered."""
+    address = re.search(r":(\d+)/", (folder / "shop/console.address").read_text())[1]
+    url = f"http://127.0.0.1:{address}/api/v1"
+
+    def curl(path, *words):
+        done = subprocess.run(["curl", "-s", "-b", "cookies", "-w", "\n%{http_code}", *words,
+                               url + path], cwd=folder, check=True, capture_output=True,
+                              text=True)
+        body, code = done.stdout.rsplit("\n", 1)
+        return int(code), json.loads(body)
+
+    def schema(name):
+        return json.loads((DOCS / f"schemas/{name}.schema.json").read_text())
+
+    file, order = "/submissions/order-7/files/sample.obj", "/submissions/order-7"
+    code, sent = curl(file, "--data-binary", "@sample.obj")
+    assert code == 200 and sent["complete"], (code, sent)
+    jsonschema.validate(sent, schema("upload_answer"))
+    code, again = curl(order, "--data-binary", "@knot.textproto")
+    assert code == 200 and again["job"] == 1, (code, again)
+    jsonschema.validate(again, schema("submit_answer"))
+    (folder / "other.textproto").write_text(
+        (folder / "knot.textproto").read_text().replace("trefoil", "other"))
+    code, other = curl(order, "--data-binary", "@other.textproto")
+    assert code == 422 and "was used for another job" in other["message"], (code, other)
+    code, other = curl(file, "--data-binary", "@other.textproto")
+    assert code == 409, (code, other)
+    (folder / "wrong.textproto").write_text('models { file: "/etc/passwd" }')
+    code, wrong = curl("/submissions/order-8", "--data-binary", "@wrong.textproto")
+    assert code == 422 and "models[0].file" in wrong["message"], (code, wrong)
+    (folder / "wrong.textproto").write_text('name: "no model" glass: "N-BK7"')
+    code, wrong = curl("/submissions/order-8", "--data-binary", "@wrong.textproto")
+    assert code == 422 and "models" in wrong["message"], (code, wrong)
+    assert curl("/jobs")[1]["jobs"] and len(curl("/jobs")[1]["jobs"]) == 1
+    code, history = curl("/history?name=TREFOIL")
+    assert code == 200 and len(history["jobs"]) == 1, (code, history)
+    assert not curl("/history?verdict=none")[1]["jobs"]
+    assert curl("/history?verdict=splendid")[0] == 400
+    # A connection that breaks in the middle, and the rest after it.
+    large = os.urandom(3_000_000)
+    (folder / "large.stl").write_bytes(large)
+    (folder / "half.stl").write_bytes(large[:1_000_001])
+    file = "/submissions/order-9/files/large.stl"
+    code, part = curl(file + f"?size={len(large)}", "--data-binary", "@half.stl")
+    assert code == 200 and part["received_bytes"] == 1_000_001 and not part["complete"], part
+    (folder / "rest.stl").write_bytes(large[1_000_001:])
+    code, whole = curl(file + "?offset=1000001", "--data-binary", "@rest.stl")
+    assert code == 200 and whole["complete"], (code, whole)
+    assert (folder / "shop/uploads/order-9/large.stl").read_bytes() == large
+
+
+def check_client(folder):
+    """The module of deploy/examples does what docs/openapi.json has."""
+    sys.path.insert(0, str(EXAMPLES))
+    import intaglio_console
+
+    source = (EXAMPLES / "intaglio_console.py").read_text()
+    for path in json.loads((DOCS / "openapi.json").read_text())["paths"]:
+        word = [part for part in path.split("/") if not part.startswith("{")][-1]
+        assert re.search(rf"\b{word}\b", source), f"no method for {path}"
+    shop = intaglio_console.Console((folder / "shop/console.address").read_text().strip())
+    assert shop.session()["name"] == "this computer"
+    again = shop.submit("order-7", folder / "knot.textproto", [folder / "sample.obj"])
+    assert again["job"] == 1, again
+    seen = []
+    state = shop.upload("order-10", folder / "large.stl", lambda *now: seen.append(now))
+    assert state["complete"] and seen == [(3_000_000, 3_000_000)], (state, seen)
+    (folder / "longer.stl").write_bytes(os.urandom(9_000_000))
+    assert shop.upload("order-10", folder / "longer.stl", lambda *now: seen.append(now))["complete"]
+    assert len(seen) == 4, seen
+    assert (folder / "shop/uploads/order-10/longer.stl").read_bytes() == \
+        (folder / "longer.stl").read_bytes()
+    assert [record["state"] for record in shop.follow(1)] == ["done"]
+    assert shop.report(1)["name"] == "trefoil knot"
+    assert shop.picture(1)[:4] == b"\x89PNG"
+    planned = shop.history(name="knot")[0]["planned"]
+    points, made = shop.plan(1), shop.made(1)
+    assert len(points) == planned == len(made), (len(points), planned, len(made))
+    assert all(0 < points[0][axis] < limit for axis, limit in enumerate((50, 50, 30)))
+    assert "intaglio_pieces_total" in shop.metrics()
+    try:
+        shop.pause(1)
+        raise AssertionError("a job that has ended was paused")
+    except intaglio_console.Refused as refused:
+        assert refused.status == 409 and refused.code == "ended", refused.answer
+    assert shop.stop("smoke")["sent"]
+    # The dashboard of deploy/ shows figures that there are.
+    shown = set(re.findall(r"\bintaglio_[a-z_]+", (ROOT / "deploy/grafana/shop.json").read_text()))
+    unknown = [name for name in shown if name not in shop.metrics()]
+    assert not unknown and len(shown) >= 6, (unknown, shown)
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--bin", required=True, type=pathlib.Path)
@@ -86,8 +180,7 @@ def main():
             return "the shop is open" in (folder / "up.txt").read_text()
 
         eventually(is_open)
-        subprocess.run([intaglio, "submit", ROOT / "deploy/jobs/sample.textproto", "--height", "4",
-                        "--spacing", "0.5", *place], check=True, capture_output=True)
+        shutil.copy(ROOT / "deploy/jobs/sample.obj", folder)
         script = "set -e\n" + documented_lines()
         done = subprocess.run(["bash", "-c", script], cwd=folder, text=True, timeout=200,
                               capture_output=True)
@@ -101,6 +194,8 @@ def main():
                                   text=True).stdout
 
         check_answers(folder, ask)
+        check_submissions(folder)
+        check_client(folder)
     finally:
         up.send_signal(signal.SIGINT)
         up.wait(30)

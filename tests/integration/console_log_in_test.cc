@@ -25,9 +25,9 @@ using ::testing::Not;
 constexpr char kAnnasPassword[] = "correct horse";
 constexpr char kBertsPassword[] = "battery staple";
 
-/// The path of a route, of the job 1 where it names one.
+/// The path of a route, with 1 for each part that it leaves open.
 std::string PathOf(const Route& route) {
-  return std::regex_replace(std::string(route.path), std::regex("\\{job\\}"), "1");
+  return std::regex_replace(std::string(route.path), std::regex("\\{[a-z]+\\}"), "1");
 }
 
 class ConsoleLogIn : public ConsoleShop {

@@ -23,10 +23,9 @@ Json Object(Json::Members members) { return {std::move(members)}; }
 
 /// "StopAnswer" -> "stop_answer"; what the command line prints has a name of its own.
 std::string SchemaNameOf(std::string_view message) {
-  static const std::map<std::string_view, std::string> kNames = {{"ShopStatus", "status"},
-                                                                 {"JobList", "jobs"},
-                                                                 {"JobRecord", "job"},
-                                                                 {"JobReport", "report"}};
+  static const std::map<std::string_view, std::string> kNames = {
+      {"ShopStatus", "status"}, {"JobList", "jobs"},       {"JobRecord", "job"},
+      {"JobReport", "report"},  {"JobHistory", "history"}, {"JobSpec", "job_file"}};
   if (const auto found = kNames.find(message); found != kNames.end())
     return found->second;
   std::string name;
@@ -47,6 +46,25 @@ Json ContentOf(std::string_view type) {
   const std::string file = "schemas/" + name;
   return Object(
       {{"application/json", Object({{"schema", Object({{"$ref", Text(file)}})}})}});
+}
+
+/// What stands in braces in a path.
+Json ParametersOf(std::string_view path) {
+  static const std::map<std::string, const char*> kParts = {
+      {"job", "number or uid"},
+      {"id", "of the submission: 1 to 64 letters, digits, '.', '_' and '-'"},
+      {"file", "name of a file, as the job file has it"}};
+  std::vector<Json> parameters;
+  for (auto begin = path.find('{'); begin != std::string_view::npos;
+       begin = path.find('{', begin + 1)) {
+    const std::string name(path.substr(begin + 1, path.find('}', begin) - begin - 1));
+    parameters.push_back(Object({{"name", Text(name)},
+                                 {"in", Text("path")},
+                                 {"required", Json{true}},
+                                 {"description", Text(kParts.at(name))},
+                                 {"schema", Object({{"type", Text("string")}})}}));
+  }
+  return Json{std::move(parameters)};
 }
 
 const char* RightText(console::Right right) {
@@ -87,15 +105,8 @@ Json PathsOf() {
     auto* path = paths.empty() ? nullptr : &paths.back();
     if (path == nullptr || path->first != route.path) {
       Json::Members members;
-      if (route.path.find("{job}") != std::string_view::npos) {
-        members.emplace_back(
-            "parameters", Json{std::vector<Json>{
-                              Object({{"name", Text("job")},
-                                      {"in", Text("path")},
-                                      {"required", Json{true}},
-                                      {"description", Text("number or uid")},
-                                      {"schema", Object({{"type", Text("string")}})}})}});
-      }
+      if (route.path.find('{') != std::string_view::npos)
+        members.emplace_back("parameters", ParametersOf(route.path));
       paths.emplace_back(std::string(route.path), Object(std::move(members)));
       path = &paths.back();
     }

@@ -1,0 +1,121 @@
+#include "services/console/submit/submissions.h"
+
+#include <fmt/format.h>
+#include <google/protobuf/util/json_util.h>
+
+#include <system_error>
+
+#include "engrave/core/try.h"
+#include "engrave/drawing/font_list.h"
+#include "engrave/io/atomic_file.h"
+#include "engrave/io/crc32.h"
+#include "proto/shop.pb.h"
+#include "services/client/exit_codes.h"
+#include "services/console/submit/program_run.h"
+#include "services/job/job_file.h"
+#include "services/job/model_kind.h"
+
+namespace intaglio::console {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Longer than `intaglio submit` waits for a job service, and reads a large model.
+constexpr std::chrono::seconds kSubmitTime{90};
+
+Status CheckFile(const std::string& file, const std::string& field,
+                 const fs::path& folder) {
+  if (auto name = CheckUploadName(file); !name) {
+    return Fail(name.error().code, fmt::format("{}: {}", field, name.error().message),
+                file);
+  }
+  std::error_code error;
+  if (fs::is_regular_file(fs::symlink_status(folder / file, error))) return {};
+  return Fail(ErrorCode::kNotFound,
+              fmt::format("{}: {} was not sent whole for this submission: send it first, "
+                          "then the job file",
+                          field, file),
+              file);
+}
+
+bool IsFontFamily(const std::string& file, const std::string& field) {
+  return field.find(".text.") != std::string::npos && !drawing::IsFontFile(file);
+}
+
+bool IsNameOfAProfile(const std::string& machine) {
+  return machine.find_first_of("./\\") == std::string::npos;
+}
+
+int StatusOf(int exit_code) {
+  if (exit_code == client::kExitGood) return 200;
+  return exit_code == client::kExitWrongInput ? 422 : 503;
+}
+
+}  // namespace
+
+bool IsJson(const std::string& job_file) {
+  const auto first = job_file.find_first_not_of(" \t\r\n");
+  return first != std::string::npos && job_file[first] == '{';
+}
+
+Status CheckFilesOfSubmission(JobSpec job, const fs::path& folder) {
+  Status status;
+  ForEachFile(job, [&](const std::string& file, const std::string& field) {
+    if (status && !IsFontFamily(file, field)) status = CheckFile(file, field, folder);
+  });
+  if (status && !IsNameOfAProfile(job.machine_file()))
+    return CheckFile(job.machine_file(), "machine_file", folder);
+  return status;
+}
+
+Result<fs::path> Submissions::Write(const std::string& id,
+                                    const std::string& job_file) const {
+  const fs::path folder = INTAGLIO_TRY(uploads_.FolderOf(id));
+  const bool is_json = IsJson(job_file);
+  auto job = INTAGLIO_TRY(ParseJob(
+      job_file, is_json ? JobFileFormat::kJson : JobFileFormat::kText, "job file"));
+  INTAGLIO_TRY(CheckFilesOfSubmission(std::move(job), folder));
+  std::error_code error;
+  fs::create_directories(folder, error);
+  // By its bytes: another job with the same id, which is refused, replaces nothing.
+  const fs::path file =
+      folder / fmt::format(".job-{:08x}.{}",
+                           io::Crc32(std::as_bytes(std::span(job_file))),
+                           is_json ? "json" : "textproto");
+  INTAGLIO_TRY(io::WriteFileAtomically(file, std::string_view(job_file)));
+  return file;
+}
+
+SubmissionAnswer Submissions::Submit(const std::string& id,
+                                     const std::string& job_file) const {
+  SubmissionAnswer submission;
+  submission.answer.set_id(id);
+  const auto fail = [&submission](int status, const std::string& message) {
+    submission.status = status;
+    submission.answer.set_message(message);
+    return submission;
+  };
+  const auto file = Write(id, job_file);
+  if (!file) return fail(422, file.error().message);
+  std::vector<std::string> words = {"submit", file->string(), "--id", id, "--events"};
+  words.insert(words.end(), shop_words_.begin(), shop_words_.end());
+  const auto end = RunIntaglio(std::move(words), file->parent_path(), kSubmitTime);
+  if (!end)
+    return fail(end.error().code == ErrorCode::kTimedOut ? 504 : 503,
+                end.error().message);
+  google::protobuf::util::JsonParseOptions lenient;
+  lenient.ignore_unknown_fields = true;
+  for (const std::string& line : end->json) {
+    JobEvent event;
+    const auto read = google::protobuf::util::JsonStringToMessage(line, &event, lenient);
+    if (!read.ok() || event.event() != "submitted") continue;
+    submission.answer.set_submitted(true);
+    submission.answer.set_job(event.job());
+    submission.answer.set_uid(event.uid());
+    submission.answer.set_state(event.state());
+  }
+  if (!submission.answer.submitted()) return fail(StatusOf(end->exit_code), end->text);
+  return submission;
+}
+
+}  // namespace intaglio::console

@@ -1,0 +1,51 @@
+#pragma once
+
+// Jobs that are submitted over HTTP, by `intaglio submit FILE --id ID`: the same checks,
+// defaults and answers as on the command line, and the same rule of its id
+// (services/job/submission_id.h). A job over HTTP is made from files that were sent for
+// it (upload_folder.h), never from others of the console's computer.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "engrave/core/result.h"
+#include "proto/console.pb.h"
+#include "proto/job.pb.h"
+#include "services/console/submit/upload_folder.h"
+
+namespace intaglio::console {
+
+struct SubmissionAnswer {
+  int status = 200;  ///< of HTTP
+  SubmitAnswer answer;
+};
+
+/// Waits for the job service: not from a thread that has to answer a stop.
+class Submissions {
+ public:
+  /// `shop_words`: the options by which `intaglio` finds the shop.
+  Submissions(const UploadFolder& uploads, std::vector<std::string> shop_words)
+      : uploads_(uploads), shop_words_(std::move(shop_words)) {}
+
+  /// `job_file`: a job file, JSON or text format. 200 taken, also when it was before; 422
+  /// refused, with the reason; 503, 504: not known, the same again is safe.
+  SubmissionAnswer Submit(const std::string& id, const std::string& job_file) const;
+
+ private:
+  Result<std::filesystem::path> Write(const std::string& id,
+                                      const std::string& job_file) const;
+
+  const UploadFolder& uploads_;
+  std::vector<std::string> shop_words_;
+};
+
+/// A job file in JSON begins with '{'; one in text format cannot.
+bool IsJson(const std::string& job_file);
+
+/// Every file that the job names was sent whole into `folder`, its machine profile too
+/// unless it is the name of a supplied one; fonts may be families. kInvalidValue,
+/// kNotFound with the field.
+Status CheckFilesOfSubmission(JobSpec job, const std::filesystem::path& folder);
+
+}  // namespace intaglio::console

@@ -1,0 +1,144 @@
+#include "services/console/submit/submit_api.h"
+
+#include <charconv>
+#include <utility>
+
+#include "services/console/json_response.h"
+
+namespace intaglio::console {
+namespace {
+
+constexpr std::string_view kFiles = "/files/";
+constexpr char kBusy[] = "too many files come at once: try again";
+
+int StatusOf(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kInvalidValue:
+      return 400;
+    case ErrorCode::kNotFound:
+    case ErrorCode::kMissing:
+      return 404;
+    case ErrorCode::kRefused:
+      return 409;
+    case ErrorCode::kTooLarge:
+      return 413;
+    default:
+      return 507;
+  }
+}
+
+web::Response RefusalOf(const Error& error) {
+  UploadAnswer answer;
+  answer.set_message(error.message);
+  return JsonResponse(StatusOf(error.code), answer);
+}
+
+/// `fallback` without the name; nullopt: no whole number.
+std::optional<std::uint64_t> NumberOf(const web::Request& request, const char* name,
+                                      std::uint64_t fallback) {
+  const auto found = request.target.query.find(name);
+  if (found == request.target.query.end()) return fallback;
+  std::uint64_t number = 0;
+  const std::string& text = found->second;
+  const auto [end, error] =
+      std::from_chars(text.data(), text.data() + text.size(), number);
+  const bool whole = error == std::errc() && end == text.data() + text.size();
+  return whole ? std::optional(number) : std::nullopt;
+}
+
+/// A file that comes; each step is in the disk's thread, in its order.
+class Receiver : public web::BodySink {
+ public:
+  struct Wanted {
+    SubmissionPath path;
+    std::uint64_t offset_bytes, size_bytes;
+  };
+  Receiver(const UploadFolder& uploads, WorkQueue& disk, Wanted wanted, web::Reply reply)
+      : disk_(disk), reply_(std::move(reply)), state_(std::make_shared<State>()) {
+    Add([state = state_, &uploads, wanted = std::move(wanted), reply = reply_] {
+      uploads.RemoveOld();
+      auto opened = uploads.Open(wanted.path.id, wanted.path.file, wanted.offset_bytes,
+                                 wanted.size_bytes);
+      if (!opened) return reply(RefusalOf(opened.error()));
+      state->upload = std::move(*opened);
+    });
+  }
+
+  void Take(std::string bytes, std::function<void()> taken) override {
+    Add([state = state_, bytes = std::move(bytes), taken = std::move(taken),
+         reply = reply_] {
+      if (!state->upload) return;
+      if (const auto written = state->upload->Write(bytes); !written) {
+        state->upload.reset();
+        return reply(RefusalOf(written.error()));
+      }
+      taken();
+    });
+  }
+
+  void End() override {
+    Add([state = state_, reply = reply_] {
+      if (!state->upload) return;
+      const auto answer = std::exchange(state->upload, nullptr)->Close();
+      reply(answer ? JsonResponse(200, *answer) : RefusalOf(answer.error()));
+    });
+  }
+
+ private:
+  struct State {
+    std::unique_ptr<OpenUpload> upload;  // null: refused
+  };
+  void Add(std::function<void()> work) {
+    if (!disk_.Add(std::move(work))) reply_(ErrorResponse(503, kBusy));
+  }
+  WorkQueue& disk_;
+  web::Reply reply_;
+  std::shared_ptr<State> state_;
+};
+
+}  // namespace
+
+std::optional<SubmissionPath> ParseSubmissionPath(std::string_view path) {
+  constexpr std::string_view kBegin = kSubmissionsPath;
+  if (!path.starts_with(kBegin)) return std::nullopt;
+  path.remove_prefix(kBegin.size());
+  const auto slash = path.find('/');
+  SubmissionPath parsed{std::string(path.substr(0, slash)), {}};
+  if (slash == std::string_view::npos) return parsed;
+  path.remove_prefix(slash);
+  if (!path.starts_with(kFiles)) return std::nullopt;
+  parsed.file = path.substr(kFiles.size());
+  return parsed;
+}
+
+void SubmitApi::AnswerUpload(const SubmissionPath& path, web::Reply reply) {
+  const bool taken = disk_.Add([this, path, reply] {
+    const auto answer = uploads_.Find(path.id, path.file);
+    reply(answer ? JsonResponse(200, *answer) : RefusalOf(answer.error()));
+  });
+  if (!taken) reply(ErrorResponse(503, kBusy));
+}
+
+std::shared_ptr<web::BodySink> SubmitApi::Receive(const SubmissionPath& path,
+                                                  const web::Request& request,
+                                                  std::uint64_t body_bytes,
+                                                  web::Reply reply) {
+  const auto offset = NumberOf(request, "offset", 0);
+  const auto size = NumberOf(request, "size", offset.value_or(0) + body_bytes);
+  if (!offset || !size) {
+    reply(ErrorResponse(400, "offset, size: give whole numbers"));
+    return nullptr;
+  }
+  return std::make_shared<Receiver>(
+      uploads_, disk_, Receiver::Wanted{path, *offset, *size}, std::move(reply));
+}
+
+void SubmitApi::Submit(const std::string& id, std::string job_file, web::Reply reply) {
+  const bool taken = runs_.Add([this, id, job_file = std::move(job_file), reply] {
+    const SubmissionAnswer submitted = submissions_.Submit(id, job_file);
+    reply(JsonResponse(submitted.status, submitted.answer));
+  });
+  if (!taken) reply(ErrorResponse(503, "too many jobs are submitted at once: try again"));
+}
+
+}  // namespace intaglio::console

@@ -1,0 +1,55 @@
+#pragma once
+
+// The requests below /api/v1/submissions: files of a job, then its job file.
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "services/console/submit/submissions.h"
+#include "services/console/submit/upload_folder.h"
+#include "services/console/work_queue.h"
+#include "services/platform/web/server.h"
+
+namespace intaglio::console {
+
+inline constexpr char kSubmissionsPath[] = "/api/v1/submissions/";
+
+/// "order-7" and "knot.stl" of "/api/v1/submissions/order-7/files/knot.stl", whose file
+/// is empty in "/api/v1/submissions/order-7". nullopt: another path.
+struct SubmissionPath {
+  std::string id, file;
+};
+std::optional<SubmissionPath> ParseSubmissionPath(std::string_view path);
+
+struct SubmitOptions {
+  std::filesystem::path uploads;        ///< folder; empty: nothing is submitted here
+  std::vector<std::string> shop_words;  ///< by which `intaglio` finds the shop
+};
+
+/// In the server's thread; disks and processes have threads of their own.
+class SubmitApi {
+ public:
+  explicit SubmitApi(const SubmitOptions& options)
+      : uploads_(options.uploads), submissions_(uploads_, options.shop_words) {}
+
+  void AnswerUpload(const SubmissionPath& path, web::Reply reply);
+  /// The bytes of a file, from `offset` of the query on; `size` is where it ends, default
+  /// the end of this body.
+  std::shared_ptr<web::BodySink> Receive(const SubmissionPath& path,
+                                         const web::Request& request,
+                                         std::uint64_t body_bytes, web::Reply reply);
+  void Submit(const std::string& id, std::string job_file, web::Reply reply);
+
+ private:
+  UploadFolder uploads_;
+  Submissions submissions_;
+  WorkQueue disk_{64};
+  WorkQueue runs_{16};
+};
+
+}  // namespace intaglio::console
