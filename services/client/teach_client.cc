@@ -32,7 +32,9 @@ void Put(const Vec3& from, double (&to)[3]) {
   for (int i = 0; i < 3; ++i) to[i] = from[i];
 }
 
-void Take(const intaglio_ManualState& sample, MachineView& view) {
+}  // namespace
+
+void TakeState(const intaglio_ManualState& sample, MachineView& view) {
   view.number = sample.number;
   view.held_by = View(sample.held_by);
   view.refusal = View(sample.refusal);
@@ -54,8 +56,6 @@ void Take(const intaglio_ManualState& sample, MachineView& view) {
   view.answer = sample.answer;
   view.message = View(sample.message);
 }
-
-}  // namespace
 
 Result<std::string> TeachClient::FindMachine(bus::Bus& bus, const std::string& cell) {
   if (!cell.empty()) return cell;
@@ -92,7 +92,7 @@ TeachClient::TeachClient(bus::Bus& bus, std::string cell)
 TeachClient::~TeachClient() { LetGo(); }
 
 void TeachClient::Poll() {
-  states_.Take([this](const intaglio_ManualState& sample) { Take(sample, view_); });
+  states_.Take([this](const intaglio_ManualState& sample) { TakeState(sample, view_); });
   interlocks_.TakeAll(
       [this](const intaglio_Interlock& sample, const bus::SampleOrigin& origin) {
         view_.interlocks_known = origin.alive && sample.laser_link_up;

@@ -41,6 +41,9 @@ struct MachineView {
   std::uint8_t shutters_open = 0;
 };
 
+/// Fills in what the state of a motion bridge has.
+void TakeState(const intaglio_ManualState& sample, MachineView& view);
+
 struct TeachOrder {
   intaglio_ManualCommandKind kind = intaglio_MANUAL_NONE;
   Vec3 place = Vec3::Zero(), place_max = Vec3::Zero();

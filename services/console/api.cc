@@ -11,7 +11,6 @@
 #include "services/client/shop/job_record.h"
 #include "services/console/json_response.h"
 #include "services/console/shop_history.h"
-#include "services/job/job_file.h"
 #include "services/job/json_text.h"
 
 namespace intaglio::console {
@@ -131,23 +130,6 @@ std::string ReasonIn(const std::string& body) {
   return request ? request->reason() : std::string();
 }
 
-/// A job file, which is submitted when it is whole.
-class JobFileSink : public web::BodySink {
- public:
-  JobFileSink(SubmitApi& submit, std::string id, web::Reply reply)
-      : submit_(submit), id_(std::move(id)), reply_(std::move(reply)) {}
-  void Take(std::string bytes, std::function<void()> taken) override {
-    text_ += bytes;
-    taken();
-  }
-  void End() override { submit_.Submit(id_, std::move(text_), std::move(reply_)); }
-
- private:
-  SubmitApi& submit_;
-  std::string id_, text_;
-  web::Reply reply_;
-};
-
 /// "7" and "plan" of "7/plan".
 std::pair<std::string, std::string> SplitJob(std::string_view path) {
   const auto slash = path.find('/');
@@ -165,25 +147,46 @@ Result<ConsoleRequest> ParseConsoleRequest(const std::string& text) {
               fmt::format("no ConsoleRequest: {}", parsed.ToString()));
 }
 
-std::string Api::AnswerMessage(const web::Caller& caller, const std::string& text) {
+std::string Api::AnswerMessage(web::PeerId page, const web::Caller& caller,
+                               const std::string& text) {
   const auto request = ParseConsoleRequest(text);
   const auto visitor = access_.VisitorOf(caller);
-  StopAnswer stop;
   ConsoleError error;
   if (!visitor) {
     error.set_message(kNobody);
   } else if (!request) {
     error.set_message(request.error().message);
-  } else if (!request->has_stop()) {
-    error.set_message("a request has a stop");
-  } else {
-    stop = desk_.Press(request->stop().reason());
+  } else if (request->has_stop()) {
+    const StopAnswer stop = desk_.Press(request->stop().reason());
     audit_.Add(EntryOf(*visitor, caller, "WebSocket stop", stop.sent() ? 200 : 500));
+    return LineOf(stop);
+  } else if (request->has_jog()) {
+    error.set_message(Jog(page, caller, *visitor, request->jog()));
+    if (error.message().empty()) return {};
+  } else {
+    error.set_message("a request has a stop or a jog");
   }
-  const bool is_stop = error.message().empty();
-  const auto json = is_stop ? JsonTextOf(stop, JsonLayout::kOneLine)
-                            : JsonTextOf(error, JsonLayout::kOneLine);
-  return json ? *json : std::string("{}");
+  return LineOf(error);
+}
+
+std::string Api::Jog(web::PeerId page, const web::Caller& caller, const Visitor& visitor,
+                     const JogRequest& request) {
+  // Who has lost the right lets go: that always passes.
+  const bool moves = !request.kind().empty();
+  const auto refusal =
+      moves ? access_.WhyNot(Right::kCharge, visitor) : std::optional<Refusal>();
+  const auto passed =
+      refusal ? Result<bool>(Fail(ErrorCode::kRefused, refusal->message))
+              : jogs_.Pass(page, request, visitor.name, JogDesk::Clock::now());
+  if (passed && !*passed) return {};
+  if (passed) access_.log_ins().Act(visitor.session, access::LogIns::Clock::now());
+  const int status = passed ? 200 : refusal ? refusal->status : 400;
+  if (moves) {
+    audit_.Add(EntryOf(visitor, caller,
+                       fmt::format("WebSocket jog {} {}", request.cell(), request.kind()),
+                       status));
+  }
+  return passed ? "" : passed.error().message;
 }
 
 std::optional<Visitor> Api::Admit(const web::Request& request, web::Reply& reply) {
@@ -215,14 +218,10 @@ void Api::Answer(const web::Request& request, web::Reply reply) {
 std::shared_ptr<web::BodySink> Api::Receive(const web::Request& request,
                                             std::uint64_t body_bytes, web::Reply reply) {
   if (!Admit(request, reply)) return nullptr;
-  const auto path = ParseSubmissionPath(request.target.path);
-  if (path && !path->file.empty())
+  if (const auto path = ParseSubmissionPath(request.target.path))
     return submit_.Receive(*path, request, body_bytes, std::move(reply));
-  if (!path || body_bytes > kMaxJobFileBytes) {
-    reply(path ? ErrorResponse(413, "a job file has at most 1 MB") : Unknown());
-    return nullptr;
-  }
-  return std::make_shared<JobFileSink>(submit_, path->id, std::move(reply));
+  reply(Unknown());
+  return nullptr;
 }
 
 void Api::Dispatch(const web::Request& request, const Visitor& visitor,

@@ -12,6 +12,7 @@
 #include "services/console/audit_log.h"
 #include "services/console/cloud_reader.h"
 #include "services/console/console_access.h"
+#include "services/console/jog_desk.h"
 #include "services/console/shop_desk.h"
 #include "services/console/submit/submit_api.h"
 #include "services/platform/web/server.h"
@@ -25,13 +26,15 @@ class Api {
  public:
   /// All live longer.
   Api(ShopDesk& desk, CloudReader& clouds, ConsoleAccess& access, AuditLog& audit,
-      WorkQueue& log_ins, SubmitApi& submit, std::filesystem::path database)
+      WorkQueue& log_ins, SubmitApi& submit, JogDesk& jogs,
+      std::filesystem::path database)
       : desk_(desk),
         clouds_(clouds),
         access_(access),
         audit_(audit),
         log_ins_(log_ins),
         submit_(submit),
+        jogs_(jogs),
         database_(std::move(database)) {}
 
   // In the server's thread.
@@ -40,11 +43,15 @@ class Api {
   std::shared_ptr<web::BodySink> Receive(const web::Request& request,
                                          std::uint64_t body_bytes, web::Reply reply);
   /// The answer to a text from the WebSocket, in one line of JSON.
-  std::string AnswerMessage(const web::Caller& caller, const std::string& text);
+  std::string AnswerMessage(web::PeerId page, const web::Caller& caller,
+                            const std::string& text);
 
  private:
   /// Who sends it, and may; nullopt: it is refused and answered. POST is audited.
   std::optional<Visitor> Admit(const web::Request& request, web::Reply& reply);
+  /// Empty: passed on, and nothing is answered; else why not.
+  std::string Jog(web::PeerId page, const web::Caller& caller, const Visitor& visitor,
+                  const JogRequest& request);
   void LogIn(const web::Request& request, const web::Reply& reply);
   void AnswerSession(const std::string& path, const Visitor& visitor,
                      const web::Reply& reply);
@@ -63,6 +70,7 @@ class Api {
   AuditLog& audit_;
   WorkQueue& log_ins_;  // where passwords are checked
   SubmitApi& submit_;
+  JogDesk& jogs_;
   std::filesystem::path database_;  // of the job service; empty: not known
 };
 

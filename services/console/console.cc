@@ -10,8 +10,8 @@
 #include "services/client/shop/shop_flags.h"
 #include "services/console/api.h"
 #include "services/console/console_address.h"
+#include "services/console/json_response.h"
 #include "services/console/page_files.h"
-#include "services/job/json_text.h"
 #include "services/platform/access/new_key.h"
 #include "services/platform/access/users.h"
 #include "services/platform/web/server.h"
@@ -108,15 +108,11 @@ web::ServerOptions ServerOptionsOf(const ConsoleOptions& options,
   return server;
 }
 
-/// One line of JSON, "" when a text of the shop is not UTF-8.
-std::string LineOf(const google::protobuf::Message& message) {
-  auto json = JsonTextOf(message, JsonLayout::kOneLine);
-  return json ? std::move(*json) : std::string();
-}
-
-void Turn(ShopDesk& desk, ConsoleAccess& access, web::Server& server,
+void Turn(ShopDesk& desk, JogDesk& jogs, ConsoleAccess& access, web::Server& server,
           Clock::time_point& next_state) {
-  desk.Turn();
+  desk.Turn(jogs.IsAtWork(Clock::now()));
+  for (const auto& [page, view] : jogs.TakeNew(Clock::now()))
+    server.Send(page, LineOf(view));
   for (std::string& line : desk.TakeEvents())
     server.Publish(kEventsPath, std::move(line));
   if (Clock::now() < next_state) return;
@@ -141,8 +137,9 @@ Status Serve(const ConsoleOptions& options, const std::function<bool()>& stoppin
   std::unique_ptr<web::Server> server;
   CloudReader clouds;  // its answers go to the server, which lives longer
   WorkQueue log_ins(kMaxLogIns);
+  JogDesk jogs(bus);
   SubmitApi submit({options.uploads, client::ShopWords(options.bus)});
-  Api api(desk, clouds, access, audit, log_ins, submit, options.database);
+  Api api(desk, clouds, access, audit, log_ins, submit, jogs, options.database);
   web::Handlers handlers;
   handlers.request = [&](const web::Request& request, web::Reply reply) {
     api.Answer(request, std::move(reply));
@@ -154,7 +151,7 @@ Status Serve(const ConsoleOptions& options, const std::function<bool()>& stoppin
   handlers.greeting = [](const std::string&) { return std::string(); };
   handlers.message = [&](web::PeerId peer, const web::Caller& caller,
                          const std::string& text) {
-    server->Send(peer, api.AnswerMessage(caller, text));
+    server->Send(peer, api.AnswerMessage(peer, caller, text));
   };
   handlers.session = [&](const std::string& token) {
     const auto session = access.log_ins().Find(token, Clock::now());
@@ -175,7 +172,7 @@ Status Serve(const ConsoleOptions& options, const std::function<bool()>& stoppin
     INTAGLIO_TRY(WriteAddressFile(options.address_file, address));
   opened(TextOf(address));
   auto next_state = Clock::now();
-  while (!stopping()) Turn(desk, access, *server, next_state);
+  while (!stopping()) Turn(desk, jogs, access, *server, next_state);
   return {};
 }
 

@@ -11,6 +11,11 @@ web::Response JsonResponse(int status, const google::protobuf::Message& message)
   return web::TextResponse(500, "text/plain; charset=utf-8", json.error().message + "\n");
 }
 
+std::string LineOf(const google::protobuf::Message& message) {
+  auto json = JsonTextOf(message, JsonLayout::kOneLine);
+  return json ? std::move(*json) : std::string();
+}
+
 web::Response ErrorResponse(int status, std::string message) {
   ConsoleError error;
   error.set_message(std::move(message));

@@ -53,8 +53,8 @@ void ShopDesk::Order(std::function<void(ShopDesk&)> order) {
   orders_.push_back(std::move(order));
 }
 
-void ShopDesk::Turn() {
-  watcher_.Poll(IsAwaited() ? kAwaitingTurn : kTurn);
+void ShopDesk::Turn(bool in_haste) {
+  watcher_.Poll(IsAwaited() || in_haste ? kAwaitingTurn : kTurn);
   std::vector<std::function<void(ShopDesk&)>> orders;
   {
     const std::lock_guard lock(mutex_);

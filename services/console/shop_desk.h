@@ -36,9 +36,9 @@ class ShopDesk {
 
   // From the thread that turns it.
 
-  /// Waits up to 20 ms for news, less while something waits for an answer; then does
-  /// the orders.
-  void Turn();
+  /// Waits up to 20 ms for news, 2 ms while something waits for an answer or `in_haste`;
+  /// then does the orders.
+  void Turn(bool in_haste = false);
   /// The lines of --events since the last call.
   std::vector<std::string> TakeEvents();
   ConsoleState State();

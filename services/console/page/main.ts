@@ -1,66 +1,12 @@
 // The page: custom elements that show the console's state. What comes from the shop is text,
 // never markup. A reload or a new connection sends nothing.
+import { Control } from './control';
 import { Dict, endStates, make, post } from './dom';
 import { FirePanel } from './fire';
+import { JogPanel } from './jog';
 import { ResultPanel } from './result';
 import { LogIn, SessionLine, readSession } from './session';
 import { LanguageList, fill, text, translatePage } from './text';
-
-/** The connection /control: the state, ten times a second, and Stop. */
-class Control {
-  private socket?: WebSocket;
-  private lastMessage = 0;
-  connected = false;
-  onState: (state: Dict) => void = () => {};
-  onStop: (answer: Dict) => void = () => {};
-  onConnection: (connected: boolean) => void = () => {};
-
-  constructor() {
-    this.open();
-    setInterval(() => this.watch(), 250);
-  }
-
-  private open() {
-    const socket = new WebSocket(`${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/control`);
-    this.socket = socket;
-    this.lastMessage = performance.now();
-    socket.onmessage = (event) => {
-      if (socket !== this.socket) return;
-      this.lastMessage = performance.now();
-      const message = JSON.parse(event.data);
-      if ('sent' in message) this.onStop(message);
-      else if ('shop' in message) this.onState(message);
-      this.set(true);
-    };
-    socket.onclose = () => {
-      if (socket === this.socket) this.set(false);
-    };
-  }
-
-  /** A silent connection is a lost one. */
-  private watch() {
-    if (performance.now() - this.lastMessage < 2000) return;
-    this.set(false);
-    const old = this.socket;
-    this.socket = undefined;
-    old?.close();
-    this.open();
-  }
-
-  private set(connected: boolean) {
-    if (connected === this.connected) return;
-    this.connected = connected;
-    this.onConnection(connected);
-  }
-
-  /** Both ways at once: a connection may be lost before that is known, and a second press
-   * changes nothing. */
-  stop() {
-    const request = { stop: { reason: 'pressed in the console' } };
-    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(request));
-    post('stop', request.stop).then((answer) => answer && this.onStop(answer));
-  }
-}
 
 class StopButton extends HTMLElement {
   private line = make('span');
@@ -329,6 +275,7 @@ customElements.define('stop-button', StopButton);
 customElements.define('needs-list', NeedsList);
 customElements.define('machine-list', MachineList);
 customElements.define('job-list', JobList);
+customElements.define('jog-panel', JogPanel);
 customElements.define('glass-view', GlassView);
 
 const stop = document.querySelector('stop-button') as StopButton;
@@ -337,11 +284,19 @@ const logIn = document.querySelector('log-in') as LogIn;
 const needs = document.querySelector('needs-list') as NeedsList;
 const machines = document.querySelector('machine-list') as MachineList;
 const jobs = document.querySelector('job-list') as JobList;
+const hand = document.querySelector('jog-panel') as JogPanel;
 const glass = document.querySelector('glass-view') as GlassView;
 const control = new Control();
 stop.control = control;
-control.onConnection = (connected) => {
+function letGo() {
   jobs.letGo();
+  hand.letGo();
+}
+control.onJog = (view) => hand.take(view);
+control.onRefusal = (message) => hand.refuse(message);
+hand.send = (message) => control.send(message);
+control.onConnection = (connected) => {
+  letGo();
   stop.connection(connected);
   showSession();
 };
@@ -355,7 +310,7 @@ async function showSession(here = false) {
   document.querySelector('main')!.hidden = !session;
 }
 sessionLine.onChange = logIn.onChange = () => {
-  jobs.letGo();
+  letGo();
   showSession();
 };
 showSession();
@@ -369,8 +324,9 @@ for (const touch of ['pointerdown', 'keydown']) {
     showSession(true);
   });
 }
-document.addEventListener('visibilitychange', () => jobs.letGo());
-window.addEventListener('blur', () => jobs.letGo());
+document.addEventListener('visibilitychange', letGo);
+window.addEventListener('blur', letGo);
+window.addEventListener('pagehide', letGo);
 control.onStop = (answer) => stop.answer(answer);
 jobs.onShow = (job) => glass.show(job);
 let drawnAt = 0;
@@ -382,6 +338,7 @@ control.onState = (state) => {
   sessionLine.showCharge(state.in_charge ?? '');
   needs.update(state.shop?.needs ?? []);
   machines.update(state.shop?.machines ?? [], state.stages ?? []);
+  hand.update(state.shop?.machines ?? []);
   jobs.update(state.jobs ?? [], state.shop?.machines ?? []);
   glass.follow(state.jobs ?? []);
 };

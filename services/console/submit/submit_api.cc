@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "services/console/json_response.h"
+#include "services/job/job_file.h"
 
 namespace intaglio::console {
 namespace {
@@ -98,6 +99,23 @@ class Receiver : public web::BodySink {
 
 }  // namespace
 
+/// A job file, which is submitted when it is whole.
+class SubmitApi::JobFileSink : public web::BodySink {
+ public:
+  JobFileSink(SubmitApi& submit, std::string id, web::Reply reply)
+      : submit_(submit), id_(std::move(id)), reply_(std::move(reply)) {}
+  void Take(std::string bytes, std::function<void()> taken) override {
+    text_ += bytes;
+    taken();
+  }
+  void End() override { submit_.Submit(id_, std::move(text_), std::move(reply_)); }
+
+ private:
+  SubmitApi& submit_;
+  std::string id_, text_;
+  web::Reply reply_;
+};
+
 std::optional<SubmissionPath> ParseSubmissionPath(std::string_view path) {
   constexpr std::string_view kBegin = kSubmissionsPath;
   if (!path.starts_with(kBegin)) return std::nullopt;
@@ -123,6 +141,12 @@ std::shared_ptr<web::BodySink> SubmitApi::Receive(const SubmissionPath& path,
                                                   const web::Request& request,
                                                   std::uint64_t body_bytes,
                                                   web::Reply reply) {
+  if (path.file.empty() && body_bytes > kMaxJobFileBytes) {
+    reply(ErrorResponse(413, "a job file has at most 1 MB"));
+    return nullptr;
+  }
+  if (path.file.empty())
+    return std::make_shared<JobFileSink>(*this, path.id, std::move(reply));
   const auto offset = NumberOf(request, "offset", 0);
   const auto size = NumberOf(request, "size", offset.value_or(0) + body_bytes);
   if (!offset || !size) {

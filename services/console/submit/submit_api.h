@@ -38,14 +38,16 @@ class SubmitApi {
       : uploads_(options.uploads), submissions_(uploads_, options.shop_words) {}
 
   void AnswerUpload(const SubmissionPath& path, web::Reply reply);
-  /// The bytes of a file, from `offset` of the query on; `size` is where it ends, default
-  /// the end of this body.
+  /// A job file, or the bytes of another one, from `offset` of the query on; `size` is
+  /// where that ends, default the end of this body.
   std::shared_ptr<web::BodySink> Receive(const SubmissionPath& path,
                                          const web::Request& request,
                                          std::uint64_t body_bytes, web::Reply reply);
-  void Submit(const std::string& id, std::string job_file, web::Reply reply);
 
  private:
+  class JobFileSink;
+  void Submit(const std::string& id, std::string job_file, web::Reply reply);
+
   UploadFolder uploads_;
   Submissions submissions_;
   WorkQueue disk_{64};

@@ -1,0 +1,84 @@
+#include "services/client/teach/jog_relay.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <random>
+
+#include "services/platform/bus/samples.h"
+
+namespace intaglio::client {
+namespace {
+
+using bus::Borrow;
+
+bool IsMotion(intaglio_ManualCommandKind kind) {
+  return kind == intaglio_MANUAL_NONE || kind == intaglio_MANUAL_JOG ||
+         kind == intaglio_MANUAL_MOVE || kind == intaglio_MANUAL_HOME ||
+         kind == intaglio_MANUAL_ZERO;
+}
+
+}  // namespace
+
+JogRelay::JogRelay(bus::Bus& bus)
+    : bus_(bus),
+      process_(fmt::format("console-{}-{:08x}", getpid(), std::random_device{}())),
+      states_(bus, bus::kManualState) {}
+
+std::string JogRelay::SenderOf(std::uint64_t person) const {
+  return fmt::format("{}-{}", process_, person);
+}
+
+Status JogRelay::Pass(const JogSample& from) {
+  if (!IsMotion(from.kind))
+    return Fail(ErrorCode::kInvalidValue,
+                "an order that is held, and no other, is passed on");
+  if (!from.place.allFinite() || !std::isfinite(from.speed_mm_s))
+    return Fail(ErrorCode::kInvalidValue, "the place or the speed is no number");
+  const std::lock_guard lock(mutex_);
+  const auto known = commands_.find(from.cell);
+  if (known == commands_.end()) {
+    return Fail(ErrorCode::kNotFound,
+                fmt::format("{}: no such machine answers here", from.cell), from.cell);
+  }
+  if (!known->second) {
+    try {
+      known->second = std::make_unique<bus::Writer<intaglio_ManualCommand>>(
+          bus_, bus::kManualCommand, from.cell);
+    } catch (const bus::NotAllowedError& error) {
+      return Fail(ErrorCode::kRefused, error.what());
+    }
+  }
+  intaglio_ManualCommand sample{};
+  sample.cell = Borrow(from.cell);
+  sample.sender = Borrow(from.sender);
+  sample.number = from.number;
+  sample.seen = from.seen;
+  sample.kind = from.kind;
+  sample.operator_name = Borrow(from.operator_name);
+  for (int axis = 0; axis < 3; ++axis) sample.place[axis] = from.place[axis];
+  sample.speed_mm_s = from.speed_mm_s;
+  sample.channel = from.channel;
+  sample.lens = Borrow(from.lens);
+  sample.sets = 7;
+  return known->second->Write(sample);
+}
+
+std::vector<MachineView> JogRelay::TakeNew() {
+  std::map<std::string, MachineView> views;
+  states_.Take([&](const intaglio_ManualState& sample) {
+    MachineView& view = views[std::string(bus::View(sample.cell))];
+    view.cell = bus::View(sample.cell);
+    TakeState(sample, view);
+  });
+  std::vector<MachineView> taken;
+  const std::lock_guard lock(mutex_);
+  for (auto& [cell, view] : views) {
+    commands_.try_emplace(cell);
+    taken.push_back(std::move(view));
+  }
+  return taken;
+}
+
+}  // namespace intaglio::client

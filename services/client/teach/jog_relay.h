@@ -1,0 +1,58 @@
+#pragma once
+
+// Passes on the samples of people who move a machine by hand from somewhere else, each
+// once: it repeats nothing by itself, so that the rule of the motion bridge holds from
+// the finger to the axis. A sample has the number of the machine's state that the person
+// saw last, and one that is older than 200 ms moves nothing, whatever delayed it
+// (services/cell/manual). When the samples stop, for whatever reason, the stage rests
+// within 200 ms and the time of braking.
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+#include "engrave/core/result.h"
+#include "idl/teach.h"
+#include "services/client/teach_client.h"
+#include "services/platform/bus/bus.h"
+
+namespace intaglio::client {
+
+struct JogSample {
+  std::string cell;
+  std::string sender;        ///< one of a person; no other has it
+  std::uint64_t number = 0;  ///< of the press, greater with each
+  std::uint64_t seen = 0;    ///< `number` of the MachineView that the person saw last
+  intaglio_ManualCommandKind kind = intaglio_MANUAL_NONE;  ///< NONE: let go
+  Vec3 place = Vec3::Zero();  ///< as of intaglio_ManualCommand
+  double speed_mm_s = 0;
+  std::uint32_t channel = 1;
+  std::string lens, operator_name;
+};
+
+class JogRelay {
+ public:
+  explicit JogRelay(bus::Bus& bus);
+
+  /// "PROGRAM-PID-RANDOM-PERSON".
+  std::string SenderOf(std::uint64_t person) const;
+  /// From any thread. kNotFound: no such machine is there. kInvalidValue: a number that
+  /// is none, or an order that is no motion. kRefused: the identity may not command.
+  Status Pass(const JogSample& sample);
+  /// The machines whose state has come since the last call; from one thread.
+  std::vector<MachineView> TakeNew();
+
+ private:
+  bus::Bus& bus_;
+  const std::string process_;
+  bus::Reader<intaglio_ManualState> states_;
+  std::mutex mutex_;  // of what follows
+  /// By machine; null until somebody moves it.
+  std::map<std::string, std::unique_ptr<bus::Writer<intaglio_ManualCommand>>> commands_;
+};
+
+}  // namespace intaglio::client

@@ -1,0 +1,117 @@
+#include "services/console/jog_desk.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+namespace intaglio::console {
+namespace {
+
+std::optional<intaglio_ManualCommandKind> KindNamed(const std::string& name) {
+  if (name.empty()) return intaglio_MANUAL_NONE;
+  if (name == "jog") return intaglio_MANUAL_JOG;
+  if (name == "move") return intaglio_MANUAL_MOVE;
+  if (name == "home") return intaglio_MANUAL_HOME;
+  if (name == "zero") return intaglio_MANUAL_ZERO;
+  return std::nullopt;
+}
+
+const char* NameOf(intaglio_ManualAnswer answer) {
+  switch (answer) {
+    case intaglio_MANUAL_ACCEPTED:
+      return "accepted";
+    case intaglio_MANUAL_DONE:
+      return "done";
+    case intaglio_MANUAL_STOPPED:
+      return "stopped";
+    case intaglio_MANUAL_REFUSED:
+      return "refused";
+  }
+  return "";
+}
+
+/// What all pages see; the answer is of one of them.
+JogView ViewOf(const client::MachineView& machine) {
+  JogView view;
+  view.set_cell(machine.cell);
+  view.set_number(machine.number);
+  view.set_held(!machine.held_by.empty());
+  view.set_refusal(machine.refusal);
+  view.set_homed(machine.homed);
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string& name = machine.axes[static_cast<std::size_t>(axis)];
+    if (name.empty()) break;
+    JogAxis& shown = *view.add_axes();
+    shown.set_name(name);
+    shown.set_position(machine.position[axis]);
+    shown.set_min(machine.limit_min[axis]);
+    shown.set_max(machine.limit_max[axis]);
+    shown.set_rotary(machine.rotary[static_cast<std::size_t>(axis)]);
+  }
+  return view;
+}
+
+}  // namespace
+
+Result<bool> JogDesk::Pass(web::PeerId page, const JogRequest& request,
+                           const std::string& person, Clock::time_point now) {
+  const auto kind = KindNamed(request.kind());
+  if (!kind) {
+    return Fail(
+        ErrorCode::kInvalidValue,
+        fmt::format("kind '{}': give jog, move, home, zero, or nothing", request.kind()),
+        request.kind());
+  }
+  bool is_first = false;
+  {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(pages_,
+                  [&](const auto& one) { return now - one.second.sent > kQuietTime; });
+    Page& known = pages_[page];
+    is_first = *kind != intaglio_MANUAL_NONE && known.press != request.press();
+    known = {request.cell(), is_first ? request.press() : known.press, now};
+  }
+  client::JogSample sample;
+  sample.cell = request.cell();
+  sample.sender = relay_.SenderOf(page);
+  sample.number = request.press();
+  sample.seen = request.seen();
+  sample.kind = *kind;
+  sample.place = {request.x(), request.y(), request.z()};
+  sample.speed_mm_s = request.speed_mm_s();
+  sample.channel = request.channel();
+  sample.lens = request.lens();
+  sample.operator_name = person;
+  if (const auto passed = relay_.Pass(sample); !passed)
+    return tl::unexpected(passed.error());
+  return is_first;
+}
+
+bool JogDesk::IsAtWork(Clock::time_point now) const {
+  const std::lock_guard lock(mutex_);
+  return std::any_of(pages_.begin(), pages_.end(), [&](const auto& page) {
+    return now - page.second.sent <= kQuietTime;
+  });
+}
+
+std::vector<std::pair<web::PeerId, JogView>> JogDesk::TakeNew(Clock::time_point now) {
+  std::vector<std::pair<web::PeerId, JogView>> views;
+  for (const client::MachineView& machine : relay_.TakeNew()) {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [id, page] : pages_) {
+      if (page.cell != machine.cell || now - page.sent > kQuietTime) continue;
+      JogView view = ViewOf(machine);
+      view.set_held_here(machine.held_by == relay_.SenderOf(id));
+      if (machine.answered_sender == relay_.SenderOf(id)) {
+        view.set_answered_press(static_cast<std::uint32_t>(machine.answered_number));
+        view.set_answer(NameOf(machine.answer));
+        view.set_message(machine.message);
+      }
+      views.emplace_back(id, std::move(view));
+    }
+  }
+  return views;
+}
+
+}  // namespace intaglio::console
