@@ -167,6 +167,18 @@ class Console:
         with self._open("POST", f"/api/v1/submissions/{submission}", text) as answer:
             return json.load(answer)
 
+    def preview(self, submission, job_file, files=()):
+        """What the job will look like and take, before it is submitted; JobPreview."""
+        for file in files:
+            self.upload(submission, file)
+        text = pathlib.Path(job_file).read_bytes()
+        with self._open("POST", f"/api/v1/submissions/{submission}/preview", text) as answer:
+            return json.load(answer)
+
+    def preview_picture(self, submission):
+        """Of the last preview, a PNG."""
+        return self._bytes(f"submissions/{submission}/preview")
+
     def _held(self, command, job, block, members):
         hold = self._post(f"jobs/{job}/hold", block=block)
         time.sleep(hold["hold_s"] + 0.1)

@@ -255,7 +255,8 @@ Status ServiceSet::StartConsole(const ServiceSetOptions& options) {
       "--users",        users,
       "--audit",        (options.folder / "console_audit.jsonl").string(),
       "--uploads",      (options.folder / "uploads").string(),
-      "--database",     (options.folder / "jobs.db").string()};
+      "--database",     (options.folder / "jobs.db").string(),
+      "--materials",    options.materials_db.string()};
   const auto add = [&words](const char* option, const std::string& value) {
     if (!value.empty()) words.insert(words.end(), {option, value});
   };

@@ -306,7 +306,7 @@ void Api::AnswerGet(const std::string& path, const web::Request& request,
     });
   }
   if (const auto submission = ParseSubmissionPath(request.target.path))
-    return submit_.AnswerUpload(*submission, std::move(reply));
+    return submit_.AnswerGet(*submission, std::move(reply));
   if (path == "history") {
     const bool taken = clouds_.Ask([this, query = request.target.query, reply] {
       reply(HistoryResponse(database_, query));

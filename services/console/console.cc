@@ -138,7 +138,8 @@ Status Serve(const ConsoleOptions& options, const std::function<bool()>& stoppin
   CloudReader clouds;  // its answers go to the server, which lives longer
   WorkQueue log_ins(kMaxLogIns);
   JogDesk jogs(bus);
-  SubmitApi submit({options.uploads, client::ShopWords(options.bus)});
+  SubmitApi submit(
+      {options.uploads, client::ShopWords(options.bus), options.materials.string()});
   Api api(desk, clouds, access, audit, log_ins, submit, jogs, options.database);
   web::Handlers handlers;
   handlers.request = [&](const web::Request& request, web::Reply reply) {

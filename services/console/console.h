@@ -18,6 +18,7 @@ struct ConsoleOptions {
   std::filesystem::path address_file;      ///< empty: none
   std::filesystem::path users_file;        ///< of who may log in; empty: nobody
   std::filesystem::path audit_file;        ///< who pressed what; empty: none
+  std::filesystem::path materials;         ///< material base; empty: the user's
   std::filesystem::path database;          ///< of the job service; empty: no history
   std::filesystem::path uploads;  ///< folder of jobs' files; empty: none are taken
 };

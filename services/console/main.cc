@@ -80,6 +80,8 @@ int main(int argc, char** argv) {
                  "file that gets a line of each press and each log-in");
   root.AddOption("--database", options.database,
                  "database file of the job service, for the history");
+  root.AddOption("--materials", options.materials,
+                 "material base of previews, default the user's");
   root.AddOption("--uploads", options.uploads,
                  "folder for the files of jobs that are submitted here; without it none "
                  "are");

@@ -72,6 +72,86 @@ def eventually(condition, seconds=60):
     raise AssertionError(f"not within {seconds} s: {condition.__name__}")
 
 
+def languages(driver, say):
+    """The page in each language that it has."""
+    import json
+
+    from selenium.webdriver.common.by import By
+    from selenium.webdriver.support.ui import Select
+
+    texts = ROOT / "services/console/page/texts"
+    for code in ("de", "pl", "es", "zh", "en"):
+        Select(driver.find_element(By.CSS_SELECTOR, "language-list select")).select_by_value(code)
+        expected = json.loads((texts / f"{code}.json").read_text(encoding="utf-8"))
+
+        def shown():
+            return driver.find_element(By.TAG_NAME, "html").get_attribute("lang") == code and \
+                driver.find_element(By.ID, "stop").text == expected["stop"] and \
+                driver.find_element(By.ID, "jobs-title").text == expected["jobsTitle"]
+
+        eventually(shown)
+    say("five languages")
+
+
+def by_hand(driver, say):
+    """A machine moves while a button is held, and rests behind it."""
+    from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.by import By
+
+    def place():
+        panel = driver.find_element(By.CSS_SELECTOR, "jog-panel").text
+        found = [line for line in panel.splitlines() if line.startswith("x ") and "." in line]
+        return float(found[0].split()[1].rstrip(",")) if found else None
+
+    def machine():
+        return driver.find_elements(By.CSS_SELECTOR, "jog-panel select option")
+
+    eventually(machine)
+
+    def moves():
+        button = driver.find_element(By.XPATH, "//jog-panel//button[text()='x +']")
+        ActionChains(driver).move_to_element(button).click_and_hold().pause(1).perform()
+        before = place()
+        ActionChains(driver).pause(0.5).perform()
+        after = place()
+        ActionChains(driver).release().perform()
+        return before is not None and after > before + 0.5
+
+    eventually(moves)
+    time.sleep(1)
+    rests = place()
+    time.sleep(1)
+    assert place() == rests, "the stage rests when the button is let go"
+    say(f"moved by hand to x = {rests} mm")
+
+
+def new_job(driver, say):
+    """A job is made from a file, shown and submitted; the page fits a phone."""
+    from selenium.webdriver.common.by import By
+
+    page = driver.find_element(By.CSS_SELECTOR, "job-page")
+    page.find_element(By.CSS_SELECTOR, "input[type=file]").send_keys(
+        str(ROOT / "deploy/jobs/sample.obj"))
+
+    def previewed():
+        picture = page.find_element(By.TAG_NAME, "img")
+        return "points, about" in page.text and picture.get_attribute("naturalWidth") != "0"
+
+    eventually(previewed, 120)
+    page.find_element(By.XPATH, ".//button[text()='Submit']").click()
+
+    def submitted():
+        return "Job 2 is submitted" in page.text and \
+            "2 sample" in driver.find_element(By.CSS_SELECTOR, "job-list").text
+
+    eventually(submitted, 120)
+    say("a job of a dropped file is submitted")
+    driver.set_window_size(500, 900)
+    width = driver.execute_script(
+        "return [document.scrollingElement.scrollWidth, window.innerWidth]")
+    assert width[0] <= width[1], f"wider than a phone: {width}"
+
+
 def arm(driver, say, cracks):
     """Only a button that is held arms the job."""
     from selenium.webdriver.common.action_chains import ActionChains
@@ -245,8 +325,11 @@ def main():
         driver = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
         driver.get(url)
         assert "key=" not in driver.current_url
+        languages(driver, print)
+        by_hand(driver, print)
         arm(driver, print, cracks)
         look(driver, folder, print, cracks, console_pid)
+        new_job(driver, print)
     finally:
         if driver:
             driver.quit()

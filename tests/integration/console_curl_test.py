@@ -52,7 +52,10 @@ def check_answers(folder, ask):
         schema = content.get("application/json", {}).get("schema")
         if not schema or path.endswith("/report"):
             continue
-        answer = json.loads(ask(path.replace("{job}", "1")))
+        parts = {"{job}": "1", "{id}": "order-7", "{file}": "sample.obj"}
+        for part, value in parts.items():
+            path = path.replace(part, value)
+        answer = json.loads(ask(path))
         jsonschema.validate(answer, json.loads((DOCS / schema["$ref"]).read_text()))
         checked += 1
     assert checked >= 4, checked
@@ -88,6 +91,12 @@ def check_submissions(folder):
         (folder / "knot.textproto").read_text().replace("trefoil", "other"))
     code, other = curl(order, "--data-binary", "@other.textproto")
     assert code == 422 and "was used for another job" in other["message"], (code, other)
+    code, preview = curl(order + "/preview", "--data-binary", "@knot.textproto")
+    assert code == 200 and preview["verdict"].startswith("ready"), (code, preview)
+    jsonschema.validate(preview, schema("preview"))
+    picture = subprocess.run(["curl", "-sf", "-b", "cookies", url + order + "/preview"], cwd=folder,
+                             check=True, capture_output=True).stdout
+    assert picture[:4] == b"\x89PNG", picture[:60]
     code, other = curl(file, "--data-binary", "@other.textproto")
     assert code == 409, (code, other)
     (folder / "wrong.textproto").write_text('models { file: "/etc/passwd" }')

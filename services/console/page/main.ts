@@ -3,6 +3,7 @@
 import { Control } from './control';
 import { Dict, endStates, make, post } from './dom';
 import { FirePanel } from './fire';
+import { JobPage } from './job_page';
 import { JogPanel } from './jog';
 import { ResultPanel } from './result';
 import { LogIn, SessionLine, readSession } from './session';
@@ -276,6 +277,7 @@ customElements.define('needs-list', NeedsList);
 customElements.define('machine-list', MachineList);
 customElements.define('job-list', JobList);
 customElements.define('jog-panel', JogPanel);
+customElements.define('job-page', JobPage);
 customElements.define('glass-view', GlassView);
 
 const stop = document.querySelector('stop-button') as StopButton;

@@ -118,4 +118,25 @@ SubmissionAnswer Submissions::Submit(const std::string& id,
   return submission;
 }
 
+PreviewAnswer Submissions::Preview(const std::string& id,
+                                   const std::string& job_file) const {
+  const auto file = Write(id, job_file);
+  if (!file) return {422, {}, file.error().message};
+  const fs::path folder = file->parent_path();
+  std::vector<std::string> words = {"preview", file->string(), "--json", "--out",
+                                    (folder / kPreviewPicture).parent_path().string()};
+  if (!materials_.empty()) words.insert(words.end(), {"--materials", materials_});
+  const auto end = RunIntaglio(std::move(words), folder, kSubmitTime);
+  if (!end) {
+    return {
+        end.error().code == ErrorCode::kTimedOut ? 504 : 503, {}, end.error().message};
+  }
+  PreviewAnswer answer;
+  const bool made = !end->json.empty() && google::protobuf::util::JsonStringToMessage(
+                                              end->json.front(), &answer.preview)
+                                              .ok();
+  if (made) return answer;
+  return {StatusOf(end->exit_code), {}, end->text};
+}
+
 }  // namespace intaglio::console

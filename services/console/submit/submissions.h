@@ -12,6 +12,7 @@
 #include "engrave/core/result.h"
 #include "proto/console.pb.h"
 #include "proto/job.pb.h"
+#include "proto/preview.pb.h"
 #include "services/console/submit/upload_folder.h"
 
 namespace intaglio::console {
@@ -21,16 +22,32 @@ struct SubmissionAnswer {
   SubmitAnswer answer;
 };
 
+struct PreviewAnswer {
+  int status = 200;
+  JobPreview preview;
+  std::string message;  ///< why there is none
+};
+
+/// Beside the files of a submission, once its preview was made.
+inline constexpr char kPreviewPicture[] = ".preview/preview.png";
+
 /// Waits for the job service: not from a thread that has to answer a stop.
 class Submissions {
  public:
-  /// `shop_words`: the options by which `intaglio` finds the shop.
-  Submissions(const UploadFolder& uploads, std::vector<std::string> shop_words)
-      : uploads_(uploads), shop_words_(std::move(shop_words)) {}
+  /// `shop_words`: the options by which `intaglio` finds the shop; `materials`: its
+  /// material base, empty: the user's.
+  Submissions(const UploadFolder& uploads, std::vector<std::string> shop_words,
+              std::string materials)
+      : uploads_(uploads),
+        shop_words_(std::move(shop_words)),
+        materials_(std::move(materials)) {}
 
   /// `job_file`: a job file, JSON or text format. 200 taken, also when it was before; 422
   /// refused, with the reason; 503, 504: not known, the same again is safe.
   SubmissionAnswer Submit(const std::string& id, const std::string& job_file) const;
+
+  /// What `intaglio preview FILE` finds out, and its picture. 422, 503, 504 as above.
+  PreviewAnswer Preview(const std::string& id, const std::string& job_file) const;
 
  private:
   Result<std::filesystem::path> Write(const std::string& id,
@@ -38,6 +55,7 @@ class Submissions {
 
   const UploadFolder& uploads_;
   std::vector<std::string> shop_words_;
+  std::string materials_;
 };
 
 /// A job file in JSON begins with '{'; one in text format cannot.

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <utility>
 
+#include "engrave/io/whole_file.h"
 #include "services/console/json_response.h"
 #include "services/job/job_file.h"
 
@@ -10,6 +11,8 @@ namespace intaglio::console {
 namespace {
 
 constexpr std::string_view kFiles = "/files/";
+constexpr std::string_view kPreview = "/preview";
+constexpr std::uint64_t kMaxPictureBytes = 64 << 20;
 constexpr char kBusy[] = "too many files come at once: try again";
 
 int StatusOf(ErrorCode code) {
@@ -99,20 +102,26 @@ class Receiver : public web::BodySink {
 
 }  // namespace
 
-/// A job file, which is submitted when it is whole.
+/// A job file, which is submitted, or shown before that, when it is whole.
 class SubmitApi::JobFileSink : public web::BodySink {
  public:
-  JobFileSink(SubmitApi& submit, std::string id, web::Reply reply)
-      : submit_(submit), id_(std::move(id)), reply_(std::move(reply)) {}
+  JobFileSink(SubmitApi& submit, SubmissionPath path, web::Reply reply)
+      : submit_(submit), path_(std::move(path)), reply_(std::move(reply)) {}
   void Take(std::string bytes, std::function<void()> taken) override {
     text_ += bytes;
     taken();
   }
-  void End() override { submit_.Submit(id_, std::move(text_), std::move(reply_)); }
+  void End() override {
+    if (path_.is_preview)
+      submit_.Preview(path_.id, std::move(text_), std::move(reply_));
+    else
+      submit_.Submit(path_.id, std::move(text_), std::move(reply_));
+  }
 
  private:
   SubmitApi& submit_;
-  std::string id_, text_;
+  SubmissionPath path_;
+  std::string text_;
   web::Reply reply_;
 };
 
@@ -124,13 +133,22 @@ std::optional<SubmissionPath> ParseSubmissionPath(std::string_view path) {
   SubmissionPath parsed{std::string(path.substr(0, slash)), {}};
   if (slash == std::string_view::npos) return parsed;
   path.remove_prefix(slash);
+  parsed.is_preview = path == kPreview;
+  if (parsed.is_preview) return parsed;
   if (!path.starts_with(kFiles)) return std::nullopt;
   parsed.file = path.substr(kFiles.size());
   return parsed;
 }
 
-void SubmitApi::AnswerUpload(const SubmissionPath& path, web::Reply reply) {
+void SubmitApi::AnswerGet(const SubmissionPath& path, web::Reply reply) {
   const bool taken = disk_.Add([this, path, reply] {
+    if (path.is_preview) {
+      const auto folder = uploads_.FolderOf(path.id);
+      if (!folder) return reply(RefusalOf(folder.error()));
+      auto picture = io::ReadWholeFile(*folder / kPreviewPicture, kMaxPictureBytes);
+      return reply(picture ? web::TextResponse(200, "image/png", std::move(*picture))
+                           : RefusalOf(picture.error()));
+    }
     const auto answer = uploads_.Find(path.id, path.file);
     reply(answer ? JsonResponse(200, *answer) : RefusalOf(answer.error()));
   });
@@ -146,7 +164,7 @@ std::shared_ptr<web::BodySink> SubmitApi::Receive(const SubmissionPath& path,
     return nullptr;
   }
   if (path.file.empty())
-    return std::make_shared<JobFileSink>(*this, path.id, std::move(reply));
+    return std::make_shared<JobFileSink>(*this, path, std::move(reply));
   const auto offset = NumberOf(request, "offset", 0);
   const auto size = NumberOf(request, "size", offset.value_or(0) + body_bytes);
   if (!offset || !size) {
@@ -163,6 +181,15 @@ void SubmitApi::Submit(const std::string& id, std::string job_file, web::Reply r
     reply(JsonResponse(submitted.status, submitted.answer));
   });
   if (!taken) reply(ErrorResponse(503, "too many jobs are submitted at once: try again"));
+}
+
+void SubmitApi::Preview(const std::string& id, std::string job_file, web::Reply reply) {
+  const bool taken = previews_.Add([this, id, job_file = std::move(job_file), reply] {
+    const PreviewAnswer made = submissions_.Preview(id, job_file);
+    reply(made.message.empty() ? JsonResponse(made.status, made.preview)
+                               : ErrorResponse(made.status, made.message));
+  });
+  if (!taken) reply(ErrorResponse(503, "too many previews are made at once: try again"));
 }
 
 }  // namespace intaglio::console

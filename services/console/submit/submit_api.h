@@ -23,21 +23,25 @@ inline constexpr char kSubmissionsPath[] = "/api/v1/submissions/";
 /// is empty in "/api/v1/submissions/order-7". nullopt: another path.
 struct SubmissionPath {
   std::string id, file;
+  bool is_preview = false;  ///< "/api/v1/submissions/order-7/preview"
 };
 std::optional<SubmissionPath> ParseSubmissionPath(std::string_view path);
 
 struct SubmitOptions {
   std::filesystem::path uploads;        ///< folder; empty: nothing is submitted here
   std::vector<std::string> shop_words;  ///< by which `intaglio` finds the shop
+  std::string materials;                ///< material base of previews; empty: the user's
 };
 
 /// In the server's thread; disks and processes have threads of their own.
 class SubmitApi {
  public:
   explicit SubmitApi(const SubmitOptions& options)
-      : uploads_(options.uploads), submissions_(uploads_, options.shop_words) {}
+      : uploads_(options.uploads),
+        submissions_(uploads_, options.shop_words, options.materials) {}
 
-  void AnswerUpload(const SubmissionPath& path, web::Reply reply);
+  /// How much of a file has come, or the picture of a preview.
+  void AnswerGet(const SubmissionPath& path, web::Reply reply);
   /// A job file, or the bytes of another one, from `offset` of the query on; `size` is
   /// where that ends, default the end of this body.
   std::shared_ptr<web::BodySink> Receive(const SubmissionPath& path,
@@ -47,11 +51,13 @@ class SubmitApi {
  private:
   class JobFileSink;
   void Submit(const std::string& id, std::string job_file, web::Reply reply);
+  void Preview(const std::string& id, std::string job_file, web::Reply reply);
 
   UploadFolder uploads_;
   Submissions submissions_;
   WorkQueue disk_{64};
   WorkQueue runs_{16};
+  WorkQueue previews_{4};
 };
 
 }  // namespace intaglio::console

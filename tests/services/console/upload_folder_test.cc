@@ -116,6 +116,7 @@ TEST(SubmissionPaths, AreAnIdOrAFileOfIt) {
   EXPECT_EQ(ParseSubmissionPath("/api/v1/submissions/a")->id, "a");
   EXPECT_EQ(ParseSubmissionPath("/api/v1/submissions/a")->file, "");
   EXPECT_EQ(ParseSubmissionPath("/api/v1/submissions/a/files/b.stl")->file, "b.stl");
+  EXPECT_TRUE(ParseSubmissionPath("/api/v1/submissions/a/preview")->is_preview);
   EXPECT_FALSE(ParseSubmissionPath("/api/v1/submissions/a/file/b"));
   EXPECT_FALSE(ParseSubmissionPath("/api/v1/jobs"));
 }

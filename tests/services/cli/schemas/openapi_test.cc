@@ -25,7 +25,8 @@ Json Object(Json::Members members) { return {std::move(members)}; }
 std::string SchemaNameOf(std::string_view message) {
   static const std::map<std::string_view, std::string> kNames = {
       {"ShopStatus", "status"}, {"JobList", "jobs"},       {"JobRecord", "job"},
-      {"JobReport", "report"},  {"JobHistory", "history"}, {"JobSpec", "job_file"}};
+      {"JobReport", "report"},  {"JobHistory", "history"}, {"JobPreview", "preview"},
+      {"JobSpec", "job_file"}};
   if (const auto found = kNames.find(message); found != kNames.end())
     return found->second;
   std::string name;
