@@ -110,7 +110,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
       "services/job/verdict", "services/platform/*", "services/history",
       "services/virtual_engraver/truth"}},
     {"services/console",
-     {"engrave/*", "proto", "idl", "services/client", "services/job",
+     {"engrave/*", "proto", "idl", "services/client", "services/history", "services/job",
       "services/platform/*"}},
     {"services/client/preview",
      {"engrave/*", "proto", "services/client", "services/job", "services/job/methods",

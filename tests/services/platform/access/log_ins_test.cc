@@ -77,6 +77,7 @@ TEST_F(LogInsOfTwo, ASessionEndsWhenItIsIdleAndAfterItsWholeTime) {
 TEST_F(LogInsOfTwo, APageThatIsOnlyLookedAtStaysAndCommandsNothing) {
   const auto opened = Try("right password");
   now_ += 29min;
+  EXPECT_TRUE(log_ins_.Find(opened->token, now_)) << "the page in view sends this";
   log_ins_.Act(opened->session.id, now_);
   now_ += 29min;
   EXPECT_EQ(log_ins_.Find(opened->token, now_)->role, UserRole::kOperator);
