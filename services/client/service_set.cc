@@ -233,7 +233,7 @@ Status ServiceSet::StartService(const ServiceSetOptions& options, const std::str
 
 Status ServiceSet::Keep(const ServiceSetOptions& options, const std::string& name,
                         std::vector<std::string> arguments) {
-  const auto shop = ShopWords(options.bus);
+  const auto shop = ShopArguments(options.bus);
   arguments.insert(arguments.end(), shop.begin(), shop.end());
   if (options.die_with_parent) arguments.push_back(DieWithUs());
   auto started = INTAGLIO_TRY(

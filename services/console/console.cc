@@ -139,7 +139,7 @@ Status Serve(const ConsoleOptions& options, const std::function<bool()>& stoppin
   WorkQueue log_ins(kMaxLogIns);
   JogDesk jogs(bus);
   SubmitApi submit(
-      {options.uploads, client::ShopWords(options.bus), options.materials.string()});
+      {options.uploads, client::ShopArguments(options.bus), options.materials.string()});
   Api api(desk, clouds, access, audit, log_ins, submit, jogs, options.database);
   web::Handlers handlers;
   handlers.request = [&](const web::Request& request, web::Reply reply) {

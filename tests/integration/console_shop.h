@@ -50,34 +50,6 @@ class ConsoleShop : public ::testing::Test {
   test::WebAnswer Post(const std::string& path, const std::string& body = "{}") const {
     return test::Ask(port_, {.method = "POST", .path = path, .key = key_, .body = body});
   }
-  /// By the command that docs/console.md names.
-  void AddUser(const std::string& name, const std::string& role,
-               const std::string& password) const {
-    const std::string command = fmt::format(
-        "printf '%s\\n' '{}' | {} console user add {} --role {} --users {} > /dev/null",
-        password, Program("intaglio").string(), name, role, users_file_.string());
-    ASSERT_EQ(std::system(command.c_str()), 0) << command;
-  }
-  test::WebAnswer TryLogIn(const std::string& name, const std::string& password,
-                           const std::string& headers = {}) const {
-    return test::Ask(port_, {.method = "POST",
-                             .path = "/api/v1/login",
-                             .body = fmt::format(R"({{"name": "{}", "password": "{}"}})",
-                                                 name, password),
-                             .headers = headers});
-  }
-  /// The header with the cookie of a new session.
-  std::string LogIn(const std::string& name, const std::string& password) const {
-    const test::WebAnswer answer = TryLogIn(name, password);
-    EXPECT_EQ(answer.status, 200) << answer.body;
-    std::smatch cookie;
-    EXPECT_TRUE(std::regex_search(
-        answer.headers, cookie,
-        std::regex("Set-Cookie: (intaglio_[0-9]+=[0-9a-f]{64}); Path=/; HttpOnly; "
-                   "SameSite=Strict\r\n")))
-        << answer.headers;
-    return "Cookie: " + cookie[1].str() + "\r\n";
-  }
   /// In mid-job, at a rate that leaves seconds of it, and known to the console.
   void EngraveSome() {
     floor_.StartAll();

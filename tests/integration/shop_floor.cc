@@ -309,10 +309,8 @@ bool ShopFloor::Reaches(const std::string& state, std::chrono::milliseconds boun
   return Eventually([&] { return Newest("state") == state; }, bound);
 }
 
-std::string ShopFloor::PanelText() const { return AskPanel(folder_, "status"); }
-
 std::int64_t ShopFloor::Panel(const std::string& field) const {
-  const std::string answer = PanelText();
+  const std::string answer = AskPanel(folder_, "status");
   const std::string key = "\"" + field + "\": ";
   const auto at = answer.find(key);
   return at == std::string::npos

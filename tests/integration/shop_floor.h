@@ -66,8 +66,6 @@ class ShopFloor {
 
   /// A number of the machine's panel, e.g. "tick"; negative when it does not answer.
   std::int64_t Panel(const std::string& field) const;
-  /// All that the machine's panel shows, one line of JSON.
-  std::string PanelText() const;
   bool AwaitCracks(std::int64_t count, std::chrono::milliseconds bound) const;
   /// What is in the glass now.
   std::vector<formats::GlassCrack> Cracks() const;

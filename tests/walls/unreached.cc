@@ -58,7 +58,6 @@ const std::map<std::string, std::string> kStay = {
     {"AllAxes", "one drive for the axes of a test"},
     {"AsVector", "the command of a head as the numbers of a test"},
     {"Ideal", "a head that is measured in a test"},
-    {"ParseJob", "a job without a file, for tests/fuzz"},
     {"ParseMachine", "a profile without a file, for tests/fuzz"},
     {"has_place", "whether a client waited in vain"}};
 

@@ -8,7 +8,7 @@
 namespace intaglio::cli {
 
 struct ConsoleFlags {
-  /// Of --console[=PORT]: that of a web console, "0" a free one, empty none. A text,
+  /// The value of --console[=PORT]: a port, "0" a free one, empty no console. A text,
   /// because a flag that is a number is counted: it begins at 0, and 0 counts as "no".
   std::string port;
   client::ConsoleSetting setting;  ///< its port is filled in by SettingOf

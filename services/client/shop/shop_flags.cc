@@ -28,7 +28,7 @@ void AddShopFlags(command_line::Command command, bus::BusOptions& options,
       .FromEnvironment("INTAGLIO_TAG");
 }
 
-std::vector<std::string> ShopWords(const bus::BusOptions& options) {
+std::vector<std::string> ShopArguments(const bus::BusOptions& options) {
   std::vector<std::string> words = {"--domain", std::to_string(options.control_domain),
                                     "--interface", options.interface};
   if (!options.tag.empty()) words.insert(words.end(), {"--tag", options.tag});

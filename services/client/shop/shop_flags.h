@@ -20,6 +20,6 @@ void AddPrivateShopFlags(command_line::Command command, bus::BusOptions& options
                          const std::string& identities);
 
 /// The same options as words, for another program.
-std::vector<std::string> ShopWords(const bus::BusOptions& options);
+std::vector<std::string> ShopArguments(const bus::BusOptions& options);
 
 }  // namespace intaglio::client

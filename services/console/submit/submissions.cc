@@ -98,7 +98,7 @@ SubmissionAnswer Submissions::Submit(const std::string& id,
   const auto file = Write(id, job_file);
   if (!file) return fail(422, file.error().message);
   std::vector<std::string> words = {"submit", file->string(), "--id", id, "--events"};
-  words.insert(words.end(), shop_words_.begin(), shop_words_.end());
+  words.insert(words.end(), shop_arguments_.begin(), shop_arguments_.end());
   const auto end = RunIntaglio(std::move(words), file->parent_path(), kSubmitTime);
   if (!end)
     return fail(end.error().code == ErrorCode::kTimedOut ? 504 : 503,

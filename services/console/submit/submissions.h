@@ -34,12 +34,12 @@ inline constexpr char kPreviewPicture[] = ".preview/preview.png";
 /// Waits for the job service: not from a thread that has to answer a stop.
 class Submissions {
  public:
-  /// `shop_words`: the options by which `intaglio` finds the shop; `materials`: its
+  /// `shop_arguments`: the options by which `intaglio` finds the shop; `materials`: its
   /// material base, empty: the user's.
-  Submissions(const UploadFolder& uploads, std::vector<std::string> shop_words,
+  Submissions(const UploadFolder& uploads, std::vector<std::string> shop_arguments,
               std::string materials)
       : uploads_(uploads),
-        shop_words_(std::move(shop_words)),
+        shop_arguments_(std::move(shop_arguments)),
         materials_(std::move(materials)) {}
 
   /// `job_file`: a job file, JSON or text format. 200 taken, also when it was before; 422
@@ -54,7 +54,7 @@ class Submissions {
                                       const std::string& job_file) const;
 
   const UploadFolder& uploads_;
-  std::vector<std::string> shop_words_;
+  std::vector<std::string> shop_arguments_;
   std::string materials_;
 };
 

@@ -28,9 +28,9 @@ struct SubmissionPath {
 std::optional<SubmissionPath> ParseSubmissionPath(std::string_view path);
 
 struct SubmitOptions {
-  std::filesystem::path uploads;        ///< folder; empty: nothing is submitted here
-  std::vector<std::string> shop_words;  ///< by which `intaglio` finds the shop
-  std::string materials;                ///< material base of previews; empty: the user's
+  std::filesystem::path uploads;            ///< folder; empty: nothing is submitted here
+  std::vector<std::string> shop_arguments;  ///< by which `intaglio` finds the shop
+  std::string materials;  ///< material base of previews; empty: the user's
 };
 
 /// In the server's thread; disks and processes have threads of their own.
@@ -38,7 +38,7 @@ class SubmitApi {
  public:
   explicit SubmitApi(const SubmitOptions& options)
       : uploads_(options.uploads),
-        submissions_(uploads_, options.shop_words, options.materials) {}
+        submissions_(uploads_, options.shop_arguments, options.materials) {}
 
   /// How much of a file has come, or the picture of a preview.
   void AnswerGet(const SubmissionPath& path, web::Reply reply);

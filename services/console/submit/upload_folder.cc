@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <optional>
 
 #include "engrave/core/try.h"
 #include "services/job/submission_id.h"

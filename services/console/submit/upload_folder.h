@@ -53,7 +53,8 @@ class UploadFolder {
  public:
   explicit UploadFolder(std::filesystem::path root) : root_(std::move(root)) {}
 
-  /// Of a submission. kInvalidValue: its id is none; kMissing: uploads are not taken.
+  /// The folder of a submission. kInvalidValue: its id is none; kMissing: uploads are not
+  /// taken.
   Result<std::filesystem::path> FolderOf(const std::string& id) const;
   /// How much of it has come. kNotFound: nothing.
   Result<UploadAnswer> Find(const std::string& id, const std::string& file) const;

@@ -74,7 +74,7 @@ TEST_F(LogInsOfTwo, ASessionEndsWhenItIsIdleAndAfterItsWholeTime) {
   EXPECT_FALSE(log_ins_.Find(used, now_));
 }
 
-TEST_F(LogInsOfTwo, APageThatIsOnlyLookedAtStaysAndCommandsNothing) {
+TEST_F(LogInsOfTwo, APageThatOnlyShowsTheShopStaysAndCommandsNothing) {
   const auto opened = Try("right password");
   now_ += 29min;
   EXPECT_TRUE(log_ins_.Find(opened->token, now_)) << "the page in view sends this";

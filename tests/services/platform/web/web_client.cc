@@ -127,13 +127,7 @@ std::string Upgrade(std::uint16_t port, const std::string& path, const std::stri
 }
 
 std::string Frame(const std::string& text) {
-  std::string frame = {static_cast<char>(0x81)};
-  if (text.size() < 126) {
-    frame += static_cast<char>(0x80 | text.size());
-  } else {
-    frame += {static_cast<char>(0x80 | 126), static_cast<char>(text.size() >> 8),
-              static_cast<char>(text.size() & 0xff)};
-  }
+  std::string frame = {static_cast<char>(0x81), static_cast<char>(0x80 | text.size())};
   const std::string mask = "\x01\x02\x03\x04";
   frame += mask;
   for (std::size_t i = 0; i < text.size(); ++i)

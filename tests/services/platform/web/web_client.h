@@ -49,7 +49,7 @@ WebAnswer Ask(std::uint16_t port, const WebQuestion& question);
 /// The request of a WebSocket's handshake.
 std::string Upgrade(std::uint16_t port, const std::string& path, const std::string& key,
                     const std::string& headers = {});
-/// A masked text frame of fewer than 65536 bytes.
+/// A masked text frame of fewer than 126 bytes.
 std::string Frame(const std::string& text);
 /// The text of the next frame; nullopt: none within the time.
 std::optional<std::string> ReadFrame(WebConnection& connection,
