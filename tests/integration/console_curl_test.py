@@ -2,7 +2,7 @@
 """The lines of curl in docs/console.md, as they stand there, against a shop; what they answer
 is what docs/openapi.json says.
 
-  console_curl_test.py --bin FOLDER_OF_PROGRAMS --folder FOLDER
+  console_curl_test.py --bin FOLDER_OF_PROGRAMS --schemas build/release/docs/schemas --folder FOLDER
 
 Ends with 77 (skipped) where curl is not installed.
 """
@@ -41,7 +41,7 @@ def eventually(condition, seconds=60):
     raise AssertionError(f"not within {seconds} s: {condition.__name__}")
 
 
-def check_answers(folder, ask):
+def check_answers(folder, schemas, ask):
     """Each answer without a choice is of the schema that the OpenAPI file names."""
     described = json.loads((DOCS / "openapi.json").read_text())
     checked = 0
@@ -56,16 +56,16 @@ def check_answers(folder, ask):
         for part, value in parts.items():
             path = path.replace(part, value)
         answer = json.loads(ask(path))
-        jsonschema.validate(answer, json.loads((DOCS / schema["$ref"]).read_text()))
+        jsonschema.validate(answer, json.loads((schemas.parent / schema["$ref"]).read_text()))
         checked += 1
     assert checked >= 4, checked
     report = described["paths"]["/api/v1/jobs/{job}/report"]["get"]["responses"]["200"]
     schema = report["content"]["application/json"]["schema"]["$ref"]
     jsonschema.validate(json.loads((folder / "report.json").read_text()),
-                        json.loads((DOCS / schema).read_text()))
+                        json.loads((schemas.parent / schema).read_text()))
 
 
-def check_submissions(folder):
+def check_submissions(folder, schemas):
     """Everything again submits nothing twice; what is wrong with a job is answered."""
     address = re.search(r":(\d+)/", (folder / "shop/console.address").read_text())[1]
     url = f"http://127.0.0.1:{address}/api/v1"
@@ -78,7 +78,7 @@ def check_submissions(folder):
         return int(code), json.loads(body)
 
     def schema(name):
-        return json.loads((DOCS / f"schemas/{name}.schema.json").read_text())
+        return json.loads((schemas / f"{name}.schema.json").read_text())
 
     file, order = "/submissions/order-7/files/sample.obj", "/submissions/order-7"
     code, sent = curl(file, "--data-binary", "@sample.obj")
@@ -167,6 +167,7 @@ def check_client(folder):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--bin", required=True, type=pathlib.Path)
+    parser.add_argument("--schemas", required=True, type=pathlib.Path)
     parser.add_argument("--folder", required=True, type=pathlib.Path)
     given = parser.parse_args()
     if not shutil.which("curl"):
@@ -202,8 +203,8 @@ def main():
                                    + path], cwd=folder, check=True, capture_output=True,
                                   text=True).stdout
 
-        check_answers(folder, ask)
-        check_submissions(folder)
+        check_answers(folder, given.schemas, ask)
+        check_submissions(folder, given.schemas)
         check_client(folder)
     finally:
         up.send_signal(signal.SIGINT)
