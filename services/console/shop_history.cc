@@ -31,7 +31,7 @@ web::Response HistoryResponse(const std::filesystem::path& database,
   filter.cell = ValueIn(query, "cell");
   if (const auto good = history::CheckFilter(filter); !good)
     return ErrorResponse(400, good.error().message);
-  auto jobs = history::ReadHistory(database, filter);
+  auto jobs = history::ReadHistory(database.string(), filter);
   if (!jobs) {
     return ErrorResponse(jobs.error().code == ErrorCode::kNotFound ? 404 : 500,
                          jobs.error().message);
