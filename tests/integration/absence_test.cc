@@ -1,6 +1,6 @@
 // Absences of one part of a machine's supervision are added up: 25 s away, back until the
-// job fires again by itself, 25 s away, and nothing fires any more without a person. Three
-// parts at once, each in a shop of its own, by the clock.
+// job fires again by itself, 25 s away, and nothing fires any more without a person.
+// Three parts at once, each in a shop of its own, by the clock.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -21,7 +21,8 @@ Status CheckSize(const MethodInput& input, const Vec3& size_mm, Warnings& warnin
 /// A mesh that rests on another face than its flat one (base_face.h), that is rotated as
 /// it lies in a file that declares another axis up (mesh::UpAxisOfFile), or whose format
 /// leaves open which axis that is (mesh::UpConventionOf), while nobody has said so: up is
-/// UP_AXIS_DECLARED. A warning where the flat face speaks for the convention, else a note.
+/// UP_AXIS_DECLARED. A warning where the flat face speaks for the convention, else a
+/// note.
 void AddOrientationOfMesh(const MethodInput& input, std::optional<mesh::UpAxis> declared,
                           const mesh::TriangleMesh& placed, Warnings& warnings);
 

@@ -6,7 +6,8 @@
 //   serial:/dev/ttyUSB0   a serial port or pseudo-terminal; a path alone is one, too
 //   tcp:192.168.7.20:5000 a device that listens on a TCP port; tcp:[fd00::20]:5000
 //   unix:/run/intaglio/els-03.laser  a program of this computer that stands for a device
-//   usb:9588:9899         a device on USB by vendor and product, of those of usb_device.h;
+//   usb:9588:9899         a device on USB by vendor and product, of those of
+//   usb_device.h;
 //                         usb:9588:9899@1-2.3 the one at this place
 //
 // An implementation is one header, one source, one row of the table in endpoint.cc and
