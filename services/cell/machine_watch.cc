@@ -36,7 +36,7 @@ UnseenEvent MachineWatch::Compare(const Sight& sight) {
 
 UnseenEvent MachineWatch::Update(const Sight& sight, std::chrono::nanoseconds now) {
   const bool laser_away = IsAwayTooLong(laser_, sight.laser_line_up, now);
-  const bool motion_away = IsAwayTooLong(motion_, sight.motion_fresh, now);
+  const bool motion_away = IsAwayTooLong(motion_, sight.motion_seen, now);
   const UnseenEvent event = Compare(sight);
   if (event != UnseenEvent::kNone) return event;
   if (laser_away) return UnseenEvent::kLaserAway;

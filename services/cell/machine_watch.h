@@ -39,7 +39,7 @@ class MachineWatch {
     bool laser_line_up = false;
     bool interlocks_closed = false;  ///< key, door and stop button, as the line has them
     MachineCounters counters;        ///< of the laser controller, while its line is up
-    bool motion_fresh = false;
+    bool motion_seen = false;  ///< the motion controller itself, not who has its line
   };
 
   /// Once a turn. An event is returned in the turn in which it is noticed; an absence in

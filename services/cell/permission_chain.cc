@@ -159,8 +159,9 @@ void PermissionChain::Watch(const ChainLinks& links, std::chrono::nanoseconds no
 Missing PermissionChain::CheckForUnseenEvent(const ChainLinks& links,
                                              std::chrono::nanoseconds now) {
   const bool closed = links.key_on && links.door_closed && links.stop_released;
-  return ReasonOf(watch_.Update(
-      {links.laser_line_up, closed, links.counters, links.motion_fresh}, now));
+  const bool motion_seen = links.motion_fresh && !links.motion_line_down;
+  return ReasonOf(
+      watch_.Update({links.laser_line_up, closed, links.counters, motion_seen}, now));
 }
 
 Missing PermissionChain::Turn(const ChainLinks& links, std::chrono::nanoseconds now) {

@@ -77,6 +77,9 @@ struct ChainLinks {
   bool lamp_warm = false;
   bool motion_fresh = false;
   bool motion_without_fault = false;
+  /// Whoever has the line to the motion controller answers, and says that the line is
+  /// down: a fault that passes, and an absence of the controller all the same.
+  bool motion_line_down = false;
   bool shutters_open = false;
   bool door_locked = false;  ///< or the machine has no lock
   MachineCounters counters;  ///< of the laser controller, while its line is up

@@ -42,7 +42,10 @@ const google::protobuf::FieldDescriptor* OrderField(std::string name) {
   return field != nullptr && field->real_containing_oneof() != nullptr ? field : nullptr;
 }
 
-Status SetOrder(const JobFlags& flags, Ordering& ordering) {
+// A job of marks has no order of points: the field stays away where no flag asks for it.
+Status SetOrder(const JobFlags& flags, JobSpec& job) {
+  if (!flags.order && !flags.order_tries && !flags.order_time_s) return {};
+  Ordering& ordering = *job.mutable_ordering();
   if (flags.order) {
     const auto* field = OrderField(*flags.order);
     Require(field != nullptr, "--order '{}' has passed its check", *flags.order);
@@ -60,7 +63,7 @@ Status SetOrder(const JobFlags& flags, Ordering& ordering) {
 }
 
 Status SetOrderAndProfile(const JobFlags& flags, JobSpec& job) {
-  INTAGLIO_TRY(SetOrder(flags, *job.mutable_ordering()));
+  INTAGLIO_TRY(SetOrder(flags, job));
   if (!flags.profile) return {};
   MotionProfile profile;
   std::string name = "MOTION_PROFILE_" + *flags.profile;

@@ -18,6 +18,7 @@ ChainLinks LinksOf(const GrantInputs& inputs, const MotionView& motion,
   links.lamp_warm = laser.Has(link::kLampOn) && laser.Has(link::kLampWarm);
   links.motion_fresh = motion.fresh;
   links.motion_without_fault = motion.fault == intaglio_MOTION_OK;
+  links.motion_line_down = motion.line_down();
   if (laser.simulates_time()) {
     links.laser_late = laser.up() && !links.laser_line_up;
     links.motion_late = motion.answers && !motion.fresh;

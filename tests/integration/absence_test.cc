@@ -1,6 +1,6 @@
 // Absences of one part of a machine's supervision are added up: 25 s away, back until the
 // job fires again by itself, 25 s away, and nothing fires any more without a person.
-// Three parts at once, each in a shop of its own, by the clock.
+// Four parts at once, each in a shop of its own, by the clock.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -45,6 +45,9 @@ const std::vector<Part> kParts = {
     {"the laser's line",
      [](ShopFloor& floor) { AskPanel(floor.folder(), "unplug laser"); },
      [](ShopFloor& floor) { AskPanel(floor.folder(), "plug laser"); }},
+    {"the stage's line",
+     [](ShopFloor& floor) { AskPanel(floor.folder(), "unplug motion"); },
+     [](ShopFloor& floor) { AskPanel(floor.folder(), "plug motion"); }},
     Process<testing::kSynchronizer>("the synchronizer"),
     Process<testing::kJobService>("the job service"),
 };

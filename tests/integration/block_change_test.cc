@@ -90,11 +90,15 @@ class TwoBlocks : public BlockShop {
         << "name: \"ring\"\nmachine_file: \"" INTAGLIO_SOURCE_DIR
            "/deploy/machines/galvo.textproto\"\n"
            "marks { items { drawing { file: \"ring.svg\" } } }\n";
+    std::ofstream(folder_ / "two.csv") << "id,name\nfirst,ring 1\nsecond,ring 2\n";
     Open({"--machine", "galvo", "--speed", "1"});
   }
   void Batch(const std::vector<std::string>& more) {
+    const fs::path ring = folder_ / "ring.textproto";
     std::vector<std::string> words = {"batch", (folder_ / "two.csv").string(), "--job",
-                                      INTAGLIO_SOURCE_DIR "/deploy/jobs/sample.textproto",
+                                      fs::exists(ring) ? ring.string()
+                                                       : INTAGLIO_SOURCE_DIR
+                                          "/deploy/jobs/sample.textproto",
                                       "--events"};
     words.insert(words.end(), more.begin(), more.end());
     batch_ = std::make_unique<Running>(Program("intaglio"), With(std::move(words)),
@@ -102,26 +106,35 @@ class TwoBlocks : public BlockShop {
   }
 };
 
+class TwoOfABatch : public TwoBlocks, public ::testing::WithParamInterface<bool> {
+ protected:
+  std::size_t Made() const { return GetParam() ? Marks() : Cracks(); }
+};
+
 // The second job was armed 68 ms after the first had ended, and all of its points were
 // fired into the first's block.
-TEST_F(TwoBlocks, TheSecondJobOfABatchWaitsUntilTheMachineWasOpenedAndClosed) {
-  ASSERT_NO_FATAL_FAILURE(OpenPoints());
+TEST_P(TwoOfABatch, TheSecondJobWaitsUntilTheMachineWasOpenedAndClosed) {
+  ASSERT_NO_FATAL_FAILURE(GetParam() ? OpenMarks() : OpenPoints());
   Batch({"--arm"});
   ASSERT_TRUE(Reaches("1", "state      done")) << shown_ << batch_->Output();
-  const std::size_t first = Cracks();
+  const std::size_t first = Made();
   EXPECT_GT(first, 0u);
   ASSERT_TRUE(Reaches("2", "state      waiting for arm")) << shown_;
-  EXPECT_FALSE(Eventually([&] { return Cracks() != first; }, 4s));
+  EXPECT_FALSE(Eventually([&] { return Made() != first; }, 4s));
   EXPECT_THAT(batch_->Output(), HasSubstr("waits for a person: neither key nor door of"));
   EXPECT_THAT(batch_->Output(), HasSubstr("\"awaits_block\":true"));
   testing::AskPanel(shop_, "door open");
-  EXPECT_FALSE(Eventually([&] { return Cracks() != first; }, 2s));
+  EXPECT_FALSE(Eventually([&] { return Made() != first; }, 2s));
   EXPECT_FALSE(Shows("2", "armed\n")) << shown_;
   testing::AskPanel(shop_, "door close");
   const Ended ended = batch_->WaitForEnd(60s);
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
-  EXPECT_EQ(Cracks(), 2 * first);
+  EXPECT_EQ(Made(), 2 * first);
 }
+
+INSTANTIATE_TEST_SUITE_P(, TwoOfABatch, ::testing::Bool(), [](const auto& row) {
+  return row.param ? "OfMarks" : "OfPoints";
+});
 
 // The same rule for a machine that marks: an arm that was typed before the piece in front
 // was made says nothing of the piece that comes after it.

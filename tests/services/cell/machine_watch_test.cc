@@ -59,7 +59,7 @@ TEST(MachineWatch, SilenceBeyondTheLimitIsAnEventAsLongAsItLasts) {
     MachineWatch watch;
     watch.Expect(kFirst);
     Sight silent = Seen(kFirst);
-    (laser ? silent.laser_line_up : silent.motion_fresh) = false;
+    (laser ? silent.laser_line_up : silent.motion_seen) = false;
     const UnseenEvent away = laser ? UnseenEvent::kLaserAway : UnseenEvent::kMotionAway;
     EXPECT_EQ(watch.Update(silent, 10s), UnseenEvent::kNone);
     EXPECT_EQ(watch.Update(silent, 10s + host::kMaxAbsence), UnseenEvent::kNone);
@@ -74,7 +74,7 @@ TEST(MachineWatch, SilenceBeyondTheLimitIsAnEventAsLongAsItLasts) {
 TEST(MachineWatch, SilencesAreAddedUpUntilItSpeaksForTheLimitWithoutAGap) {
   for (const bool laser : {true, false}) {
     Sight silent = Seen(kFirst);
-    (laser ? silent.laser_line_up : silent.motion_fresh) = false;
+    (laser ? silent.laser_line_up : silent.motion_seen) = false;
     const UnseenEvent away = laser ? UnseenEvent::kLaserAway : UnseenEvent::kMotionAway;
     for (const auto back : {1s, 29s, 30s}) {
       MachineWatch watch;

@@ -360,6 +360,29 @@ TEST(PermissionChain, WhatHappenedUnseenCostsTheGrantAndEveryRenewalOfIt) {
   }
 }
 
+// The stage's line is down and its bridge says so, 25 s, back, 25 s: nobody saw the stage
+// for longer than an arm survives, however fresh the bridge's word is.
+TEST(PermissionChain, AStagesLineThatIsDownIsAnAbsenceThoughItsBridgeAnswers) {
+  PermissionChain chain;
+  chain.Watch(WholeChain({}, {5, 0}), 1s);
+  chain.BeginJob();
+  const ChainLinks whole = WholeChain({3, 0}, {5, 0});
+  ChainLinks down = whole;
+  down.motion_without_fault = false;
+  down.motion_line_down = true;
+  chain.Turn(whole, 2s);
+  EXPECT_EQ(chain.Turn(down, 40s), Missing::kNothing);
+  EXPECT_EQ(chain.Turn(down, 65s), Missing::kNothing);
+  chain.Turn(whole, 66s);
+  ASSERT_TRUE(Fires(chain, whole));
+  chain.Turn(down, 67s);
+  EXPECT_EQ(chain.Turn(down, 72s), Missing::kMotionAway);
+  EXPECT_FALSE(Fires(chain, WholeChain({3, 1}, {5, 0}))) << "no renewal helps";
+  chain.Turn(whole, 93s);
+  chain.Turn(WholeChain({4, 0}, {5, 0}), 94s);
+  EXPECT_TRUE(Fires(chain, WholeChain({4, 0}, {5, 0}))) << "a person does";
+}
+
 // Armed while the points are made, long before there is anything to fire: its number is
 // published, and the permission is not given yet.
 TEST(PermissionChain, AnArmIsSpentByADoorThatOpensBeforeThePathIsThere) {
