@@ -171,7 +171,10 @@ bool GrblDriver::IsPlaceCertain() const {
   });
 }
 
+// A lit write waits until the place is certain, and meanwhile its pulse may be taken
+// back: it is judged once more when it leaves.
 bool GrblDriver::SendPending() {
+  if (pending_->lights() && !Fires(pending_->knot_tick)) pending_->Darken();
   if (pending_->lights() && !IsPlaceCertain()) return false;
   if (!pending_->lines.empty() && !line_.Send(pending_->lines)) return false;
   for (GrblMove& move : pending_->moves) {
@@ -261,6 +264,11 @@ std::uint64_t GrblDriver::ForgetSent() {
   program_.ForgetModes();
   commanded_open_ = open_ = false;
   return last;
+}
+
+void GrblDriver::TakeBackPulses() {
+  if (pending_ && pending_->lights() && !ticks_.fires(pending_->knot_tick))
+    pending_->Darken();
 }
 
 void GrblDriver::Recover() { (void)line_.Recover(grbl_); }

@@ -33,6 +33,17 @@ bool GrblWrite::lights() const {
   return std::ranges::any_of(moves, [](auto& move) { return move.pulse_tick != 0; });
 }
 
+// A lit line begins with its number and ends with its power (Line).
+void GrblWrite::Darken() {
+  for (std::string& line : lines) {
+    if (!line.starts_with('N')) continue;
+    line.replace(line.rfind('S'), std::string::npos, "S0");
+    line.erase(0, line.find_first_not_of("0123456789", 1));
+  }
+  for (GrblMove& move : moves) move.pulse_tick = 0;
+  knot_tick = 0;
+}
+
 void GrblProgram::SetController(const Vec3& steps_per_mm, double max_power) {
   pieces_.SetStepsPerMm(steps_per_mm);
   max_power_ = max_power;

@@ -68,6 +68,8 @@ struct GrblWrite {
   std::uint64_t knot_tick = 0;  ///< of the knot with a pulse that it begins at; else 0
   /// One of the lines is lit: the place where it begins has to be certain.
   bool lights() const;
+  /// Makes the same way dark, without a pulse, before it leaves.
+  void Darken();
 };
 
 class GrblProgram {
