@@ -119,7 +119,7 @@ TEST(Absence, TwoThatAreTooLongTogetherNeedAPerson) {
   for (const auto& shop : shops) {
     const Ended resumed = shop->Resume();
     EXPECT_EQ(resumed.exit_code, 0) << resumed.output << shop->Show();
-    EXPECT_TRUE(shop->Fires(30s)) << shop->Show();
+    EXPECT_TRUE(shop->Fires(90s)) << shop->Show();
     EXPECT_EQ(shop->Doubled(), 0u);
   }
 }

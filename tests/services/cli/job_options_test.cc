@@ -207,12 +207,13 @@ TEST(JobFlags, OfOrderMotionAndLaserLandInThem) {
   EXPECT_EQ(JobOf({"--order-time", "9"}).ordering().anneal().time_s(), 9);
 }
 
-// Else every batch of marks is refused: "ordering" is a field of points.
+// Else every batch of marks is refused: "ordering" and "discretization" are of points.
 TEST(JobFlags, AJobOfMarksHasNoOrderUnlessAFlagAsksForOne) {
   const auto built = Built({INTAGLIO_SOURCE_DIR "/deploy/examples/label.textproto"});
   ASSERT_TRUE(built) << built.error().message;
   EXPECT_TRUE(built->job.has_marks());
   EXPECT_FALSE(built->job.has_ordering());
+  EXPECT_FALSE(built->job.has_discretization());
 }
 
 TEST(JobFlags, OfTheMachineAreANameOrAFile) {
