@@ -186,6 +186,14 @@ void ServiceHost::SetHealth(intaglio_HealthState state, const std::string& job_u
   if (began) NotifyInitReady(impl_->instance);
 }
 
+// What ends with the process cannot be sent again: a host that was too busy for this one
+// sample would take an orderly end for a crash, which an arm survives.
+void ServiceHost::AwaitHealthReceived() {
+  constexpr std::chrono::milliseconds kPatience{500};
+  if (auto received = impl_->health.WaitForAcknowledgements(kPatience); !received)
+    LogWarning("the end of this service: {}", received.error().message);
+}
+
 void ServiceHost::KeepAlive() {
   (void)stop();  // hands a signal on to the code that waits on the stop token
   if (Clock::now() >= impl_->next_publication) impl_->Publish();
@@ -255,6 +263,7 @@ int RunService(const ServiceDescription& description, int argc, char** argv,
       const int code = body(host);
       NotifyInitStopping();
       host.SetHealth(intaglio_HEALTH_STOPPING);
+      host.AwaitHealthReceived();
       LogInfo("ends with exit code {}", code);
       return code;
     } catch (const std::bad_alloc&) {

@@ -43,6 +43,8 @@ class ServiceHost {
   /// Published at once, and again every 200 ms by KeepAlive.
   void SetHealth(intaglio_HealthState state, const std::string& job_uid = {},
                  const std::string& message = {});
+  /// Until whoever follows this service has its newest health; half a second at most.
+  void AwaitHealthReceived();
   /// To be called from the service's own loop at least every 200 ms: health reports that
   /// the loop runs, not that the process exists. Cheap when nothing is due.
   void KeepAlive();
