@@ -31,7 +31,7 @@ enum class Method {
   kBoustrophedon,  ///< rows to and fro, a layer at a time: boustrophedon.h
   kPublishedKdz,   ///< as published, through earlier cracks: published_kdz.h
   kAnneal,         ///< kSmooth, then improved for as long as the options allow: anneal.h
-  kSweep,          ///< thin slabs, deepest first, for a slow axis z: sweep.h
+  kSweep,          ///< once upward, for a slow axis z: sweep.h
   kJumpLayers,     ///< for a head that jumps and dwells, a height at a time:
                    ///< way/jump_layers.h
 };
@@ -71,10 +71,12 @@ struct AnnealOptions {
 };
 
 struct SweepOptions {
-  double slab_mm = 0.05;  ///< 0.01..100 mm; what z may pass a point beside it
-  /// Changes tried, for each point, 0..1e6. By trial: 30 have most of what there is to
-  /// gain, at more than 50 000 points a second on two cores.
-  double tries_per_point = 30;
+  double slab_mm = 0.05;  ///< 0.01..100 mm
+  /// How far above or below a point z may pass it, 0..100 mm. 0: it begins in slabs.
+  double tolerance_mm = 0;
+  /// Changes tried, for each point, 0..1e6. By trial: 40 have most of what there is to
+  /// gain.
+  double tries_per_point = 40;
 };
 
 struct JumpLayersOptions {

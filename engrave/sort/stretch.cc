@@ -37,17 +37,39 @@ float TypicalStep(const std::vector<Scaled>& points) {
   return *middle;
 }
 
+/// Points that can be neighbours of each other are near in height, too: the tolerance
+/// counts as a typical step.
+std::vector<Scaled> WithTubeHeights(const std::vector<Scaled>& points,
+                                    const HeightTube& tube) {
+  std::vector<Scaled> placed = points;
+  if (tube.points_mm.empty()) return placed;
+  Require(tube.points_mm.size() == points.size() && tube.axis_mm.size() == points.size(),
+          "{} points have {} heights and {} places", points.size(), tube.points_mm.size(),
+          tube.axis_mm.size());
+  const double per_mm = TypicalStep(points) / tube.tolerance_mm;
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    placed[i].z =
+        static_cast<float>((tube.points_mm[i] - tube.points_mm.front()) * per_mm);
+  }
+  return placed;
+}
+
 }  // namespace
 
 Stretch::Stretch(std::span<const Vec3> points_mm, const BeamCone& cone,
                  const TickCost& cost)
+    : Stretch(points_mm, cone, cost, {}) {}
+
+Stretch::Stretch(std::span<const Vec3> points_mm, const BeamCone& cone,
+                 const TickCost& cost, const HeightTube& tube)
     : cost_(cost),
       points_(ScaleAll(points_mm, cost)),
       at_(points_mm.size()),
       place_(points_mm.size()),
       ticks_(points_mm.size(), 1),
+      tube_(tube),
       precedence_(points_mm, cone),
-      near_(points_, kNear, TypicalStep(points_)) {
+      near_(WithTubeHeights(points_, tube), kNear, TypicalStep(points_)) {
   std::iota(at_.begin(), at_.end(), 0U);
   std::iota(place_.begin(), place_.end(), 0U);
   ChooseTicks();
@@ -68,9 +90,19 @@ void Stretch::Anneal(std::uint64_t tries, double hot, double cold, std::uint64_t
     if (!Propose(change)) continue;
     const double chance = (static_cast<double>(generator_() >> 11) + 1) * 0x1p-53;
     const double bearable = -temperature * std::log(chance);
-    if (-GainOf(change) > bearable || !IsAllowed(change)) continue;
+    if (-GainOf(change, bearable) > bearable || !IsAllowed(change)) continue;
     Apply(change);
   }
+}
+
+double Stretch::Cost() const {
+  double cost = 0;
+  for (std::size_t place = 1; place < at_.size(); ++place) {
+    const TimedMove move = MoveTo(place);
+    cost += move.ticks;
+    if (place > 1) cost += TickCost::BendCost(TickCost::Bend(MoveTo(place - 1), move));
+  }
+  return cost;
 }
 
 /// All ticks, a window at a time from the start on.
@@ -182,8 +214,9 @@ std::size_t Stretch::WindowsAround(const std::size_t (&steps)[3],
 }
 
 /// How much cheaper the order is with the change. Both sides sum over the same steps but
-/// those that go and come.
-float Stretch::GainOf(const Change& change) {
+/// those that go and come. Where even the fewest ticks of the new steps lose more than
+/// `bearable`, no more than that is computed.
+float Stretch::GainOf(const Change& change, double bearable) {
   float gain = 0;
   Window old[3];
   const std::size_t old_count =
@@ -197,14 +230,20 @@ float Stretch::GainOf(const Change& change) {
   }
   const std::size_t meet = change.begin + change.end - change.middle;
   new_window_count_ = WindowsAround({change.begin, meet, change.end}, new_windows_);
+  Scaled steps[3][TickCost::kMaxSteps];
+  float most = gain;
+  for (std::size_t w = 0; w < new_window_count_; ++w) {
+    std::size_t count = 0;
+    for (std::size_t i = new_windows_[w].first; i <= new_windows_[w].last; ++i) {
+      steps[w][count] = MoveAfter(change, i).step;
+      most -= cost_.MinTicks(steps[w][count++]);
+    }
+  }
+  if (-most > bearable) return most;
   for (std::size_t w = 0; w < new_window_count_; ++w) {
     Window& window = new_windows_[w];
-    Scaled steps[TickCost::kMaxSteps];
-    std::size_t count = 0;
-    for (std::size_t i = window.first; i <= window.last; ++i) {
-      steps[count++] = MoveAfter(change, i).step;
-    }
-    gain -= cost_.BestTicks(MoveAfter(change, window.first - 1), {steps, count},
+    gain -= cost_.BestTicks(MoveAfter(change, window.first - 1),
+                            {steps[w], window.last - window.first + 1},
                             MoveAfter(change, window.last + 1), window.ticks);
   }
   return gain;
@@ -220,8 +259,19 @@ bool Stretch::CanTurn(std::size_t begin, std::size_t end) const {
   return true;
 }
 
+/// Whether each point that moves is within the tolerance of the axis where it comes to.
+bool Stretch::StaysInTube(const Change& change) const {
+  if (tube_.points_mm.empty()) return true;
+  for (std::size_t place = change.begin; place < change.end; ++place) {
+    const double height_mm = tube_.points_mm[at_[OldPlace(change, place)]];
+    if (std::abs(height_mm - tube_.axis_mm[place]) > tube_.tolerance_mm) return false;
+  }
+  return true;
+}
+
 bool Stretch::IsAllowed(const Change& change) const {
   const auto [begin, middle, end, turn_left, turn_right] = change;
+  if (!StaysInTube(change)) return false;
   if (turn_left && !CanTurn(begin, middle)) return false;
   if (turn_right && !CanTurn(middle, end)) return false;
   // No point of the left piece may have to precede one of the right piece.

@@ -23,14 +23,29 @@
 
 namespace intaglio::sort {
 
+/// The heights of a slow third axis while it passes a stretch: a point may come to each
+/// place at which the axis is near enough to the height of the point.
+struct HeightTube {
+  std::span<const double> points_mm = {};  ///< Of each point its height.
+  std::span<const double> axis_mm = {};    ///< Of each place the height of the axis.
+  double tolerance_mm = 0;
+};
+
 class Stretch {
  public:
   /// points_mm: in the present order, which keeps to `cone`; frame glass, mm. `cost`
   /// outlives this.
   Stretch(std::span<const Vec3> points_mm, const BeamCone& cone, const TickCost& cost);
+  /// The same with a tube, whose lists are as long as points_mm and outlive this. A point
+  /// that is outside of the tube at the beginning may stay where it is.
+  Stretch(std::span<const Vec3> points_mm, const BeamCone& cone, const TickCost& cost,
+          const HeightTube& tube);
 
   /// Cools from `hot` to `cold`, both in ticks, > 0.
   void Anneal(std::uint64_t tries, double hot, double cold, std::uint64_t seed);
+
+  /// Ticks and bends of all of it.
+  double Cost() const;
 
   /// Indices into points_mm.
   std::span<const std::uint32_t> order() const { return at_; }
@@ -58,8 +73,9 @@ class Stretch {
   TimedMove MoveTo(std::size_t place) const;
   TimedMove MoveAfter(const Change& change, std::size_t place) const;
   std::size_t WindowsAround(const std::size_t (&steps)[3], Window (&windows)[3]) const;
-  float GainOf(const Change& change);
+  float GainOf(const Change& change, double bearable);
   bool IsAllowed(const Change& change) const;
+  bool StaysInTube(const Change& change) const;
   bool CanTurn(std::size_t begin, std::size_t end) const;
   void Apply(const Change& change);
 
@@ -68,6 +84,7 @@ class Stretch {
   std::vector<std::uint32_t> at_;     ///< of each place its point
   std::vector<std::uint32_t> place_;  ///< of each point its place
   std::vector<float> ticks_;          ///< of the step to each place
+  HeightTube tube_;
   Precedence precedence_;
   NearPoints near_;
   std::mt19937_64 generator_;

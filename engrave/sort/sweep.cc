@@ -5,33 +5,36 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <numeric>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "engrave/core/shared_progress.h"
 #include "engrave/core/try.h"
-#include "engrave/sort/beam/lowest_point.h"
-#include "engrave/sort/beam/remaining_points.h"
 #include "engrave/sort/cone_order.h"
-#include "engrave/sort/slabs.h"
 #include "engrave/sort/stretch.h"
 #include "engrave/sort/tick_cost.h"
+#include "engrave/sort/way/sweep_begin.h"
 
 namespace intaglio::sort {
 namespace {
 
 constexpr double kMinSweepRateHz = 1, kMaxSweepRateHz = 20000;
-constexpr double kMaxSweepTries = 1e6;
+constexpr double kMaxSweepTries = 1e6, kMaxSweepToleranceMm = 100;
 constexpr std::size_t kPointsPerSweepReport = 1 << 12;
 
-/// Longer pieces of a slab are annealed by themselves, for the sake of the cache.
-constexpr std::size_t kLongestSlabPiece = 8192;
 /// Points of the neighbouring pieces that a stretch has at its ends and leaves in place.
 constexpr std::size_t kNeighbours = 2;
-/// In ticks, by trial: the order of nearest points is worse than one that stretches
-/// usually begin with (anneal.cc).
+/// In ticks, by trial: what a sweep begins with is worse than what stretches usually
+/// begin with (anneal.cc).
 constexpr double kSweepHot = 0.25, kSweepCold = 0.03;
+/// The pitch of a round, in tolerances. With 2 nothing could change places any more.
+constexpr double kPitch = 1.9;
+/// Rounds leave less freedom than the points of a slab have, so they have to be better by
+/// more than a sample errs.
+constexpr double kWorthRounds = 0.98;
+/// Both ways to begin are compared on samples of so many points each, at so many heights.
+constexpr std::size_t kSample = 1024, kMaxSamples = 4, kPointsPerSample = 8192;
 
 /// Places [begin, end) of the order.
 struct Piece {
@@ -64,123 +67,145 @@ double HeightOf(const Vec3& place_mm, const BeamCone& cone) {
   return lean.top_mm - depth_mm / (std::sqrt(1 + q) * (1 + 0.5 * q));
 }
 
-/// Continues from `at_mm` to the nearest point of the slab, again and again.
-void AppendNearest(const PointList& points_mm, std::span<const std::uint32_t> slab,
-                   const BeamCone& cone, Vec2& at_mm, Order& order) {
-  PointList slab_mm;
-  slab_mm.reserve(slab.size());
-  for (const std::uint32_t point : slab) slab_mm.push_back(points_mm[point]);
-  Order members(slab.size());
-  std::iota(members.begin(), members.end(), 0U);
-  RemainingPoints remaining(slab_mm, members, 0);
-  for (std::uint32_t& member : members) {
-    const auto taken = remaining.TakeNearest(at_mm.x(), at_mm.y());
-    member = taken.index;
-    at_mm = {taken.x_mm, taken.y_mm};
-  }
-  for (const std::uint32_t member : KeepToCone(slab_mm, members, cone)) {
-    order.push_back(slab[member]);
-  }
-  at_mm = points_mm[order.back()].head<2>();
-}
-
-class Sweep {
+/// One way to begin, and how it is improved.
+class Sweeping {
  public:
-  Sweep(const PointList& points_mm, const OrderOptions& options)
+  /// `heights_mm`: of each point, as the axis counts them; outlives this.
+  Sweeping(const PointList& points_mm, const std::vector<double>& heights_mm,
+           const OrderOptions& options, SweptOrder begun)
       : points_mm_(points_mm),
+        heights_mm_(heights_mm),
         options_(options),
-        cost_(WithFreeHeight(options.limits), options.rate_hz) {}
+        cost_(WithFreeHeight(options.limits), options.rate_hz),
+        order_(KeepToCone(points_mm, begun.order, options.cone)),
+        axis_mm_(std::move(begun.axis_mm)) {
+    std::size_t begin = 0;
+    for (const std::size_t end : begun.ends) {
+      pieces_.push_back({begin, end});
+      begin = end;
+    }
+  }
 
-  /// Empty when `progress` requested cancellation.
-  Order Make(const ProgressSink& progress) {
-    // The search and the changes together are the progress of one order.
-    const std::size_t count = points_mm_.size();
-    const ProgressSink of_half =
-        progress
-            ? [&](std::uint64_t done, std::uint64_t) { return progress(done / 2, count); }
-            : ProgressSink();
-    SharedProgress shared(of_half, 2 * count);
-    if (!shared.GoesOn(0) || !TakeNearest(shared)) return {};
+  /// Improves all of it.
+  Order Improve(SharedProgress& progress) && {
+    // Only its own points move, so every other piece can be annealed at the same time.
     for (std::size_t phase = 0; phase < 2; ++phase) {
       RunEach(options_.executor, (pieces_.size() + 1 - phase) / 2, [&](std::size_t i) {
-        const std::size_t piece = 2 * i + phase;
-        if (!shared.cancelled()) Anneal(piece);
-        Report(pieces_[piece].size(), shared);
+        const std::size_t number = 2 * i + phase;
+        if (!progress.cancelled()) Anneal(number);
+        Report(pieces_[number].size(), progress);
       });
     }
-    return shared.cancelled() ? Order() : std::move(order_);
+    return std::move(order_);
+  }
+
+  /// What a point costs, in ticks, once the pieces around some places are improved.
+  double SampledCost() const {
+    const std::size_t count = order_.size();
+    const std::size_t samples =
+        std::clamp<std::size_t>(count / kPointsPerSample, 1, kMaxSamples);
+    double cost = 0;
+    std::size_t points = 0;
+    for (std::size_t sample = 0; sample < samples; ++sample) {
+      const std::size_t place = count * (2 * sample + 1) / (2 * samples);
+      auto piece = std::ranges::upper_bound(pieces_, place, {}, &Piece::end);
+      for (std::size_t taken = 0; piece != pieces_.end() && taken < kSample; ++piece) {
+        const std::size_t begin = piece->size() <= kSample        ? piece->begin
+                                  : place + kSample <= piece->end ? place
+                                                                  : piece->end - kSample;
+        const Piece part{begin, std::min(begin + kSample, piece->end)};
+        cost += Annealed(part, part, 0, [](const Stretch&) {});
+        taken += part.size();
+        points += part.size();
+      }
+    }
+    return cost / static_cast<double>(points);
   }
 
  private:
-  bool TakeNearest(SharedProgress& progress) {
-    PointList by_height = points_mm_;
-    for (Vec3& point : by_height) point.z() = HeightOf(point, options_.cone);
-    const std::vector<std::uint64_t> numbers =
-        SlabNumbers(by_height, 2, options_.sweep.slab_mm);
-    Order by_slab(points_mm_.size());
-    std::iota(by_slab.begin(), by_slab.end(), 0U);
-    std::sort(by_slab.begin(), by_slab.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return std::pair(numbers[a], a) < std::pair(numbers[b], b);
-    });
-    order_.reserve(points_mm_.size());
-    Vec2 at_mm = points_mm_[LowestPoint(points_mm_)].head<2>();
-    for (std::size_t begin = 0; begin < by_slab.size();) {
-      std::size_t end = begin + 1;
-      while (end < by_slab.size() && numbers[by_slab[end]] == numbers[by_slab[begin]]) {
-        ++end;
-      }
-      AppendNearest(points_mm_, std::span(by_slab).subspan(begin, end - begin),
-                    options_.cone, at_mm, order_);
-      for (std::size_t piece = begin; piece < end; piece += kLongestSlabPiece) {
-        pieces_.push_back({piece, std::min(piece + kLongestSlabPiece, end)});
-      }
-      if (!Report(end - begin, progress)) return false;
-      begin = end;
+  void Anneal(std::size_t number) {
+    const Piece& piece = pieces_[number];
+    Piece with = piece;
+    if (number > 0) with.begin -= std::min(kNeighbours, pieces_[number - 1].size());
+    if (number + 1 < pieces_.size()) {
+      with.end += std::min(kNeighbours, pieces_[number + 1].size());
     }
-    // Lower heights of the lens first is right for leaning cones of any usual lens; for
-    // others points are made earlier.
-    if (options_.cone.lean) order_ = KeepToCone(points_mm_, order_, options_.cone);
-    return true;
+    Annealed(piece, with, number, [&](const Stretch& stretch) {
+      const auto begin = order_.begin() + static_cast<std::ptrdiff_t>(with.begin);
+      const Order present(begin, begin + static_cast<std::ptrdiff_t>(with.size()));
+      std::ranges::transform(stretch.order(), begin,
+                             [&](std::uint32_t i) { return present[i]; });
+    });
+  }
+
+  /// Anneals the places of `piece` among those `with` its neighbours; the cost of them.
+  template <typename Take>
+  double Annealed(const Piece& piece, const Piece& with, std::uint64_t seed,
+                  Take&& take) const {
+    PointList stretch_mm;
+    std::vector<double> heights_mm;
+    for (std::size_t place = with.begin; place < with.end; ++place) {
+      stretch_mm.push_back(points_mm_[order_[place]]);
+      heights_mm.push_back(heights_mm_[order_[place]]);
+    }
+    HeightTube tube;
+    if (!axis_mm_.empty()) {
+      tube = {heights_mm, std::span(axis_mm_).subspan(with.begin, with.size()),
+              options_.sweep.tolerance_mm};
+    }
+    Stretch stretch(stretch_mm, options_.cone, cost_, tube);
+    stretch.Anneal(static_cast<std::uint64_t>(options_.sweep.tries_per_point *
+                                              static_cast<double>(piece.size())),
+                   kSweepHot, kSweepCold, seed);
+    take(stretch);
+    return stretch.Cost();
   }
 
   /// A slab may have few points, and a report takes its time.
-  bool Report(std::size_t points, SharedProgress& progress) {
+  void Report(std::size_t points, SharedProgress& progress) {
     const std::size_t before = done_.fetch_add(points);
     const std::size_t reports =
         (before + points) / kPointsPerSweepReport - before / kPointsPerSweepReport;
-    return reports == 0 ? !progress.cancelled()
-                        : progress.GoesOn(reports * kPointsPerSweepReport);
-  }
-
-  /// Only its own points move, so every other piece can be annealed at the same time.
-  void Anneal(std::size_t number) {
-    const Piece& piece = pieces_[number];
-    const std::size_t before =
-        number == 0 ? 0 : std::min(kNeighbours, pieces_[number - 1].size());
-    const std::size_t behind = number + 1 == pieces_.size()
-                                   ? 0
-                                   : std::min(kNeighbours, pieces_[number + 1].size());
-    const auto begin = order_.begin() + static_cast<std::ptrdiff_t>(piece.begin - before);
-    const Order present(begin,
-                        order_.begin() + static_cast<std::ptrdiff_t>(piece.end + behind));
-    PointList stretch_mm;
-    stretch_mm.reserve(present.size());
-    for (const std::uint32_t point : present) stretch_mm.push_back(points_mm_[point]);
-    Stretch stretch(stretch_mm, options_.cone, cost_);
-    stretch.Anneal(static_cast<std::uint64_t>(options_.sweep.tries_per_point *
-                                              static_cast<double>(piece.size())),
-                   kSweepHot, kSweepCold, number);
-    std::ranges::transform(stretch.order(), begin,
-                           [&](std::uint32_t i) { return present[i]; });
+    if (reports > 0) progress.GoesOn(reports * kPointsPerSweepReport);
   }
 
   const PointList& points_mm_;
+  const std::vector<double>& heights_mm_;
   const OrderOptions& options_;
   TickCost cost_;
   Order order_;
+  std::vector<double> axis_mm_;
   std::vector<Piece> pieces_;
-  std::atomic<std::size_t> done_ = 0;  ///< in both steps
+  std::atomic<std::size_t> done_ = 0;
 };
+
+/// Empty when `progress` requested cancellation.
+Order MakeSweep(const PointList& points_mm, const OrderOptions& options,
+                const ProgressSink& progress) {
+  SharedProgress shared(progress, points_mm.size());
+  if (!shared.GoesOn(0)) return {};
+  PointList lifted_mm = points_mm;
+  std::vector<double> heights_mm;
+  heights_mm.reserve(points_mm.size());
+  for (Vec3& point : lifted_mm) {
+    heights_mm.push_back(point.z() = HeightOf(point, options.cone));
+  }
+  Sweeping slabs(points_mm, heights_mm, options,
+                 BeginInSlabs(lifted_mm, options.sweep.slab_mm));
+  if (!shared.GoesOn(0)) return {};
+  if (options.sweep.tolerance_mm == 0) {
+    Order order = std::move(slabs).Improve(shared);
+    return shared.cancelled() ? Order() : order;
+  }
+  Sweeping rounds(points_mm, heights_mm, options,
+                  BeginInRounds(lifted_mm, kPitch * options.sweep.tolerance_mm));
+  double costs[2];
+  RunEach(options.executor, 2,
+          [&](std::size_t i) { costs[i] = (i == 0 ? slabs : rounds).SampledCost(); });
+  Order order =
+      std::move(costs[1] < kWorthRounds * costs[0] ? rounds : slabs).Improve(shared);
+  return shared.cancelled() ? Order() : order;
+}
 
 }  // namespace
 
@@ -191,6 +216,13 @@ Status CheckSweepOptions(const OrderOptions& options) {
                 fmt::format("rate_hz: {} is outside {}..{}", options.rate_hz,
                             kMinSweepRateHz, kMaxSweepRateHz),
                 fmt::format("{}", options.rate_hz));
+  }
+  const double tolerance_mm = options.sweep.tolerance_mm;
+  if (!(tolerance_mm >= 0 && tolerance_mm <= kMaxSweepToleranceMm)) {
+    return Fail(ErrorCode::kInvalidValue,
+                fmt::format("sweep.tolerance_mm: {} is outside 0..{}", tolerance_mm,
+                            kMaxSweepToleranceMm),
+                fmt::format("{}", tolerance_mm));
   }
   const double tries = options.sweep.tries_per_point;
   if (tries >= 0 && tries <= kMaxSweepTries) return {};
@@ -203,7 +235,7 @@ Status CheckSweepOptions(const OrderOptions& options) {
 Result<Order> OrderBySweep(const PointList& points_mm, const OrderOptions& options,
                            const ProgressSink& progress) {
   if (points_mm.empty()) return Order{};
-  Order order = Sweep(points_mm, options).Make(progress);
+  Order order = MakeSweep(points_mm, options, progress);
   if (order.empty()) return Fail(ErrorCode::kCancelled, "the sort was cancelled");
   return order;
 }

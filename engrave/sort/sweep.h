@@ -1,12 +1,11 @@
 #pragma once
 
 // The order for two fast axes above a slow one, as of a scan head over a block: z goes up
-// once, in thin slabs, and may pass each point at a height of its own slab
-// (motion/sweep_course.h), so inside a slab only x and y count. Below a scan head whose
-// beams lean a slab is of equal heights of the lens, which reach a bent surface in the
-// glass. Deepest slab first; in a slab the nearest point comes next, then pieces of the
-// slab's order are changed so that the mirrors need fewer ticks without stopping
-// (stretch.h).
+// once and may pass each point a tolerance beside its height (motion/sweep_course.h), so
+// from point to point only x and y count. Below a scan head whose beams lean, equal
+// heights of the lens reach a bent surface in the glass. It begins in thin slabs or in
+// rounds (way/sweep_begin.h), whichever takes fewer ticks on a sample; then pieces of the
+// order are changed so that the mirrors need fewer ticks without stopping (stretch.h).
 
 #include "engrave/core/progress.h"
 #include "engrave/core/result.h"
@@ -16,8 +15,9 @@ namespace intaglio::sort {
 
 Status CheckSweepOptions(const OrderOptions& options);
 
-/// The points of a slab follow each other, and no point is made through an earlier crack.
-/// The order does not depend on the executor. Errors as of MakeOrder.
+/// There is a course of z, steadily up, that passes each point within the tolerance, and
+/// no point is made through an earlier crack. The order does not depend on the executor.
+/// Errors as of MakeOrder.
 Result<Order> OrderBySweep(const PointList& points_mm, const OrderOptions& options,
                            const ProgressSink& progress);
 

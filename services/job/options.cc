@@ -227,6 +227,7 @@ sort::OrderOptions OrderOptionsOf(const FrozenJob& job) {
   options.limits = GlassLimitsOf(job);
   options.rate_hz = job.job().laser().rate_hz();
   SetMethod(job.job().ordering(), options);
+  options.sweep.tolerance_mm = 1e-3 * job.job().motion().depth_tolerance_um();
   if (options.method == sort::Method::kJumpLayers) SetJumps(job, options);
   return options;
 }

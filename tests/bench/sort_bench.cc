@@ -27,13 +27,13 @@ PointList InOrder(const PointList& points_mm, const Order& order) {
 }
 
 /// At the limits of the order: as it begins, those of the published machine. z may pass
-/// the points as far beside them as a slab of the sweep is thick.
+/// the points as far beside them as the order allows.
 double Utilisation(const PointList& path_mm, const OrderOptions& order) {
   motion::PlanOptions options;
   options.limits = order.limits;
   options.rate_hz = order.rate_hz;
   options.continuous = true;
-  if (order.method == Method::kSweep) options.sweep_mm = order.sweep.slab_mm;
+  if (order.method == Method::kSweep) options.sweep_mm = order.sweep.tolerance_mm;
   const auto planner = motion::MakePlanner(options, path_mm.front());
   std::vector<motion::Segment> segments;
   for (const Vec3& p : path_mm) {
@@ -113,6 +113,7 @@ const int kRegistered = [] {
     for (const double speed_mm_s : {8000.0, 30000.0}) {
       OrderOptions options;
       options.method = Method::kSweep;
+      options.sweep.tolerance_mm = options.sweep.slab_mm;
       options.cone = {0.02, 0.035, 0.15};
       options.rate_hz = rate_hz;
       options.limits.max_speed_mm_s = {speed_mm_s, speed_mm_s, 50};

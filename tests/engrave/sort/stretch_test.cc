@@ -76,6 +76,29 @@ TEST(Stretch, KeepsItsEndsAndTheCone) {
   }
 }
 
+TEST(Stretch, BringsNoPointToAPlaceWhereTheAxisIsTooFarFromItsHeight) {
+  PointList points_mm = RandomBox(1000, {20, 20, 1}, 3);
+  std::ranges::sort(points_mm, {}, [](const Vec3& p) { return p.z(); });
+  std::vector<double> heights_mm;
+  for (const Vec3& p : points_mm) heights_mm.push_back(p.z());
+  motion::Limits limits;
+  limits.max_acceleration_mm_s2.z() = limits.max_speed_mm_s.z() = 1e9;
+  const TickCost cost(limits, 500);
+  constexpr double kToleranceMm = 0.1;
+  Stretch stretch(points_mm, {}, cost, {heights_mm, heights_mm, kToleranceMm});
+  const double before = stretch.Cost();
+  stretch.Anneal(60 * points_mm.size(), 0.3, 0.03, 1);
+  EXPECT_LT(stretch.Cost(), 0.8 * before);
+  const Order order = OrderOf(stretch);
+  ExpectEachOnce(order, points_mm.size());
+  double farthest_mm = 0;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    farthest_mm = std::max(farthest_mm, std::abs(heights_mm[order[i]] - heights_mm[i]));
+  }
+  EXPECT_LE(farthest_mm, kToleranceMm);
+  EXPECT_GT(farthest_mm, kToleranceMm / 2) << "the tolerance was used";
+}
+
 TEST(Stretch, GetsCheaperWhereNothingWorseIsAccepted) {
   for (const double rate_hz : {100.0, 1000.0}) {
     for (const auto& [name, points_mm] : Clouds(300)) {

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engrave/motion/planner.h"
 #include "engrave/sort/planned_ticks.h"
+#include "engrave/sort/way/sweep_begin.h"
 #include "tests/engrave/sort/order_checks.h"
 
 namespace intaglio::sort::sweep_test {
@@ -48,9 +50,87 @@ TEST(Sweep, MakesSlabAfterSlabAndFiresThroughNothing) {
   }
 }
 
+/// Whether an axis that never falls can be within the tolerance of each point: no earlier
+/// point is more than twice the tolerance higher.
+void ExpectCourse(const PointList& made_mm, double tolerance_mm) {
+  double highest_mm = made_mm.front().z();
+  for (const Vec3& point : made_mm) {
+    ASSERT_GE(point.z() + tolerance_mm, highest_mm - tolerance_mm - 1e-9);
+    highest_mm = std::max(highest_mm, point.z());
+  }
+}
+
+// A slab of 50 um has 100 of these points. Even without limits of acceleration no order
+// of such slabs has more than 0.466 points a tick at 8 m/s (Held and Karp's bound of the
+// travelling salesman, ticks of the longer axis as lengths). Rounds of the same tolerance
+// have more.
+TEST(Sweep, RoundsOfAScatterNeedFewerTicksThanAnyOrderOfSlabs) {
+  const PointList points_mm = RandomBox(4000, {50, 50, 2}, 3);
+  OrderOptions options = SweepIn(0.05);
+  options.sweep.tolerance_mm = 0.05;
+  const Order order = MakeOrder(points_mm, options).value();
+  ExpectEachOnce(order, points_mm.size());
+  ExpectNoneShaded(points_mm, order, options.cone);
+  const PointList made_mm = InOrder(points_mm, order);
+  ExpectCourse(made_mm, options.sweep.tolerance_mm);
+  motion::PlanOptions plan;
+  plan.limits = options.limits;
+  plan.rate_hz = options.rate_hz;
+  plan.continuous = true;
+  plan.sweep_mm = options.sweep.tolerance_mm;
+  const auto planner = motion::MakePlanner(plan, made_mm.front());
+  std::vector<motion::Segment> segments;
+  for (const Vec3& point : made_mm) planner->Append(point, -1, false, segments);
+  planner->Finish(segments);
+  constexpr double kBoundOfSlabs = 0.466;
+  EXPECT_GT(static_cast<double>(made_mm.size()),
+            1.05 * kBoundOfSlabs * static_cast<double>(planner->ticks()));
+}
+
+TEST(Sweep, KeepsToItsToleranceOfHeight) {
+  for (const double tolerance_mm : {0.02, 0.1, 0.4}) {
+    OrderOptions options = SweepIn(tolerance_mm);
+    options.sweep.tolerance_mm = tolerance_mm;
+    options.cone = {};
+    for (const PointList& points_mm : {RandomBox(3000, {50, 50, 4}, 8),
+                                       SlicedVase(40, 0.1, 0.1), DentedSphere(3000, 2)}) {
+      const Order order = MakeOrder(points_mm, options).value();
+      ExpectEachOnce(order, points_mm.size());
+      ExpectCourse(InOrder(points_mm, order), tolerance_mm);
+    }
+  }
+}
+
+TEST(Sweep, RoundsAreNeverFartherThanHalfOfThePitchFromTheAxis) {
+  for (const double pitch_mm : {0.05, 0.7}) {
+    const PointList points_mm = RandomBox(2000, {30, 10, 5}, 9);
+    const SweptOrder begun = BeginInRounds(points_mm, pitch_mm);
+    ExpectEachOnce(begun.order, points_mm.size());
+    EXPECT_EQ(begun.ends.back(), points_mm.size());
+    EXPECT_TRUE(std::ranges::is_sorted(begun.axis_mm));
+    for (std::size_t i = 0; i < begun.order.size(); ++i) {
+      const double height_mm = points_mm[begun.order[i]].z();
+      ASSERT_LE(std::abs(height_mm - begun.axis_mm[i]), pitch_mm / 2 + 1e-9);
+    }
+  }
+}
+
+// Neighbours on the closed curve are neighbours in the field, at its ends, too.
+TEST(Sweep, ARoundGoesToTheNextPlaceOfTheFieldAndEndsWhereItBegan) {
+  constexpr int kSide = 32;
+  const PointList points_mm = Grid(kSide, kSide, 1, 1, 1, 4);
+  const SweptOrder begun = BeginInRounds(points_mm, 10);
+  const PointList made_mm = InOrder(points_mm, begun.order);
+  for (std::size_t i = 0; i < made_mm.size(); ++i) {
+    const Vec3& next = made_mm[(i + 1) % made_mm.size()];
+    ASSERT_NEAR((next - made_mm[i]).norm(), 1, 1e-9) << i;
+  }
+}
+
 TEST(Sweep, DoesNotDependOnTheWorkers) {
   const PointList points_mm = RandomBox(4000, {20, 20, 2}, 5);
   OrderOptions options = SweepIn(0.1);
+  options.sweep.tolerance_mm = 0.1;
   const Order alone = MakeOrder(points_mm, options).value();
   for (const Executor& executor : Executors()) {
     options.executor = executor;
@@ -85,6 +165,10 @@ TEST(Sweep, RefusesWhatIsOutsideItsRangesAndStopsWhenAsked) {
   options.sweep.tries_per_point = -1;
   EXPECT_THAT(MakeOrder(points_mm, options).error().message,
               HasSubstr("sweep.tries_per_point"));
+  options = SweepIn(0.1);
+  options.sweep.tolerance_mm = -0.1;
+  EXPECT_THAT(MakeOrder(points_mm, options).error().message,
+              HasSubstr("sweep.tolerance_mm"));
   options = SweepIn(0.1);
   options.rate_hz = 30000;
   EXPECT_THAT(MakeOrder(points_mm, options).error().message, HasSubstr("rate_hz"));
