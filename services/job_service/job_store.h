@@ -60,7 +60,7 @@ class JobStore {
  public:
   /// `owned`: TryOwn has given it to this process.
   explicit JobStore(std::unique_ptr<sql::Connection> owned);
-  /// Opens and owns it; throws when another job service has it.
+  /// Opens and owns it; throws when another job service keeps it for some seconds.
   explicit JobStore(const std::string& address);
   JobStore(JobStore&&) noexcept;
   ~JobStore();

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <filesystem>
 #include <random>
+#include <thread>
 #include <utility>
 
 #include "services/history/job_database.h"
@@ -44,7 +45,13 @@ JobStore::JobStore(std::unique_ptr<sql::Connection> owned) : database_(std::move
 
 JobStore::JobStore(const std::string& address) : database_(OpenStore(address)) {
   Guarded(*database_, [this] {
-    if (database_->TryOwn()) return;
+    // A server ends the session of a job service that has just ended a moment later.
+    constexpr std::chrono::seconds kPatience{6};
+    const auto end = std::chrono::steady_clock::now() + kPatience;
+    do {
+      if (database_->TryOwn()) return;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    } while (std::chrono::steady_clock::now() < end);
     throw StoreError(
         fmt::format("job database {}: another job service has it; end that one, or start "
                     "this one with --standby to take over when the other one ends",

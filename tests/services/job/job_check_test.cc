@@ -291,11 +291,11 @@ TEST(CheckMachine, ADeviceIsOfAFormThatCanBeOpened) {
   machine.mutable_motion_line()->set_device("serial:/dev/ttyUSB1");
   EXPECT_THAT(CheckMachine(machine), IsEmpty());
   machine.mutable_laser_line()->set_device("tcp:laser-box:5000");
-  machine.mutable_motion_line()->set_device("usb:1");
+  machine.mutable_motion_line()->set_device("wifi:1");
   EXPECT_THAT(
       CheckMachine(machine),
       UnorderedElementsAre(IsFinding("laser_line.device", "\"laser-box\" is neither"),
-                           IsFinding("motion_line.device", "\"usb:1\": it begins")));
+                           IsFinding("motion_line.device", "\"wifi:1\": it begins")));
 }
 
 TEST(JoinErrors, OneALine) {
