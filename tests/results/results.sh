@@ -95,33 +95,12 @@ print_counts() { # PASSED FAILED SKIPPED FLAKY
   echo "$1 passed, $2 failed, $3 skipped$flaky"
 }
 
-# Starts the command in the array beside_tests, if there is one, with the time of the
-# processors that the tests leave. The scheduler shares time among sessions first: the
-# command's has the least weight, too.
-beside_tests=()
-start_beside() { # LOG
-  beside_group=""
-  [[ ${#beside_tests[@]} -gt 0 ]] || return 0
-  setsid bash -c '
-    [[ ! -w /proc/self/autogroup ]] || echo 19 > /proc/self/autogroup
-    exec chrt --idle 0 "$@"' beside "${beside_tests[@]}" > "$1" 2>&1 &
-  beside_group=$!
-  trap end_beside EXIT  # also when someone interrupts the tests
-}
-end_beside() {
-  [[ -n $beside_group ]] || return 0
-  kill -TERM -- "-$beside_group" 2> /dev/null || :
-  wait "$beside_group" 2> /dev/null || :
-  beside_group=""
-}
-
-# Runs ctest, three tests at a time for each processor, for the longest mostly wait for a
-# machine in real time: six of them need one processor of two. What failed runs once more,
-# alone, when that is few, or the host took a tenth of the processors' time or more. Prints
-# the tests that were run twice with both results, those that were skipped with their
-# reasons, the slowest and, as the last line, the closing line; all are kept in
-# BUILD/tests.summary. Fails when a test failed (twice, if it was run twice) or a sanitizer
-# reported. The command in beside_tests runs beside the first run, and ends with it.
+# Runs ctest, two tests at a time for each processor, for the longest mostly wait for a machine
+# in real time: all tests together need half of what two processors give in that time. What failed runs once more, alone, when that is few, or the host
+# took a tenth of the processors' time or more. Prints the tests that were run twice with both
+# results, those that were skipped with their reasons, the slowest and, as the last line, the
+# closing line; all are kept in BUILD/tests.summary. Fails when a test failed (twice, if it was run twice) or a sanitizer
+# reported.
 run_tests() { # BUILD [ARGUMENTS OF CTEST]
   local build=$1 log=$1/tests.log again=$1/tests_again.log reports=$1/reports
   local outputs=$1/tests_outputs.log summary=$1/tests.summary
@@ -129,9 +108,7 @@ run_tests() { # BUILD [ARGUMENTS OF CTEST]
   shift
   rm -f "$summary" "$again" "$reports"/*
   read -r worked stolen < <(worked_and_stolen)
-  start_beside "$build/beside_tests.log"
-  run_ctest "$build" -j $((3 * $(nproc))) "$@" 2>&1 | tee "$log" || status=$?
-  end_beside
+  run_ctest "$build" -j $((2 * $(nproc))) "$@" 2>&1 | tee "$log" || status=$?
   taken=$(stolen_percent "$worked" "$stolen")
   cp "$build/Testing/Temporary/LastTest.log" "$outputs" || : > "$outputs"
   failed=$(tests_that failed "$log" | wc -l)

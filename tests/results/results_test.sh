@@ -98,29 +98,6 @@ failed twice: C.2 failed, then failed alone
   expect_end "1 passed, 1 failed, 0 skipped, 1 flaky"
   expect_status 8
 }
-# A file grows as long as the command beside the tests runs; it ignores no signal.
-WhatRunsBesideTheTestsEndsBeforeAnyRunsAgain() {
-  first=(A.B=passed C.1=Failed)
-  second=(C.1=passed)
-  host_took=0
-  beside_tests=(bash -c "while :; do echo >> '$build/beside'; sleep 0.01; done")
-  ctest_log() {
-    if [[ ! -e $build/once ]]; then
-      touch "$build/once"
-      until [[ -s $build/beside ]]; do sleep 0.01; done  # it does run beside the first
-      echo "1/1 Test #1: C.1 ...***Failed   0.02 sec"
-      return 8
-    fi
-    local before
-    before=$(wc -c < "$build/beside")
-    sleep 0.3
-    [[ $(wc -c < "$build/beside") == "$before" ]] || return 8
-    echo "1/1 Test #1: C.1 .......   Passed    0.02 sec"
-  }
-  run
-  expect_end "0 passed, 0 failed, 0 skipped, 1 flaky"
-  expect_status 0
-}
 FlakyTestIsListedAndCountedApart() {
   first=(A.B=passed "Each/C.D/a b=Failed" E.F=Failed G.H=Skipped)
   second=("Each/C.D/a b=passed" E.F=passed)
