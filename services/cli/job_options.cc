@@ -42,10 +42,7 @@ const google::protobuf::FieldDescriptor* OrderField(std::string name) {
   return field != nullptr && field->real_containing_oneof() != nullptr ? field : nullptr;
 }
 
-// A job of marks has no order of points: the field stays away where no flag asks for it.
-Status SetOrder(const JobFlags& flags, JobSpec& job) {
-  if (!flags.order && !flags.order_tries && !flags.order_time_s) return {};
-  Ordering& ordering = *job.mutable_ordering();
+Status SetOrder(const JobFlags& flags, Ordering& ordering) {
   if (flags.order) {
     const auto* field = OrderField(*flags.order);
     Require(field != nullptr, "--order '{}' has passed its check", *flags.order);
@@ -63,7 +60,7 @@ Status SetOrder(const JobFlags& flags, JobSpec& job) {
 }
 
 Status SetOrderAndProfile(const JobFlags& flags, JobSpec& job) {
-  INTAGLIO_TRY(SetOrder(flags, job));
+  INTAGLIO_TRY(SetOrder(flags, *job.mutable_ordering()));
   if (!flags.profile) return {};
   MotionProfile profile;
   std::string name = "MOTION_PROFILE_" + *flags.profile;
@@ -346,6 +343,7 @@ Result<JobAndMachine> BuildJobToEngrave(const JobFlags& given) {
 }
 
 Result<JobAndMachine> CompleteJob(const JobFlags& flags, JobSpec job) {
+  if (MakesMarks(job)) return BuildMarkJob(flags, std::move(job));
   return Build(flags, std::move(job), nullptr);
 }
 

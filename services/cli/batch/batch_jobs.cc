@@ -11,6 +11,7 @@
 #include "services/cli/job_options.h"
 #include "services/cli/job_series.h"
 #include "services/job/batch_file.h"
+#include "services/job/checks/mark_job_check.h"
 #include "services/job/freeze.h"
 #include "services/job/job_check.h"
 #include "services/job/job_file.h"
@@ -124,6 +125,10 @@ class BatchBuilder {
     flags.machine = machine;
     auto complete = CompleteJob(flags, spec);
     if (!complete) return complete;
+    if (MakesMarks(complete->job)) {
+      INTAGLIO_TRY(FreezeMarkJob(complete->job, complete->machine, {}));
+      return complete;
+    }
     const auto material = INTAGLIO_TRY(FindGlass(*complete, materials_));
     INTAGLIO_TRY(FreezeJob(complete->job, complete->machine, material, {}));
     return complete;

@@ -174,13 +174,7 @@ void AddMethodFlags(command_line::Command command, MethodFlags& flags) {
   }
 }
 
-// A job of marks has no method: the field stays away where no flag asks for it.
 Status SetMethods(const MethodFlags& flags, JobSpec& job) {
-  const bool asked =
-      flags.method || std::ranges::any_of(flags.values, [](const auto& one) {
-        return one.second.has_value();
-      });
-  if (job.has_marks() && !asked) return {};
   if (flags.method) {
     if (auto chosen = ChooseMethod(*flags.method, job); !chosen) return chosen;
   }

@@ -207,13 +207,15 @@ TEST(JobFlags, OfOrderMotionAndLaserLandInThem) {
   EXPECT_EQ(JobOf({"--order-time", "9"}).ordering().anneal().time_s(), 9);
 }
 
-// Else every batch of marks is refused: "ordering" and "discretization" are of points.
-TEST(JobFlags, AJobOfMarksHasNoOrderUnlessAFlagAsksForOne) {
-  const auto built = Built({INTAGLIO_SOURCE_DIR "/deploy/examples/label.textproto"});
-  ASSERT_TRUE(built) << built.error().message;
-  EXPECT_TRUE(built->job.has_marks());
-  EXPECT_FALSE(built->job.has_ordering());
-  EXPECT_FALSE(built->job.has_discretization());
+// A row of a batch, or a piece of a series: fields of points would refuse it.
+TEST(CompletedJob, OfMarksHasNoFieldOfPoints) {
+  const auto read =
+      ReadPattern(Typed({INTAGLIO_SOURCE_DIR "/deploy/examples/label.textproto"}));
+  ASSERT_TRUE(read) << read.error().message;
+  const auto completed = CompleteJob(JobFlags(), *read);
+  ASSERT_TRUE(completed) << completed.error().message;
+  EXPECT_FALSE(completed->job.has_ordering());
+  EXPECT_FALSE(completed->job.has_discretization());
 }
 
 TEST(JobFlags, OfTheMachineAreANameOrAFile) {
