@@ -49,6 +49,8 @@ bool PollUntilServed(JobClient& client, std::chrono::milliseconds time) {
 
 namespace {
 
+constexpr std::chrono::seconds kCountComesWithin{1};
+
 /// Until `is_enough` holds or all jobs are known.
 Status Await(JobClient& client, const std::function<bool()>& is_enough,
              std::chrono::milliseconds discovery_time,
@@ -58,8 +60,10 @@ Status Await(JobClient& client, const std::function<bool()>& is_enough,
   }
   for (Patience patience(jobs_within); !is_enough() && !client.KnowsAllJobs();
        client.Poll(kTurn)) {
+    // A queue that was given up stays on the bus; its count may come behind the fault.
     auto fault = client.JobServiceFault();
-    if (fault && !client.counted_jobs()) return tl::unexpected(std::move(*fault));
+    if (fault && !client.counted_jobs() && patience.waited() >= kCountComesWithin)
+      return tl::unexpected(std::move(*fault));
     if (patience.IsUp())
       return tl::unexpected(WhyNotKnown(client, patience.waited().count()));
   }

@@ -186,6 +186,7 @@ def arm(driver, say, cracks):
 
 def results(driver, say):
     """The job is cancelled, and its picture is shown."""
+    from selenium.common.exceptions import ElementNotInteractableException
     from selenium.webdriver.common.by import By
 
     cancel = driver.find_element(By.CSS_SELECTOR, "[data-command=cancel]")
@@ -195,8 +196,11 @@ def results(driver, say):
             return True
         # The second press counts within 4 s, which a busy computer may miss.
         for _ in range(2):
-            if cancel.is_displayed():
-                cancel.click()
+            try:
+                if cancel.is_displayed():
+                    cancel.click()
+            except ElementNotInteractableException:
+                pass  # the job has ended meanwhile, and the button is gone
         return False
 
     def width():
