@@ -231,15 +231,15 @@ float Stretch::GainOf(const Change& change, double bearable) {
   const std::size_t meet = change.begin + change.end - change.middle;
   new_window_count_ = WindowsAround({change.begin, meet, change.end}, new_windows_);
   Scaled steps[3][TickCost::kMaxSteps];
-  float most = gain;
+  float greatest = gain;
   for (std::size_t w = 0; w < new_window_count_; ++w) {
     std::size_t count = 0;
     for (std::size_t i = new_windows_[w].first; i <= new_windows_[w].last; ++i) {
       steps[w][count] = MoveAfter(change, i).step;
-      most -= cost_.MinTicks(steps[w][count++]);
+      greatest -= cost_.MinTicks(steps[w][count++]);
     }
   }
-  if (-most > bearable) return most;
+  if (-greatest > bearable) return greatest;
   for (std::size_t w = 0; w < new_window_count_; ++w) {
     Window& window = new_windows_[w];
     gain -= cost_.BestTicks(MoveAfter(change, window.first - 1),
