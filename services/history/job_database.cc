@@ -165,8 +165,8 @@ Result<JobDatabase> InspectJobDatabase(const fs::path& file) {
     if (IsDamage(exception.getErrorCode()) || exception.getErrorCode() == SQLITE_ERROR)
       return Unread(file, exception);
     return Fail(ErrorCode::kIo,
-                fmt::format("job database {}: {}; check that you may read the file and "
-                            "that its disk has room",
+                fmt::format("job database {}: {}; free space on its disk, and check "
+                            "that you may read the file",
                             file.string(), exception.what()),
                 file.string());
   }
