@@ -20,6 +20,9 @@ using bus::Borrow;
 // How often it is checked whether a discretizer that gave credit is matched by now.
 constexpr auto kWatchPeriod = 50ms;
 
+// Between processes with identities: readers of one shop come one after the other.
+constexpr auto kHandshake = 1s;
+
 // A file that is joined from several is in memory; discretizers have bounds of their
 // own.
 constexpr std::uint64_t kMaxJoinedBytes = std::uint64_t{1} << 30;
@@ -34,6 +37,7 @@ ModelFeed::ModelFeed(bus::Bus& bus)
     : writer_(bus, bus::kModelChunk),
       credit_(bus, bus::RolePartition(bus::kStageWorkerRole)),
       wait_(bus),
+      has_identities_(!bus.options().security.empty()),
       thread_([this](const std::stop_token& stop) { Run(stop); }) {}
 
 ModelFeed::~ModelFeed() {
@@ -84,13 +88,22 @@ void ModelFeed::Run(const std::stop_token& stop) {
   }
 }
 
+// Whoever records a shop reads the models, too, and gives no credit.
+bool ModelFeed::EverybodyHasCome() {
+  if (!has_identities_) return true;
+  const auto now = std::chrono::steady_clock::now();
+  const int count = writer_.matched_count();
+  if (std::exchange(matched_count_, count) != count) matched_at_ = now;
+  return now - matched_at_ >= kHandshake;
+}
+
 void ModelFeed::Serve(Stream& stream) {
   const bus::CreditBook::Grant grant = credit_.Find(stream.name);
   if (grant.cancelled) {
     stream.done = true;  // the discretizer's TaskStatus or its death gives the reason
     return;
   }
-  if (!grant.open || !writer_.IsMatched(grant.reader)) return;
+  if (!grant.open || !writer_.IsMatched(grant.reader) || !EverybodyHasCome()) return;
   while (!stream.done && stream.sequence_number < grant.limit) {
     const Result<bool> sent = SendChunk(stream);
     if (sent && !*sent) return;

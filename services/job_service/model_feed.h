@@ -59,6 +59,8 @@ class ModelFeed {
   };
 
   void Run(const std::stop_token& stop);
+  /// No reader has come for as long as a handshake takes; always without identities.
+  bool EverybodyHasCome();
   void Serve(Stream& stream);
   Status OpenNext(Stream& stream);
   /// False: not now.
@@ -67,6 +69,9 @@ class ModelFeed {
   bus::Writer<intaglio_ModelChunk> writer_;
   bus::CreditBook credit_;
   bus::WaitSet wait_;
+  bool has_identities_;
+  int matched_count_ = 0;
+  std::chrono::steady_clock::time_point matched_at_;
 
   std::mutex mutex_;  // over the three below
   std::list<Stream> added_;
