@@ -57,6 +57,24 @@ void TakeState(const intaglio_ManualState& sample, MachineView& view) {
   view.message = View(sample.message);
 }
 
+intaglio_ManualCommand SampleOf(const SentOrder& sent) {
+  intaglio_ManualCommand sample{};
+  sample.cell = Borrow(sent.cell);
+  sample.sender = Borrow(sent.sender);
+  sample.number = sent.number;
+  sample.seen = sent.seen;
+  sample.kind = sent.order.kind;
+  sample.operator_name = Borrow(sent.operator_name);
+  Put(sent.order.place, sample.place);
+  Put(sent.order.place_max, sample.place_max);
+  sample.speed_mm_s = sent.order.speed_mm_s;
+  sample.channel = sent.order.channel;
+  sample.lens = Borrow(sent.order.lens);
+  sample.sets = sent.order.sets;
+  sample.forget = sent.order.forget;
+  return sample;
+}
+
 Result<std::string> TeachClient::FindMachine(bus::Bus& bus, const std::string& cell) {
   if (!cell.empty()) return cell;
   bus::Reader<intaglio_ManualState> states(bus, bus::kManualState);
@@ -111,21 +129,8 @@ void TeachClient::Poll() {
 void TeachClient::Send(bool at_once) {
   if (!at_once && Clock::now() < next_send_) return;
   next_send_ = Clock::now() + kRepeatTime;
-  intaglio_ManualCommand sample{};
-  sample.cell = Borrow(view_.cell);
-  sample.sender = Borrow(sender_);
-  sample.number = number_;
-  sample.seen = view_.number;
-  sample.kind = held_.kind;
-  sample.operator_name = Borrow(operator_name_);
-  Put(held_.place, sample.place);
-  Put(held_.place_max, sample.place_max);
-  sample.speed_mm_s = held_.speed_mm_s;
-  sample.channel = held_.channel;
-  sample.lens = Borrow(held_.lens);
-  sample.sets = held_.sets;
-  sample.forget = held_.forget;
-  (void)commands_.Write(sample);
+  (void)commands_.Write(
+      SampleOf({view_.cell, sender_, number_, view_.number, operator_name_, held_}));
 }
 
 // States come every 20 ms once the bridge has a command; two in a row show that.

@@ -54,6 +54,19 @@ struct TeachOrder {
   bool forget = false;
 };
 
+/// An order as it is sent, each time that it is repeated.
+struct SentOrder {
+  std::string cell;
+  std::string sender;        ///< of one person at one program; no other has it
+  std::uint64_t number = 0;  ///< of the order, greater with each
+  std::uint64_t seen = 0;    ///< `number` of the MachineView that the person saw last
+  std::string operator_name;
+  TeachOrder order = {};
+};
+
+/// The sample borrows the texts of `sent`.
+intaglio_ManualCommand SampleOf(const SentOrder& sent);
+
 class TeachClient {
  public:
   using Clock = std::chrono::steady_clock;

@@ -72,18 +72,18 @@ Result<bool> JogDesk::Pass(web::PeerId page, const JogRequest& request,
     is_first = *kind != intaglio_MANUAL_NONE && known.press != request.press();
     known = {request.cell(), is_first ? request.press() : known.press, now};
   }
-  client::JogSample sample;
-  sample.cell = request.cell();
-  sample.sender = relay_.SenderOf(page);
-  sample.number = request.press();
-  sample.seen = request.seen();
-  sample.kind = *kind;
-  sample.place = {request.x(), request.y(), request.z()};
-  sample.speed_mm_s = request.speed_mm_s();
-  sample.channel = request.channel();
-  sample.lens = request.lens();
-  sample.operator_name = person;
-  if (const auto passed = relay_.Pass(sample); !passed)
+  client::SentOrder sent;
+  sent.cell = request.cell();
+  sent.sender = relay_.SenderOf(page);
+  sent.number = request.press();
+  sent.seen = request.seen();
+  sent.operator_name = person;
+  sent.order.kind = *kind;
+  sent.order.place = {request.x(), request.y(), request.z()};
+  sent.order.speed_mm_s = request.speed_mm_s();
+  sent.order.channel = request.channel();
+  sent.order.lens = request.lens();
+  if (const auto passed = relay_.Pass(sent); !passed)
     return tl::unexpected(passed.error());
   return is_first;
 }

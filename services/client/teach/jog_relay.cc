@@ -11,8 +11,6 @@
 namespace intaglio::client {
 namespace {
 
-using bus::Borrow;
-
 bool IsMotion(intaglio_ManualCommandKind kind) {
   return kind == intaglio_MANUAL_NONE || kind == intaglio_MANUAL_JOG ||
          kind == intaglio_MANUAL_MOVE || kind == intaglio_MANUAL_HOME ||
@@ -30,39 +28,27 @@ std::string JogRelay::SenderOf(std::uint64_t person) const {
   return fmt::format("{}-{}", process_, person);
 }
 
-Status JogRelay::Pass(const JogSample& from) {
-  if (!IsMotion(from.kind))
+Status JogRelay::Pass(const SentOrder& sent) {
+  if (!IsMotion(sent.order.kind))
     return Fail(ErrorCode::kInvalidValue,
                 "an order that is held, and no other, is passed on");
-  if (!from.place.allFinite() || !std::isfinite(from.speed_mm_s))
+  if (!sent.order.place.allFinite() || !std::isfinite(sent.order.speed_mm_s))
     return Fail(ErrorCode::kInvalidValue, "the place or the speed is no number");
   const std::lock_guard lock(mutex_);
-  const auto known = commands_.find(from.cell);
+  const auto known = commands_.find(sent.cell);
   if (known == commands_.end()) {
     return Fail(ErrorCode::kNotFound,
-                fmt::format("{}: no such machine answers here", from.cell), from.cell);
+                fmt::format("{}: no such machine answers here", sent.cell), sent.cell);
   }
   if (!known->second) {
     try {
       known->second = std::make_unique<bus::Writer<intaglio_ManualCommand>>(
-          bus_, bus::kManualCommand, from.cell);
+          bus_, bus::kManualCommand, sent.cell);
     } catch (const bus::NotAllowedError& error) {
       return Fail(ErrorCode::kRefused, error.what());
     }
   }
-  intaglio_ManualCommand sample{};
-  sample.cell = Borrow(from.cell);
-  sample.sender = Borrow(from.sender);
-  sample.number = from.number;
-  sample.seen = from.seen;
-  sample.kind = from.kind;
-  sample.operator_name = Borrow(from.operator_name);
-  for (int axis = 0; axis < 3; ++axis) sample.place[axis] = from.place[axis];
-  sample.speed_mm_s = from.speed_mm_s;
-  sample.channel = from.channel;
-  sample.lens = Borrow(from.lens);
-  sample.sets = 7;
-  return known->second->Write(sample);
+  return known->second->Write(SampleOf(sent));
 }
 
 std::vector<MachineView> JogRelay::TakeNew() {

@@ -14,25 +14,12 @@
 #include <string>
 #include <vector>
 
-#include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
 #include "idl/teach.h"
 #include "services/client/teach_client.h"
 #include "services/platform/bus/bus.h"
 
 namespace intaglio::client {
-
-struct JogSample {
-  std::string cell;
-  std::string sender;        ///< one of a person; no other has it
-  std::uint64_t number = 0;  ///< of the press, greater with each
-  std::uint64_t seen = 0;    ///< `number` of the MachineView that the person saw last
-  intaglio_ManualCommandKind kind = intaglio_MANUAL_NONE;  ///< NONE: let go
-  Vec3 place = Vec3::Zero();  ///< as of intaglio_ManualCommand
-  double speed_mm_s = 0;
-  std::uint32_t channel = 1;
-  std::string lens, operator_name;
-};
 
 class JogRelay {
  public:
@@ -42,7 +29,7 @@ class JogRelay {
   std::string SenderOf(std::uint64_t person) const;
   /// From any thread. kNotFound: no such machine is there. kInvalidValue: a number that
   /// is none, or an order that is no motion. kRefused: the identity may not command.
-  Status Pass(const JogSample& sample);
+  Status Pass(const SentOrder& sent);
   /// The machines whose state has come since the last call; from one thread.
   std::vector<MachineView> TakeNew();
 
