@@ -14,6 +14,7 @@
 
 #include "engrave/core/try.h"
 #include "services/history/write_ahead_log.h"
+#include "services/sql/sqlite_connection.h"
 
 // SQLite opens a file without any trace as `immutable`: it makes no lock, no -shm and no
 // -wal, and reads the main file alone. That is the whole database unless a program that
@@ -38,6 +39,10 @@ std::string UriOf(const fs::path& file) {
     }
   }
   return uri + "?mode=ro&immutable=1";
+}
+
+bool IsDamage(const SQLite::Exception& error) {
+  return sql::KindOfSqlite(error.getErrorCode()) == sql::SqlError::Kind::kDamaged;
 }
 
 bool HasContent(const fs::path& file) {
@@ -134,12 +139,6 @@ JobDatabase Absent(const fs::path& file) {
 
 }  // namespace
 
-bool IsDamage(int sqlite_error_code) {
-  constexpr int kPrimary = 0xff;  // an extended code has it in its lowest byte
-  const int code = sqlite_error_code & kPrimary;
-  return code == SQLITE_NOTADB || code == SQLITE_CORRUPT;
-}
-
 Error DamagedQueue(const fs::path& file, const std::string& where) {
   return {ErrorCode::kUnreadable,
           fmt::format("the queue {} is damaged ({}): jobs that were stored would be "
@@ -162,7 +161,7 @@ Result<JobDatabase> InspectJobDatabase(const fs::path& file) {
     return Inspect(database);
   } catch (const SQLite::Exception& exception) {
     // SQLITE_ERROR: its format is unknown; the statements here are ours.
-    if (IsDamage(exception.getErrorCode()) || exception.getErrorCode() == SQLITE_ERROR)
+    if (IsDamage(exception) || exception.getErrorCode() == SQLITE_ERROR)
       return Unread(file, exception);
     return Fail(ErrorCode::kIo,
                 fmt::format("job database {}: {}; free space on its disk, and check "
@@ -213,8 +212,7 @@ Status CheckQueue(const fs::path& file) {
         database.execAndGet("PRAGMA integrity_check(1)").getString();
     if (found != "ok") return tl::unexpected(DamagedQueue(file, found));
   } catch (const SQLite::Exception& exception) {
-    if (IsDamage(exception.getErrorCode()))
-      return tl::unexpected(DamagedQueue(file, exception.what()));
+    if (IsDamage(exception)) return tl::unexpected(DamagedQueue(file, exception.what()));
     // Any other error is reported by who opens it next, with its remedy.
   }
   return {};

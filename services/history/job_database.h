@@ -51,7 +51,4 @@ inline constexpr std::uint64_t kMaxCheckedBytes = 64u << 20;
 /// kUnreadable, with the remedy. `where`: of the damage, for people.
 Error DamagedQueue(const std::filesystem::path& file, const std::string& where);
 
-/// Whether an error code of SQLite means that the content of the file is damaged.
-bool IsDamage(int sqlite_error_code);
-
 }  // namespace intaglio::history

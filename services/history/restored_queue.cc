@@ -9,7 +9,7 @@
 
 #include "idl/job.h"
 #include "proto/task.pb.h"
-#include "services/history/job_database.h"
+#include "services/sql/sqlite_connection.h"
 
 namespace intaglio::history {
 namespace {
@@ -61,7 +61,7 @@ void EndBegun(SQLite::Database& database, const RestoredQueue& restored) {
 }
 
 Error ErrorOf(const fs::path& file, const SQLite::Exception& exception) {
-  if (IsDamage(exception.getErrorCode())) {
+  if (sql::KindOfSqlite(exception.getErrorCode()) == sql::SqlError::Kind::kDamaged) {
     return {ErrorCode::kUnreadable,
             fmt::format("{} is damaged: {}; put an intact copy in its place",
                         file.string(), exception.what()),

@@ -14,33 +14,12 @@ namespace {
 
 constexpr int kBusyMs = 2000;
 
-SqlError::Kind KindOf(int sqlite_error_code) {
-  constexpr int kPrimary = 0xff;  // an extended code has it in its lowest byte
-  switch (sqlite_error_code & kPrimary) {
-    case SQLITE_NOTADB:
-    case SQLITE_CORRUPT:
-      return SqlError::Kind::kDamaged;
-    case SQLITE_FULL:
-    case SQLITE_IOERR:
-    case SQLITE_CANTOPEN:
-    case SQLITE_READONLY:
-    case SQLITE_PERM:
-    case SQLITE_AUTH:
-    case SQLITE_BUSY:
-    case SQLITE_LOCKED:
-    case SQLITE_NOMEM:
-      return SqlError::Kind::kPasses;
-    default:
-      return SqlError::Kind::kOther;
-  }
-}
-
 template <typename Body>
 auto Guarded(Body&& body) {
   try {
     return body();
   } catch (const SQLite::Exception& error) {
-    throw SqlError(KindOf(error.getErrorCode()), error.what());
+    throw SqlError(KindOfSqlite(error.getErrorCode()), error.what());
   }
 }
 
@@ -137,6 +116,27 @@ class SqliteConnection final : public Connection {
 };
 
 }  // namespace
+
+SqlError::Kind KindOfSqlite(int result_code) {
+  constexpr int kPrimary = 0xff;  // an extended code has it in its lowest byte
+  switch (result_code & kPrimary) {
+    case SQLITE_NOTADB:
+    case SQLITE_CORRUPT:
+      return SqlError::Kind::kDamaged;
+    case SQLITE_FULL:
+    case SQLITE_IOERR:
+    case SQLITE_CANTOPEN:
+    case SQLITE_READONLY:
+    case SQLITE_PERM:
+    case SQLITE_AUTH:
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+    case SQLITE_NOMEM:
+      return SqlError::Kind::kPasses;
+    default:
+      return SqlError::Kind::kOther;
+  }
+}
 
 std::unique_ptr<Connection> OpenSqlite(const std::filesystem::path& file) {
   auto connection = std::make_unique<SqliteConnection>(

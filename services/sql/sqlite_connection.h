@@ -16,4 +16,7 @@ std::unique_ptr<Connection> OpenSqlite(const std::filesystem::path& file);
 /// To read, while another process may write.
 std::unique_ptr<Connection> OpenSqliteToRead(const std::filesystem::path& file);
 
+/// The kind of an error of SQLite, by its result code.
+SqlError::Kind KindOfSqlite(int result_code);
+
 }  // namespace intaglio::sql
