@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <charconv>
 #include <filesystem>
 #include <string_view>
@@ -153,13 +152,9 @@ JobStatistics RowOf(sql::Statement& row, SystemTime now) {
 }
 
 bool IsTime(std::string_view text) {
-  constexpr std::string_view kPattern = "dddd-dd-ddTdd:dd:dd";
-  if (text.size() < 10 || text.size() > kPattern.size()) return false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool digit = std::isdigit(static_cast<unsigned char>(text[i])) != 0;
-    if (kPattern[i] == 'd' ? !digit : text[i] != kPattern[i]) return false;
-  }
-  return true;
+  constexpr std::string_view kDay = "2026-11-21", kSecond = "2026-11-21T15:30:05";
+  return text.size() >= kDay.size() && text.size() <= kSecond.size() &&
+         host::HasShapeOfUtc(text);
 }
 
 Status CheckTime(const char* name, const std::string& text) {

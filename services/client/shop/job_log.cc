@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "engrave/core/try.h"
+#include "services/platform/host/times/utc_time.h"
 
 namespace intaglio::client {
 namespace {
@@ -20,13 +21,8 @@ constexpr std::size_t kMaxEntryBytes = 64 * 1024;
 
 /// Whether an entry begins with this line: others belong to the entry above.
 bool BeginsEntry(std::string_view line) {
-  constexpr std::string_view kShape = "0000-00-00T00:00:00.000";
-  if (line.size() <= kTimeLength || line[kTimeLength] != ' ') return false;
-  for (std::size_t i = 0; i < kTimeLength; ++i) {
-    const bool is_digit = std::isdigit(static_cast<unsigned char>(line[i])) != 0;
-    if (kShape[i] == '0' ? !is_digit : line[i] != kShape[i]) return false;
-  }
-  return true;
+  return line.size() > kTimeLength && line[kTimeLength] == ' ' &&
+         host::HasShapeOfUtc(line.substr(0, kTimeLength));
 }
 
 /// "job 12-6b08c0a52033" for 12 and for the uid itself, but not for 1 or 6b.

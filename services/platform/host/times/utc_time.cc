@@ -2,6 +2,7 @@
 
 #include <fmt/chrono.h>
 
+#include <cctype>
 #include <cstdio>
 #include <ctime>
 
@@ -14,6 +15,16 @@ std::string UtcText(std::chrono::system_clock::time_point time) {
   return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z",
                      fmt::gmtime(std::chrono::system_clock::to_time_t(whole_s)),
                      rest.count());
+}
+
+bool HasShapeOfUtc(std::string_view text) {
+  constexpr std::string_view kShape = "dddd-dd-ddTdd:dd:dd.dddZ";
+  if (text.size() > kShape.size()) return false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool is_digit = std::isdigit(static_cast<unsigned char>(text[i])) != 0;
+    if (kShape[i] == 'd' ? !is_digit : text[i] != kShape[i]) return false;
+  }
+  return true;
 }
 
 std::optional<std::chrono::system_clock::time_point> TimeOfUtc(const std::string& text) {
