@@ -141,8 +141,6 @@ class LockstepDriver : public MotionDriver, public LaserController {
   /// The controller does nothing more of what was sent; its pulses are uncertain. The
   /// newest of their ticks, 0: none.
   virtual std::uint64_t ForgetSent() = 0;
-  /// Makes dark what is ready and has not left yet, where its pulses are armed no more.
-  virtual void TakeBackPulses() {}
   /// Ends what the controller executes, dark.
   virtual void StopController() = 0;
   virtual void AskStatus() = 0;

@@ -103,7 +103,6 @@ Status LockstepDriver::Arm(const link::ArmWindow& window) {
 Status LockstepDriver::Disarm() {
   if (!up()) return Down();
   ticks_.UndecideAfter(std::max(ticks_.tick(), committed_tick_));
-  TakeBackPulses();
   ++disarms_sent_;
   return {};
 }

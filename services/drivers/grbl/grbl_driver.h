@@ -95,7 +95,6 @@ class GrblDriver final : public LockstepDriver {
   void BeginProgram(std::uint64_t start_tick) override;
   void DropProgram() override { program_.Drop(); }
   std::uint64_t ForgetSent() override;
-  void TakeBackPulses() override;
   void StopController() override { line_.Reset(); }
   void AskStatus() override { line_.RequestStatus(); }
   void StopHoming() override;

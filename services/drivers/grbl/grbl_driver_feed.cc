@@ -266,11 +266,6 @@ std::uint64_t GrblDriver::ForgetSent() {
   return last;
 }
 
-void GrblDriver::TakeBackPulses() {
-  if (pending_ && pending_->lights() && !ticks_.fires(pending_->knot_tick))
-    pending_->Darken();
-}
-
 void GrblDriver::Recover() { (void)line_.Recover(grbl_); }
 
 }  // namespace intaglio::drivers
