@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "services/platform/fields/field_defaults.h"
+
 namespace intaglio {
 
 std::optional<EnergyRange> EnergiesOf(const LaserHead& head) {
@@ -11,11 +13,13 @@ std::optional<EnergyRange> EnergiesOf(const LaserHead& head) {
 }
 
 double MaxPumpEnergy_j(const LaserPump& pump) {
-  return pump.has_max_energy_j() ? pump.max_energy_j() : 20;
+  static const double default_j = DefaultOf<LaserPump>(LaserPump::kMaxEnergyJFieldNumber);
+  return pump.has_max_energy_j() ? pump.max_energy_j() : default_j;
 }
 
 double MaxPumpPower_w(const LaserPump& pump) {
-  return pump.has_max_power_w() ? pump.max_power_w() : 1000;
+  static const double default_w = DefaultOf<LaserPump>(LaserPump::kMaxPowerWFieldNumber);
+  return pump.has_max_power_w() ? pump.max_power_w() : default_w;
 }
 
 EnergyRange SettableEnergies(const MachineSpec& machine) {

@@ -8,6 +8,7 @@
 #include "engrave/core/try.h"
 #include "engrave/mark/mark_file.h"
 #include "services/client/proof/proof_evidence.h"
+#include "services/platform/fields/field_defaults.h"
 
 namespace intaglio::client {
 namespace {
@@ -15,7 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kNameChordMm = 0.01;
-constexpr double kDefaultToleranceUm = 20;  // as machine.proto
 
 std::vector<Vec2> WayOf(const mark::Mark& mark, double chord_mm) {
   auto way = mark::PlacesOf(mark, chord_mm);
@@ -47,7 +47,7 @@ double MarkToleranceOf(const MachineSpec& machine) {
   if (machine.scan_head().has_tolerance_um()) return machine.scan_head().tolerance_um();
   return !machine.has_scan_head() && machine.position_tolerance_um() > 0
              ? machine.position_tolerance_um()
-             : kDefaultToleranceUm;
+             : DefaultOf<ScanHead>(ScanHead::kToleranceUmFieldNumber);
 }
 
 Result<MarkEvidence> ReadMarkEvidence(const fs::path& folder) {
