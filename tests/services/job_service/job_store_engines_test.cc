@@ -12,34 +12,12 @@
 #include "services/sql/address.h"
 #include "tests/patience.h"
 #include "tests/services/job_service/job_store_rig.h"
-#include "tests/services/sql/postgres_server.h"
-#include "tests/test_folder.h"
+#include "tests/services/sql/engines.h"
 
 namespace intaglio::job_service {
 namespace {
 
-class JobStoreEngine : public JobStoreRig,
-                       public testing::WithParamInterface<const char*> {
- protected:
-  void SetUp() override {
-    if (std::string(GetParam()) == "file") {
-      address_ = test::FreshFolder("job_store_" + Name()) / "jobs.db";
-    } else if (!test::PostgresServer::IsInstalled()) {
-      GTEST_SKIP() << "the package postgresql is not installed";
-    } else {
-      server_.emplace();
-      ASSERT_EQ(server_->error(), "");
-      address_ = server_->address();
-    }
-  }
-  static std::string Name() {
-    std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
-    return name.substr(0, name.find('/'));
-  }
-
-  std::optional<test::PostgresServer> server_;
-  std::string address_;
-};
+class JobStoreEngine : public test::OnEachEngine<JobStoreRig> {};
 
 TEST_P(JobStoreEngine, KeepsTheFirstAnswerToACommandOfEachSender) {
   CommandView command;
@@ -337,19 +315,9 @@ TEST_P(JobStoreEngine, ReadsTheHistoryBesideTheJobService) {
   EXPECT_EQ(spec.error().code, ErrorCode::kNotFound);
 }
 
-INSTANTIATE_TEST_SUITE_P(Engines, JobStoreEngine, testing::Values("file", "server"),
-                         [](const auto& row) { return std::string(row.param); });
+INSTANTIATE_TEST_SUITE_P(Engines, JobStoreEngine, test::EachEngine(), test::NameOfEngine);
 
-class StoreOnServer : public JobStoreRig {
- protected:
-  void SetUp() override {
-    if (!test::PostgresServer::IsInstalled())
-      GTEST_SKIP() << "the package postgresql is not installed";
-    server_.emplace();
-    ASSERT_EQ(server_->error(), "");
-  }
-  std::optional<test::PostgresServer> server_;
-};
+class StoreOnServer : public test::OnServer<JobStoreRig> {};
 
 TEST_F(StoreOnServer, ASecondJobServiceIsRefusedOrWaits) {
   auto first = std::make_optional<JobStore>(server_->address());

@@ -10,7 +10,7 @@
 #include "services/sql/address.h"
 #include "tests/services/job/test_job.h"
 #include "tests/services/job_service/fake_shop.h"
-#include "tests/services/sql/postgres_server.h"
+#include "tests/services/sql/engines.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::job_service {
@@ -19,13 +19,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-class Standby : public testing::Test {
+class Standby : public test::OnServer<> {
  protected:
   void SetUp() override {
-    if (!test::PostgresServer::IsInstalled())
-      GTEST_SKIP() << "the package postgresql is not installed";
-    server_.emplace();
-    ASSERT_EQ(server_->error(), "");
+    OnServer::SetUp();
+    if (!IsReady()) return;
     Start(services_[0]);
     ASSERT_TRUE(IsServed());
     Start(services_[1]);
@@ -74,7 +72,6 @@ class Standby : public testing::Test {
   }
 
   std::filesystem::path folder_ = test::FreshFolder();
-  std::optional<test::PostgresServer> server_;
   FakeShop shop_{test::PrivateBusOptions()};
   std::array<std::optional<ServiceProcess>, 2> services_;
   std::size_t owner_ = 0;

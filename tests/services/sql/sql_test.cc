@@ -3,14 +3,12 @@
 #include <gmock/gmock.h>
 
 #include <chrono>
-#include <optional>
 #include <thread>
 
 #include "services/sql/address.h"
 #include "services/sql/postgres_connection.h"
 #include "tests/patience.h"
-#include "tests/services/sql/postgres_server.h"
-#include "tests/test_folder.h"
+#include "tests/services/sql/engines.h"
 
 namespace intaglio::sql {
 namespace {
@@ -53,24 +51,13 @@ TEST(SqlAddress, NoPasswordIsPrinted) {
 }
 
 // Every method of a connection, on a file and on a server.
-class SqlEngine : public testing::TestWithParam<const char*> {
+class SqlEngine : public test::OnEachEngine<> {
  protected:
   void SetUp() override {
-    if (std::string(GetParam()) == "file") {
-      address_ = test::FreshFolder("sql_file_" + Name()) / "some.db";
-    } else if (!test::PostgresServer::IsInstalled()) {
-      GTEST_SKIP() << "the package postgresql is not installed";
-    } else {
-      server_.emplace();
-      ASSERT_EQ(server_->error(), "");
-      address_ = server_->address();
-    }
+    OnEachEngine::SetUp();
+    if (!IsReady()) return;
     connection_ = Open(address_);
     ASSERT_TRUE(connection_->TryOwn());
-  }
-  static std::string Name() {
-    std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
-    return name.substr(0, name.find('/'));
   }
   void MakeTable() {
     connection_->Run(
@@ -85,8 +72,6 @@ class SqlEngine : public testing::TestWithParam<const char*> {
     EXPECT_EQ(insert->Execute(), 1);
   }
 
-  std::optional<test::PostgresServer> server_;
-  std::string address_;
   std::unique_ptr<Connection> connection_;
 };
 
@@ -202,19 +187,9 @@ TEST_P(SqlEngine, AWrongStatementIsAnErrorThatDoesNotPass) {
   EXPECT_NO_THROW(connection_->Run("CREATE TABLE after_it (a INTEGER)"));
 }
 
-INSTANTIATE_TEST_SUITE_P(Engines, SqlEngine, testing::Values("file", "server"),
-                         [](const auto& row) { return std::string(row.param); });
+INSTANTIATE_TEST_SUITE_P(Engines, SqlEngine, test::EachEngine(), test::NameOfEngine);
 
-class SqlServer : public testing::Test {
- protected:
-  void SetUp() override {
-    if (!test::PostgresServer::IsInstalled())
-      GTEST_SKIP() << "the package postgresql is not installed";
-    server_.emplace();
-    ASSERT_EQ(server_->error(), "");
-  }
-  std::optional<test::PostgresServer> server_;
-};
+class SqlServer : public test::OnServer<> {};
 
 TEST_F(SqlServer, OneConnectionOwnsTheStoreUntilItEnds) {
   auto first = OpenPostgres(server_->address());
