@@ -251,12 +251,13 @@ class Console:
         """Its planned points, mm, glass frame, in the order in which they are made: an array of
         three columns where numpy is installed, else a list of tuples."""
         packed = self._bytes(f"jobs/{job}/plan")
-        if packed[:8] != b"INTPLAN1":
+        if packed[:8] != b"INTPLAN2":
             raise ValueError("the plan is of another version of the console")
         count = int.from_bytes(packed[8:12], "little")
         block_mm = _little_endian("f", packed[12:24])
-        shares = _little_endian("H", packed[24:24 + 8 * count])
-        places = _little_endian("I", packed[24 + 8 * count:])
+        begin = 24 + 4 * 513  # behind the first points of the cells
+        shares = _little_endian("H", packed[begin:begin + 8 * count])
+        places = _little_endian("I", packed[begin + 8 * count:])
         points = [()] * count
         for i, place in enumerate(places):
             points[place] = tuple(shares[4 * i + axis] / 65535 * block_mm[axis]

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "engrave/core/try.h"
+#include "engrave/formats/ply_vertices.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/formats/point_table_rules.h"
 #include "engrave/io/ply_header.h"
@@ -108,6 +109,8 @@ Result<std::array<std::size_t, 3>> CoordinatesOf(const PlyElement& vertices) {
   return coordinates;
 }
 
+}  // namespace
+
 Result<PointTable> ReadVertices(const PlyElement& vertices, std::size_t rest_size,
                                 PlyValues& values, const PointFileLimits& limits) {
   if (vertices.count > limits.max_points) {
@@ -152,8 +155,6 @@ Result<PointTable> ReadVertices(const PlyElement& vertices, std::size_t rest_siz
   }
   return table;
 }
-
-}  // namespace
 
 Result<PointTable> ParsePly(std::string_view bytes, const PointFileLimits& limits) {
   const PlyHeader header = INTAGLIO_TRY(io::ParsePlyHeader(bytes));

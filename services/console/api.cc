@@ -61,7 +61,10 @@ const JobFile* JobFileOf(std::string_view part) {
 web::Response BytesResponse(const Result<CloudReader::Bytes>& bytes,
                             const char* content_type) {
   if (bytes) return {200, content_type, *bytes};
-  return ErrorResponse(bytes.error().code == ErrorCode::kNotFound ? 404 : 500,
+  const ErrorCode code = bytes.error().code;
+  return ErrorResponse(code == ErrorCode::kNotFound  ? 404
+                       : code == ErrorCode::kRefused ? 503
+                                                     : 500,
                        bytes.error().message);
 }
 

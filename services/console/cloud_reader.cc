@@ -10,6 +10,7 @@ namespace intaglio::console {
 namespace {
 
 constexpr std::uint64_t kMaxResultBytes = 64 << 20;
+constexpr std::size_t kMaxPlanBytes = 64 << 20;
 
 }  // namespace
 
@@ -39,12 +40,23 @@ bool CloudReader::AskForFile(std::filesystem::path file, Answer answer) {
 Result<CloudReader::Bytes> CloudReader::Plan(const std::filesystem::path& folder) {
   std::error_code error;
   const auto written = std::filesystem::last_write_time(folder / "path.ply", error);
-  if (!error && kept_.bytes && kept_.folder == folder && kept_.written == written)
-    return kept_.bytes;
-  kept_ = {};
-  auto plan = INTAGLIO_TRY(ReadPlan(folder));
-  kept_ = {folder, written, std::make_shared<const std::string>(std::move(plan))};
-  return kept_.bytes;
+  for (const Sent& sent : sent_) {
+    Bytes bytes = sent.bytes.lock();
+    if (!error && bytes && sent.folder == folder && sent.written == written)
+      return kept_ = std::move(bytes);
+  }
+  const std::size_t wanted = INTAGLIO_TRY(PlanBytes(folder));
+  kept_ = nullptr;
+  std::erase_if(sent_, [](const Sent& sent) { return sent.bytes.expired(); });
+  std::size_t busy = 0;
+  for (const Sent& sent : sent_) {
+    if (const Bytes bytes = sent.bytes.lock()) busy += bytes->size();
+  }
+  if (busy > 0 && busy + wanted > kMaxPlanBytes)
+    return Fail(ErrorCode::kRefused, "plans of other jobs are being sent: try again");
+  kept_ = std::make_shared<const std::string>(INTAGLIO_TRY(ReadPlan(folder)));
+  sent_.push_back({folder, written, kept_});
+  return kept_;
 }
 
 }  // namespace intaglio::console

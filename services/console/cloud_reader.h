@@ -1,12 +1,15 @@
 #pragma once
 
 // Reads the points and the results of jobs in a thread of its own: neither a stop nor a
-// status waits for a disk. The last plan is kept and shared by all pages.
+// status waits for a disk. A plan is in memory once, however many pages it is sent to;
+// the last one is kept. While plans are sent, another one is read only when all of them
+// take 64 MB at most, so that slow readers of many jobs do not fill the memory.
 
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "engrave/core/result.h"
 #include "services/console/work_queue.h"
@@ -27,15 +30,18 @@ class CloudReader {
   bool AskForFile(std::filesystem::path file, Answer answer);
 
  private:
-  struct Kept {
+  struct Sent {
     std::filesystem::path folder;
     std::filesystem::file_time_type written;
-    Bytes bytes;
+    std::weak_ptr<const std::string> bytes;
   };
+  /// kRefused: other plans are being sent.
   Result<Bytes> Plan(const std::filesystem::path& folder);
 
   static constexpr std::size_t kMaxWaiting = 32;
-  Kept kept_;  // in the queue's thread
+  // In the queue's thread.
+  std::vector<Sent> sent_;
+  Bytes kept_;
   WorkQueue queue_{kMaxWaiting};
 };
 

@@ -3,17 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <fstream>
-#include <numeric>
-#include <random>
 #include <vector>
 
 #include "engrave/core/try.h"
 #include "engrave/formats/journal_file.h"
-#include "engrave/formats/point_file.h"
+#include "engrave/formats/ply_points.h"
 #include "services/client/proof/proof_evidence.h"
+#include "services/console/plan_packer.h"
 #include "services/job/options.h"
 
 namespace intaglio::console {
@@ -21,7 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint32_t kOutcomeShift = 29;
 constexpr std::size_t kMaxRecords = 65536;
 
 template <typename Value>
@@ -32,22 +29,24 @@ void Append(std::string& bytes, Value value) {
   bytes.append(raw, sizeof value);
 }
 
-std::uint16_t Share(double value, double whole) {
-  const double ratio = whole > 0 ? std::clamp(value / whole, 0.0, 1.0) : 0.0;
-  return static_cast<std::uint16_t>(std::lround(ratio * 65535));
+tl::unexpected<Error> NotThere(const fs::path& file) {
+  return Fail(ErrorCode::kNotFound,
+              fmt::format("{} is not there: the job has no plan yet, or its folder is on "
+                          "another computer",
+                          file.string()),
+              file.string());
+}
+
+Result<formats::PlyPoints> OpenPlan(const fs::path& folder) {
+  const fs::path file = folder / "path.ply";
+  if (!std::ifstream(file)) return NotThere(file);
+  return formats::PlyPoints::Open(file);
 }
 
 Result<std::string> ReadPart(const fs::path& file, std::uint64_t offset,
                              std::size_t max_bytes) {
   std::ifstream in(file, std::ios::binary);
-  if (!in) {
-    return Fail(
-        ErrorCode::kNotFound,
-        fmt::format("{} is not there: the job has no plan yet, or its folder is on "
-                    "another computer",
-                    file.string()),
-        file.string());
-  }
+  if (!in) return NotThere(file);
   in.seekg(static_cast<std::streamoff>(offset));
   std::string bytes(max_bytes, '\0');
   in.read(bytes.data(), static_cast<std::streamsize>(max_bytes));
@@ -56,26 +55,6 @@ Result<std::string> ReadPart(const fs::path& file, std::uint64_t offset,
 }
 
 }  // namespace
-
-Result<std::string> PackPlan(const PointList& path_mm, const Vec3& block_mm) {
-  const std::size_t count = path_mm.size();
-  if (count >= std::size_t{1} << kOutcomeShift)
-    return Fail(ErrorCode::kTooLarge, fmt::format("{} points are too many", count));
-  std::vector<std::uint32_t> places(count);
-  std::iota(places.begin(), places.end(), 0u);
-  std::shuffle(places.begin(), places.end(), std::mt19937(1));
-  std::string bytes = "INTPLAN1";
-  bytes.reserve(24 + 12 * count);
-  Append(bytes, static_cast<std::uint32_t>(count));
-  for (int axis = 0; axis < 3; ++axis) Append(bytes, static_cast<float>(block_mm[axis]));
-  for (const std::uint32_t place : places) {
-    for (int axis = 0; axis < 3; ++axis)
-      Append(bytes, Share(path_mm[place][axis], block_mm[axis]));
-    Append(bytes, Share(place, static_cast<double>(count)));
-  }
-  for (const std::uint32_t place : places) Append(bytes, place);
-  return bytes;
-}
 
 Result<std::string> PackMade(std::span<const std::byte> header,
                              std::span<const std::byte> records, std::uint32_t from) {
@@ -96,11 +75,28 @@ Result<std::string> PackMade(std::span<const std::byte> header,
   return bytes;
 }
 
+Result<std::size_t> PlanBytes(const fs::path& folder) {
+  const auto points = INTAGLIO_TRY(OpenPlan(folder));
+  return PackedPlanBytes(points.count());
+}
+
 Result<std::string> ReadPlan(const fs::path& folder) {
-  INTAGLIO_TRY(ReadPart(folder / "path.ply", 0, 1));
+  auto points = INTAGLIO_TRY(OpenPlan(folder));
   const auto job = INTAGLIO_TRY(client::ReadFrozenJob(folder / "job.json"));
-  const auto plan = INTAGLIO_TRY(formats::ReadPly(folder / "path.ply"));
-  return PackPlan(plan.points_mm, BlockSizeOf(job.job()));
+  PlanPacker packer =
+      INTAGLIO_TRY(PlanPacker::Begin(points.count(), BlockSizeOf(job.job())));
+  while (true) {
+    const PointList piece = INTAGLIO_TRY(points.Next());
+    if (piece.empty()) break;
+    packer.Count(piece);
+  }
+  points.Rewind();
+  while (true) {
+    const PointList piece = INTAGLIO_TRY(points.Next());
+    if (piece.empty()) break;
+    INTAGLIO_TRY(packer.Place(piece));
+  }
+  return packer.Finish();
 }
 
 Result<std::string> ReadMade(const fs::path& folder, std::uint32_t from) {

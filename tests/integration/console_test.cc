@@ -63,7 +63,7 @@ TEST_F(Console, AnswersWhatTheCommandLinePrints) {
   // What was made is read from the job's folder, and grows when the job goes on.
   const WebAnswer plan = Get("/api/v1/jobs/" + *job_ + "/plan");
   ASSERT_EQ(plan.status, 200) << plan.body;
-  EXPECT_EQ(plan.body.substr(0, 8), "INTPLAN1");
+  EXPECT_EQ(plan.body.substr(0, 8), "INTPLAN2");
   EXPECT_GE(Get("/api/v1/jobs/" + *job_ + "/made").body.size(), 4u + 4 * 20);
   EXPECT_EQ(Get("/api/v1/jobs/" + *job_ + "/made?from=1000000").body.size(), 4u);
   EXPECT_EQ(Get("/api/v1/jobs/" + *job_ + "/made?from=x").status, 400);

@@ -216,6 +216,7 @@ class GlassView extends HTMLElement {
   private worker?: Worker;
   private line = make('div', text.noGlass, 'quiet');
   private job = 0;
+  private marked = new Set<string>();
 
   connectedCallback() {
     const canvas = document.createElement('canvas');
@@ -252,11 +253,24 @@ class GlassView extends HTMLElement {
     if (data.missing) this.line.textContent = text.otherHost;
     else this.line.textContent = fill(text.cracksMade, data);
     this.dataset.drawn = String(data.drawn ?? 0);
+    this.dataset.frames = String(data.frames ?? 0);
+    this.dataset.budget = String(data.budget ?? 0);
+    this.mark('first picture', data.drawn > 0);
+    this.mark('loaded', data.isLoaded);
+    this.mark('all drawn', data.isLoaded && data.isWhole);
+  }
+
+  /** Keeps the time at which the present job has come so far, for measurements. */
+  private mark(name: string, reached: boolean) {
+    if (!reached || this.marked.has(name)) return;
+    this.marked.add(name);
+    performance.mark(`glass ${this.job}: ${name}`);
   }
 
   show(job: number) {
     if (job === this.job) return;
     this.job = job;
+    this.marked.clear();
     this.worker?.postMessage({ job });
   }
 

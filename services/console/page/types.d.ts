@@ -75,6 +75,7 @@ declare module 'three' {
       preserveDrawingBuffer: boolean;
     });
     autoClear: boolean;
+    getContext(): WebGLRenderingContext;
     clear(): void;
     setSize(width: number, height: number, style: boolean): void;
     render(scene: Scene, camera: PerspectiveCamera): void;

@@ -5,8 +5,12 @@
 
 #include <cstring>
 #include <fstream>
+#include <future>
 
 #include "engrave/formats/journal_file.h"
+#include "engrave/formats/point_file.h"
+#include "services/console/cloud_reader.h"
+#include "tests/services/console/packed_plan.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::console {
@@ -21,33 +25,61 @@ Value At(const std::string& bytes, std::size_t offset) {
   return value;
 }
 
-TEST(JobCloud, HasEveryPointAtItsPlaceAndInTheOrder) {
+/// A folder of a job with a plan of `count` points on a line.
+std::filesystem::path FolderWithPlan(const std::string& name, int count) {
+  const auto folder = test::FreshFolder(name);
+  formats::PointTable plan;
+  for (int i = 0; i < count; ++i) plan.points_mm.push_back({0.001 * i, 25, 15});
+  plan.columns.push_back(
+      {"source", std::vector<std::uint32_t>(plan.points_mm.size(), 7)});
+  EXPECT_TRUE(formats::WritePly(folder / "path.ply", plan));
+  std::ofstream(folder / "job.json")
+      << R"({"job": {"block": {"size_mm": {"x": 50, "y": 50, "z": 30}}}})";
+  return folder;
+}
+
+TEST(JobCloud, ReadsThePlanPieceByPiece) {
+  const int count = 40000;  // several pieces
+  const auto folder = FolderWithPlan("pieces", count);
   PointList path;
-  for (int i = 0; i < 100; ++i) path.push_back({0.5 * i, 25.0, 30.0 - 0.1 * i});
-  const auto packed = PackPlan(path, {50, 50, 30});
-  ASSERT_TRUE(packed);
-  ASSERT_EQ(packed->size(), 24u + 12 * 100);
-  EXPECT_EQ(packed->substr(0, 8), "INTPLAN1");
-  EXPECT_EQ(At<std::uint32_t>(*packed, 8), 100u);
-  EXPECT_EQ(At<float>(*packed, 20), 30.0f);
-  std::vector<bool> seen(100);
-  double first_half = 0;
-  for (std::size_t i = 0; i < 100; ++i) {
-    const auto place = At<std::uint32_t>(*packed, 24 + 800 + 4 * i);
-    ASSERT_LT(place, 100u);
-    EXPECT_FALSE(seen[place]);
-    seen[place] = true;
-    if (i < 50) first_half += place;
-    const Vec3 point = path[place];
-    for (int axis = 0; axis < 3; ++axis) {
-      const double size = axis == 2 ? 30 : 50;
-      // Half of a step of the packed numbers, and a rounding of doubles.
-      EXPECT_NEAR(At<std::uint16_t>(*packed, 24 + 8 * i + 2 * axis) * size / 65535,
-                  point[axis], 0.5 * size / 65535 + 1e-9);
-    }
-  }
-  // A fair sample: the mean of 50 of 0..99 strays by 2.9 from 49.5, five of that.
-  EXPECT_NEAR(first_half / 50, 49.5, 15);
+  for (int i = 0; i < count; ++i) path.push_back({0.001 * i, 25, 15});
+  const auto read = ReadPlan(folder);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(*read, *PackPlan(path, {50, 50, 30}));
+  EXPECT_EQ(*PlanBytes(folder), read->size());
+}
+
+Result<CloudReader::Bytes> PlanOf(CloudReader& reader,
+                                  const std::filesystem::path& folder) {
+  std::promise<Result<CloudReader::Bytes>> answer;
+  EXPECT_TRUE(reader.AskForPlan(
+      folder, [&](Result<CloudReader::Bytes> bytes) { answer.set_value(bytes); }));
+  return answer.get_future().get();
+}
+
+TEST(CloudReader, HasAPlanOnceForAllPages) {
+  CloudReader reader;
+  const auto one = FolderWithPlan("one", 100), other = FolderWithPlan("other", 100);
+  const auto first = PlanOf(reader, one), second = PlanOf(reader, one);
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(first->get(), second->get());
+  ASSERT_TRUE(PlanOf(reader, other));
+  EXPECT_EQ(PlanOf(reader, one)->get(), first->get()) << "it is still being sent";
+}
+
+// 64 MB: 3.2 million points and 2.4 million are more.
+TEST(CloudReader, ReadsNoLargePlanWhileAnotherIsSent) {
+  CloudReader reader;
+  const auto one = FolderWithPlan("one", 3'200'000);
+  const auto other = FolderWithPlan("other", 2'400'000);
+  auto sent = PlanOf(reader, one);
+  ASSERT_TRUE(sent);
+  const auto refused = PlanOf(reader, other);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kRefused);
+  EXPECT_EQ(PlanOf(reader, one)->get(), sent->get());
+  sent->reset();
+  EXPECT_TRUE(PlanOf(reader, other));
 }
 
 /// A journal whose last record is cut.

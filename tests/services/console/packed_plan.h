@@ -1,0 +1,19 @@
+#pragma once
+
+// A packed plan of points that are in memory, for tests.
+
+#include <string>
+
+#include "engrave/core/try.h"
+#include "services/console/plan_packer.h"
+
+namespace intaglio::console {
+
+inline Result<std::string> PackPlan(const PointList& path_mm, const Vec3& block_mm) {
+  PlanPacker packer = INTAGLIO_TRY(PlanPacker::Begin(path_mm.size(), block_mm));
+  packer.Count(path_mm);
+  INTAGLIO_TRY(packer.Place(path_mm));
+  return packer.Finish();
+}
+
+}  // namespace intaglio::console
