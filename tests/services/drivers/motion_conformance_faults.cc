@@ -3,6 +3,7 @@
 #include "services/drivers/laser_controller.h"
 #include "tests/services/drivers/motion_bench.h"
 #include "tests/services/drivers/motion_conformance.h"
+#include "tests/services/drivers/motion_conformance_jog.h"
 
 namespace intaglio::drivers {
 namespace {
@@ -76,33 +77,16 @@ void AFaultEndsTheMotion(const MotionRigMaker& make, ControllerFault fault,
   bench.ExpectGoodRun(9);
 }
 
-// Where the controller has braked may lie between two steps, to and fro of which a
-// stepper goes; a step of the coarsest controller here is shorter than this.
-void ExpectRest(MotionBench& bench, std::chrono::milliseconds time,
-                const std::string& violation) {
-  constexpr double kStep_mm = 0.0055;
-  const Vec3 place = bench.rig().actual_mm();
-  for (std::int64_t i = 0; i < time.count(); ++i) {
-    bench.Step();
-    Expect((bench.rig().actual_mm() - place).cwiseAbs().maxCoeff() < kStep_mm, violation);
-  }
-}
-
-// At the instant when the place goes, the axes may be anywhere: rest, and the next run
+// At the instant when the place goes, the axes may be anywhere: rest, and the next motion
 // by a person's will alone.
-void APlaceThatIsLostEndsTheRun(const MotionRigMaker& make) {
-  MotionBench bench(make);
-  bench.Connect();
-  bench.MoveALot(1);
-  const KnownOfLaser known = KnownOf(bench);
-  if (!bench.rig().LosePlaceInMotion()) return;
-  bench.ExpectFault(intaglio_MOTION_SAFE_STATE, "M18: a place that is lost in a run");
+void ExpectEndWhereThePlaceIsLost(MotionBench& bench, const KnownOfLaser& known) {
+  bench.ExpectFault(intaglio_MOTION_SAFE_STATE, "M18: a place that is lost in motion");
   bench.StepFor(100ms + bench.rig().braking_time());
-  ExpectRest(bench, 300ms, "M18: the motion goes on where the place is lost");
+  bench.ExpectStill(300ms, "M18: the motion goes on where the place is lost");
   Expect(UsedLaser(bench) == nullptr || KnownOf(bench) != known,
          "M18: a place that is lost is not counted");
   Expect(bench.rig().FindPlace(), "M18: a person cannot state the place");
-  ExpectRest(bench, 1s, "M18: it goes on by itself when the place is known again");
+  bench.ExpectStill(1s, "M18: it goes on by itself when the place is known again");
   Expect(bench.state().fault == intaglio_MOTION_SAFE_STATE, "M18: the fault ends itself");
   if (UsedLaser(bench) != nullptr) Expect(UsedLaser(bench)->Reset(), "Reset");
   Expect(bench.driver().ClearFault(), "ClearFault");
@@ -114,10 +98,31 @@ void APlaceThatIsLostEndsTheRun(const MotionRigMaker& make) {
   bench.ExpectGoodRun(9);
 }
 
+void APlaceThatIsLostEndsTheRun(const MotionRigMaker& make) {
+  MotionBench bench(make);
+  bench.Connect();
+  bench.MoveALot(1);
+  const KnownOfLaser known = KnownOf(bench);
+  if (!bench.rig().LosePlaceInMotion()) return;
+  ExpectEndWhereThePlaceIsLost(bench, known);
+}
+
+void APlaceThatIsLostEndsTheJog(const MotionRigMaker& make) {
+  MotionBench bench(make);
+  bench.Connect();
+  if (!CanJog(bench)) return;
+  const Vec3 target = bench.rig().actual_mm() + Vec3(kJogMm, 0, 0);
+  JogAQuarter(bench, target);
+  const KnownOfLaser known = KnownOf(bench);
+  if (!bench.rig().LosePlaceInMotion()) return;
+  ExpectEndWhereThePlaceIsLost(bench, known);
+}
+
 }  // namespace
 
 std::vector<MotionCheck> MotionFaultChecks() {
-  std::vector<MotionCheck> all = {{"M18_lost_in_a_run", &APlaceThatIsLostEndsTheRun}};
+  std::vector<MotionCheck> all = {{"M18_lost_in_a_run", &APlaceThatIsLostEndsTheRun},
+                                  {"M18_lost_in_a_jog", &APlaceThatIsLostEndsTheJog}};
   for (const ControllerFault fault : kControllerFaults) {
     for (const FaultInstant instant : kFaultInstants) {
       all.push_back({fmt::format("M17_{}_{}", NameOf(fault), NameOf(instant)),

@@ -2,16 +2,15 @@
 
 #include <deque>
 
-#include "tests/services/drivers/motion_bench.h"
-
 namespace intaglio::drivers {
 namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double kJogMm = 20, kJogSpeedMmS = 25;
+constexpr double kJogSpeedMmS = 25;
 
-/// Whether this family can be moved by hand; the bench is connected and at rest.
+}  // namespace
+
 bool CanJog(MotionBench& bench) {
   const Vec3 here = bench.rig().actual_mm();
   const auto jogged = bench.driver().Jog(here, kJogSpeedMmS);
@@ -26,7 +25,6 @@ bool CanJog(MotionBench& bench) {
   return true;
 }
 
-/// Into the jog by a quarter of its way.
 void JogAQuarter(MotionBench& bench, const Vec3& target) {
   const double x0 = bench.x();
   Expect(bench.driver().Jog(target, kJogSpeedMmS), "Jog");
@@ -34,8 +32,6 @@ void JogAQuarter(MotionBench& bench, const Vec3& target) {
   Expect(bench.Until([&] { return bench.x() - x0 > kJogMm / 4; }),
          "M14: the jog does not begin: " + bench.Message());
 }
-
-}  // namespace
 
 void AJogGoesToItsPlaceAndRests(const MotionRigMaker& make) {
   MotionBench bench(make);

@@ -198,6 +198,28 @@ TEST_F(HalConfiguration, TurnsTheLaserOffAndRestsWhenTheRowsEnd) {
   }
 }
 
+// 88 um a period is a speed behind which the limits, as LinuxCNC has them by default, go
+// 4 um to and fro about the place for ever.
+TEST_F(HalConfiguration, BrakesToRestFromEverySpeed) {
+  double place_mm = 0;
+  for (const double step_um : {88, 132, 12, 25, 50}) {
+    std::vector<Row> rows;
+    for (int i = 1; i <= 50; ++i)
+      rows.push_back({1, 0, 7, 3, 0, 0, place_mm + step_um * 1e-3 * i});
+    Play(rows);
+    place_mm = rows.back().x_mm;
+    long last = 0;
+    const auto samples = Samples();
+    for (const Sample& s : samples)
+      if (s.fresh()) last = s.period;
+    ASSERT_GT(samples.back().period, last + 80);
+    for (const Sample& s : samples) {
+      if (s.period <= last + 80) continue;
+      ASSERT_NEAR(s.x_mm, place_mm, 1.1e-6) << step_um << " um, period " << s.period;
+    }
+  }
+}
+
 TEST_F(HalConfiguration, IsOffAndAtRestWithin250MsAfterTheLastHeartbeat) {
   std::vector<Row> rows = Cruise(1000);
   for (Row& row : rows) row.fire = 1;
