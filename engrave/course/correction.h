@@ -2,7 +2,7 @@
 
 // The rounds of plan.h: predict a contour, compare each node's error with what is
 // allowed, change its speed. Also on a part of a contour whose first nodes are already
-// passed (stream.h).
+// passed.
 
 #include <cstddef>
 #include <vector>

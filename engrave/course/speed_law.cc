@@ -126,6 +126,33 @@ SpeedLaw PlanSpeeds(const Path& path, std::span<const double> inner_node_mm_s,
   return PlanSpeeds(path, {nodes, speeds, accelerations});
 }
 
+void AlignBlocks(const Path& path, double period_s, SpeedLaw& law) {
+  auto& phases = law.phases;
+  auto first = phases.begin();
+  double begin_s = 0;  // of the block that begins with `first`
+  const auto align = [&](auto end, double slower) {
+    const double was_s = first->begin_s;
+    for (; first != end; ++first) {
+      first->begin_s = begin_s + (first->begin_s - was_s) * slower;
+      first->v_mm_s /= slower;
+      first->a_mm_s2 /= slower * slower;
+    }
+  };
+  for (std::size_t node = kBlockSegments; node < path.segment_count();
+       node += kBlockSegments) {
+    // Phases begin at nodes, to the rounding of a sum.
+    const double s_mm = path.node_s_mm()[node] - kMinSegmentMm / 2;
+    const auto end =
+        std::ranges::lower_bound(first, phases.end(), s_mm, {}, &Phase::s_mm);
+    const double took_s = end->begin_s - first->begin_s;
+    const double whole_s = period_s * std::ceil(took_s / period_s);
+    align(end, whole_s / took_s);
+    begin_s += whole_s;
+  }
+  law.duration_s += begin_s - first->begin_s;
+  align(phases.end(), 1);
+}
+
 std::vector<double> SampleLaw(const SpeedLaw& law, double period_s, double first_s,
                               std::size_t count, double smooth_s) {
   const auto half = static_cast<std::size_t>(std::lround(smooth_s / (2 * period_s)));

@@ -51,6 +51,17 @@ SpeedLaw PlanSpeeds(const Path& path, const SpeedLimits& limits);
 SpeedLaw PlanSpeeds(const Path& path, std::span<const double> inner_node_mm_s,
                     double acceleration_mm_s2);
 
+/// Segments of a block whose duration AlignBlocks makes whole.
+inline constexpr std::size_t kBlockSegments = 256;
+
+/// Slows each block of kBlockSegments segments, the last one left out, by less than a
+/// period in all, so that it lasts whole periods of the setpoints. Without it a change of
+/// one node's speed moved all nodes behind it on the clock of the setpoints, and with it
+/// the loads that their corners have there (by up to 4 %): some node of a long path was
+/// over its limit whatever was corrected. The speed has steps of at most one period in a
+/// block's duration at the blocks' ends.
+void AlignBlocks(const Path& path, double period_s, SpeedLaw& law);
+
 /// The law at the times first_s + i period_s, i from 0 to count - 1, as arc length, mm.
 /// Before its begin and behind its end it goes on with the speed there. With smooth_s >
 /// 0 it is the mean over a window of that length around each time, to whole periods: the

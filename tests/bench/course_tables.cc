@@ -255,22 +255,7 @@ void PrintContent() {
 
 /// One contour of 100 000 segments, planned and tried on machines that differ.
 void PrintLongContour() {
-  constexpr std::size_t kSegments = 100'000;
-  const Program program = CutProgram(480, kFeedMmS, kSeed + 4);
-  std::vector<Segment> segments;
-  Vec2 at_mm = Vec2::Zero();
-  for (const Path& path : program) {
-    // Each contour begins where the one before ends.
-    const Vec2 move_mm = at_mm - path.node_mm(0);
-    for (Segment segment : path.segments()) {
-      segment.begin_mm += move_mm;
-      segment.end_mm += move_mm;
-      segments.push_back(segment);
-    }
-    at_mm = segments.back().end_mm;
-  }
-  segments.resize(std::min(segments.size(), kSegments));
-  const Path path = Path::Of(std::move(segments));
+  const Path path = JoinedPath(CutProgram(480, kFeedMmS, kSeed + 4));
   for (const bool reserve : {false, true}) {
     const std::clock_t begin = std::clock();
     PlanWithMargin found;
@@ -280,9 +265,9 @@ void PrintLongContour() {
       found.plan = PlanCourse(path, kMachine, CompensatedOptions()).value();
       found.margin = CheckMargin(path, found.plan, kMachine, kToleranceMm, {});
     }
-    fmt::print("| one contour, {} segments, {:.1f} m{} | {:.1f} |\n",
+    fmt::print("| one contour, {} segments, {:.1f} m{}, {} | {:.1f} |\n",
                path.segment_count(), path.length_mm() / 1e3,
-               reserve ? ", with a reserve" : "",
+               reserve ? ", with a reserve" : "", found.plan.holds ? "holds" : "over",
                static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
   }
 }

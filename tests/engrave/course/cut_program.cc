@@ -134,6 +134,22 @@ std::vector<Path> CutProgram(double length_m, double feed_mm_s, std::uint64_t se
   return program;
 }
 
+Path JoinedPath(const std::vector<Path>& program, std::size_t max_segments) {
+  std::vector<Segment> segments;
+  Vec2 at_mm = Vec2::Zero();
+  for (const Path& path : program) {
+    const Vec2 move_mm = at_mm - path.node_mm(0);
+    for (Segment segment : path.segments()) {
+      if (segments.size() == max_segments) break;
+      segment.begin_mm += move_mm;
+      segment.end_mm += move_mm;
+      segments.push_back(segment);
+    }
+    at_mm = segments.back().end_mm;
+  }
+  return Path::Of(std::move(segments));
+}
+
 double LengthMm(const std::vector<Path>& program) {
   double sum_mm = 0;
   for (const Path& path : program) sum_mm += path.length_mm();

@@ -26,6 +26,9 @@ struct ProgramMix {
 std::vector<Path> CutProgram(double length_m, double feed_mm_s, std::uint64_t seed,
                              const ProgramMix& mix = {});
 
+/// The contours as one, each begins where the one before ends; at most `max_segments`.
+Path JoinedPath(const std::vector<Path>& program, std::size_t max_segments = 100'000);
+
 double LengthMm(const std::vector<Path>& program);
 std::size_t SegmentCount(const std::vector<Path>& program);
 

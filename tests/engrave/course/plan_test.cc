@@ -173,6 +173,17 @@ TEST(PlanCourse, KeepsTheJerk) {
   }
 }
 
+// Each of many nodes keeps its limits: what is corrected at one moves no other one on
+// the clock of the setpoints.
+TEST(PlanCourse, HoldsAtEveryNodeOfALongContour) {
+  const Path path = JoinedPath(CutProgram(100, kFeedMmS, 3));
+  const CoursePlan plan =
+      PlanCourse(path, MeasuredMachine(), CompensatedOptions()).value();
+  EXPECT_TRUE(plan.holds) << plan.reason;
+  EXPECT_LE(plan.worst_mm(), kToleranceMm * 1.0001);
+  EXPECT_LE(plan.motor_mm_s2, 11000 * 1.0001);
+}
+
 // The soft machine of figure 2 cannot hold 100 um by speed alone: stopping at every node
 // leaves 182 um.
 TEST(PlanCourse, ReportsWhatCannotBeHeld) {

@@ -95,6 +95,49 @@ TEST(PlanSpeeds, IsFinalABrakingDistanceBeforeTheEnd) {
   }
 }
 
+/// When the law passes a node.
+double PassedS(const Path& path, const SpeedLaw& law, std::size_t node) {
+  double from_s = 0, to_s = law.duration_s;
+  for (int i = 0; i < 80; ++i) {
+    const double middle_s = (from_s + to_s) / 2;
+    const double s_mm = SampleLaw(law, 1, middle_s, 1).front();
+    (s_mm < path.node_s_mm()[node] ? from_s : to_s) = middle_s;
+  }
+  return to_s;
+}
+
+// A node that is passed slower delays the blocks behind its own by whole periods.
+TEST(AlignBlocks, KeepsTheClockOfOtherBlocks) {
+  constexpr double kPeriodS = 5e-4;
+  const Path path = JoinedPath(CutProgram(8, 100, 3));
+  ASSERT_GT(path.segment_count(), 4 * kBlockSegments);
+  auto nodes = Random(path.node_count(), 5, 100, 5);
+  nodes.front() = nodes.back() = 0;
+  const std::vector<double> caps(path.segment_count(), 100), a(path.segment_count(), 5e3);
+  const SpeedLaw plain = PlanSpeeds(path, {nodes, caps, a});
+  SpeedLaw before = plain;
+  AlignBlocks(path, kPeriodS, before);
+  nodes[kBlockSegments / 2] *= 0.9;
+  SpeedLaw behind = PlanSpeeds(path, {nodes, caps, a});
+  AlignBlocks(path, kPeriodS, behind);
+  const auto blocks = static_cast<double>(path.segment_count() / kBlockSegments);
+  EXPECT_GE(before.duration_s, plain.duration_s);
+  EXPECT_LE(before.duration_s, plain.duration_s + blocks * kPeriodS);
+  for (std::size_t node = kBlockSegments; node < path.node_count(); node += 37) {
+    const double periods =
+        (PassedS(path, behind, node) - PassedS(path, before, node)) / kPeriodS;
+    // Times of some 100 s, searched to their last digits.
+    EXPECT_NEAR(periods, std::round(periods), 1e-6) << node;
+  }
+  EXPECT_GT(behind.duration_s, before.duration_s + kPeriodS / 2);
+  // Nowhere faster than planned.
+  for (std::size_t i = 0; i < plain.phases.size(); ++i) {
+    EXPECT_LE(before.phases[i].v_mm_s, plain.phases[i].v_mm_s);
+    EXPECT_LE(std::abs(before.phases[i].a_mm_s2), std::abs(plain.phases[i].a_mm_s2));
+    EXPECT_GE(before.phases[i].begin_s, plain.phases[i].begin_s);
+  }
+}
+
 TEST(SampleLaw, SmoothedKeepsTheJerk) {
   const Path path = PolylinePath({Vec2(0, 0), Vec2(3, 0), Vec2(3, 2)}, 50);
   constexpr double kJerk = 200000, kA = 1000, kPeriodS = 1e-4;
