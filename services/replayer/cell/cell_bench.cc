@@ -38,6 +38,7 @@ struct CellBench::Performance {
   std::size_t begun = 0;           // present runs that correspond to one recorded run
   std::size_t consumed = 0;        // armed points of the newest one that have ended
   std::size_t fired = 0;           // of all
+  bool over = false;               // what comes is of no interest
   Clock::time_point hold_until{};  // no tick passes
   Clock::time_point permission_due{};
   Clock::time_point moved_at = Clock::now();
@@ -122,10 +123,11 @@ Result<CellBench::Performed> CellBench::Perform(const CellSession& session,
     stillness = WhyNothingMore(performance);
     if (!stillness.why.empty()) break;
   }
-  INTAGLIO_TRY(Finish(performance, keep_on));
+  const bool ended = stillness.why.empty();
   Performed performed{performance.listener.Messages(), std::move(stillness),
                       performance.begun};
-  if (!performed.stillness.why.empty()) performed.messages.end.reset();
+  INTAGLIO_TRY(Finish(performance, keep_on));
+  if (ended) performed.messages = performance.listener.Messages();
   return performed;
 }
 
@@ -179,9 +181,13 @@ void CellBench::BeginRun(Performance& performance) {
   if (performance.begun < starts.size()) stage_.MoveTo(starts[performance.begun]);
 }
 
+bool CellBench::AllAreReported(const Performance& performance) {
+  return performance.listener.fired_count() >= performance.fired;
+}
+
 /// Every pulse of it has been reported, and the notice that the stage rests was received.
 bool CellBench::RunIsOver(const Performance& performance) const {
-  return stage_.at_rest() && performance.listener.fired_count() >= performance.fired &&
+  return stage_.at_rest() && AllAreReported(performance) &&
          Clock::now() > performance.moved_at + kReceiveDelay;
 }
 
@@ -202,6 +208,7 @@ bool CellBench::IsDue(const Performance& performance) const {
       run->pulses.begin(), run->pulses.end(), event.tick,
       [](std::uint64_t tick, const RunPulse& pulse) { return tick < pulse.tick; });
   const auto ended_then = static_cast<std::size_t>(later - run->pulses.begin());
+  if (run->open) return performance.consumed >= ended_then;
   return performance.consumed >= ended_then &&
          (ended_then < count || RunIsOver(performance));
 }
@@ -299,6 +306,8 @@ void CellBench::KeepPermission(Performance& performance, bool at_once) {
 
 std::optional<PulseEnd> CellBench::EndOfPulse(Performance& performance,
                                               std::size_t armed) const {
+  // What is still armed is taken back.
+  if (performance.over) return PulseEnd::kNotInPosition;
   if (Clock::now() < performance.hold_until) return std::nullopt;
   if (performance.event() != nullptr && IsDue(performance)) return std::nullopt;
   const CellRun* run = performance.then();
@@ -325,7 +334,9 @@ CellBench::Stillness CellBench::WhyNothingMore(const Performance& performance) c
                         performance.begun >= performance.session.messages.runs.size() &&
                         !performance.session.messages.end;
   const bool all_ended = run == nullptr || performance.consumed >= run->pulses.size();
-  if (all_sent && all_ended && RunIsOver(performance) && still > 20 * kReceiveDelay)
+  const bool is_over = RunIsOver(performance) ||
+                       (run != nullptr && run->open && AllAreReported(performance));
+  if (all_sent && all_ended && is_over && still > 20 * kReceiveDelay)
     return {performance.session.ends_early.empty() ? "the recording ends there"
                                                    : performance.session.ends_early,
             true};
@@ -341,6 +352,7 @@ CellBench::Stillness CellBench::WhyNothingMore(const Performance& performance) c
 Status CellBench::Finish(Performance& performance, const KeepOn& keep_on) {
   performance.next_event = performance.session.events.size();
   const bool ended = performance.listener.end().has_value();
+  performance.over = true;
   if (!ended) {
     if (auto given = Give(performance, true, false); !given) return given;
   }

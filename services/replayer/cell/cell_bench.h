@@ -70,6 +70,7 @@ class CellBench {
   bool HoldsBack(const Performance& performance) const;
   void KeepPermission(Performance& performance, bool at_once);
   std::optional<PulseEnd> EndOfPulse(Performance& performance, std::size_t armed) const;
+  static bool AllAreReported(const Performance& performance);
   bool RunIsOver(const Performance& performance) const;
   Stillness WhyNothingMore(const Performance& performance) const;
   Status Finish(Performance& performance, const KeepOn& keep_on);

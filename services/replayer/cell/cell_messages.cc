@@ -155,7 +155,7 @@ StatusMessage MessageOf(const intaglio_TaskStatus& sample) {
 }
 
 bool CellRun::undisturbed() const {
-  return whole && !aborted &&
+  return whole && !aborted && !open &&
          std::all_of(pulses.begin(), pulses.end(),
                      [](const RunPulse& one) { return one.fired(); });
 }

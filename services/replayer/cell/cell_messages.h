@@ -73,6 +73,8 @@ struct CellRun {
   bool aborted = false, whole = false;
   std::uint64_t next_number = 0;  ///< of the batches of its segments
   bool respeeded = false;  ///< of a recording: the speed override changed meanwhile
+  /// The recording ends before the run does, or has a gap there.
+  bool open = false;
   std::array<std::vector<double>, 6> columns;
   std::vector<std::uint32_t> duration_subticks;
   std::vector<std::uint8_t> pulse;

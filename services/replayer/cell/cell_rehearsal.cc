@@ -109,12 +109,22 @@ bool CellRehearsal::HasInput(const CellSession& session) {
   if (session.job.machine().name() != cell_)
     return lacks(fmt::format("it was engraved by {}, this is {}",
                              session.job.machine().name(), cell_));
+  if (!session.lacks.empty())
+    return lacks(
+        fmt::format("not comparable: the recording has no {} of it", session.lacks));
+  const std::uint32_t frozen = session.job.machine().taught().number();
+  if (const std::uint32_t first = machine_.taught().number(); first != frozen)
+    return lacks(
+        fmt::format("not comparable: zeros, positions or limits were taught between the "
+                    "jobs: it has version {} of them, the job that is compared first has "
+                    "version {}; cut the recording (intaglio recording cut --from) to "
+                    "compare it alone",
+                    frozen, first));
   if (const auto other = OtherProfile(machine_, session.job.machine()); !other.empty())
     return lacks(
         fmt::format("not comparable: it was engraved with another profile than the job "
                     "that is compared first: {}",
                     other));
-  const std::uint32_t frozen = session.job.machine().taught().number();
   if (session.taught_number && *session.taught_number != frozen)
     return lacks(
         fmt::format("not comparable: its machine had version {} of what was taught, the "

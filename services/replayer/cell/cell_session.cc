@@ -30,6 +30,11 @@ Status ForEach(const recording::McapReader& reader, const char* topic, Sink&& si
   }
 }
 
+struct Rest {
+  std::uint64_t at_ns;
+  Vec3 at_mm;
+};
+
 /// Reads one task: from its being given to the next task of the cell.
 class SessionReader {
  public:
@@ -55,7 +60,10 @@ class SessionReader {
   Status ReadTaught();
   void Place();
   void EndBefore(std::uint32_t run, const std::string& why);
+  void EndBeforeGap(std::uint32_t run, const std::string& why);
   void EndBeforeTheUnknown();
+  void PlaceStarts(const std::vector<Rest>& rests);
+  void NoteMissingTopic();
   template <typename Message>
   void Add(std::uint64_t at_ns, Message message) {
     session_.events.push_back({at_ns, 0, 0, std::move(message)});
@@ -65,6 +73,7 @@ class SessionReader {
   CellSession& session_;
   std::uint64_t from_ns_, to_ns_;
   std::string cell_;
+  bool has_motion_ = false, has_ticks_ = false;
 };
 
 std::optional<bool> SessionReader::Ours(const Value& value) const {
@@ -160,11 +169,26 @@ Status SessionReader::ReadInterlocks() {
                  });
 }
 
+/// The stage rested after the run before, and its place is what the next one begins at.
+void SessionReader::PlaceStarts(const std::vector<Rest>& rests) {
+  std::uint64_t from_ns = 0;
+  for (const CellRun& run : session_.messages.runs) {
+    const auto later = std::find_if(rests.begin(), rests.end(), [&](const Rest& rest) {
+      return rest.at_ns > run.begun_ns;
+    });
+    if (later == rests.begin() || std::prev(later)->at_ns < from_ns) {
+      EndBeforeGap(run.number,
+                   fmt::format("the stage's place before run {} is missing in "
+                               "the recording",
+                               run.number));
+      return;
+    }
+    session_.starts_mm.push_back(std::prev(later)->at_mm);
+    from_ns = run.begun_ns;
+  }
+}
+
 Status SessionReader::ReadMotion() {
-  struct Rest {
-    std::uint64_t at_ns;
-    Vec3 at_mm;
-  };
   std::vector<Rest> rests;
   StageFaultMessage newest{"MOTION_OK", ""};
   auto read = ForEach(reader_, bus::kMotionState.name,
@@ -182,18 +206,13 @@ Status SessionReader::ReadMotion() {
                         const auto ours = Ours(value);
                         if (!members.good() || !ours) return false;
                         if (!*ours || at_ns >= to_ns_) return true;
+                        has_motion_ = true;
                         if (at_rest) rests.push_back({at_ns, at});
                         if (at_ns >= from_ns_ && message != newest)
                           Add(at_ns, newest = message);
                         return true;
                       });
-  for (const CellRun& run : session_.messages.runs) {
-    const auto later = std::find_if(rests.begin(), rests.end(), [&](const Rest& rest) {
-      return rest.at_ns > run.begun_ns;
-    });
-    session_.starts_mm.push_back(later == rests.begin() ? Vec3::Zero()
-                                                        : std::prev(later)->at_mm);
-  }
+  if (has_motion_) PlaceStarts(rests);
   return read;
 }
 
@@ -223,6 +242,7 @@ Status SessionReader::ReadTicks() {
         const auto ours = Ours(value);
         if (!members.good() || !ours) return false;
         if (!*ours) return true;
+        has_ticks_ = true;
         for (; event != session_.events.end() && event->time_ns < at_ns; ++event)
           event->tick = newest;
         newest = tick;
@@ -256,14 +276,50 @@ void SessionReader::EndBefore(std::uint32_t run, const std::string& why) {
   session_.messages.end.reset();
 }
 
+/// What came before is known; the run before may have gone on.
+void SessionReader::EndBeforeGap(std::uint32_t run, const std::string& why) {
+  EndBefore(run, why);
+  auto& runs = session_.messages.runs;
+  if (!runs.empty()) runs.back().open = !runs.back().aborted;
+}
+
 /// A pulse of unknown result comes of another power-up of the laser.
 void SessionReader::EndBeforeTheUnknown() {
+  const bool ended = session_.messages.end.has_value();
   const std::uint32_t lost = session_.messages.uncertain_run;
   const std::uint32_t incomplete = session_.messages.incomplete_run;
   EndBefore(lost, fmt::format("in run {} the outcome of some pulses was unknown", lost));
-  if (lost == 0 || incomplete < lost)
-    EndBefore(incomplete,
-              fmt::format("messages of run {} are missing in the recording", incomplete));
+  if (incomplete != 0 && (lost == 0 || incomplete < lost)) {
+    EndBeforeGap(
+        incomplete,
+        fmt::format("messages of run {} are missing in the recording", incomplete));
+  } else if (!ended && lost == 0) {
+    EndBeforeGap(std::numeric_limits<std::uint32_t>::max(), "the recording ends there");
+  }
+}
+
+/// A machine that moved had them all, and a job that was made had pulses. A recording may
+/// leave topics out, or be cut to some.
+void SessionReader::NoteMissingTopic() {
+  const CellMessages& messages = session_.messages;
+  const bool done = messages.end && messages.end->state == "TASK_DONE";
+  if (messages.runs.empty() && !done) return;
+  const bool fired = std::any_of(messages.runs.begin(), messages.runs.end(),
+                                 [](const CellRun& run) { return !run.pulses.empty(); });
+  const bool permitted = std::any_of(
+      session_.events.begin(), session_.events.end(), [](const CellEvent& event) {
+        return std::holds_alternative<PermissionMessage>(event.message);
+      });
+  const bool has_pulses =
+      fired || (!done && messages.runs.size() + messages.given_up_count < 2);
+  for (const auto& [there, topic] :
+       {std::pair(!messages.runs.empty(), bus::kMotionSegmentBatch.name),
+        std::pair(has_pulses, bus::kPulseEventBatch.name),
+        std::pair(permitted, bus::kPermission.name),
+        std::pair(has_motion_, bus::kMotionState.name),
+        std::pair(has_ticks_, bus::kLampSync.name)}) {
+    if (!there && session_.lacks.empty()) session_.lacks = topic;
+  }
 }
 
 Status SessionReader::Read() {
@@ -277,7 +333,9 @@ Status SessionReader::Read() {
       session_.events.begin(), session_.events.end(),
       [](const CellEvent& a, const CellEvent& b) { return a.time_ns < b.time_ns; });
   Place();
-  return ReadTicks();
+  INTAGLIO_TRY(ReadTicks());
+  NoteMissingTopic();
+  return {};
 }
 
 }  // namespace

@@ -67,6 +67,8 @@ struct CellSession {
   /// Something happened that cannot be made to happen again: a sentence. The reports end
   /// before it.
   std::string ends_early;
+  /// Topic of which there is nothing of this task, although there was; empty: none.
+  std::string lacks;
 };
 
 /// Reads all engraving tasks of which something was recorded. kUnsupported for a
