@@ -75,9 +75,15 @@ struct WithLaser : MotionWrapper {
   }
   const DriverState& state() const override { return state_; }
   Status SetZero(const Vec3& here_mm, const std::array<bool, 3>& sets) override {
-    const Status stated = inner_->SetZero(here_mm, sets);
+    return Begun(inner_->SetZero(here_mm, sets));
+  }
+  Status Jog(const Vec3& axes, double speed_mm_s) override {
+    return Begun(inner_->Jog(axes, speed_mm_s));
+  }
+  /// Whether the stage is at rest changes with the command, not with the next poll.
+  Status Begun(Status begun) {
     state_.at_rest = inner_->state().at_rest;
-    return stated;
+    return begun;
   }
   LaserController* laser() override { return laser_ ? &*laser_ : nullptr; }
   virtual void Spoil(DriverState&) {}
