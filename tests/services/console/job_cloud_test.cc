@@ -25,9 +25,9 @@ Value At(const std::string& bytes, std::size_t offset) {
   return value;
 }
 
-/// A folder of a job with a plan of `count` points on a line.
-std::filesystem::path FolderWithPlan(const std::string& name, int count) {
-  const auto folder = test::FreshFolder(name);
+/// A new folder of a job with a plan of `count` points on a line.
+std::filesystem::path FolderWithPlan(const std::filesystem::path& folder, int count) {
+  std::filesystem::create_directory(folder);
   formats::PointTable plan;
   for (int i = 0; i < count; ++i) plan.points_mm.push_back({0.001 * i, 25, 15});
   plan.columns.push_back(
@@ -40,7 +40,7 @@ std::filesystem::path FolderWithPlan(const std::string& name, int count) {
 
 TEST(JobCloud, ReadsThePlanPieceByPiece) {
   const int count = 40000;  // several pieces
-  const auto folder = FolderWithPlan("pieces", count);
+  const auto folder = FolderWithPlan(test::FreshFolder() / "pieces", count);
   PointList path;
   for (int i = 0; i < count; ++i) path.push_back({0.001 * i, 25, 15});
   const auto read = ReadPlan(folder);
@@ -59,7 +59,9 @@ Result<CloudReader::Bytes> PlanOf(CloudReader& reader,
 
 TEST(CloudReader, HasAPlanOnceForAllPages) {
   CloudReader reader;
-  const auto one = FolderWithPlan("one", 100), other = FolderWithPlan("other", 100);
+  const auto jobs = test::FreshFolder();
+  const auto one = FolderWithPlan(jobs / "one", 100);
+  const auto other = FolderWithPlan(jobs / "other", 100);
   const auto first = PlanOf(reader, one), second = PlanOf(reader, one);
   ASSERT_TRUE(first && second);
   EXPECT_EQ(first->get(), second->get());
@@ -70,8 +72,9 @@ TEST(CloudReader, HasAPlanOnceForAllPages) {
 // 64 MB: 3.2 million points and 2.4 million are more.
 TEST(CloudReader, ReadsNoLargePlanWhileAnotherIsSent) {
   CloudReader reader;
-  const auto one = FolderWithPlan("one", 3'200'000);
-  const auto other = FolderWithPlan("other", 2'400'000);
+  const auto jobs = test::FreshFolder();
+  const auto one = FolderWithPlan(jobs / "one", 3'200'000);
+  const auto other = FolderWithPlan(jobs / "other", 2'400'000);
   auto sent = PlanOf(reader, one);
   ASSERT_TRUE(sent);
   const auto refused = PlanOf(reader, other);
