@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <fstream>
 #include <future>
 
@@ -17,13 +16,6 @@ namespace intaglio::console {
 namespace {
 
 using ::testing::HasSubstr;
-
-template <typename Value>
-Value At(const std::string& bytes, std::size_t offset) {
-  Value value;
-  std::memcpy(&value, bytes.data() + offset, sizeof value);
-  return value;
-}
 
 /// A new folder of a job with a plan of `count` points on a line.
 std::filesystem::path FolderWithPlan(const std::filesystem::path& folder, int count) {

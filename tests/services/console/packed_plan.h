@@ -1,7 +1,8 @@
 #pragma once
 
-// A packed plan of points that are in memory, for tests.
+// A packed plan of points that are in memory, and numbers of packed bytes, for tests.
 
+#include <cstring>
 #include <string>
 
 #include "engrave/core/try.h"
@@ -14,6 +15,13 @@ inline Result<std::string> PackPlan(const PointList& path_mm, const Vec3& block_
   packer.Count(path_mm);
   INTAGLIO_TRY(packer.Place(path_mm));
   return packer.Finish();
+}
+
+template <typename Value>
+Value At(const std::string& bytes, std::size_t offset) {
+  Value value;
+  std::memcpy(&value, bytes.data() + offset, sizeof value);
+  return value;
 }
 
 }  // namespace intaglio::console

@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <random>
 #include <set>
@@ -15,23 +14,16 @@
 namespace intaglio::console {
 namespace {
 
-template <typename Value>
-Value PlanValue(const std::string& bytes, std::size_t offset) {
-  Value value;
-  std::memcpy(&value, bytes.data() + offset, sizeof value);
-  return value;
-}
-
 std::uint32_t StartOf(const std::string& plan, std::size_t cell) {
-  return PlanValue<std::uint32_t>(plan, 24 + 4 * cell);
+  return At<std::uint32_t>(plan, 24 + 4 * cell);
 }
 
 std::array<std::uint16_t, 4> PointAt(const std::string& plan, std::size_t i) {
-  return PlanValue<std::array<std::uint16_t, 4>>(plan, 2076 + 8 * i);
+  return At<std::array<std::uint16_t, 4>>(plan, 2076 + 8 * i);
 }
 
 std::uint32_t PlaceAt(const std::string& plan, std::size_t count, std::size_t i) {
-  return PlanValue<std::uint32_t>(plan, 2076 + 8 * count + 4 * i);
+  return At<std::uint32_t>(plan, 2076 + 8 * count + 4 * i);
 }
 
 TEST(PlanPacker, HasEveryPointOnceInItsCellAndAtItsPlace) {
@@ -42,8 +34,8 @@ TEST(PlanPacker, HasEveryPointOnceInItsCellAndAtItsPlace) {
   ASSERT_TRUE(packed);
   ASSERT_EQ(packed->size(), 2076u + 12 * 1000);
   EXPECT_EQ(packed->substr(0, 8), "INTPLAN2");
-  EXPECT_EQ(PlanValue<std::uint32_t>(*packed, 8), 1000u);
-  EXPECT_EQ(PlanValue<float>(*packed, 20), 30.0f);
+  EXPECT_EQ(At<std::uint32_t>(*packed, 8), 1000u);
+  EXPECT_EQ(At<float>(*packed, 20), 30.0f);
   EXPECT_EQ(StartOf(*packed, 0), 0u);
   EXPECT_EQ(StartOf(*packed, 512), 1000u);
   std::set<std::uint32_t> places;
