@@ -24,8 +24,9 @@
 #include <memory>
 #include <optional>
 
-#include "services/drivers/laser_controller.h"
+#include "services/drivers/interface/laser_controller.h"
 #include "services/platform/link/reliable_link.h"
+#include "services/platform/link/steady_clock.h"
 
 namespace intaglio::drivers {
 

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "services/drivers/laser_controller.h"
-#include "services/drivers/mark_driver.h"
-#include "services/drivers/motion_driver.h"
+#include "services/drivers/laser_drivers.h"
+#include "services/drivers/mark_drivers.h"
+#include "services/drivers/motion_drivers.h"
 #include "services/platform/link/driver_table.h"
 
 namespace intaglio::drivers {

@@ -19,7 +19,7 @@
 
 #include "engrave/core/result.h"
 #include "proto/task.pb.h"
-#include "services/drivers/mark_driver.h"
+#include "services/drivers/interface/mark_driver.h"
 
 namespace intaglio::marker {
 

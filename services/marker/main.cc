@@ -1,6 +1,7 @@
 #include <iostream>
 #include <string>
 
+#include "services/drivers/mark_drivers.h"
 #include "services/job/job_file.h"
 #include "services/marker/marker.h"
 #include "services/platform/command_line/program.h"

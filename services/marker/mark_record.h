@@ -22,7 +22,7 @@
 #include "services/cell/earlier_work.h"
 #include "services/cell/journal_writer.h"
 #include "services/cell/point_ledger.h"
-#include "services/drivers/mark_driver.h"
+#include "services/drivers/interface/mark_driver.h"
 
 namespace intaglio::marker {
 

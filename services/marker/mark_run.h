@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "engrave/mark/mark.h"
-#include "services/drivers/mark_driver.h"
+#include "services/drivers/interface/mark_driver.h"
 #include "services/marker/mark_record.h"
 
 namespace intaglio::marker {

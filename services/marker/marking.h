@@ -30,7 +30,7 @@
 #include "services/cell/grant_inputs.h"
 #include "services/cell/permission_chain.h"
 #include "services/cell/work_states.h"
-#include "services/drivers/mark_driver.h"
+#include "services/drivers/interface/mark_driver.h"
 #include "services/marker/mark_record.h"
 #include "services/marker/mark_run.h"
 

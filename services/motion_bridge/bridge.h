@@ -21,8 +21,9 @@
 #include <string>
 #include <vector>
 
+#include "proto/machine.pb.h"
 #include "services/cell/manual/manual_desk.h"
-#include "services/drivers/motion_driver.h"
+#include "services/drivers/interface/motion_driver.h"
 #include "services/motion_bridge/profile_teacher.h"
 #include "services/platform/bus/flow.h"
 #include "services/platform/host/process/service_host.h"

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "services/drivers/laser_output.h"
+#include "services/platform/link/steady_clock.h"
 #include "services/platform/link/unix_stream.h"
 
 namespace intaglio::motion_bridge {

@@ -2,6 +2,8 @@
 #include <iostream>
 #include <optional>
 
+#include "services/drivers/laser_drivers.h"
+#include "services/drivers/motion_drivers.h"
 #include "services/job/job_file.h"
 #include "services/motion_bridge/bridge.h"
 #include "services/motion_bridge/laser_socket.h"

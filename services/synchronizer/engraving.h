@@ -42,7 +42,7 @@
 #include "services/cell/journal_writer.h"
 #include "services/cell/permission_chain.h"
 #include "services/cell/work_states.h"
-#include "services/drivers/laser_controller.h"
+#include "services/drivers/interface/laser_controller.h"
 #include "services/synchronizer/cell_names.h"
 #include "services/synchronizer/engraving/consent.h"
 #include "services/synchronizer/engraving/engraving_job.h"

@@ -11,7 +11,7 @@
 #include "idl/motion.h"
 #include "services/cell/grant_inputs.h"
 #include "services/cell/permission_chain.h"
-#include "services/drivers/laser_controller.h"
+#include "services/drivers/interface/laser_controller.h"
 #include "services/synchronizer/cell_names.h"
 #include "services/synchronizer/motion_clock.h"
 

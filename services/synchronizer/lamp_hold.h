@@ -11,7 +11,7 @@
 
 #include <chrono>
 
-#include "services/drivers/laser_controller.h"
+#include "services/drivers/interface/laser_controller.h"
 
 namespace intaglio::synchronizer {
 

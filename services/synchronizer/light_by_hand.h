@@ -19,7 +19,7 @@
 #include <cstdint>
 
 #include "idl/teach.h"
-#include "services/drivers/laser_controller.h"
+#include "services/drivers/interface/laser_controller.h"
 
 namespace intaglio::synchronizer {
 

@@ -1,6 +1,7 @@
 #include <iostream>
 
 #include "engrave/core/try.h"
+#include "services/drivers/laser_drivers.h"
 #include "services/job/job_file.h"
 #include "services/platform/command_line/program.h"
 #include "services/platform/host/process/cell_loop.h"

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "services/cell/permission_intake.h"
-#include "services/drivers/laser_controller.h"
+#include "services/drivers/interface/laser_controller.h"
 #include "services/platform/bus/bus.h"
 #include "services/synchronizer/cell_names.h"
 #include "services/synchronizer/engraving_inputs.h"

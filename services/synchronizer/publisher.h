@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "services/drivers/laser_controller.h"
+#include "services/drivers/interface/laser_controller.h"
 #include "services/platform/bus/bus.h"
 #include "services/platform/host/safety/stop_latch.h"
 #include "services/synchronizer/cell_names.h"

@@ -233,6 +233,23 @@ bool MayInclude(const std::string& from, const std::string& to) {
                      [&](const std::string& pattern) { return Matches(pattern, to); });
 }
 
+/// "grbl" of services/drivers/grbl/grbl_line.h; empty: not in a folder of the drivers.
+std::string DriverFolderOf(const std::string& path) {
+  const std::string drivers = "services/drivers/";
+  const auto end = path.find('/', drivers.size());
+  if (!path.starts_with(drivers) || end == std::string::npos) return "";
+  return path.substr(drivers.size(), end - drivers.size());
+}
+
+/// A family of controllers knows the interface, lockstep and itself: neither another, nor
+/// the tables, which name them all.
+bool DriverMayInclude(const std::string& path, const std::string& included) {
+  const std::string from = DriverFolderOf(path), to = DriverFolderOf(included);
+  if (from.empty() || from == to || !included.starts_with("services/drivers/"))
+    return true;
+  return to == "interface" || (to == "lockstep" && from != "interface");
+}
+
 bool IsOurs(const std::string& folder) {
   for (const char* top : {"engrave/", "services/", "materials_db", "proto", "idl"}) {
     if (folder.starts_with(top)) return true;
@@ -304,7 +321,7 @@ class Inspector {
                     const std::string& included) {
     if (included.empty()) return;
     const std::string to = FolderOf(included);
-    if (IsOurs(to) && !MayInclude(folder, to))
+    if ((IsOurs(to) && !MayInclude(folder, to)) || !DriverMayInclude(path, included))
       Report(path, "may not include " + included);
     for (const Kept& kept : kKept) {
       const bool named =

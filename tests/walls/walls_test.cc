@@ -34,6 +34,16 @@ TEST_F(MadeUpTree, GoodTreeHasNoViolation) {
   EXPECT_THAT(Violations(root_), IsEmpty());
 }
 
+TEST_F(MadeUpTree, DriversKnowWhatLiesBelowThem) {
+  Write("services/drivers/grbl/marks/a.cc",
+        "#include \"services/drivers/grbl/grbl_line.h\"\n"
+        "#include \"services/drivers/lockstep/piece_queue.h\"\n");
+  Write("services/drivers/lockstep/a.cc",
+        "#include \"services/drivers/interface/motion_driver.h\"\n");
+  Write("services/drivers/tables.cc", "#include \"services/drivers/grbl/grbl_line.h\"\n");
+  EXPECT_THAT(Violations(root_), IsEmpty());
+}
+
 TEST_F(MadeUpTree, EveryWallIsSeenWhenItIsCrossed) {
   const std::pair<const char*, const char*> crossings[] = {
       {"engrave/core/a.cc", "#include \"engrave/mesh/mesh.h\"\n"},
@@ -56,6 +66,11 @@ TEST_F(MadeUpTree, EveryWallIsSeenWhenItIsCrossed) {
       {"services/platform/host/process/a.cc", "#include \"services/job/options.h\"\n"},
       {"services/platform/host/process/b.cc",
        "#include \"services/platform/host/stage/stage_task.h\"\n"},
+      {"services/drivers/grbl/a.cc", "#include \"services/drivers/isel/isel_line.h\"\n"},
+      {"services/drivers/lockstep/a.cc",
+       "#include \"services/drivers/mark_drivers.h\"\n"},
+      {"services/drivers/interface/a.cc",
+       "#include \"services/drivers/lockstep/piece_queue.h\"\n"},
       {"services/job/b.cc",
        "#include \"services/platform/host/process/service_host.h\"\n"},
       {"services/client/a.cc", "#include \"services/cli/job_options.h\"\n"},

@@ -43,7 +43,7 @@
 
 #include "engrave/core/geometry.h"
 #include "idl/teach.h"
-#include "services/drivers/hand_motion.h"
+#include "services/drivers/interface/hand_motion.h"
 
 namespace intaglio::cell {
 

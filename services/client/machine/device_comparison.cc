@@ -9,7 +9,7 @@
 #include <cmath>
 #include <functional>
 
-#include "services/drivers/laser_controller.h"
+#include "services/drivers/laser_drivers.h"
 #include "services/drivers/profile_check.h"
 #include "services/job/machine/laser_setting.h"
 #include "services/job/machine/machine_axes.h"

@@ -7,7 +7,7 @@
 
 #include "engrave/core/try.h"
 #include "services/drivers/bjjcz/board_profile.h"
-#include "services/drivers/power_up.h"
+#include "services/drivers/interface/power_up.h"
 
 namespace intaglio::drivers {
 namespace {

@@ -1,7 +1,8 @@
 #pragma once
 
-// Marks by a BJJCZ board (LMC, of EzCad 2; USB or TCP): services/drivers/mark_driver.h,
-// protocol "bjjcz" of mark_line. docs/machines/bjjcz.md has wiring and settings.
+// Marks by a BJJCZ board (LMC, of EzCad 2; USB or TCP):
+// services/drivers/interface/mark_driver.h, protocol "bjjcz" of mark_line.
+// docs/machines/bjjcz.md has wiring and settings.
 //
 //   marks --MarkLists--> lists --LmcLine--> board
 //                                 |            |
@@ -35,11 +36,14 @@
 #include <string>
 #include <vector>
 
+#include "proto/machine.pb.h"
 #include "services/drivers/bjjcz/board_list.h"
 #include "services/drivers/bjjcz/lmc_line.h"
 #include "services/drivers/bjjcz/mark_lists.h"
-#include "services/drivers/mark_driver.h"
-#include "services/drivers/seen_marks.h"
+#include "services/drivers/interface/mark_driver.h"
+#include "services/drivers/interface/seen_marks.h"
+#include "services/platform/link/endpoint.h"
+#include "services/platform/link/steady_clock.h"
 
 namespace intaglio::drivers {
 

@@ -22,8 +22,10 @@
 #include <vector>
 
 #include "services/drivers/bjjcz/lmc_protocol.h"
-#include "services/drivers/controller_line.h"
+#include "services/drivers/lockstep/controller_line.h"
+#include "services/platform/link/endpoint.h"
 #include "services/platform/link/expected_device.h"
+#include "services/platform/link/steady_clock.h"
 
 namespace intaglio::drivers {
 

@@ -35,10 +35,13 @@
 #include <string>
 #include <vector>
 
+#include "proto/machine.pb.h"
 #include "services/drivers/bjjcz/board_list.h"
 #include "services/drivers/bjjcz/lmc_line.h"
 #include "services/drivers/bjjcz/point_lists.h"
-#include "services/drivers/lockstep_driver.h"
+#include "services/drivers/lockstep/lockstep_driver.h"
+#include "services/platform/link/endpoint.h"
+#include "services/platform/link/steady_clock.h"
 
 namespace intaglio::drivers {
 

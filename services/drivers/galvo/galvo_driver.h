@@ -1,7 +1,7 @@
 #pragma once
 
 // Driver of a scan head's controller (services/platform/link/scan_head_protocol.h) for
-// marks: services/drivers/mark_driver.h.
+// marks: services/drivers/interface/mark_driver.h.
 //
 // A mark waits here until its kBegun was taken by TakeEvents; then its ticks are sent, at
 // most scan_head.ahead_ms before they are played. A mark whose kBegun was taken can still
@@ -18,10 +18,13 @@
 #include <string>
 #include <vector>
 
+#include "proto/machine.pb.h"
 #include "services/drivers/galvo/mark_player.h"
-#include "services/drivers/mark_driver.h"
+#include "services/drivers/interface/mark_driver.h"
+#include "services/platform/link/endpoint.h"
 #include "services/platform/link/expected_device.h"
 #include "services/platform/link/line_session.h"
+#include "services/platform/link/steady_clock.h"
 
 namespace intaglio::drivers {
 

@@ -14,7 +14,7 @@
 #include "engrave/galvo/mark_ticks.h"
 #include "services/drivers/galvo/head_profile.h"
 #include "services/drivers/galvo/head_tracker.h"
-#include "services/drivers/mark_driver.h"
+#include "services/drivers/interface/mark_driver.h"
 
 namespace intaglio::drivers {
 

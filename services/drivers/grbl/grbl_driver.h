@@ -44,9 +44,12 @@
 #include <optional>
 #include <string>
 
+#include "proto/machine.pb.h"
 #include "services/drivers/grbl/grbl_line.h"
 #include "services/drivers/grbl/grbl_program.h"
-#include "services/drivers/lockstep_driver.h"
+#include "services/drivers/lockstep/lockstep_driver.h"
+#include "services/platform/link/endpoint.h"
+#include "services/platform/link/steady_clock.h"
 
 namespace intaglio::drivers {
 

@@ -41,9 +41,11 @@
 #include <variant>
 #include <vector>
 
-#include "services/drivers/controller_line.h"
 #include "services/drivers/grbl/grbl_text.h"
+#include "services/drivers/lockstep/controller_line.h"
+#include "services/platform/link/endpoint.h"
 #include "services/platform/link/expected_device.h"
+#include "services/platform/link/steady_clock.h"
 
 namespace intaglio::drivers {
 

@@ -44,7 +44,7 @@
 #include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
 #include "engrave/motion/segment.h"
-#include "services/drivers/piece_queue.h"
+#include "services/drivers/lockstep/piece_queue.h"
 
 namespace intaglio::drivers {
 

@@ -33,8 +33,11 @@
 #include <optional>
 #include <string>
 
+#include "proto/machine.pb.h"
 #include "services/drivers/isel/isel_line.h"
-#include "services/drivers/lockstep_driver.h"
+#include "services/drivers/lockstep/lockstep_driver.h"
+#include "services/platform/link/endpoint.h"
+#include "services/platform/link/steady_clock.h"
 
 namespace intaglio::drivers {
 

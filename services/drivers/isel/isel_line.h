@@ -22,8 +22,10 @@
 #include <variant>
 #include <vector>
 
-#include "services/drivers/controller_line.h"
 #include "services/drivers/isel/isel_text.h"
+#include "services/drivers/lockstep/controller_line.h"
+#include "services/platform/link/endpoint.h"
+#include "services/platform/link/steady_clock.h"
 
 namespace intaglio::drivers {
 

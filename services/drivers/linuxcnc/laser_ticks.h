@@ -9,7 +9,7 @@
 #include <set>
 #include <vector>
 
-#include "services/drivers/laser_controller.h"
+#include "services/drivers/interface/laser_controller.h"
 
 namespace intaglio::drivers {
 

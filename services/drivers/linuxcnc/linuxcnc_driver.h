@@ -19,12 +19,15 @@
 #include <deque>
 #include <memory>
 
-#include "services/drivers/laser_controller.h"
+#include "proto/machine.pb.h"
+#include "services/drivers/interface/laser_controller.h"
+#include "services/drivers/interface/motion_driver.h"
 #include "services/drivers/linuxcnc/hal_session.h"
 #include "services/drivers/linuxcnc/laser_ticks.h"
 #include "services/drivers/linuxcnc/row_course.h"
 #include "services/drivers/linuxcnc/row_jog.h"
-#include "services/drivers/motion_driver.h"
+#include "services/platform/link/endpoint.h"
+#include "services/platform/link/steady_clock.h"
 
 namespace intaglio::drivers {
 

@@ -1,7 +1,8 @@
 #pragma once
 
 // Finds the driver that a line of the machine profile names in the table of a seam
-// (services/drivers/motion_driver.h, services/drivers/laser_controller.h).
+// (services/drivers/interface/motion_driver.h,
+// services/drivers/interface/laser_controller.h).
 
 #include <fmt/format.h>
 

@@ -15,7 +15,7 @@
 #include <cstdint>
 #include <string>
 
-#include "services/drivers/laser_controller.h"
+#include "services/drivers/interface/laser_controller.h"
 #include "services/synchronizer/engraving/engraving_job.h"
 #include "services/synchronizer/engraving_inputs.h"
 

@@ -22,7 +22,7 @@
 #include <string>
 #include <vector>
 
-#include "services/drivers/laser_controller.h"
+#include "services/drivers/interface/laser_controller.h"
 #include "services/synchronizer/engraving/engraving_job.h"
 #include "services/synchronizer/engraving_inputs.h"
 #include "services/synchronizer/motion_feed.h"

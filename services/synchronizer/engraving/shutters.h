@@ -13,7 +13,7 @@
 #include <chrono>
 
 #include "engrave/core/channels.h"
-#include "services/drivers/laser_controller.h"
+#include "services/drivers/interface/laser_controller.h"
 
 namespace intaglio::synchronizer {
 

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "services/drivers/laser_controller.h"
+#include "services/drivers/interface/laser_controller.h"
 #include "services/synchronizer/motion_clock.h"
 #include "services/synchronizer/pulses/tick_clock.h"
 

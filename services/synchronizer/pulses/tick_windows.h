@@ -19,7 +19,7 @@
 #include <functional>
 #include <vector>
 
-#include "services/drivers/laser_controller.h"
+#include "services/drivers/interface/laser_controller.h"
 #include "services/synchronizer/pulses/pulse_record.h"
 #include "services/synchronizer/pulses/pulse_schedule.h"
 #include "services/synchronizer/pulses/pulse_trigger.h"

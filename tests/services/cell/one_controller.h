@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "services/drivers/laser_controller.h"
-#include "services/drivers/motion_driver.h"
+#include "services/drivers/interface/laser_controller.h"
+#include "services/drivers/interface/motion_driver.h"
 #include "services/virtual_engraver/laser.h"
 #include "services/virtual_engraver/stage.h"
 

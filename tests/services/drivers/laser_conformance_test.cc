@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <tuple>
 
-#include "services/drivers/motion_driver.h"
+#include "services/drivers/laser_drivers.h"
+#include "services/drivers/motion_drivers.h"
 
 namespace intaglio::drivers {
 namespace {
@@ -25,7 +26,7 @@ class EveryLaserDriver
 
 TEST_P(EveryLaserDriver, Keeps) {
   const auto& [protocol, check] = GetParam();
-  ASSERT_NE(MakeLaserRig(protocol), nullptr) << "laser_rig.cc has no rig for it";
+  ASSERT_NE(MakeLaserRig(protocol), nullptr) << "no family has a row for it (rig_row.h)";
   const LaserRigMaker make = [&protocol = protocol](const std::string& serial_number) {
     return MakeLaserRig(protocol, serial_number);
   };

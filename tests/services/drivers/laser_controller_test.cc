@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "services/drivers/virtual_laser_driver.h"
+#include "services/drivers/laser_drivers.h"
+#include "services/drivers/virtual/virtual_laser_driver.h"
 #include "tests/services/platform/link/faulty_line.h"
 #include "tests/services/synchronizer/fake_laser.h"
 

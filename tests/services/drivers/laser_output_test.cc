@@ -5,7 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "services/drivers/motion_driver.h"
+#include "services/drivers/laser_drivers.h"
+#include "services/drivers/motion_drivers.h"
 #include "tests/services/cell/one_controller_rig.h"
 #include "tests/services/drivers/laser_bench.h"
 #include "tests/services/drivers/motion_output_rig.h"

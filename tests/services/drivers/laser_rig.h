@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "services/drivers/laser_controller.h"
-#include "services/drivers/motion_driver.h"
+#include "services/drivers/interface/laser_controller.h"
+#include "services/drivers/interface/motion_driver.h"
 #include "tests/services/drivers/controller_fault.h"
 
 namespace intaglio::drivers {

@@ -1,6 +1,6 @@
 // M17: what happens at a motion controller.
 
-#include "services/drivers/laser_controller.h"
+#include "services/drivers/interface/laser_controller.h"
 #include "tests/services/drivers/motion_bench.h"
 #include "tests/services/drivers/motion_conformance.h"
 #include "tests/services/drivers/motion_conformance_jog.h"

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "services/drivers/motion_drivers.h"
+
 namespace intaglio::drivers {
 namespace {
 
@@ -21,7 +23,7 @@ class EveryMotionDriver
 
 TEST_P(EveryMotionDriver, Keeps) {
   const auto& [protocol, check] = GetParam();
-  ASSERT_NE(MakeMotionRig(protocol), nullptr) << "motion_rig.cc has no rig for it";
+  ASSERT_NE(MakeMotionRig(protocol), nullptr) << "no family has a row for it (rig_row.h)";
   const MotionRigMaker make = [&protocol = protocol](const std::string& serial_number) {
     return MakeMotionRig(protocol, serial_number);
   };

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "services/drivers/laser_drivers.h"
+
 namespace intaglio::drivers {
 
 /// Closing one end is seen at the other, as of a socket.

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "services/drivers/motion_driver.h"
+#include "services/drivers/interface/motion_driver.h"
 #include "tests/services/drivers/controller_fault.h"
 
 namespace intaglio::drivers {

@@ -1,7 +1,8 @@
 #pragma once
 
-// A controller of marks in memory, by the guarantees of services/drivers/mark_driver.h,
-// with its own record of what was made: it makes one mark at each Step.
+// A controller of marks in memory, by the guarantees of
+// services/drivers/interface/mark_driver.h, with its own record of what was made: it
+// makes one mark at each Step.
 
 #include <algorithm>
 #include <deque>
@@ -10,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "services/drivers/mark_driver.h"
+#include "services/drivers/interface/mark_driver.h"
 
 namespace intaglio::marker {
 

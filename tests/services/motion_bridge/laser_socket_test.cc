@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "services/drivers/laser_drivers.h"
 #include "tests/patience.h"
 #include "tests/services/cell/one_controller.h"
 #include "tests/services/cell/one_controller_rig.h"

@@ -10,7 +10,8 @@
 #include <thread>
 #include <utility>
 
-#include "services/drivers/virtual_laser_driver.h"
+#include "services/drivers/laser_drivers.h"
+#include "services/drivers/virtual/virtual_laser_driver.h"
 
 namespace intaglio::synchronizer {
 namespace {

@@ -16,8 +16,9 @@
 #include <thread>
 #include <vector>
 
+#include "proto/machine.pb.h"
 #include "services/cell/journal_writer.h"
-#include "services/drivers/virtual_laser_driver.h"
+#include "services/drivers/virtual/virtual_laser_driver.h"
 #include "services/synchronizer/cell_names.h"
 #include "tests/services/platform/link/faulty_line.h"
 #include "tests/services/synchronizer/fake_laser.h"

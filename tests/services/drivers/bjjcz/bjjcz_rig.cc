@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "services/drivers/mark_drivers.h"
+
 namespace intaglio::drivers {
 namespace {
 

@@ -5,7 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "services/drivers/mark_driver.h"
+#include "proto/machine.pb.h"
+#include "services/drivers/interface/mark_driver.h"
 #include "tests/services/drivers/bjjcz/bjjcz_machine.h"
 #include "tests/services/drivers/marks/mark_rig.h"
 

@@ -150,11 +150,13 @@ std::unique_ptr<MotionDriver> MakeBjjczPointDriverAt(BjjczMachine& machine,
   return MakeBjjczPointDriver(profile, machine.Opener(), machine.clock());
 }
 
-std::unique_ptr<MotionRig> MakeBjjczMotionRig(const std::string& serial_number) {
+std::unique_ptr<MotionRig> MakeBjjczMotionRig(const std::string& /*name*/,
+                                              const std::string& serial_number) {
   return std::make_unique<BjjczMotionRig>(serial_number);
 }
 
-std::unique_ptr<LaserRig> MakeBjjczLaserRig(const std::string& serial_number) {
+std::unique_ptr<LaserRig> MakeBjjczLaserRig(const std::string& /*name*/,
+                                            const std::string& serial_number) {
   return std::make_unique<BjjczLaserRig>(serial_number);
 }
 

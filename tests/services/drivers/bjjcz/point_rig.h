@@ -27,7 +27,9 @@ MachineSpec BjjczPointProfile();
 std::unique_ptr<MotionDriver> MakeBjjczPointDriverAt(BjjczMachine& machine,
                                                      const MachineSpec& profile);
 
-std::unique_ptr<MotionRig> MakeBjjczMotionRig(const std::string& serial_number);
-std::unique_ptr<LaserRig> MakeBjjczLaserRig(const std::string& serial_number);
+std::unique_ptr<MotionRig> MakeBjjczMotionRig(const std::string& name,
+                                              const std::string& serial_number);
+std::unique_ptr<LaserRig> MakeBjjczLaserRig(const std::string& name,
+                                            const std::string& serial_number);
 
 }  // namespace intaglio::drivers

@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "services/drivers/motion_drivers.h"
 #include "tests/services/drivers/bjjcz/board_at_socket.h"
 #include "tests/services/drivers/bjjcz/point_rig.h"
 #include "tests/test_folder.h"

@@ -1,5 +1,6 @@
-// The guarantees K1..K8 of services/drivers/mark_driver.h, kept by the driver of a scan
-// head and the virtual head together; and that it makes marks where they belong.
+// The guarantees K1..K8 of services/drivers/interface/mark_driver.h, kept by the driver
+// of a scan head and the virtual head together; and that it makes marks where they
+// belong.
 
 #include "services/drivers/galvo/galvo_driver.h"
 

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "engrave/formats/mark_record.h"
+#include "proto/machine.pb.h"
 #include "services/drivers/galvo/galvo_driver.h"
 #include "services/virtual_engraver/head/head_machine.h"
 

@@ -7,8 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "services/drivers/grbl/grbl_course_driver.h"
-#include "tests/services/drivers/grbl_rig.h"
+#include "proto/machine.pb.h"
+#include "services/drivers/grbl/marks/grbl_course_driver.h"
+#include "tests/services/drivers/grbl/grbl_rig.h"
 
 namespace intaglio::drivers {
 

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/services/drivers/grbl_rig.h"
+#include "tests/services/drivers/grbl/grbl_rig.h"
 
 namespace intaglio::drivers {
 

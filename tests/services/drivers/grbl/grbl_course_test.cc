@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "services/drivers/mark_drivers.h"
 #include "tests/services/drivers/grbl/course_rig.h"
 #include "tests/test_folder.h"
 

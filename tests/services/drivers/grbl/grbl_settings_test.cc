@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "services/drivers/motion_driver.h"
+#include "services/drivers/motion_drivers.h"
 #include "services/job/job_file.h"
 #include "services/virtual_engraver/mill/virtual_grbl.h"
 

@@ -165,11 +165,13 @@ void IselLaserRig::AdvanceController() {
   for (; flash_count_ < flashes.size(); ++flash_count_) fired_.push_back(tick() + 1);
 }
 
-std::unique_ptr<MotionRig> MakeIselMotionRig(const std::string& serial_number) {
+std::unique_ptr<MotionRig> MakeIselMotionRig(const std::string& /*name*/,
+                                             const std::string& serial_number) {
   return std::make_unique<IselMotionRig>(serial_number);
 }
 
-std::unique_ptr<LaserRig> MakeIselLaserRig(const std::string& serial_number) {
+std::unique_ptr<LaserRig> MakeIselLaserRig(const std::string& /*name*/,
+                                           const std::string& serial_number) {
   return std::make_unique<IselLaserRig>(serial_number);
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "proto/machine.pb.h"
 #include "services/drivers/isel/isel_driver.h"
 #include "tests/services/drivers/isel/virtual_isel.h"
 #include "tests/services/drivers/laser_rig.h"
@@ -81,7 +82,9 @@ class IselLaserRig final : public LaserRig {
 MachineSpec IselProfile();
 isel::VirtualIselOptions FineIsel();
 
-std::unique_ptr<MotionRig> MakeIselMotionRig(const std::string& serial_number);
-std::unique_ptr<LaserRig> MakeIselLaserRig(const std::string& serial_number);
+std::unique_ptr<MotionRig> MakeIselMotionRig(const std::string& name,
+                                             const std::string& serial_number);
+std::unique_ptr<LaserRig> MakeIselLaserRig(const std::string& name,
+                                           const std::string& serial_number);
 
 }  // namespace intaglio::drivers

@@ -4,6 +4,7 @@
 
 #include <tuple>
 
+#include "services/drivers/mark_drivers.h"
 #include "tests/services/drivers/marks/planted_marks.h"
 
 namespace intaglio::drivers {
@@ -13,7 +14,7 @@ std::vector<std::string> Rigs() {
   std::vector<std::string> all;
   for (const MarkDriverKind& kind : MarkDriverKinds()) {
     const auto rigs = MarkRigsOf(kind.protocol);
-    EXPECT_FALSE(rigs.empty()) << "mark_rig.cc has no rig for " << kind.protocol;
+    EXPECT_FALSE(rigs.empty()) << "no family has a row (rig_row.h) for " << kind.protocol;
     all.insert(all.end(), rigs.begin(), rigs.end());
   }
   return all;

@@ -1,8 +1,6 @@
 #include "tests/services/drivers/marks/mark_rig.h"
 
-#include "tests/services/drivers/bjjcz/bjjcz_rig.h"
-#include "tests/services/drivers/marks/course_mark_rig.h"
-#include "tests/services/drivers/marks/head_rig.h"
+#include "tests/services/drivers/rig_row.h"
 
 namespace intaglio::drivers {
 
@@ -15,18 +13,12 @@ void MarkRig::Step() {
 }
 
 std::vector<std::string> MarkRigsOf(std::string_view protocol) {
-  if (protocol == "grbl-course")
-    return {"grbl_laser", "grbl_mill", "grbl_mill_that_homes"};
-  if (protocol == "scan-head") return {"scan_head"};
-  if (protocol == "bjjcz") return {"bjjcz_fibre", "bjjcz_uv"};
-  return {};
+  return RigRow<MarkRig>::NamesOf(protocol);
 }
 
 std::unique_ptr<MarkRig> MakeMarkRig(const std::string& name,
                                      const std::string& serial_number) {
-  if (name == "scan_head") return MakeHeadMarkRig(serial_number);
-  if (name.starts_with("bjjcz")) return MakeBjjczMarkRig(name, serial_number);
-  return MakeCourseMarkRig(name, serial_number);
+  return RigRow<MarkRig>::Make(name, serial_number);
 }
 
 }  // namespace intaglio::drivers

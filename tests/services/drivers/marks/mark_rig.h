@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "services/drivers/mark_driver.h"
+#include "services/drivers/interface/mark_driver.h"
 #include "tests/services/drivers/controller_fault.h"
 
 namespace intaglio::drivers {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <span>
 
-#include "services/drivers/mark_driver.h"
+#include "services/drivers/interface/mark_driver.h"
 
 namespace intaglio::drivers {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <optional>
 
-#include "tests/services/drivers/grbl_rig.h"
+#include "tests/services/drivers/grbl/grbl_rig.h"
 #include "tests/services/drivers/laser_bench.h"
 
 namespace intaglio::drivers {

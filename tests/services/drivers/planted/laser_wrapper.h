@@ -6,7 +6,7 @@
 #include <memory>
 #include <utility>
 
-#include "services/drivers/laser_controller.h"
+#include "services/drivers/interface/laser_controller.h"
 
 namespace intaglio::drivers {
 

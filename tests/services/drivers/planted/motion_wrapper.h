@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "services/drivers/motion_driver.h"
+#include "services/drivers/interface/motion_driver.h"
 
 namespace intaglio::drivers {
 

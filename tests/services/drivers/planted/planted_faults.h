@@ -7,8 +7,8 @@
 #include <memory>
 #include <span>
 
-#include "services/drivers/laser_controller.h"
-#include "services/drivers/motion_driver.h"
+#include "services/drivers/interface/laser_controller.h"
+#include "services/drivers/interface/motion_driver.h"
 
 namespace intaglio::drivers {
 

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "services/drivers/laser_controller.h"
-#include "services/drivers/motion_driver.h"
+#include "services/drivers/laser_drivers.h"
+#include "services/drivers/motion_drivers.h"
 
 namespace intaglio::drivers {
 

@@ -1,0 +1,31 @@
+#include "services/drivers/interface/motion_driver.h"
+
+namespace intaglio::drivers {
+
+Status HandMotion::Jog(const Vec3& /*axes*/, double /*speed_mm_s*/) {
+  return Fail(ErrorCode::kUnsupported,
+              "the driver of this motion controller cannot move it by hand: use the "
+              "controller's own panel");
+}
+
+Status HandMotion::Home() {
+  return Fail(ErrorCode::kUnsupported,
+              "the driver of this motion controller cannot home it: use the "
+              "controller's own panel");
+}
+
+Status HandMotion::SetZero(const Vec3& /*here*/, const std::array<bool, 3>& /*sets*/) {
+  return Fail(ErrorCode::kUnsupported, "this controller keeps no zero of a person's");
+}
+
+Box3 TravelOf(const MachineSpec& machine) {
+  Box3 travel;
+  const AxisLimits* axes[] = {&machine.x(), &machine.y(), &machine.z()};
+  for (int i = 0; i < 3; ++i) {
+    travel.min_mm[i] = axes[i]->travel_min_mm();
+    travel.max_mm[i] = axes[i]->travel_max_mm();
+  }
+  return travel;
+}
+
+}  // namespace intaglio::drivers

@@ -1,0 +1,33 @@
+#include "services/drivers/mark_drivers.h"
+
+#include "engrave/core/try.h"
+#include "services/drivers/bjjcz/bjjcz_driver.h"
+#include "services/drivers/bjjcz/board_profile.h"
+#include "services/drivers/galvo/galvo_driver.h"
+#include "services/drivers/galvo/head_profile.h"
+#include "services/drivers/grbl/marks/grbl_course_driver.h"
+#include "services/platform/link/driver_table.h"
+
+namespace intaglio::drivers {
+
+namespace {
+
+constexpr MarkDriverKind kMarkKinds[] = {
+    {"bjjcz", true, MakeBjjczDriver, CheckBjjczProfile},
+    {"grbl-course", true, MakeGrblCourseDriver, CheckGrblCourseProfile},
+    {"scan-head", true, MakeGalvoDriver, CheckScanHead},
+};
+
+}  // namespace
+
+std::span<const MarkDriverKind> MarkDriverKinds() { return kMarkKinds; }
+
+Result<std::unique_ptr<MarkDriver>> MakeMarkDriver(const MachineSpec& machine) {
+  const SerialLine& line = machine.mark_line();
+  const auto kind = INTAGLIO_TRY(
+      link::FindDriver(MarkDriverKinds(), {"mark_line", line.protocol(), line.device()}));
+  return kind->make(machine, link::EndpointOpener(line.device(), line.baud()),
+                    link::MonotonicClock());
+}
+
+}  // namespace intaglio::drivers

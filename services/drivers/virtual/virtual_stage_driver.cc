@@ -1,0 +1,394 @@
+#include "services/drivers/virtual/virtual_stage_driver.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <optional>
+
+#include "services/platform/link/expected_device.h"
+#include "services/platform/link/motion_protocol.h"
+
+namespace intaglio::drivers {
+namespace {
+
+using link::MotionFrame;
+constexpr double kNmPerMm = 1e6;
+
+std::int32_t ToNm(double mm) {
+  // Travel lies within +-2 m, so a wild value is outside of it, and a NaN is made to be.
+  if (std::isnan(mm)) return std::numeric_limits<std::int32_t>::max();
+  return static_cast<std::int32_t>(
+      std::llround(std::clamp(mm * kNmPerMm, -2.1e9, 2.1e9)));
+}
+
+Vec3 ToMm(std::int32_t x_nm, std::int32_t y_nm, std::int32_t z_nm) {
+  return Vec3(x_nm, y_nm, z_nm) / kNmPerMm;
+}
+
+/// A velocity on the line; absent where the line cannot carry it.
+std::optional<std::int32_t> ToCounts(double mm_s, std::uint32_t unit_nm_s) {
+  const double counts = mm_s * kNmPerMm / unit_nm_s;
+  if (!(std::abs(counts) <= std::numeric_limits<std::int32_t>::max()))
+    return std::nullopt;
+  return static_cast<std::int32_t>(std::llround(counts));
+}
+
+/// Absent where an axis is too fast for the line.
+std::optional<link::WireSegment> ToWire(const motion::Segment& segment,
+                                        std::uint32_t unit_nm_s) {
+  const Vec3& p = segment.end_position_mm;
+  const Vec3& v = segment.end_velocity_mm_s;
+  const auto vx = ToCounts(v.x(), unit_nm_s), vy = ToCounts(v.y(), unit_nm_s),
+             vz = ToCounts(v.z(), unit_nm_s);
+  if (!vx || !vy || !vz) return std::nullopt;
+  return link::WireSegment{ToNm(p.x()),
+                           ToNm(p.y()),
+                           ToNm(p.z()),
+                           *vx,
+                           *vy,
+                           *vz,
+                           segment.duration_subticks,
+                           segment.pulse,
+                           segment.program_end};
+}
+
+link::WireTimedSegment Timed(const link::WireSegment& wire, std::uint64_t end_ns) {
+  return {wire.x_nm,      wire.y_nm, wire.z_nm,  wire.vx_counts,  wire.vy_counts,
+          wire.vz_counts, end_ns,    wire.pulse, wire.program_end};
+}
+
+struct FaultText {
+  intaglio_MotionFault fault;
+  const char* message;
+};
+
+FaultText TextOf(link::StageFault fault) {
+  using link::StageFault;
+  switch (fault) {
+    case StageFault::kNone:
+      return {intaglio_MOTION_OK, ""};
+    case StageFault::kStarved:
+      return {intaglio_MOTION_STARVED,
+              "the queue of the stage ran empty during a run: the host or the line was "
+              "too slow"};
+    case StageFault::kLimit:
+      return {
+          intaglio_MOTION_LIMIT,
+          "a target lies outside the axes' travel: check block_origin_mm and the block"};
+    case StageFault::kFollowingError:
+      return {intaglio_MOTION_FOLLOWING_ERROR,
+              "the following error of the stage is too large: free the stage and check "
+              "its drive"};
+    case StageFault::kLate:
+      return {intaglio_MOTION_LATE, "the run reached the stage after its start tick"};
+    case StageFault::kRunRefused:
+      return {intaglio_MOTION_LATE,
+              "the stage was not at rest at the beginning of the run"};
+    case StageFault::kSafeState:
+      return {intaglio_MOTION_STARVED,
+              "the stage received no frame for 250 ms and stopped"};
+    case StageFault::kNoAir:
+      return {intaglio_MOTION_NO_AIR,
+              "the stage has no compressed air and does not move: open the valve, check "
+              "the pressure, then resume"};
+    case StageFault::kAirReturned:
+      return {intaglio_MOTION_SAFE_STATE,
+              "the stage had no compressed air and stopped; the air is back"};
+    case StageFault::kBadSequence:
+      return {intaglio_MOTION_STARVED,
+              "segments were lost on the motion line, and the stage stopped"};
+  }
+  return {intaglio_MOTION_SAFE_STATE, "the stage reports an unknown fault"};
+}
+
+class VirtualStageDriver final : public MotionDriver {
+ public:
+  VirtualStageDriver(link::FramePort port, link::ExpectedDevice expected,
+                     bool needs_compare, bool needs_air)
+      : expected_(std::move(expected)),
+        needs_compare_(needs_compare),
+        needs_air_(needs_air),
+        session_(std::move(port)) {}
+
+  void Poll() override {
+    session_.Poll([this](std::uint8_t type, std::span<const std::byte> payload) {
+      Handle(static_cast<MotionFrame>(type), payload);
+    });
+    if (session_.sessions() != polled_sessions_) {
+      polled_sessions_ = session_.sessions();
+      identified_ = identified_now_;
+      if (!refused_now_) state_.refusal.clear();
+    }
+    identified_now_ = refused_now_ = false;
+    if (!session_.up()) {
+      identified_ = false;
+      state_.refusal.clear();
+      state_.taken_over = session_.fenced();
+      return SetDown(intaglio_MOTION_LINK_LOST, "motion line: " + session_.message());
+    }
+    if (!state_.refusal.empty())
+      return SetDown(intaglio_MOTION_WRONG_CONTROLLER, state_.refusal);
+    state_.link_up = identified_;
+  }
+
+  int fd() const override { return session_.fd(); }
+  const DriverState& state() const override { return state_; }
+  std::vector<LatchedPositions> TakePositions() override {
+    return std::exchange(positions_, {});
+  }
+
+  Status BeginRun(std::uint32_t run, std::uint64_t start_tick,
+                  std::uint64_t start_ns) override {
+    auto sent = start_ns == 0 ? SendFrame(MotionFrame::kBeginRun,
+                                          Encode(link::BeginRun{run, start_tick}))
+                              : SendFrame(MotionFrame::kBeginTimedRun,
+                                          Encode(link::BeginTimedRun{run, start_ns}));
+    if (sent) {
+      begun_run_ = run;
+      appended_ = 0;
+      covered_.Begin(start_tick);
+    }
+    return sent;
+  }
+
+  std::size_t Room() const override {
+    if (!state_.link_up || !session_.CanSend()) return 0;
+    // The last status speaks of the run before, or of segments it has not seen yet.
+    const bool same_run = status_.run == begun_run_;
+    const std::uint64_t unseen = appended_ - (same_run ? status_.segments_taken : 0);
+    if (status_.queue_free <= unseen) return 0;
+    return std::min<std::size_t>(
+        status_.queue_free - unseen,
+        state_.clock != 0 ? link::kMaxTimedSegments : link::kMaxSegments);
+  }
+
+  Status Append(std::span<const motion::Segment> segments,
+                std::span<const std::uint64_t> end_ns) override {
+    auto sent =
+        end_ns.empty() ? SendSegments(segments) : SendTimedSegments(segments, end_ns);
+    if (!sent) return sent;
+    appended_ += segments.size();
+    if (!end_ns.empty()) covered_.Append(segments);
+    // A fresh status frees the queue's room here and reports how far the motion reaches.
+    if (session_.CanSend()) (void)SendFrame(MotionFrame::kMotionStatusRequest, {});
+    return {};
+  }
+
+  Status AbortRun() override { return SendFrame(MotionFrame::kAbortRun, {}); }
+  Status Jog(const Vec3& axes, double speed_mm_s) override {
+    const link::JogMove move{
+        ToNm(axes.x()), ToNm(axes.y()), ToNm(axes.z()),
+        static_cast<std::uint32_t>(std::clamp(speed_mm_s * kNmPerMm, 1.0, 4e9))};
+    return SendJog(MotionFrame::kJogMove, Encode(move));
+  }
+  Status Home() override { return SendJog(MotionFrame::kHome, {}); }
+  Status ClearFault() override { return SendFrame(MotionFrame::kMotionReset, {}); }
+
+ private:
+  /// How far in ticks the motion reaches that a clock of its own counts in ns.
+  class Coverage {
+   public:
+    void Begin(std::uint64_t start_tick) {
+      start_tick_ = start_tick;
+      through_subticks_.clear();
+      first_ = sum_ = taken_sum_ = 0;
+    }
+    void Append(std::span<const motion::Segment> segments) {
+      for (const motion::Segment& segment : segments) {
+        through_subticks_.push_back(sum_ += segment.duration_subticks);
+      }
+    }
+    std::uint64_t TickAfter(std::uint64_t segments_taken) {
+      for (; first_ < segments_taken && !through_subticks_.empty(); ++first_) {
+        taken_sum_ = through_subticks_.front();
+        through_subticks_.pop_front();
+      }
+      return start_tick_ + taken_sum_ / motion::kSubticksPerTick;
+    }
+
+   private:
+    std::uint64_t start_tick_ = 0, first_ = 0, sum_ = 0, taken_sum_ = 0;
+    std::deque<std::uint64_t> through_subticks_;  // of each segment not taken yet
+  };
+
+  Status SendSegments(std::span<const motion::Segment> segments) {
+    link::Segments frame{begun_run_, appended_, {}};
+    frame.segments.reserve(segments.size());
+    for (const motion::Segment& segment : segments) {
+      const auto wire = ToWire(segment, velocity_unit_nm_s_);
+      if (!wire) return RefuseVelocity(segment);
+      frame.segments.push_back(*wire);
+    }
+    return SendFrame(MotionFrame::kSegments, Encode(frame));
+  }
+  Status SendTimedSegments(std::span<const motion::Segment> segments,
+                           std::span<const std::uint64_t> end_ns) {
+    link::TimedSegments frame{begun_run_, appended_, {}};
+    frame.segments.reserve(segments.size());
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+      const auto wire = ToWire(segments[i], velocity_unit_nm_s_);
+      if (!wire) return RefuseVelocity(segments[i]);
+      frame.segments.push_back(Timed(*wire, end_ns[i]));
+    }
+    return SendFrame(MotionFrame::kTimedSegments, Encode(frame));
+  }
+  /// Another velocity than the planned one would be another path.
+  Status RefuseVelocity(const motion::Segment& segment) {
+    Refuse(fmt::format(
+        "the plan needs a velocity of {:.6g} mm/s, and {:.6g} mm/s is the largest that "
+        "the "
+        "stage controller takes on its line: reduce max_speed_mm_s of the axes in the "
+        "machine profile",
+        segment.end_velocity_mm_s.cwiseAbs().maxCoeff(),
+        std::numeric_limits<std::int32_t>::max() / kNmPerMm * velocity_unit_nm_s_));
+    return Fail(ErrorCode::kRefused, state_.refusal);
+  }
+  void SetDown(intaglio_MotionFault fault, const std::string& message) {
+    if (state_.link_up || state_.message != message) ++state_.number;
+    state_.link_up = false;
+    state_.clock = 0;
+    state_.fault = fault;
+    state_.message = message;
+  }
+  Status SendJog(MotionFrame type, const link::Bytes& payload) {
+    if (!identified_) return Fail(ErrorCode::kLinkLost, state_.message);
+    if (!state_.at_rest || state_.fault != intaglio_MOTION_OK) {
+      return Fail(ErrorCode::kRefused,
+                  state_.at_rest ? state_.message : "the stage is not at rest");
+    }
+    auto sent = SendFrame(type, payload);
+    if (!sent) return sent;
+    ++jogs_sent_;
+    state_.at_rest = false;  // until a status that counts this one says so
+    return sent;
+  }
+  Status SendFrame(MotionFrame type, const link::Bytes& payload) {
+    if (!identified_) return Fail(ErrorCode::kLinkLost, state_.message);
+    return session_.Send(static_cast<std::uint8_t>(type), payload);
+  }
+
+  void Handle(MotionFrame type, std::span<const std::byte> payload) {
+    if (type == MotionFrame::kMotionIdentity) return Identify(payload);
+    if (!identified_) return;
+    if (type == MotionFrame::kMotionStatus) {
+      if (const auto status = link::Decode<link::MotionStatus>(payload)) Take(*status);
+    } else if (type == MotionFrame::kControllerClock) {
+      const auto clock = link::Decode<link::ControllerClock>(payload);
+      if (clock) state_.clock = clock->power_up;
+    } else if (type == MotionFrame::kStageTolerance) {
+      const auto tolerance = link::Decode<link::StageTolerance>(payload);
+      if (tolerance) state_.position_tolerance_um = tolerance->position_nm / 1e3;
+    } else if (type == MotionFrame::kTimedPositions) {
+      if (const auto latched = link::Decode<link::TimedPositions>(payload)) {
+        LatchedPositions entry{latched->run, latched->first_tick, {}, {}};
+        for (const auto& p : latched->positions) {
+          entry.positions_mm.push_back(ToMm(p.x_nm, p.y_nm, p.z_nm));
+          entry.at_ns.push_back(p.at_ns);
+        }
+        positions_.push_back(std::move(entry));
+      }
+    } else if (type == MotionFrame::kPositions) {
+      if (const auto latched = link::Decode<link::Positions>(payload)) {
+        LatchedPositions entry{latched->run, latched->first_tick, {}, {}};
+        for (const auto& p : latched->positions) {
+          entry.positions_mm.push_back(ToMm(p.x_nm, p.y_nm, p.z_nm));
+        }
+        positions_.push_back(std::move(entry));
+      }
+    }
+  }
+
+  void Identify(std::span<const std::byte> payload) {
+    const auto identity = link::Decode<link::MotionIdentity>(payload);
+    if (!identity)
+      return Refuse(identity.error().message + ": " + expected_.VersionHint());
+    if (auto why = link::RefusalOf(expected_, identity->serial_number); !why.empty())
+      return Refuse(std::move(why));
+    if (needs_compare_ && !identity->compares_place) {
+      return Refuse(
+          "the stage controller has no compare output: set pulse_trigger in the machine "
+          "profile to PULSE_TRIGGER_AT_TICK");
+    }
+    if (needs_air_ && !identity->watches_air) {
+      return Refuse(
+          "the stage controller watches no compressed air: connect its pressure switch, "
+          "or remove compressed_air from the machine profile");
+    }
+    state_.refusal.clear();
+    velocity_unit_nm_s_ = identity->velocity_unit_nm_s;
+    identified_ = identified_now_ = true;
+    state_.position_tolerance_um = 0;  // it will report one when it knows it
+    status_.queue_free = 0;            // until its first status
+    first_status_ = true;
+    state_.clock = 0;  // it will announce one when it has one
+    (void)SendFrame(MotionFrame::kMotionStatusRequest, {});
+  }
+  void Refuse(std::string why) {
+    state_.refusal = std::move(why);
+    refused_now_ = true;
+    identified_ = false;
+    positions_.clear();
+    (void)session_.Send(static_cast<std::uint8_t>(MotionFrame::kAbortRun), {});
+  }
+
+  void Take(const link::MotionStatus& status) {
+    status_ = status;
+    state_.link_up = identified_;
+    state_.tick = status.tick;
+    state_.position_mm = ToMm(status.x_nm, status.y_nm, status.z_nm);
+    state_.velocity_mm_s =
+        velocity_unit_nm_s_ * ToMm(status.vx_counts, status.vy_counts, status.vz_counts);
+    state_.run = status.run;
+    state_.covered_through_tick = status.covered_through_tick;
+    if (state_.clock != 0 && status.run == begun_run_) {
+      state_.covered_through_tick = covered_.TickAfter(status.segments_taken);
+    }
+    if (std::exchange(first_status_, false)) jogs_sent_ = status.jogs_taken;
+    state_.at_rest = status.at_rest && status.jogs_taken == jogs_sent_;
+    state_.following_error_max_um = status.following_error_max_nm / 1e3;
+    const FaultText text = TextOf(status.fault);
+    state_.fault = text.fault;
+    state_.message = text.message;
+    ++state_.number;
+  }
+
+  link::ExpectedDevice expected_;
+  bool needs_compare_, needs_air_;
+  link::FramePort session_;
+  DriverState state_;
+  link::MotionStatus status_;
+  bool identified_ = false;
+  bool identified_now_ = false, refused_now_ = false;  // in this Poll
+  std::uint32_t polled_sessions_ = 0;
+  std::uint32_t velocity_unit_nm_s_ = 1;  // as the controller reports
+  std::uint32_t begun_run_ = 0;
+  std::uint64_t appended_ = 0;
+  bool first_status_ = true;     // of this session is still to come
+  std::uint32_t jogs_sent_ = 0;  // JogMove and Home, as the controller counts them
+  Coverage covered_;
+  std::vector<LatchedPositions> positions_;
+};
+
+}  // namespace
+
+std::unique_ptr<MotionDriver> MakeVirtualStageDriver(const MachineSpec& machine,
+                                                     link::StreamOpener open,
+                                                     link::SteadyClock clock) {
+  return MakeVirtualStageDriver(machine,
+                                link::FramePort(std::move(open), std::move(clock)));
+}
+
+std::unique_ptr<MotionDriver> MakeVirtualStageDriver(const MachineSpec& machine,
+                                                     link::FramePort port) {
+  const SerialLine& line = machine.motion_line();
+  return std::make_unique<VirtualStageDriver>(
+      std::move(port),
+      link::ExpectedDevice{line.serial_number(), "stage controller", machine.name(),
+                           line.device(), "motion_line"},
+      machine.pulse_trigger() == PULSE_TRIGGER_AT_PLACE, machine.compressed_air());
+}
+
+}  // namespace intaglio::drivers
