@@ -131,6 +131,7 @@ void GrblDriver::TakeStatus(const GrblStatus& status) {
   TakeProgress();
   state_.position_mm = *status.work_mm;
   UpdateReach();
+  WatchJog();
   ++status_number_;
   ++state_.number;
   status_at_ = now();
@@ -154,18 +155,27 @@ void GrblDriver::TakeProgress() {
   }
 }
 
+void GrblDriver::WatchJog() {
+  if (!jog_ || jog_->cancelled) return;
+  std::size_t left = 0, unanswered = 0;
+  for (const InFlight& one : in_flight_) {
+    if (one.what != InFlight::What::kMove) continue;
+    ++left;
+    if (!one.acknowledged) ++unanswered;
+  }
+  jog_moves_.TakeStatus(grbl_, left, unanswered);
+  if (jog_moves_.was_cut()) Halt(intaglio_MOTION_SAFE_STATE, WhyGrblJogWasCut());
+}
+
 // The controller counts its steps; another place than the program's is a lost line or
 // another host.
 void GrblDriver::CheckPlace() {
   if (!state_.at_rest || !std::exchange(checks_place_, false)) return;
-  const Vec3 steps = line_.traits().steps_per_mm;
-  const double off = ((state_.position_mm - program_.place_mm()).array() * steps.array())
-                         .abs()
-                         .maxCoeff();
-  // A status has three decimals.
   state_.following_error_max_um =
       (state_.position_mm - program_.place_mm()).norm() * 1000;
-  if (off <= 1 + 0.0006 * steps.maxCoeff()) return;
+  if (IsSameGrblPlace(state_.position_mm, program_.place_mm(),
+                      line_.traits().steps_per_mm))
+    return;
   SetFault(
       intaglio_MOTION_FOLLOWING_ERROR,
       fmt::format("the controller ended {:.3f} mm from where the run ends: check its "
@@ -199,6 +209,7 @@ Status GrblDriver::Jog(const Vec3& axes, double speed_mm_s) {
   auto begun = LockstepDriver::Jog(axes, speed_mm_s);
   if (!begun) return begun;
   is_dark_ = false;
+  jog_moves_.Begin(jog_->from_mm, line_.traits().steps_per_mm);
   quiet_at_ = now();
   return {};
 }

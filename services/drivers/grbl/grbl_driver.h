@@ -45,6 +45,7 @@
 #include <string>
 
 #include "proto/machine.pb.h"
+#include "services/drivers/grbl/grbl_jog.h"
 #include "services/drivers/grbl/grbl_line.h"
 #include "services/drivers/grbl/grbl_program.h"
 #include "services/drivers/lockstep/lockstep_driver.h"
@@ -63,7 +64,7 @@ class GrblDriver final : public LockstepDriver {
              link::SteadyClock clock);
 
   /// M5 S0, then the moves of a jog, never more than kAhead_s ahead. Hold: 0x85 until it
-  /// is idle.
+  /// is idle. One that the controller cuts (grbl_jog.h) is a stop of its own.
   Status Jog(const Vec3& axes, double speed_mm_s) override;
   /// M5 S0, then $H. kRefused of a controller whose $22 is 0.
   Status Home() override;
@@ -113,6 +114,7 @@ class GrblDriver final : public LockstepDriver {
   void TakeHomed();
   void TakeStatus(const GrblStatus& status);
   void TakeProgress();
+  void WatchJog();
   void CheckPlace();
   void UpdateReach();
 
@@ -138,6 +140,7 @@ class GrblDriver final : public LockstepDriver {
 
   GrblLine line_;
   GrblProgram program_;
+  GrblJogMoves jog_moves_;
   LaserHead laser_;  ///< of the profile
   GrblStatus grbl_;
   std::deque<InFlight> in_flight_;

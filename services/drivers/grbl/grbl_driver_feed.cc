@@ -82,10 +82,14 @@ void GrblDriver::FeedJog() {
     if (moves && !line_.has_unsent()) line_.SendRealtime(kJogCancel);
     return;
   }
-  while (AheadSeconds() < kAhead_s) {
+  while (jog_moves_.may_send() && AheadSeconds() < kAhead_s) {
     const auto piece = NextJogPiece();
-    if (!piece || !line_.Send({program_.JogLine(piece->to_mm, jog_->speed_mm_s)})) return;
+    if (!piece) return;
+    const auto line = jog_moves_.Line(piece->to_mm, jog_->speed_mm_s);
+    if (line && !line_.Send({*line})) return;
     jog_->sent_mm = piece->end_mm;
+    if (!line) continue;
+    jog_moves_.TakeSent(piece->to_mm);
     GrblMove move;
     move.to_mm = piece->to_mm;
     move.planned_s = piece->seconds;

@@ -82,11 +82,6 @@ std::string GrblProgram::Line(const Vec3& to_mm, double speed_mm_s,
   return line;
 }
 
-std::string GrblProgram::JogLine(const Vec3& to_mm, double speed_mm_s) const {
-  return "$J=G90X" + Short(to_mm.x(), 4) + "Y" + Short(to_mm.y(), 4) + "Z" +
-         Short(to_mm.z(), 4) + "F" + Short(std::max(kMinFeed_mm_min, speed_mm_s * 60), 0);
-}
-
 void GrblProgram::SetPowerRatio(std::uint64_t first_tick, double ratio) {
   // What was decided for these ticks before is decided anew.
   power_ratios_.erase(power_ratios_.lower_bound(first_tick), power_ratios_.end());

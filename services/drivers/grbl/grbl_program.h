@@ -98,8 +98,6 @@ class GrblProgram {
                                 const std::function<bool(std::uint64_t)>& fires);
   /// Between runs: where the stage rests.
   void RestAt(const Vec3& place_mm) { place_mm_ = Snapped(place_mm); }
-  /// A jog to `to_mm`: it changes no modal state.
-  std::string JogLine(const Vec3& to_mm, double speed_mm_s) const;
   /// A pulse beside the way, where the stage rests.
   GrblWrite Aside(std::uint64_t tick);
 

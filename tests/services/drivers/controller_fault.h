@@ -2,7 +2,7 @@
 
 // What happens at a controller while a host runs it: the rows of the three conformance
 // suites. Each is inflicted at three instants: before a run, in it, and at rest behind
-// it.
+// it; of what moves by hand also in a jog.
 
 #include <array>
 
@@ -31,13 +31,17 @@ constexpr const char* NameOf(ControllerFault fault) {
   return kNames[static_cast<std::size_t>(fault)];
 }
 
-enum class FaultInstant { kBeforeTheRun, kInTheRun, kBehindTheRun };
+enum class FaultInstant { kBeforeTheRun, kInTheRun, kBehindTheRun, kInAJog };
 
 inline constexpr std::array kFaultInstants = {
     FaultInstant::kBeforeTheRun, FaultInstant::kInTheRun, FaultInstant::kBehindTheRun};
+inline constexpr std::array kMotionFaultInstants = {
+    FaultInstant::kBeforeTheRun, FaultInstant::kInTheRun, FaultInstant::kBehindTheRun,
+    FaultInstant::kInAJog};
 
 constexpr const char* NameOf(FaultInstant instant) {
-  constexpr std::array kNames = {"before_the_run", "in_the_run", "behind_the_run"};
+  constexpr std::array kNames = {"before_the_run", "in_the_run", "behind_the_run",
+                                 "in_a_jog"};
   return kNames[static_cast<std::size_t>(instant)];
 }
 

@@ -22,7 +22,7 @@ struct MotionCheck {
   std::function<void(const MotionRigMaker& make)> run;
 };
 
-/// M17 has one for each fault and instant of controller_fault.h.
+/// M17 has one for each fault and instant of controller_fault.h, also in a jog.
 std::span<const MotionCheck> MotionChecks();
 /// Those of M17 alone.
 std::vector<MotionCheck> MotionFaultChecks();

@@ -50,19 +50,35 @@ void ExpectReported(MotionBench& bench, ControllerFault fault,
   }
 }
 
+// Not only at its place: within the time of a lost line it is at rest, on its way.
+void ExpectJogEnds(MotionBench& bench, double target_x_mm) {
+  Expect(bench.RestsWithin(kSilence + 100ms), "M17: the jog goes on behind it");
+  Expect(bench.x() < target_x_mm - 1, "M17: the jog goes on to its end");
+  bench.StepFor(kReportTime);
+  bench.ExpectStill(1s, "M17: the jog goes on behind it");
+}
+
 void AFaultEndsTheMotion(const MotionRigMaker& make, ControllerFault fault,
                          FaultInstant instant) {
   MotionBench bench(make);
   bench.Connect();
+  const Vec3 jog_end_mm = bench.rig().actual_mm() + Vec3(kJogMm, 0, 0);
+  if (instant == FaultInstant::kInAJog) {
+    if (!CanJog(bench)) return;
+    JogAQuarter(bench, jog_end_mm);
+  }
   if (instant == FaultInstant::kInTheRun) bench.MoveALot(1);
   if (instant == FaultInstant::kBehindTheRun) bench.ExpectGoodRun(1);
   const KnownOfLaser known = KnownOf(bench);
   if (!bench.rig().Inflict(fault)) return;
+  if (instant == FaultInstant::kInAJog) ExpectJogEnds(bench, jog_end_mm.x());
   bench.StepFor(1s);
+  const Vec3 rests_mm = bench.rig().actual_mm();
   bench.rig().Relieve(fault);
   Expect(bench.Until([&] { return bench.state().link_up; }, 5s),
          "M17: the line does not come back: " + bench.Message());
   bench.StepFor(500ms);
+  Expect(bench.rig().actual_mm() == rests_mm, "M17: it goes on when the cause is gone");
   bench.ExpectStill(2s, "M17: it goes on by itself");
   ExpectReported(bench, fault, known);
   if (UsedLaser(bench) != nullptr) Expect(UsedLaser(bench)->Reset(), "Reset");
@@ -124,7 +140,7 @@ std::vector<MotionCheck> MotionFaultChecks() {
   std::vector<MotionCheck> all = {{"M18_lost_in_a_run", &APlaceThatIsLostEndsTheRun},
                                   {"M18_lost_in_a_jog", &APlaceThatIsLostEndsTheJog}};
   for (const ControllerFault fault : kControllerFaults) {
-    for (const FaultInstant instant : kFaultInstants) {
+    for (const FaultInstant instant : kMotionFaultInstants) {
       all.push_back({fmt::format("M17_{}_{}", NameOf(fault), NameOf(instant)),
                      [fault, instant](const MotionRigMaker& make) {
                        AFaultEndsTheMotion(make, fault, instant);

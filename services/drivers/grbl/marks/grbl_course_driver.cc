@@ -61,7 +61,9 @@ GrblCourseDriver::GrblCourseDriver(const MachineSpec& machine, link::StreamOpene
       line_(std::move(open), std::move(clock), ExpectedAtMarkLine(machine),
             options_.tool),
       program_(options_),
-      hand_motion_(line_, clock_, [this] { return Reset(); }) {}
+      hand_motion_(
+          line_, clock_, [this] { return Reset(); },
+          [this](std::string why) { StopItself(std::move(why)); }) {}
 
 void GrblCourseDriver::Poll() {
   std::vector<GrblLine::Event> events;

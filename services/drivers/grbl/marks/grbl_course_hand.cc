@@ -12,7 +12,6 @@ namespace intaglio::drivers {
 namespace {
 
 constexpr char kCancelJog = static_cast<char>(0x85);
-constexpr double kMinJogFeed_mm_min = 1;
 
 Status RefuseByHand(std::string why) { return Fail(ErrorCode::kRefused, std::move(why)); }
 
@@ -129,14 +128,24 @@ void GrblCourseHand::TakeStatus(const GrblStatus& status) {
     if (dark_ && !placed_ && status.work_mm) {
       placed_ = true;
       from_mm_ = *status.work_mm;
+      moves_.Begin(from_mm_, line_.traits().steps_per_mm);
     }
+    WatchJog(status);
     const bool is_home = homed_ && line_.takes_lines();
     if (what_ == What::kHome ? is_home : all_sent_ || cancelled_) End();
   } else if (status.free_blocks >= 0) {
     auto executed = std::ranges::count(sent_, true, &Sent::acknowledged) -
                     (line_.traits().planner_blocks - status.free_blocks);
     for (; executed > 0 && !sent_.empty(); --executed) sent_.pop_front();
+    WatchJog(status);
   }
+}
+
+void GrblCourseHand::WatchJog(const GrblStatus& status) {
+  if (what_ != What::kJog || cancelled_ || !placed_) return;
+  const auto unanswered = std::ranges::count(sent_, false, &Sent::acknowledged);
+  moves_.TakeStatus(status, sent_.size(), static_cast<std::size_t>(unanswered));
+  if (moves_.was_cut()) stopped_(WhyGrblJogWasCut());
 }
 
 void GrblCourseHand::TakeState(const MarkDeviceState& mark, const GrblStatus& status,
@@ -204,16 +213,17 @@ void GrblCourseHand::FeedJog() {
   }
   if (!placed_) return;
   const double length_mm = (to_mm_ - from_mm_).norm();
-  while (!all_sent_ && AheadSeconds() < kAhead_s) {
+  while (!all_sent_ && moves_.may_send() && AheadSeconds() < kAhead_s) {
     const double end_mm = std::min(length_mm, sent_mm_ + speed_mm_s_ * kPiece_s);
     const Vec3 to_mm = length_mm > 0
                            ? Vec3(from_mm_ + (to_mm_ - from_mm_) * (end_mm / length_mm))
                            : to_mm_;
-    const std::string text =
-        fmt::format("$J=G90X{:.4f}Y{:.4f}Z{:.4f}F{:.0f}", to_mm.x(), to_mm.y(), to_mm.z(),
-                    std::max(kMinJogFeed_mm_min, speed_mm_s_ * 60));
-    if (!line_.Send({text})) return;
-    Sends((end_mm - sent_mm_) / speed_mm_s_, 1);
+    const auto line = moves_.Line(to_mm, speed_mm_s_);
+    if (line && !line_.Send({*line})) return;
+    if (line) {
+      moves_.TakeSent(to_mm);
+      Sends((end_mm - sent_mm_) / speed_mm_s_, 1);
+    }
     sent_mm_ = end_mm;
     all_sent_ = end_mm >= length_mm;
   }

@@ -3,7 +3,8 @@
 // Motion by hand of a mill or a laser that follows contours, and its work zero
 // (grbl_course_driver.h has the line, and gives this its answers while it is active).
 //
-//   Jog      M5S0, then $J= in pieces of 50 ms, never more than kAhead_s ahead
+//   Jog      M5S0, then $J= in pieces of 50 ms, never more than kAhead_s ahead; one that
+//            the controller cuts (grbl_jog.h) is a stop of its own
 //   Hold     0x85 until nothing moves
 //   Home     M5S0, $H; Hold: 0x18
 //   SetZero  M5S0, G10L20P1 X Y Z: the place of the tool gets these coordinates in G54,
@@ -20,6 +21,7 @@
 #include <string>
 #include <utility>
 
+#include "services/drivers/grbl/grbl_jog.h"
 #include "services/drivers/grbl/grbl_line.h"
 #include "services/drivers/interface/hand_motion.h"
 #include "services/drivers/interface/mark_driver.h"
@@ -32,9 +34,14 @@ class GrblCourseHand final : public HandMotion {
   static constexpr double kAhead_s = 0.15;
   static constexpr double kPiece_s = 0.05;
 
-  /// `line` outlives this. `reset`: brings the controller out of a fault.
-  GrblCourseHand(GrblLine& line, link::SteadyClock clock, std::function<Status()> reset)
-      : line_(line), clock_(std::move(clock)), reset_(std::move(reset)) {}
+  /// `line` outlives this. `reset`: brings the controller out of a fault. `stopped`: the
+  /// controller has stopped by itself; it calls End.
+  GrblCourseHand(GrblLine& line, link::SteadyClock clock, std::function<Status()> reset,
+                 std::function<void(std::string)> stopped)
+      : line_(line),
+        clock_(std::move(clock)),
+        reset_(std::move(reset)),
+        stopped_(std::move(stopped)) {}
 
   const DriverState& state() const override { return state_; }
   Status ClearFault() override;
@@ -64,6 +71,7 @@ class GrblCourseHand final : public HandMotion {
 
   Status Begin(What what);
   void TakeStatus(const GrblStatus& status);
+  void WatchJog(const GrblStatus& status);
   bool SendDark();
   void FeedJog();
   void FeedZero();
@@ -73,6 +81,7 @@ class GrblCourseHand final : public HandMotion {
   GrblLine& line_;
   link::SteadyClock clock_;
   std::function<Status()> reset_;
+  std::function<void(std::string)> stopped_;
   DriverState state_;
   GrblState grbl_ = GrblState::kOther;
 
@@ -83,6 +92,7 @@ class GrblCourseHand final : public HandMotion {
   bool homed_ = false;
   bool status_is_behind_ = false;       ///< the newest status came behind the last answer
   std::optional<std::string> refused_;  ///< what the controller refused a line for
+  GrblJogMoves moves_;
   Vec3 from_mm_ = Vec3::Zero(), to_mm_ = Vec3::Zero();
   double sent_mm_ = 0, speed_mm_s_ = 0;
   std::array<bool, 3> sets_{};

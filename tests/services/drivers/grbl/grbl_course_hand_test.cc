@@ -64,6 +64,37 @@ TEST_P(GrblCourseByHand, HoldEndsAJogAndItDoesNotGoOn) {
   EXPECT_EQ(hand().state().fault, intaglio_MOTION_OK);
 }
 
+// At any instant of it, also at the one of a line that is on its way: grbl is idle then,
+// and nothing else says so.
+TEST_P(GrblCourseByHand, AHoldAtTheControllerEndsAJogUntilTheFaultIsCleared) {
+  for (int wait_ms = 60; wait_ms < 160; ++wait_ms) {
+    CourseRig rig(GetParam());
+    HandMotion& hand = *rig.driver->hand();
+    ASSERT_TRUE(rig.Ready());
+    ASSERT_TRUE(rig.StepUntil([&] { return hand.state().at_rest; }));
+    ASSERT_TRUE(hand.Jog({45, 0, 0}, 20));
+    const auto x = [&] { return rig.machine.grbl.motion().Position_mm().x(); };
+    rig.StepFor(std::chrono::milliseconds(wait_ms));
+    const double from_mm = x();
+    const std::uint32_t openings = rig.driver->state().openings;
+    rig.machine.grbl.PressHold();
+    rig.StepFor(500ms);
+    ASSERT_FALSE(rig.moves()) << wait_ms;
+    EXPECT_LT(x() - from_mm, 20 * GrblCourseHand::kAhead_s) << wait_ms;
+    EXPECT_EQ(hand.state().fault, intaglio_MOTION_SAFE_STATE) << wait_ms;
+    EXPECT_THAT(hand.state().message, HasSubstr("hold"));
+    EXPECT_EQ(rig.driver->state().openings, openings + 1) << wait_ms;
+    EXPECT_FALSE(hand.Jog({0, 0, 0}, 20));
+    const double rests_mm = x();
+    ASSERT_TRUE(hand.ClearFault());
+    rig.StepFor(500ms);
+    EXPECT_EQ(x(), rests_mm) << "a cleared fault moves nothing";
+    ASSERT_TRUE(hand.Jog({0, 0, 0}, 50)) << hand.state().message;
+    ASSERT_TRUE(rig.StepUntil([&] { return hand.state().at_rest; }));
+    EXPECT_LT(std::abs(x()), 1e-3) << wait_ms;
+  }
+}
+
 TEST_P(GrblCourseByHand, ALostLineLeavesWhatWasSentAhead) {
   ASSERT_TRUE(rig_.Ready());
   ASSERT_TRUE(Rests());

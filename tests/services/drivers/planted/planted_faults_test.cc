@@ -28,12 +28,6 @@ std::vector<Check> InOrder(std::span<const Check> checks, std::string_view first
   return all;
 }
 
-bool Jogs(const std::string& protocol) {
-  const auto rig = MakeMotionRig(protocol);
-  const auto jogged = rig->driver->Jog(Vec3::Zero(), 1);
-  return jogged || jogged.error().code != ErrorCode::kUnsupported;
-}
-
 class MotionPlanted
     : public ::testing::TestWithParam<std::tuple<std::string, MotionFault>> {};
 

@@ -12,6 +12,13 @@
 
 namespace intaglio::drivers {
 
+/// Whether what this protocol's driver drives can be moved by hand.
+inline bool Jogs(const std::string& protocol) {
+  const auto rig = MakeMotionRig(protocol);
+  const auto jogged = rig->driver->Jog(Vec3::Zero(), 1);
+  return jogged || jogged.error().code != ErrorCode::kUnsupported;
+}
+
 inline MotionRigMaker PlantedMotionRigs(
     const std::string& protocol,
     std::unique_ptr<MotionDriver> (*plant)(std::unique_ptr<MotionDriver> good)) {

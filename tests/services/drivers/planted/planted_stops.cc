@@ -153,6 +153,31 @@ struct GoesOnBehindEachStop final : WithLaser<LaserWrapper> {
   bool troubled_ = false;
 };
 
+/// A jog that ends before its place is begun again, as if nothing had been.
+struct JogsOnBehindEachStop final : WithLaser<LaserWrapper> {
+  using WithLaser::WithLaser;
+  void Spoil(DriverState& state) override {
+    if (!to_ || !state.link_up || ++polls_ % 200 != 0) return;
+    if ((state.position_mm - *to_).norm() < 0.1) return to_.reset();
+    if (state.fault != intaglio_MOTION_OK) {
+      (void)inner_->ClearFault();
+      if (laser_) (void)laser_->Reset();
+    } else if (!state.place_lost.empty()) {
+      (void)inner_->SetZero(state.position_mm, {true, true, true});
+    } else if (state.at_rest) {
+      (void)WithLaser::Jog(*to_, speed_mm_s_);
+    }
+  }
+  Status Jog(const Vec3& axes, double speed_mm_s) override {
+    to_ = axes;
+    speed_mm_s_ = speed_mm_s;
+    return WithLaser::Jog(axes, speed_mm_s);
+  }
+  std::optional<Vec3> to_;
+  double speed_mm_s_ = 0;
+  std::uint32_t polls_ = 0;
+};
+
 template <typename Fault>
 std::unique_ptr<LaserController> PlantStopOfLaser(std::unique_ptr<LaserController> good) {
   return std::make_unique<Fault>(std::move(good));
@@ -175,6 +200,10 @@ constexpr std::array kMotionStopFaults = {
                     PlantStopOfMotion<TakesALostLineForAStop>},
     MotionStopFault{"GoesOnBehindEachStop", StopRows::kAll,
                     PlantStopOfMotion<GoesOnBehindEachStop>},
+    MotionStopFault{"HidesStopsOfAJog", StopRows::kStops,
+                    PlantStopOfMotion<HidesStopsOfMotion>, true},
+    MotionStopFault{"JogsOnBehindEachStop", StopRows::kAll,
+                    PlantStopOfMotion<JogsOnBehindEachStop>, true},
 };
 
 }  // namespace

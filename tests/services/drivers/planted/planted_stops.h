@@ -22,6 +22,7 @@ struct MotionStopFault {
   const char* name;
   StopRows rows;
   std::unique_ptr<MotionDriver> (*plant)(std::unique_ptr<MotionDriver> good);
+  bool in_a_jog = false;  ///< the rows of that instant have to find it
 };
 std::span<const MotionStopFault> MotionStopFaults();
 /// The same wrapper without a fault: no row may find it.

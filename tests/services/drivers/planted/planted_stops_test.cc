@@ -1,5 +1,6 @@
 // The rows of M17 and L14, stops at a controller, find each fault of planted_stops.h on
-// each driver: a row that a fault passes at all three instants checks nothing.
+// each driver: a row that a fault passes at all instants checks nothing. Faults of motion
+// by hand are found by what happens in a jog.
 
 #include "tests/services/drivers/planted/planted_stops.h"
 
@@ -50,6 +51,7 @@ class MotionStopPlanted
 
 TEST_P(MotionStopPlanted, IsFoundInEveryRow) {
   const auto& [protocol, fault] = GetParam();
+  if (fault.in_a_jog && !Jogs(protocol)) GTEST_SKIP() << protocol << " does not jog";
   const MotionRigMaker make = PlantedMotionRigs(protocol, fault.plant);
   const auto inflicts = [&protocol = protocol](ControllerFault one) {
     return MakeMotionRig(protocol)->Inflict(one);
@@ -57,8 +59,13 @@ TEST_P(MotionStopPlanted, IsFoundInEveryRow) {
   const auto finds = [&make](const MotionCheck& check) {
     return !ViolationOf(check, make).empty();
   };
-  EXPECT_EQ(Blind(MotionFaultChecks(), fault.rows, finds, inflicts),
-            std::vector<std::string>{});
+  std::vector<MotionCheck> checks = MotionFaultChecks();
+  if (fault.in_a_jog) {
+    std::erase_if(checks, [](const MotionCheck& check) {
+      return !check.name.ends_with(NameOf(FaultInstant::kInAJog));
+    });
+  }
+  EXPECT_EQ(Blind(checks, fault.rows, finds, inflicts), std::vector<std::string>{});
 }
 
 INSTANTIATE_TEST_SUITE_P(
