@@ -25,10 +25,6 @@
 namespace intaglio::motion {
 namespace {
 
-/// Minimum duration of an arc: over shorter times the last bit of a coordinate shows as
-/// acceleration (500 mm at 4 kHz: 1e-6 of 20 m/s^2 at this length).
-constexpr std::uint64_t kShortestArcSubticks = kSubticksPerTick / 64;
-
 /// The course of one step in time, 0..1.
 struct Course {
   std::uint64_t ticks = 1;

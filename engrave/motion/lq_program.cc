@@ -21,7 +21,7 @@ constexpr std::uint64_t kMaxStages = 512;
 static_assert(kMaxStepTicks / kMaxStages <= kMaxSegmentTicks);
 
 /// Where the step is at the end of each stage: share of the way done, per stage.
-struct Course {
+struct StageCourse {
   std::uint64_t ticks = 0;
   std::vector<Eigen::Vector2d> states;
   double peak_per_stage = 0.0;
@@ -41,7 +41,7 @@ std::uint64_t StagesFor(double duration_w) {
   return stages;
 }
 
-Course CourseOver(std::uint64_t ticks, double rate_hz, double w_per_s) {
+StageCourse CourseOver(std::uint64_t ticks, double rate_hz, double w_per_s) {
   const double duration_w = w_per_s * static_cast<double>(ticks) / rate_hz;
   const std::uint64_t stages =
       std::max(StagesFor(duration_w), ticks > kMaxSegmentTicks ? kMaxStages : 0);
@@ -49,7 +49,7 @@ Course CourseOver(std::uint64_t ticks, double rate_hz, double w_per_s) {
   const LqRecursion recursion(
       AxisStage({}, {.position = 0.0, .speed = stage_w * stage_w, .control = 1.0}, 1.0),
       stages, Eigen::Matrix2d::Zero());
-  Course course{.ticks = ticks, .states = {}};
+  StageCourse course{.ticks = ticks, .states = {}};
   course.states.reserve(stages);
   Eigen::Vector2d state(-1.0, 0.0);
   for (std::uint64_t j = 0; j < stages; ++j) {
@@ -62,7 +62,7 @@ Course CourseOver(std::uint64_t ticks, double rate_hz, double w_per_s) {
   return course;
 }
 
-bool Fits(const Course& course, double rate_hz, const AxisLimits& unit) {
+bool Fits(const StageCourse& course, double rate_hz, const AxisLimits& unit) {
   const double stage_s = course.StageSeconds(rate_hz);
   const double slack = 1.0 + kTickSlackRatio;
   return course.peak_per_stage <= slack * unit.max_speed_mm_s * stage_s &&
@@ -72,10 +72,10 @@ bool Fits(const Course& course, double rate_hz, const AxisLimits& unit) {
 
 /// The fewest ticks that keep the limits: from the minimum time of all courses upwards by
 /// doubling, then by bisection.
-Course ShortestCourse(double rate_hz, const AxisLimits& unit, double w_per_s) {
+StageCourse ShortestCourse(double rate_hz, const AxisLimits& unit, double w_per_s) {
   std::uint64_t tried = WholeTicks(StopAndGoSeconds(1.0, unit), rate_hz);
   std::uint64_t below = tried - 1;
-  Course course;
+  StageCourse course;
   while (true) {
     Require(tried <= kMaxStepTicks, "a step takes over {} ticks", kMaxStepTicks);
     course = CourseOver(tried, rate_hz, w_per_s);
@@ -84,7 +84,8 @@ Course ShortestCourse(double rate_hz, const AxisLimits& unit, double w_per_s) {
     tried = 2 * below;
   }
   while (course.ticks - below > 1) {
-    Course shorter = CourseOver(below + (course.ticks - below) / 2, rate_hz, w_per_s);
+    StageCourse shorter =
+        CourseOver(below + (course.ticks - below) / 2, rate_hz, w_per_s);
     if (Fits(shorter, rate_hz, unit)) {
       course = std::move(shorter);
     } else {
@@ -102,7 +103,7 @@ std::uint64_t LqProgram::Append(const Vec3& from_mm, const Vec3& to_mm,
   const AxisLimits unit = UnitStepLimits(step_mm, limits_);
   const double w_per_s =
       rate_per_s_.value_or(unit.max_acceleration_mm_s2 / unit.max_speed_mm_s);
-  const Course course = ShortestCourse(rate_hz_, unit, w_per_s);
+  const StageCourse course = ShortestCourse(rate_hz_, unit, w_per_s);
   const double stage_s = course.StageSeconds(rate_hz_);
   const std::uint64_t stage_subticks =
       course.ticks * kSubticksPerTick / course.states.size();

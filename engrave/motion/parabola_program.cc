@@ -23,10 +23,6 @@ constexpr double kMaxHeightMm = 1.0;
 /// A leap that is higher than half of its step goes up and down more than forward.
 constexpr double kMaxHeightRatio = 0.5;
 
-/// Minimum duration of an arc of the speed's law: below it the last bit of a coordinate
-/// shows as acceleration.
-constexpr std::uint64_t kShortestArcSubticks = kSubticksPerTick / 64;
-
 /// The maximum number of pieces into which an arc of the speed's law is cut. The
 /// deviation falls with the fourth power of the count; steps of 5 to 50 mm need 8, all
 /// others less.

@@ -17,6 +17,10 @@ namespace intaglio::motion {
 /// Half a year at 1 Hz; a step beyond it means that a limit is mistaken, not slow.
 inline constexpr std::uint64_t kMaxStepTicks = std::uint64_t{1} << 24;
 
+/// Minimum duration of an arc: over shorter times the last bit of a coordinate shows as
+/// acceleration (500 mm at 4 kHz: 1e-6 of 20 m/s^2 at this length).
+inline constexpr std::uint64_t kShortestArcSubticks = kSubticksPerTick / 64;
+
 /// Immutable, so for use by any number of threads.
 class StepProgram {
  public:

@@ -32,6 +32,11 @@ inline Color Mix(const Color& a, const Color& b, float t) {
   return (1.0F - t) * a + t * b;
 }
 
+/// Pixels between a rectangle and what is drawn inside it.
+struct Margins {
+  int left = 0, right = 0, top = 0, bottom = 0;
+};
+
 /// A rectangle of pixels.
 struct Rect {
   int x = 0;
@@ -40,6 +45,10 @@ struct Rect {
   int height = 0;
 
   int right() const { return x + width; }
+  Rect Inside(const Margins& margins) const {
+    return {x + margins.left, y + margins.top, width - margins.left - margins.right,
+            height - margins.top - margins.bottom};
+  }
   int bottom() const { return y + height; }
   Rect Inset(int by) const { return {x + by, y + by, width - 2 * by, height - 2 * by}; }
 };

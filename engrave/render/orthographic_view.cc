@@ -14,15 +14,7 @@ constexpr std::array<const char*, 3> kAxisNames = {"x", "y", "z"};
 constexpr double kNumberCapPx = 9.0;
 
 /// Room around the block's face for heading, numbers and axis names.
-constexpr int kLeftPx = 58;
-constexpr int kRightPx = 26;
-constexpr int kTopPx = 66;
-constexpr int kBottomPx = 52;
-
-Rect Inner(const Rect& cell) {
-  return {cell.x + kLeftPx, cell.y + kTopPx, cell.width - kLeftPx - kRightPx,
-          cell.height - kTopPx - kBottomPx};
-}
+constexpr Margins kFaceMargins = {.left = 58, .right = 26, .top = 66, .bottom = 52};
 
 /// What is shown of the block's face, and where.
 struct Face {
@@ -149,7 +141,7 @@ double GridStepOf(const Panel& panel) {
 }
 
 Vec2 RoomIn(const Rect& cell) {
-  const Rect inner = Inner(cell);
+  const Rect inner = cell.Inside(kFaceMargins);
   return {inner.width, inner.height};
 }
 
@@ -165,7 +157,7 @@ void DrawOrthographicView(Canvas& canvas, const Panel& panel,
   const OrthographicView view = ViewOf(panel.kind);
   DrawCell(canvas, panel.cell, panel.name, panel.description);
   DrawScaleBar(canvas, panel.cell, panel.px_per_mm);
-  const Rect inner = Inner(panel.cell);
+  const Rect inner = panel.cell.Inside(kFaceMargins);
   const Vec2 center_px(inner.x + 0.5 * inner.width, inner.y + 0.5 * inner.height);
   const Face face = FaceOf(panel, view, center_px);
   const std::vector<Vec2> corners = {{face.left_px, face.top_px},

@@ -18,14 +18,9 @@ namespace intaglio::render {
 namespace {
 
 constexpr float kNothing = std::numeric_limits<float>::infinity();
-constexpr int kLeftPx = 54, kRightPx = 22, kTopPx = 64, kBottomPx = 50;
+constexpr Margins kPanelMargins = {.left = 54, .right = 22, .top = 64, .bottom = 50};
 // Rounding of a lattice of exactly the minimum spacing is not a fault.
 constexpr double kTooNear = 1 - 1e-8;
-
-Rect Inner(const Rect& cell) {
-  return {cell.x + kLeftPx, cell.y + kTopPx, cell.width - kLeftPx - kRightPx,
-          cell.height - kTopPx - kBottomPx};
-}
 
 struct Spot {
   float x_px, y_px, depth_mm;
@@ -176,11 +171,11 @@ class Picture {
 };
 
 /// The part of the cell that the cloud takes.
-struct Face {
+struct PlotArea {
   double left_px, right_px, top_px, bottom_px;
 };
 
-void DrawNumbers(Canvas& canvas, const Face& face, const OrthographicView& view,
+void DrawNumbers(Canvas& canvas, const PlotArea& area, const OrthographicView& view,
                  double px_per_mm, const Box3& box_mm) {
   const Palette palette;
   static constexpr const char* kAxes[] = {"x", "y", "z"};
@@ -191,29 +186,29 @@ void DrawNumbers(Canvas& canvas, const Face& face, const OrthographicView& view,
                low_y = box_mm.min_mm[view.up_axis];
   const double high_x = box_mm.max_mm[view.right_axis];
   const double high_y = box_mm.max_mm[view.up_axis];
-  const double axis_px = face.bottom_px + 8;
+  const double axis_px = area.bottom_px + 8;
   for (double mm = std::ceil(low_x / step_mm) * step_mm; mm <= high_x; mm += step_mm) {
-    const double x_px = std::floor(face.left_px + (mm - low_x) * px_per_mm) + 0.5;
+    const double x_px = std::floor(area.left_px + (mm - low_x) * px_per_mm) + 0.5;
     DrawLine(canvas, {x_px, axis_px}, {x_px, axis_px + 4}, 1.0, {palette.dim_text});
     DrawText(canvas, {x_px, axis_px + 18}, ShortNumber(mm), style);
   }
   style.align = Align::kRight;
-  const double side_px = face.left_px - 8;
+  const double side_px = area.left_px - 8;
   for (double mm = std::ceil(low_y / step_mm) * step_mm; mm <= high_y; mm += step_mm) {
-    const double y_px = std::floor(face.bottom_px - (mm - low_y) * px_per_mm) + 0.5;
+    const double y_px = std::floor(area.bottom_px - (mm - low_y) * px_per_mm) + 0.5;
     DrawLine(canvas, {side_px - 4, y_px}, {side_px, y_px}, 1.0, {palette.dim_text});
     DrawText(canvas, {side_px - 8, y_px + 4.5}, ShortNumber(mm), style);
   }
-  DrawLine(canvas, {face.left_px, axis_px}, {face.right_px, axis_px}, 1.0,
+  DrawLine(canvas, {area.left_px, axis_px}, {area.right_px, axis_px}, 1.0,
            {palette.cell_frame});
-  DrawLine(canvas, {side_px, face.top_px}, {side_px, face.bottom_px}, 1.0,
+  DrawLine(canvas, {side_px, area.top_px}, {side_px, area.bottom_px}, 1.0,
            {palette.cell_frame});
   style.align = Align::kCenter;
   style.color = palette.text;
-  DrawText(canvas, {0.5 * (face.left_px + face.right_px), axis_px + 35},
+  DrawText(canvas, {0.5 * (area.left_px + area.right_px), axis_px + 35},
            std::string(kAxes[view.right_axis]) + ", mm", style);
   style.align = Align::kRight;
-  DrawText(canvas, {side_px + 4, face.top_px - 8},
+  DrawText(canvas, {side_px + 4, area.top_px - 8},
            std::string(kAxes[view.up_axis]) + ", mm", style);
 }
 
@@ -221,7 +216,7 @@ void DrawNumbers(Canvas& canvas, const Face& face, const OrthographicView& view,
 
 double FittingSpacingScale(const Rect& cell, const OrthographicView& view,
                            const Box3& box_mm) {
-  const Rect inner = Inner(cell);
+  const Rect inner = cell.Inside(kPanelMargins);
   const Vec3 size_mm = box_mm.size_mm();
   return std::min(inner.width / size_mm[view.right_axis],
                   inner.height / size_mm[view.up_axis]);
@@ -231,17 +226,17 @@ void DrawSpacingView(Canvas& canvas, const Rect& cell, const OrthographicView& v
                      double px_per_mm, const Box3& box_mm, const SpacingMap& map) {
   DrawCell(canvas, cell, view.title, view.from);
   DrawScaleBar(canvas, cell, px_per_mm);
-  const Rect inner = Inner(cell);
+  const Rect inner = cell.Inside(kPanelMargins);
   const Vec2 center_px(inner.x + 0.5 * inner.width, inner.y + 0.5 * inner.height);
   const Vec3 half_px = 0.5 * px_per_mm * box_mm.size_mm();
-  const Face face{
+  const PlotArea area{
       center_px.x() - half_px[view.right_axis], center_px.x() + half_px[view.right_axis],
       center_px.y() - half_px[view.up_axis], center_px.y() + half_px[view.up_axis]};
   const Projection projection =
       Projection::Parallel(Vec3::Unit(view.right_axis), Vec3::Unit(view.up_axis),
                            box_mm.center_mm(), center_px, px_per_mm);
   Picture(cell.Inset(1), projection, px_per_mm, map).Draw(canvas);
-  DrawNumbers(canvas, face, view, px_per_mm, box_mm);
+  DrawNumbers(canvas, area, view, px_per_mm, box_mm);
 }
 
 }  // namespace intaglio::render

@@ -52,12 +52,12 @@ bool Until(Condition condition, std::chrono::milliseconds bound) {
   return condition();
 }
 
-int ComplainOf(const std::string& text, int exit_code) {
+int ComplainWith(const std::string& text, int exit_code) {
   return Complain(Error{ErrorCode::kTimedOut, text, {}}, exit_code);
 }
 
 int ComplainOfNoMachine() {
-  return ComplainOf(
+  return ComplainWith(
       "no machine found: press the machine's own button; then check --domain, "
       "--interface and --tag",
       client::kExitWrongInput);
@@ -96,7 +96,7 @@ int Press(const StopOptions& options) {
   }
   Until(all_confirmed, kAnswerTime);
   for (const std::string& cell : missing) {
-    ComplainOf(
+    ComplainWith(
         fmt::format("{} has not confirmed the stop within {} s: press the machine's "
                     "own button",
                     cell, kAnswerTime.count()),
@@ -141,23 +141,23 @@ int ComplainOfHeld(const std::string& cell, const MachineStops& stops) {
   const auto open = OpenInterlocks(stops);
   const std::string also = open.empty() ? "" : fmt::format("; {}", fmt::join(open, ", "));
   if (stops.pressed && held.empty()) {
-    return ComplainOf(
+    return ComplainWith(
         fmt::format("{} is still stopped by more presses than it can name{}: restart its "
                     "synchronizer",
                     cell, also),
         client::kExitMachine);
   }
   if (stops.pressed) {
-    return ComplainOf(
+    return ComplainWith(
         fmt::format("{} is still stopped by a press that came during the reset: {}{}; "
                     "check the machine, then reset it again",
                     cell, fmt::join(held, ", "), also),
         client::kExitMachine);
   }
-  return ComplainOf(fmt::format("{}: the stop is reset, but the machine is still held: "
-                                "{}; then arm or resume the job",
-                                cell, fmt::join(open, ", ")),
-                    client::kExitMachine);
+  return ComplainWith(fmt::format("{}: the stop is reset, but the machine is still held: "
+                                  "{}; then arm or resume the job",
+                                  cell, fmt::join(open, ", ")),
+                      client::kExitMachine);
 }
 
 int ReportReset(const std::string& cell, const MachineStops& stops) {
@@ -177,7 +177,7 @@ int Reset(const StopOptions& options) {
   const auto cell = MachineToReset(reports, options, bus.discovery_time());
   if (!cell) return Complain(cell.error());
   if (!Until([&] { return reports.Of(*cell).reported; }, kAnswerTime)) {
-    return ComplainOf(
+    return ComplainWith(
         fmt::format(
             "{} has not reported its stops within {} s: check that its synchronizer runs",
             *cell, kAnswerTime.count()),
@@ -194,7 +194,7 @@ int Reset(const StopOptions& options) {
     });
   };
   if (!Until(released, kAnswerTime)) {
-    return ComplainOf(
+    return ComplainWith(
         fmt::format("{} has not confirmed the reset within {} s: check that its "
                     "synchronizer, its motion bridge and the job service run",
                     *cell, kAnswerTime.count()),

@@ -293,12 +293,19 @@ class Inspector {
   /// A CMakeLists.txt.
   void InspectBuild(const fs::path& file) {
     static const std::regex kTwoSources("[^#]*\\.cc\\s+[\\w/]+\\.cc\\b.*");
+    static const std::regex kSource("\\s+([\\w./-]+\\.cc)\\)?");
     const std::string path = file.lexically_relative(root_).string();
     std::ifstream in(file);
+    std::string before;  // the source of the line above; empty: there is none
     for (std::string line; std::getline(in, line);) {
       if (line.size() > kMaxBuildColumns) Report(path, "has a longer line: " + line);
       if (std::regex_match(line, kTwoSources))
         Report(path, "has two sources in a line: " + line);
+      std::smatch source;
+      const bool is_source = std::regex_match(line, source, kSource);
+      if (is_source && source[1] < before)
+        Report(path, "is not sorted: " + before + " stands before " + source[1].str());
+      before = is_source ? source[1].str() : "";
     }
   }
 

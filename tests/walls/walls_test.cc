@@ -91,12 +91,15 @@ TEST_F(MadeUpTree, EveryWallIsSeenWhenItIsCrossed) {
   }
 }
 
-TEST_F(MadeUpTree, BuildFileHasOneSourceALineAndShortLines) {
+TEST_F(MadeUpTree, BuildFileHasOneSourceALineSortedAndShortLines) {
   Write("engrave/core/CMakeLists.txt",
         "# a.cc b.cc\nintaglio_library(a SOURCES a.cc DEPS b)\n" + std::string(100, 'x'));
   EXPECT_THAT(Violations(root_), IsEmpty());
   Write("engrave/core/CMakeLists.txt", "intaglio_library(a\n  SOURCES a.cc b.cc)\n");
   EXPECT_THAT(Violations(root_), ElementsAre(HasSubstr("two sources in a line")));
+  Write("engrave/core/CMakeLists.txt",
+        "intaglio_library(a\n  SOURCES\n    b.cc\n    a.cc)\n");
+  EXPECT_THAT(Violations(root_), ElementsAre(HasSubstr("b.cc stands before a.cc")));
   Write("engrave/core/CMakeLists.txt", std::string(101, 'x'));
   EXPECT_THAT(Violations(root_), ElementsAre(HasSubstr("a longer line")));
 }

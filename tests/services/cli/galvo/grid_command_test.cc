@@ -28,7 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-constexpr const char* kProfile = INTAGLIO_SOURCE_DIR "/deploy/machines/galvo.textproto";
+constexpr const char* kGalvoProfile = INTAGLIO_SOURCE_DIR "/deploy/machines/galvo.textproto";
 
 class GalvoGrid : public TypedCommand {
  protected:
@@ -38,7 +38,7 @@ class GalvoGrid : public TypedCommand {
   }
   /// The supplied profile, whose correction is this file.
   fs::path ProfileWith(const fs::path& correction) const {
-    std::string text = test::ContentOf(kProfile);
+    std::string text = test::ContentOf(kGalvoProfile);
     text.replace(text.find("scan_head {"), 11,
                  "scan_head { correction_file: \"" + correction.string() + "\"");
     std::ofstream(folder_ / "corrected.textproto") << text;
@@ -66,7 +66,7 @@ std::pair<long, long> RoundedPlace(double x_mm, double y_mm) {
 
 TEST_F(GalvoGrid, TheJobMarksADiscAtEachNodeAndOneThatShowsTheDirection) {
   const fs::path out = folder_ / "grid";
-  ASSERT_EQ(Type({"grid", "--machine", kProfile, "--out", out.string()}),
+  ASSERT_EQ(Type({"grid", "--machine", kGalvoProfile, "--out", out.string()}),
             client::kExitGood)
       << errors_;
   EXPECT_EQ(output_, (out / "grid.textproto").string() + "\n");
@@ -115,7 +115,7 @@ TEST_F(GalvoGrid, TheJobMarksADiscAtEachNodeAndOneThatShowsTheDirection) {
 }
 
 TEST_F(GalvoGrid, TheTableHasTheCommandsForWhoeverMeasures) {
-  ASSERT_EQ(Type({"grid", "--machine", kProfile, "--nodes", "5", "--pitch", "20", "--out",
+  ASSERT_EQ(Type({"grid", "--machine", kGalvoProfile, "--nodes", "5", "--pitch", "20", "--out",
                   (folder_ / "grid").string()}),
             client::kExitGood)
       << errors_;
@@ -125,7 +125,7 @@ TEST_F(GalvoGrid, TheTableHasTheCommandsForWhoeverMeasures) {
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 26);
   // A line that is not filled in is named.
   EXPECT_EQ(
-      Type({"calibrate", (folder_ / "grid/grid.csv").string(), "--machine", kProfile}),
+      Type({"calibrate", (folder_ / "grid/grid.csv").string(), "--machine", kGalvoProfile}),
       client::kExitWrongInput);
   EXPECT_THAT(errors_, HasSubstr("grid.csv:2: measured_x_mm \"\" is no number; leave the "
                                  "line out when the mark was not found"));
@@ -137,13 +137,13 @@ TEST_F(GalvoGrid, RefusesWhatIsNoGridOrExceedsTheField) {
     more.insert(more.begin(), {"grid", "--out", out});
     return Type(more);
   };
-  EXPECT_EQ(grid({"--machine", kProfile, "--pitch", "13"}), client::kExitWrongInput);
+  EXPECT_EQ(grid({"--machine", kGalvoProfile, "--pitch", "13"}), client::kExitWrongInput);
   EXPECT_THAT(errors_, HasSubstr("is 104.3 mm wide, and the field 100 mm; give a smaller "
                                  "pitch"));
-  EXPECT_EQ(grid({"--machine", kProfile, "--nodes", "8"}), client::kExitWrongInput);
+  EXPECT_EQ(grid({"--machine", kGalvoProfile, "--nodes", "8"}), client::kExitWrongInput);
   EXPECT_THAT(errors_,
               HasSubstr("a grid of 8 nodes a side; give an odd number of 5..65"));
-  EXPECT_EQ(grid({"--machine", kProfile, "--mark-size", "3000"}),
+  EXPECT_EQ(grid({"--machine", kGalvoProfile, "--mark-size", "3000"}),
             client::kExitWrongInput);
   EXPECT_THAT(errors_, HasSubstr("a disc may be a fifth of the pitch, 2400 um"));
   EXPECT_EQ(grid({"--machine", INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto"}),
@@ -155,7 +155,7 @@ TEST_F(GalvoGrid, RefusesWhatIsNoGridOrExceedsTheField) {
 TEST_F(GalvoGrid, CalibrateTakesFieldAndCorrectionOfTheProfile) {
   const galvo::WrongField field(100, .03, 20);
   const fs::path first = folder_ / "first.ct5";
-  ASSERT_EQ(Type({"calibrate", Measured(field).string(), "--machine", kProfile, "--out",
+  ASSERT_EQ(Type({"calibrate", Measured(field).string(), "--machine", kGalvoProfile, "--out",
                   first.string()}),
             client::kExitGood)
       << errors_;
@@ -200,7 +200,7 @@ TEST_F(GalvoGrid, CoversThatOfTheFieldWhichACorrectionOfAShrunkOneReaches) {
   auto shrunk = galvo::HeadModel::Ideal(50 / kBorderRad);
   shrunk.lens_ratio[1] = -0.03 / (kBorderRad * kBorderRad);
   const fs::path first = folder_ / "first.ct5";
-  ASSERT_EQ(Type({"calibrate", Measured(shrunk).string(), "--machine", kProfile, "--out",
+  ASSERT_EQ(Type({"calibrate", Measured(shrunk).string(), "--machine", kGalvoProfile, "--out",
                   first.string()}),
             client::kExitGood)
       << errors_;
