@@ -20,6 +20,17 @@ bool IsLight(intaglio_ManualCommandKind kind) {
   return kind == intaglio_MANUAL_LAMP || kind == intaglio_MANUAL_SHUTTER;
 }
 
+bool GoesToAPlace(intaglio_ManualCommandKind kind) {
+  return kind == intaglio_MANUAL_JOG || kind == intaglio_MANUAL_MOVE;
+}
+
+/// How far it goes on when key, door and stop are no longer reported.
+std::string WayWithoutReport(double speed_mm_s) {
+  return fmt::format("at {:g} mm/s at most {:.1f} mm and the braking distance",
+                     speed_mm_s,
+                     speed_mm_s * std::chrono::duration<double>(kInterlockTime).count());
+}
+
 /// Key, door and stop.
 bool AreKnown(const ManualConditions& conditions, bool homes,
               std::chrono::nanoseconds now) {
@@ -209,7 +220,12 @@ void ManualControl::Begin(const ManualOrder& order, const ManualConditions& cond
   let_go_ = hold_owed_ = was_lit_ = false;
   stopped_by_.clear();
   phase_ = Phase::kMoving;
-  Answer(order, intaglio_MANUAL_ACCEPTED, "");
+  Answer(
+      order, intaglio_MANUAL_ACCEPTED,
+      GoesToAPlace(order.kind)
+          ? fmt::format("without a report of key, door and stop it ends after {} ms: {}",
+                        kInterlockTime.count(), WayWithoutReport(speed_mm_s_))
+          : "");
 }
 
 // The stage rests all the time; the synchronizer switches off what is not held any more.
@@ -245,14 +261,10 @@ std::string ManualControl::WhyEnded(const ManualConditions& conditions,
                                     Nanoseconds now) const {
   const drivers::DriverState& state = driver_.state();
   std::string why = WhyNoMotionByHand(conditions, state, order_, now);
-  const bool moves =
-      order_.kind == intaglio_MANUAL_JOG || order_.kind == intaglio_MANUAL_MOVE;
-  if (moves && state.link_up && !AreKnown(conditions, false, now)) {
+  if (GoesToAPlace(order_.kind) && state.link_up && !AreKnown(conditions, false, now)) {
     why += fmt::format(
-        "; the motion was ended {} ms after the last report of key, door and stop: at "
-        "{:g} mm/s at most {:.1f} mm and the braking distance",
-        kInterlockTime.count(), speed_mm_s_,
-        speed_mm_s_ * std::chrono::duration<double>(kInterlockTime).count());
+        "; the motion was ended {} ms after the last report of key, door and stop: {}",
+        kInterlockTime.count(), WayWithoutReport(speed_mm_s_));
   }
   if (why.empty() && !IsLight(order_.kind) && state.fault != intaglio_MOTION_OK)
     why = state.message;

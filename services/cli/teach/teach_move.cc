@@ -17,6 +17,10 @@ using client::TeachOrder;
 using namespace std::chrono_literals;
 
 constexpr double kStepSpeedMmS = 10;
+// kInterlockTime of services/cell/manual.
+constexpr const char* kSpeedHelp =
+    "mm/s, at most 50; when key, door and stop are no longer reported, the machine rests "
+    "after 0.15 s of it and its braking distance: 7.5 mm and that at 50 mm/s";
 
 /// A command below `teach`: its options, all of TeachOptions among them.
 struct MoveOptions : TeachOptions {
@@ -55,7 +59,7 @@ void AddJog(command_line::Command teach) {
   AddTeachFlags(command, *options);
   command.AddOption("axis", options->axis, "name of the axis: x, y, z").Require();
   command.AddOption("step", options->by, "mm, of a rotary axis rad").Require();
-  command.AddOption("--speed", options->speed_mm_s, "mm/s, at most 50")
+  command.AddOption("--speed", options->speed_mm_s, kSpeedHelp)
       .Within(0.01, 50.0)
       .ShowDefault();
   command.SetFooter("Example: intaglio teach jog x 1.5");
@@ -78,7 +82,7 @@ void AddMove(command_line::Command teach) {
   command.AddOption("place", options->to, "coordinates of the three axes, mm or rad")
       .Require()
       .TakeValues(3);
-  command.AddOption("--speed", options->speed_mm_s, "mm/s, at most 50")
+  command.AddOption("--speed", options->speed_mm_s, kSpeedHelp)
       .Within(0.01, 50.0)
       .ShowDefault();
   command.SetFooter("Example: intaglio teach move 10 20 5 --speed 20");
@@ -105,7 +109,7 @@ void AddToZero(command_line::Command teach) {
                  "table, without a block")
       .Require()
       .Within(0.0, 1000.0);
-  command.AddOption("--speed", options->speed_mm_s, "mm/s, at most 50")
+  command.AddOption("--speed", options->speed_mm_s, kSpeedHelp)
       .Within(0.01, 50.0)
       .ShowDefault();
   command.SetFooter("Example: intaglio teach to-zero --lens f43 --height 40");

@@ -47,6 +47,14 @@ TEST_F(ManualControlTest, AZeroOfTheControllerIsSetAtRest) {
   EXPECT_THAT(control_.answer().message, HasSubstr("the work zero is set"));
 }
 
+TEST_F(ManualControlTest, TheAnswerNamesTheWayThatItGoesOnWithoutAReport) {
+  ManualOrder jog = Jog(1);
+  jog.speed_mm_s = 50;
+  Give(jog);
+  ASSERT_EQ(control_.answer().code, intaglio_MANUAL_ACCEPTED);
+  EXPECT_THAT(control_.answer().message, HasSubstr("150 ms: at 50 mm/s at most 7.5 mm"));
+}
+
 // Coordinates and limits mean little then: a person sees how far it goes, a job does not.
 TEST_F(ManualControlTest, AxesWhosePlaceIsLostGoTheirWholeLengthForAPersonAlone) {
   ManualOrder back = Jog(1);
