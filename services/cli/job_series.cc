@@ -7,9 +7,9 @@
 #include "engrave/core/try.h"
 #include "engrave/io/csv.h"
 #include "services/cli/job_glass.h"
-#include "services/job/freeze.h"
-#include "services/job/job_check.h"
-#include "services/job/series.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/files/freeze.h"
+#include "services/job/files/series.h"
 
 namespace intaglio::cli {
 

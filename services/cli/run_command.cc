@@ -32,9 +32,9 @@
 #include "services/client/proof_verdict.h"
 #include "services/client/service_set.h"
 #include "services/client/virtual_truth.h"
-#include "services/job/checks/mark_job_check.h"
-#include "services/job/job_check.h"
-#include "services/job/options.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/fields/job_kind.h"
+#include "services/job/fields/shapes.h"
 
 namespace intaglio::cli {
 namespace {

@@ -30,7 +30,7 @@
 #include "services/client/service_set.h"
 #include "services/client/virtual_truth.h"
 #include "services/history/job_database.h"
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 #include "services/platform/host/times/utc_time.h"
 
 namespace intaglio::cli {

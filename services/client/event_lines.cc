@@ -7,7 +7,7 @@
 #include "services/client/exit_codes.h"
 #include "services/client/patience.h"
 #include "services/history/job_names.h"
-#include "services/job/json_text.h"
+#include "services/job/files/json_text.h"
 #include "services/job/verdict/outcome_counts.h"
 #include "services/job/verdict/warnings.h"
 #include "services/platform/host/stage/counts_at_end.h"

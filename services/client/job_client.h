@@ -44,8 +44,8 @@ class JobClient {
   /// is no job service; kFault when there is one that cannot work or does not answer:
   /// then it is not known whether it took the job, and the message has the key. With the
   /// same `key` and the same job nothing is submitted twice
-  /// (services/job/submission_id.h); empty: a new key. `timeout`: on a computer that is
-  /// not busy (patience.h).
+  /// (services/job/files/submission_id.h); empty: a new key. `timeout`: on a computer
+  /// that is not busy (patience.h).
   Result<JobView> Submit(const JobSpec& job, std::chrono::milliseconds timeout,
                          std::string key = {});
   /// Longer than the bus needs to find a job service that is there.

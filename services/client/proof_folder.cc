@@ -20,7 +20,7 @@
 #include "services/client/proof/proof_figures.h"
 #include "services/client/proof/proof_pictures.h"
 #include "services/client/proof_verdict.h"
-#include "services/job/json_text.h"
+#include "services/job/files/json_text.h"
 #include "services/job/verdict/warnings.h"
 
 namespace intaglio::client {

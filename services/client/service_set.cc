@@ -13,8 +13,8 @@
 #include "services/client/proof/marks/cut_evidence.h"
 #include "services/client/proof/marks/mark_search.h"
 #include "services/client/shop/shop_flags.h"
-#include "services/job/job_check.h"
-#include "services/job/job_file.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/files/job_file.h"
 #include "services/platform/command_line/other_programs.h"
 #include "services/virtual_engraver/truth/truth_file.h"
 

@@ -8,7 +8,7 @@
 
 #include "engrave/core/try.h"
 #include "services/client/job_client.h"
-#include "services/job/submission_id.h"
+#include "services/job/files/submission_id.h"
 #include "services/platform/bus/samples.h"
 
 namespace intaglio::client {

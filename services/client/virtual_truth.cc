@@ -5,14 +5,13 @@
 #include <algorithm>
 
 #include "services/client/proof/marks/cut_evidence.h"
-#include "services/job/job_defaults.h"
+#include "services/job/fields/shapes.h"
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/head_clearance.h"
 #include "services/job/machine/head_over_block.h"
 #include "services/job/machine/laser_setting.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/machine/stations.h"
-#include "services/job/options.h"
 
 namespace intaglio::client {
 namespace {

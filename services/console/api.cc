@@ -11,7 +11,7 @@
 #include "services/client/shop/job_record.h"
 #include "services/console/json_response.h"
 #include "services/console/shop_history.h"
-#include "services/job/json_text.h"
+#include "services/job/files/json_text.h"
 
 namespace intaglio::console {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <iostream>
 
-#include "services/job/json_text.h"
+#include "services/job/files/json_text.h"
 #include "services/platform/host/times/utc_time.h"
 
 namespace intaglio::console {

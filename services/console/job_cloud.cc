@@ -12,7 +12,7 @@
 #include "engrave/formats/ply_points.h"
 #include "services/client/proof/proof_evidence.h"
 #include "services/console/plan_packer.h"
-#include "services/job/options.h"
+#include "services/job/fields/shapes.h"
 
 namespace intaglio::console {
 namespace {

@@ -1,7 +1,7 @@
 #include "services/console/json_response.h"
 
 #include "proto/console.pb.h"
-#include "services/job/json_text.h"
+#include "services/job/files/json_text.h"
 
 namespace intaglio::console {
 

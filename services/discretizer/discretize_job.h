@@ -18,8 +18,8 @@ struct PreparedJob {
   JobSources sources;
 };
 
-/// `files` as FilesOf (services/job/model_kind.h) names them. Errors name the model's
-/// file.
+/// `files` as FilesOf (services/job/convert/model_kind.h) names them. Errors name the
+/// model's file.
 Result<std::shared_ptr<const PreparedJob>> PrepareJob(const FrozenJob& job,
                                                       std::vector<FileBytes> files,
                                                       const ReadLimits& limits,

@@ -16,7 +16,7 @@
 
 namespace intaglio::discretizer {
 
-/// The files in the order of FilesOf (services/job/model_kind.h).
+/// The files in the order of FilesOf (services/job/convert/model_kind.h).
 class ModelIntake {
  public:
   ModelIntake(bus::Bus& bus, const std::string& instance, const ReadLimits& limits);

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "proto/task.pb.h"
-#include "services/job/checks/mark_job_check.h"
+#include "services/job/convert/model_kind.h"
+#include "services/job/fields/job_kind.h"
 #include "services/job/marks/mark_maker.h"
-#include "services/job/model_kind.h"
 #include "services/job/verdict/warnings.h"
 #include "services/job_service/submission.h"
 #include "services/platform/bus/samples.h"

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "materials_db/material_store.h"
+#include "services/job/files/submission_id.h"
 #include "services/job/marks/mark_maker.h"
-#include "services/job/submission_id.h"
 #include "services/job_service/job_service.h"
 #include "services/job_service/submission.h"
 #include "services/platform/bus/samples.h"

@@ -6,7 +6,7 @@
 
 #include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
-#include "services/job/json_text.h"
+#include "services/job/files/json_text.h"
 #include "services/platform/host/process/log.h"
 
 namespace intaglio::job_service {

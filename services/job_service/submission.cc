@@ -5,12 +5,11 @@
 #include <filesystem>
 #include <optional>
 
-#include "services/job/checks/mark_job_check.h"
-#include "services/job/freeze.h"
-#include "services/job/job_check.h"
-#include "services/job/job_defaults.h"
-#include "services/job/job_file.h"
-#include "services/job/model_kind.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/convert/model_kind.h"
+#include "services/job/fields/job_kind.h"
+#include "services/job/files/freeze.h"
+#include "services/job/files/job_file.h"
 
 namespace intaglio::job_service {
 namespace {

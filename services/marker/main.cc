@@ -2,7 +2,7 @@
 #include <string>
 
 #include "services/drivers/mark_drivers.h"
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 #include "services/marker/marker.h"
 #include "services/platform/command_line/program.h"
 #include "services/platform/host/process/cell_loop.h"

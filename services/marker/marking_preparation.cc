@@ -9,8 +9,8 @@
 #include "engrave/core/try.h"
 #include "engrave/mark/mark_file.h"
 #include "services/cell/begun_job.h"
-#include "services/job/job_check.h"
-#include "services/job/job_defaults.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/machine/machine_defaults.h"
 #include "services/job/marks/web_run.h"
 
 namespace intaglio::marker {

@@ -4,7 +4,7 @@
 
 #include "services/drivers/laser_drivers.h"
 #include "services/drivers/motion_drivers.h"
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 #include "services/motion_bridge/bridge.h"
 #include "services/motion_bridge/laser_socket.h"
 #include "services/platform/command_line/program.h"

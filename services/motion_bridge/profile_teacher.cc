@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "engrave/core/try.h"
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/teach/profile_history.h"
 #include "services/job/teach/teaching.h"

@@ -1,7 +1,7 @@
 #include <atomic>
 #include <memory>
 
-#include "services/job/checks/mark_job_check.h"
+#include "services/job/fields/job_kind.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/host/process/service_host.h"
 #include "services/platform/host/stage/flow.h"

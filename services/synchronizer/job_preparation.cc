@@ -6,11 +6,11 @@
 
 #include "engrave/core/try.h"
 #include "engrave/formats/journal_file.h"
-#include "services/job/channels.h"
+#include "services/job/convert/options.h"
+#include "services/job/fields/channels.h"
 #include "services/job/machine/head_clearance.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/machine/pulse_energies.h"
-#include "services/job/options.h"
 #include "services/synchronizer/job_folder.h"
 #include "services/synchronizer/path_check.h"
 

@@ -2,7 +2,7 @@
 
 #include "engrave/core/try.h"
 #include "services/drivers/laser_drivers.h"
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 #include "services/platform/command_line/program.h"
 #include "services/platform/host/process/cell_loop.h"
 #include "services/synchronizer/synchronizer.h"

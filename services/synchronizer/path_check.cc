@@ -6,8 +6,8 @@
 #include <string>
 
 #include "engrave/core/check.h"
-#include "services/job/channels.h"
-#include "services/job/options.h"
+#include "services/job/fields/channels.h"
+#include "services/job/fields/shapes.h"
 
 namespace intaglio::synchronizer {
 namespace {

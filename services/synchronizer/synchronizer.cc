@@ -7,7 +7,7 @@
 
 #include "engrave/core/try.h"
 #include "services/cell/begun_job.h"
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 #include "services/job/machine/zero_change.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/host/process/log.h"

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "engrave/optics/focus.h"
-#include "services/job/job_check.h"
-#include "services/job/job_defaults.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/machine/machine_defaults.h"
 
 namespace intaglio::synchronizer {
 namespace {

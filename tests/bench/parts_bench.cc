@@ -28,7 +28,7 @@
 #include <string>
 #include <vector>
 
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 #include "services/platform/bus/samples.h"
 #include "tests/patience.h"
 #include "tests/services/job_service/fake_shop.h"

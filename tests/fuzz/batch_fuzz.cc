@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "engrave/core/check.h"
-#include "services/job/batch_file.h"
+#include "services/job/files/batch_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace intaglio;

@@ -8,9 +8,9 @@
 #include <string>
 #include <string_view>
 
-#include "services/job/job_check.h"
-#include "services/job/job_defaults.h"
-#include "services/job/job_file.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/convert/job_defaults.h"
+#include "services/job/files/job_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace intaglio;

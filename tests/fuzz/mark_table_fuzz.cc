@@ -5,9 +5,9 @@
 #include <string_view>
 
 #include "engrave/core/check.h"
+#include "services/job/convert/mark_defaults.h"
+#include "services/job/convert/placeholders.h"
 #include "services/job/marks/mark_table.h"
-#include "services/job/marks_check.h"
-#include "services/job/placeholders.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace intaglio;

@@ -4,7 +4,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/drawing/utf8_characters.h"
-#include "services/job/placeholders.h"
+#include "services/job/convert/placeholders.h"
 
 // The text of a job: characters that are read come back, and so does what a table gives.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

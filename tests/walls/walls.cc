@@ -233,21 +233,47 @@ bool MayInclude(const std::string& from, const std::string& to) {
                      [&](const std::string& pattern) { return Matches(pattern, to); });
 }
 
-/// "grbl" of services/drivers/grbl/grbl_line.h; empty: not in a folder of the drivers.
-std::string DriverFolderOf(const std::string& path) {
-  const std::string drivers = "services/drivers/";
-  const auto end = path.find('/', drivers.size());
-  if (!path.starts_with(drivers) || end == std::string::npos) return "";
-  return path.substr(drivers.size(), end - drivers.size());
+// Rooms of a folder in layers, the lowest first: a room includes those of lower layers
+// and itself. Rooms that are not named make a layer above these, and what lies in no room
+// the highest.
+struct Layers {
+  std::string folder;  // with its slash
+  std::vector<std::set<std::string>> rooms;
+};
+const std::vector<Layers> kLayers = {
+    // A family of controllers knows the interface, lockstep and itself: neither another,
+    // nor the tables, which name them all.
+    {"services/drivers/", {{"interface"}, {"lockstep"}}},
+    {"services/job/",
+     {{"drive", "fields", "head", "methods", "verdict"},
+      {"machine"},
+      {"convert", "mounted"},
+      {"checks", "models", "plan", "quality"},
+      {"course", "files"},
+      {"marks", "teach"}}},
+};
+
+/// "grbl" of services/drivers/grbl/grbl_line.h; empty: in no room.
+std::string RoomOf(const Layers& layers, const std::string& path) {
+  const auto begin = layers.folder.size();
+  const auto end = path.find('/', begin);
+  return end == std::string::npos ? "" : path.substr(begin, end - begin);
 }
 
-/// A family of controllers knows the interface, lockstep and itself: neither another, nor
-/// the tables, which name them all.
-bool DriverMayInclude(const std::string& path, const std::string& included) {
-  const std::string from = DriverFolderOf(path), to = DriverFolderOf(included);
-  if (from.empty() || from == to || !included.starts_with("services/drivers/"))
-    return true;
-  return to == "interface" || (to == "lockstep" && from != "interface");
+std::size_t LayerOf(const Layers& layers, const std::string& room) {
+  const auto layer = std::ranges::find_if(
+      layers.rooms, [&](const auto& rooms) { return rooms.contains(room); });
+  return static_cast<std::size_t>(layer - layers.rooms.begin()) + (room.empty() ? 1 : 0);
+}
+
+bool LiesBelow(const std::string& included, const std::string& path) {
+  for (const Layers& layers : kLayers) {
+    if (!path.starts_with(layers.folder) || !included.starts_with(layers.folder))
+      continue;
+    const std::string from = RoomOf(layers, path), to = RoomOf(layers, included);
+    if (from != to && LayerOf(layers, to) >= LayerOf(layers, from)) return false;
+  }
+  return true;
 }
 
 bool IsOurs(const std::string& folder) {
@@ -328,7 +354,7 @@ class Inspector {
                     const std::string& included) {
     if (included.empty()) return;
     const std::string to = FolderOf(included);
-    if ((IsOurs(to) && !MayInclude(folder, to)) || !DriverMayInclude(path, included))
+    if ((IsOurs(to) && !MayInclude(folder, to)) || !LiesBelow(included, path))
       Report(path, "may not include " + included);
     for (const Kept& kept : kKept) {
       const bool named =

@@ -34,12 +34,13 @@ TEST_F(MadeUpTree, GoodTreeHasNoViolation) {
   EXPECT_THAT(Violations(root_), IsEmpty());
 }
 
-TEST_F(MadeUpTree, DriversKnowWhatLiesBelowThem) {
+TEST_F(MadeUpTree, RoomsKnowWhatLiesBelowThem) {
   Write("services/drivers/grbl/marks/a.cc",
         "#include \"services/drivers/grbl/grbl_line.h\"\n"
         "#include \"services/drivers/lockstep/piece_queue.h\"\n");
   Write("services/drivers/lockstep/a.cc",
         "#include \"services/drivers/interface/motion_driver.h\"\n");
+  Write("services/job/teach/a.cc", "#include \"services/job/fields/shapes.h\"\n");
   Write("services/drivers/tables.cc", "#include \"services/drivers/grbl/grbl_line.h\"\n");
   EXPECT_THAT(Violations(root_), IsEmpty());
 }
@@ -58,12 +59,13 @@ TEST_F(MadeUpTree, EveryWallIsSeenWhenItIsCrossed) {
       {"engrave/mesh/a.cc", "#include <spdlog/spdlog.h>\n"},
       {"engrave/mesh/b.cc", "#include <thread>\n"},
       {"engrave/mesh/c.cc", "#include <google/protobuf/message.h>\n"},
-      {"materials_db/a.cc", "#include \"services/job/options.h\"\n"},
+      {"materials_db/a.cc", "#include \"services/job/convert/options.h\"\n"},
       {"proto/a.cc", "#include \"engrave/core/result.h\"\n"},
       {"engrave/discretize/a.cc", "#include \"engrave/discretize/mesh/rays.h\"\n"},
-      {"services/job/methods/a.cc", "#include \"services/job/options.h\"\n"},
+      {"services/job/methods/a.cc", "#include \"services/job/convert/options.h\"\n"},
       {"services/job/a.cc", "#include \"services/history/job_names.h\"\n"},
-      {"services/platform/host/process/a.cc", "#include \"services/job/options.h\"\n"},
+      {"services/platform/host/process/a.cc",
+       "#include \"services/job/convert/options.h\"\n"},
       {"services/platform/host/process/b.cc",
        "#include \"services/platform/host/stage/stage_task.h\"\n"},
       {"services/drivers/grbl/a.cc", "#include \"services/drivers/isel/isel_line.h\"\n"},
@@ -71,6 +73,8 @@ TEST_F(MadeUpTree, EveryWallIsSeenWhenItIsCrossed) {
        "#include \"services/drivers/mark_drivers.h\"\n"},
       {"services/drivers/interface/a.cc",
        "#include \"services/drivers/lockstep/piece_queue.h\"\n"},
+      {"services/job/machine/a.cc", "#include \"services/job/convert/options.h\"\n"},
+      {"services/job/checks/a.cc", "#include \"services/job/plan/ordering.h\"\n"},
       {"services/job/b.cc",
        "#include \"services/platform/host/process/service_host.h\"\n"},
       {"services/client/a.cc", "#include \"services/cli/job_options.h\"\n"},

@@ -20,7 +20,7 @@
 #include "services/client/exit_codes.h"
 #include "services/client/known_jobs.h"
 #include "services/client/shop/bus_turn.h"
-#include "services/job/json_text.h"
+#include "services/job/files/json_text.h"
 
 namespace intaglio::cli {
 namespace {

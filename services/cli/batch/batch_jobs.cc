@@ -10,12 +10,12 @@
 #include "services/cli/job_glass.h"
 #include "services/cli/job_options.h"
 #include "services/cli/job_series.h"
-#include "services/job/batch_file.h"
-#include "services/job/checks/mark_job_check.h"
-#include "services/job/freeze.h"
-#include "services/job/job_check.h"
-#include "services/job/job_file.h"
-#include "services/job/submission_id.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/fields/job_kind.h"
+#include "services/job/files/batch_file.h"
+#include "services/job/files/freeze.h"
+#include "services/job/files/job_file.h"
+#include "services/job/files/submission_id.h"
 
 namespace intaglio::cli {
 namespace {

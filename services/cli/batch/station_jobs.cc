@@ -6,8 +6,8 @@
 #include <charconv>
 #include <sstream>
 
-#include "services/job/job_check.h"
-#include "services/job/job_defaults.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/convert/job_defaults.h"
 
 namespace intaglio::cli {
 namespace {

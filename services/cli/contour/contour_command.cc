@@ -29,10 +29,11 @@
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
 #include "services/client/warning_text.h"
-#include "services/job/course/course_check.h"
+#include "services/job/checks/course_check.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/convert/mark_defaults.h"
 #include "services/job/course/course_work.h"
-#include "services/job/job_check.h"
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 
 namespace intaglio::cli {
 namespace {

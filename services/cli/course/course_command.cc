@@ -18,7 +18,7 @@
 #include "services/client/exit_codes.h"
 #include "services/client/warning_text.h"
 #include "services/job/drive/drive_profile.h"
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 #include "services/platform/command_line/supplied_files.h"
 
 namespace intaglio::cli {

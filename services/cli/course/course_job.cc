@@ -12,9 +12,9 @@
 #include "engrave/drawing/flatten.h"
 #include "engrave/drive/motor.h"
 #include "engrave/io/whole_file.h"
+#include "services/job/convert/model_kind.h"
 #include "services/job/drive/drive_profile.h"
 #include "services/job/machine/machine_drives.h"
-#include "services/job/model_kind.h"
 #include "services/job/models/flat_models.h"
 #include "services/job/models/read_limits.h"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "services/cli/flags/size_limits_flag.h"
-#include "services/job/options.h"
+#include "services/job/convert/options.h"
 
 namespace intaglio::cli {
 namespace {

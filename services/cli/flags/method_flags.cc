@@ -10,9 +10,9 @@
 
 #include "engrave/core/check.h"
 #include "services/cli/flags/field_options.h"
-#include "services/job/field_path.h"
+#include "services/job/convert/model_kind.h"
+#include "services/job/fields/field_path.h"
 #include "services/job/methods/method_table.h"
-#include "services/job/model_kind.h"
 #include "services/platform/fields/field_rules.h"
 
 namespace intaglio::cli {

@@ -16,7 +16,7 @@ namespace intaglio::cli {
 
 struct MethodFlags {
   std::optional<std::string> method;
-  /// By option, "--layer"; the values as services/job/field_path.h reads them.
+  /// By option, "--layer"; the values as services/job/fields/field_path.h reads them.
   std::map<std::string, std::optional<std::string>> values;
 };
 

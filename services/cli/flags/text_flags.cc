@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "engrave/core/try.h"
-#include "services/job/model_kind.h"
+#include "services/job/convert/model_kind.h"
 #include "services/job/models/arrangement.h"
 
 namespace intaglio::cli {

@@ -25,7 +25,7 @@
 #include "services/cli/galvo/galvo_command.h"
 #include "services/cli/galvo/grid_marks.h"
 #include "services/client/exit_codes.h"
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 #include "services/platform/command_line/supplied_files.h"
 
 namespace intaglio::cli {

@@ -3,7 +3,7 @@
 #include <iostream>
 
 #include "services/cli/complain.h"
-#include "services/job/json_text.h"
+#include "services/job/files/json_text.h"
 
 namespace intaglio::cli {
 

@@ -18,10 +18,10 @@
 #include "services/client/exit_codes.h"
 #include "services/client/machine/device_comparison.h"
 #include "services/job/checks/head_check.h"
-#include "services/job/job_check.h"
-#include "services/job/job_defaults.h"
-#include "services/job/job_file.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/files/job_file.h"
 #include "services/job/machine/head_warnings.h"
+#include "services/job/machine/machine_defaults.h"
 #include "services/job/quality/oblique_beams.h"
 #include "services/platform/command_line/supplied_files.h"
 

@@ -25,10 +25,10 @@
 #include "services/cli/offline/path_job.h"
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
+#include "services/job/fields/shapes.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/machine/machine_room.h"
 #include "services/job/models/read_limits.h"
-#include "services/job/options.h"
 
 namespace intaglio::cli {
 namespace {

@@ -6,8 +6,8 @@
 #include <iostream>
 #include <vector>
 
-#include "services/job/field_path.h"
-#include "services/job/job_check.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/fields/field_path.h"
 
 namespace intaglio::cli {
 namespace {

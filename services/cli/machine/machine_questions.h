@@ -15,8 +15,8 @@ namespace intaglio::cli {
 /// of `in` keeps the rest.
 void AskAboutMachine(std::istream& in, std::ostream& out, MachineSpec& machine);
 
-/// "field=value", e.g. "x.travel_max_mm=300" (services/job/field_path.h). The error names
-/// field and value.
+/// "field=value", e.g. "x.travel_max_mm=300" (services/job/fields/field_path.h). The
+/// error names field and value.
 Status ChangeField(MachineSpec& machine, const std::string& change);
 
 }  // namespace intaglio::cli

@@ -22,7 +22,7 @@
 #include "services/client/exit_codes.h"
 #include "services/client/machine/measurement.h"
 #include "services/client/machine/pattern_job.h"
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 #include "services/platform/command_line/supplied_files.h"
 
 namespace intaglio::cli {

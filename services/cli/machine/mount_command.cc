@@ -16,7 +16,7 @@
 #include "services/cli/machine/mounted.h"
 #include "services/cli/teach/teach_options.h"
 #include "services/client/exit_codes.h"
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 
 namespace intaglio::cli {
 namespace {

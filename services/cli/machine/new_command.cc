@@ -16,8 +16,8 @@
 #include "services/cli/machine/machine_command.h"
 #include "services/cli/machine/machine_questions.h"
 #include "services/client/exit_codes.h"
-#include "services/job/job_check.h"
-#include "services/job/job_file.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/files/job_file.h"
 #include "services/platform/command_line/supplied_files.h"
 
 namespace intaglio::cli {

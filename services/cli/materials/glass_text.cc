@@ -12,8 +12,8 @@
 #include "engrave/core/check.h"
 #include "materials_db/near_names.h"
 #include "materials_db/numbers.h"
-#include "services/job/json_text.h"
-#include "services/job/material_record.h"
+#include "services/job/files/json_text.h"
+#include "services/job/files/material_record.h"
 #include "services/job/quality/pulse_focus.h"
 
 namespace intaglio::cli {

@@ -21,10 +21,9 @@
 #include "services/cli/job_options.h"
 #include "services/cli/materials/glass_text.h"
 #include "services/client/exit_codes.h"
-#include "services/job/job_defaults.h"
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
+#include "services/job/files/material_record.h"
 #include "services/job/machine/focus_offset.h"
-#include "services/job/material_record.h"
 #include "services/job/quality/pulse_focus.h"
 
 namespace intaglio::cli {

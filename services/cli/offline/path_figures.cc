@@ -17,10 +17,10 @@
 #include "engrave/sort/travel.h"
 #include "services/client/figure_text.h"
 #include "services/client/proof/proof_figures.h"
-#include "services/job/json_text.h"
+#include "services/job/convert/options.h"
+#include "services/job/files/json_text.h"
 #include "services/job/machine/job_ticks_bound.h"
 #include "services/job/machine/machine_axes.h"
-#include "services/job/options.h"
 #include "services/job/plan/predicted_errors.h"
 #include "services/platform/host/threads/worker_threads.h"
 

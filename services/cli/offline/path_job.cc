@@ -5,10 +5,11 @@
 #include "engrave/core/try.h"
 #include "engrave/motion/axis/limits.h"
 #include "services/cli/job_glass.h"
-#include "services/job/job_check.h"
-#include "services/job/job_defaults.h"
-#include "services/job/material_record.h"
-#include "services/job/options.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/convert/job_defaults.h"
+#include "services/job/fields/shapes.h"
+#include "services/job/files/material_record.h"
+#include "services/job/machine/machine_defaults.h"
 
 namespace intaglio::cli {
 namespace {

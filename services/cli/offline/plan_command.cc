@@ -14,9 +14,9 @@
 #include "services/cli/offline/path_job.h"
 #include "services/cli/offline/segment_file.h"
 #include "services/client/exit_codes.h"
+#include "services/job/convert/options.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/models/read_limits.h"
-#include "services/job/options.h"
 #include "services/job/plan/ordering.h"
 
 namespace intaglio::cli {

@@ -5,7 +5,7 @@
 #include "engrave/core/check.h"
 #include "services/client/figure_text.h"
 #include "services/client/warning_text.h"
-#include "services/job/json_text.h"
+#include "services/job/files/json_text.h"
 #include "services/job/verdict/warnings.h"
 
 namespace intaglio::cli {

@@ -27,7 +27,7 @@
 #include "services/client/proof_folder.h"
 #include "services/client/warning_text.h"
 #include "services/history/job_history.h"
-#include "services/job/freeze.h"
+#include "services/job/files/freeze.h"
 #include "services/job/models/program_limits.h"
 #include "services/job/verdict/warnings.h"
 #include "services/platform/host/process/service_host.h"

@@ -15,7 +15,7 @@
 #include "services/client/shop/bus_turn.h"
 #include "services/client/shop/shop_snapshot.h"
 #include "services/client/shop/shop_status.h"
-#include "services/job/json_text.h"
+#include "services/job/files/json_text.h"
 
 namespace intaglio::cli {
 namespace {

@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
+#include "services/job/fields/shapes.h"
 #include "services/job/machine/machine_axes.h"
-#include "services/job/options.h"
 
 namespace intaglio::client {
 namespace {

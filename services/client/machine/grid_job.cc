@@ -10,8 +10,8 @@
 #include "engrave/core/try.h"
 #include "engrave/galvo/calibration_grid.h"
 #include "engrave/io/atomic_file.h"
+#include "services/job/files/job_file.h"
 #include "services/job/head/head_correction.h"
-#include "services/job/job_file.h"
 
 namespace intaglio::client {
 namespace {

@@ -10,9 +10,9 @@
 #include "engrave/calibrate/mark_matching.h"
 #include "engrave/core/try.h"
 #include "services/client/proof/proof_evidence.h"
-#include "services/job/job_defaults.h"
+#include "services/job/convert/options.h"
+#include "services/job/machine/focus_offset.h"
 #include "services/job/machine/machine_axes.h"
-#include "services/job/options.h"
 
 namespace intaglio::client {
 namespace {

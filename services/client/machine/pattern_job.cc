@@ -10,7 +10,7 @@
 #include "engrave/core/try.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/io/atomic_file.h"
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 #include "services/job/machine/machine_axes.h"
 
 namespace intaglio::client {

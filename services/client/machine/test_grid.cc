@@ -13,8 +13,8 @@
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
-#include "services/job/field_path.h"
-#include "services/job/job_file.h"
+#include "services/job/fields/field_path.h"
+#include "services/job/files/job_file.h"
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/laser_setting.h"
 

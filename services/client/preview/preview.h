@@ -50,9 +50,9 @@ struct Preview {
   PointList points_mm;
 };
 
-/// `job` is frozen (services/job/freeze.h): its result folder is not used. Errors: those
-/// of the models, with the file's name; points outside the block or out of the machine's
-/// travel; no points; kCancelled.
+/// `job` is frozen (services/job/files/freeze.h): its result folder is not used. Errors:
+/// those of the models, with the file's name; points outside the block or out of the
+/// machine's travel; no points; kCancelled.
 Result<Preview> MakePreview(const FrozenJob& job, const PreviewOptions& options,
                             const PreviewProgress& progress);
 

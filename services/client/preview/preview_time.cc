@@ -11,10 +11,10 @@
 #include "engrave/core/try.h"
 #include "engrave/machine/axes_from_glass.h"
 #include "engrave/sort/order.h"
+#include "services/job/convert/options.h"
 #include "services/job/machine/head_over_block.h"
 #include "services/job/machine/job_ticks_bound.h"
 #include "services/job/machine/machine_axes.h"
-#include "services/job/options.h"
 #include "services/job/plan/plan_summary.h"
 
 namespace intaglio::client {

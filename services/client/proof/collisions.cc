@@ -9,7 +9,7 @@
 #include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
 #include "engrave/io/whole_file.h"
-#include "services/job/json_text.h"
+#include "services/job/files/json_text.h"
 
 namespace intaglio::client {
 namespace {

@@ -10,7 +10,7 @@
 #include "engrave/io/whole_file.h"
 #include "services/client/proof/collisions.h"
 #include "services/client/proof/glass_search.h"
-#include "services/job/channels.h"
+#include "services/job/fields/channels.h"
 
 namespace intaglio::client {
 namespace {

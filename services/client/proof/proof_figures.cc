@@ -11,10 +11,10 @@
 #include "engrave/proof/glass_comparison.h"
 #include "engrave/sort/shadow.h"
 #include "services/client/proof/pulse_figures.h"
+#include "services/job/convert/options.h"
 #include "services/job/machine/block_origin.h"
 #include "services/job/machine/job_ticks_bound.h"
 #include "services/job/machine/machine_axes.h"
-#include "services/job/options.h"
 
 namespace intaglio::client {
 namespace {

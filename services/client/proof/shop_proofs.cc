@@ -13,7 +13,7 @@
 #include "services/client/proof/marks/mark_evidence.h"
 #include "services/client/proof/marks/mark_search.h"
 #include "services/client/proof_folder.h"
-#include "services/job/json_text.h"
+#include "services/job/files/json_text.h"
 #include "services/job/verdict/warnings.h"
 
 namespace intaglio::client {

@@ -8,11 +8,10 @@
 #include "engrave/core/try.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/io/atomic_file.h"
-#include "services/job/job_defaults.h"
-#include "services/job/job_file.h"
+#include "services/job/fields/shapes.h"
+#include "services/job/files/job_file.h"
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/laser_setting.h"
-#include "services/job/options.h"
 
 namespace intaglio::client {
 namespace {

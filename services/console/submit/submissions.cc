@@ -12,8 +12,8 @@
 #include "proto/shop.pb.h"
 #include "services/client/exit_codes.h"
 #include "services/console/submit/program_run.h"
-#include "services/job/job_file.h"
-#include "services/job/model_kind.h"
+#include "services/job/convert/model_kind.h"
+#include "services/job/files/job_file.h"
 
 namespace intaglio::console {
 namespace {

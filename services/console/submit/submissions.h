@@ -2,8 +2,8 @@
 
 // Jobs that are submitted over HTTP, by `intaglio submit FILE --id ID`: the same checks,
 // defaults and answers as on the command line, and the same rule of its id
-// (services/job/submission_id.h). A job over HTTP is made from files that were sent for
-// it (upload_folder.h), never from others of the console's computer.
+// (services/job/files/submission_id.h). A job over HTTP is made from files that were sent
+// for it (upload_folder.h), never from others of the console's computer.
 
 #include <filesystem>
 #include <string>

@@ -5,7 +5,7 @@
 
 #include "engrave/io/whole_file.h"
 #include "services/console/json_response.h"
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 
 namespace intaglio::console {
 namespace {

@@ -13,7 +13,7 @@
 #include <optional>
 
 #include "engrave/core/try.h"
-#include "services/job/submission_id.h"
+#include "services/job/files/submission_id.h"
 
 namespace intaglio::console {
 namespace {

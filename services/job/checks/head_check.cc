@@ -5,12 +5,12 @@
 #include <algorithm>
 
 #include "engrave/machine/clearance.h"
+#include "services/job/fields/shapes.h"
 #include "services/job/machine/block_origin.h"
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/head_clearance.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/machine/profile_errors.h"
-#include "services/job/options.h"
 
 namespace intaglio {
 namespace {

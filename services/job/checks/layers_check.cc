@@ -7,9 +7,9 @@
 #include <string>
 #include <string_view>
 
+#include "services/job/convert/model_kind.h"
+#include "services/job/fields/shapes.h"
 #include "services/job/methods/method_table.h"
-#include "services/job/model_kind.h"
-#include "services/job/options.h"
 
 namespace intaglio {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "proto/job.pb.h"
-#include "services/job/findings.h"
+#include "services/job/fields/findings.h"
 
 namespace intaglio {
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "services/job/checks/head_check.h"
-#include "services/job/job_defaults.h"
+#include "services/job/fields/shapes.h"
+#include "services/job/machine/focus_offset.h"
 #include "services/job/machine/head_clearance.h"
-#include "services/job/options.h"
 
 namespace intaglio {
 

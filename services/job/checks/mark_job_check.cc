@@ -4,9 +4,10 @@
 #include <string>
 #include <utility>
 
-#include "services/job/course/course_check.h"
-#include "services/job/field_ranges.h"
-#include "services/job/marks_check.h"
+#include "services/job/checks/course_check.h"
+#include "services/job/checks/marks_check.h"
+#include "services/job/fields/field_ranges.h"
+#include "services/job/fields/job_kind.h"
 
 namespace intaglio {
 namespace {
@@ -27,8 +28,6 @@ void RefuseFieldsOfPoints(const JobSpec& job, Findings& findings) {
 }
 
 }  // namespace
-
-bool MakesMarks(const JobSpec& job) { return job.has_course() || job.has_marks(); }
 
 std::vector<Finding> CheckMarkJob(const JobSpec& job, const MachineSpec& machine) {
   Findings findings;
@@ -67,22 +66,6 @@ std::vector<Finding> CheckMarkJob(const JobSpec& job, const MachineSpec& machine
     }
   }
   return std::move(findings.found());
-}
-
-JobSpec WithMarkDefaults(JobSpec job) {
-  if (job.has_marks()) {
-    const Marks marks = WithDefaults(job.marks());
-    *job.mutable_marks() = marks;
-    if (job.name().empty()) job.set_name("marks");
-  }
-  if (job.has_course()) {
-    const Course course = WithDefaults(job.course());
-    *job.mutable_course() = course;
-  }
-  if (job.name().empty() && job.course().files_size() > 0) {
-    job.set_name(std::filesystem::path(job.course().files(0)).filename().string());
-  }
-  return job;
 }
 
 }  // namespace intaglio

@@ -3,8 +3,8 @@
 #include <filesystem>
 
 #include "engrave/io/lower_case.h"
+#include "services/job/convert/model_kind.h"
 #include "services/job/methods/method_table.h"
-#include "services/job/model_kind.h"
 
 namespace intaglio {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "proto/job.pb.h"
-#include "services/job/findings.h"
+#include "services/job/fields/findings.h"
 
 namespace intaglio {
 

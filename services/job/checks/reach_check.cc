@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include "services/job/field_ranges.h"
-#include "services/job/job_check.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/fields/field_ranges.h"
+#include "services/job/fields/shapes.h"
 #include "services/job/machine/block_origin.h"
 #include "services/job/machine/machine_axes.h"
-#include "services/job/options.h"
 
 namespace intaglio {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "proto/job.pb.h"
 #include "proto/machine.pb.h"
-#include "services/job/findings.h"
+#include "services/job/fields/findings.h"
 
 namespace intaglio {
 

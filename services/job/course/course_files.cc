@@ -18,9 +18,9 @@
 #include "engrave/core/findings.h"
 #include "engrave/core/try.h"
 #include "engrave/io/lower_case.h"
+#include "services/job/convert/model_kind.h"
 #include "services/job/course/course_holes.h"
 #include "services/job/course/course_side.h"
-#include "services/job/model_kind.h"
 #include "services/job/models/flat_models.h"
 
 namespace intaglio {

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "services/job/job_defaults.h"
+#include "engrave/core/check.h"
+#include "services/job/fields/shapes.h"
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/stations.h"
-#include "services/job/options.h"
 
 namespace intaglio {
 namespace {
@@ -59,6 +59,12 @@ std::uint32_t FirstChannel(ChannelMask mask) {
     if ((mask & MaskOfChannel(channel)) != 0) return channel;
   }
   return 1;
+}
+
+optics::MachineFromGlass MachineFromGlassOf(const FrozenJob& job) {
+  const double ratio = job.optics().stage_per_glass_ratio();
+  Require(ratio > 0 && ratio <= 1, "stage_per_glass_ratio must be in 0..1, is {}", ratio);
+  return {BlockOriginOf(job.machine(), job.job()), BlockSizeOf(job.job()), ratio};
 }
 
 }  // namespace intaglio

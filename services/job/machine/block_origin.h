@@ -10,8 +10,10 @@
 
 #include "engrave/core/channels.h"
 #include "engrave/core/geometry.h"
+#include "engrave/optics/machine_frame.h"
 #include "proto/job.pb.h"
 #include "proto/machine.pb.h"
+#include "proto/task.pb.h"
 
 namespace intaglio {
 
@@ -30,5 +32,8 @@ std::vector<Vec3> BlockOriginsOf(const MachineSpec& machine, const JobSpec& job)
 
 /// The lowest channel of a mask, 1..4; 1 of an empty one.
 std::uint32_t FirstChannel(ChannelMask mask);
+
+/// Glass frame to machine frame, focus depth included; the axes: machine_axes.h.
+optics::MachineFromGlass MachineFromGlassOf(const FrozenJob& job);
 
 }  // namespace intaglio

@@ -1,9 +1,14 @@
 #include "services/job/machine/focus_offset.h"
 
-#include "services/job/options.h"
+#include <cmath>
+
+#include "services/job/fields/shapes.h"
 
 namespace intaglio {
 namespace {
+
+// Lens catalogues give focal lengths to 0.01 mm: nearer than this is the same lens.
+constexpr double kSameFocalLengthMm = 1e-3;
 
 /// 0 when either lens has none: the foci are at the same height.
 double LowerBy(const MachineLens* lens, const MachineLens* zero) {
@@ -25,6 +30,14 @@ Vec3 ChannelOffsetOf(const MachineSpec& machine, std::uint32_t channel) {
 }
 
 }  // namespace
+
+const MachineLens* FindLens(const MachineSpec& machine, double focal_length_mm) {
+  for (const MachineLens& lens : machine.lenses()) {
+    if (std::abs(lens.focal_length_mm() - focal_length_mm) < kSameFocalLengthMm)
+      return &lens;
+  }
+  return nullptr;
+}
 
 const MachineLens* FindLensNamed(const MachineSpec& machine, std::string_view name) {
   for (const MachineLens& lens : machine.lenses()) {

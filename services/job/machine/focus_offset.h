@@ -11,6 +11,9 @@
 
 namespace intaglio {
 
+/// The machine's lens of this focal length; nullptr when it has none.
+const MachineLens* FindLens(const MachineSpec& machine, double focal_length_mm);
+
 /// nullptr: the machine has no lens of this name.
 const MachineLens* FindLensNamed(const MachineSpec& machine, std::string_view name);
 

@@ -12,9 +12,9 @@
 #include <optional>
 
 #include "engrave/optics/focus.h"
-#include "services/job/job_defaults.h"
+#include "services/job/fields/shapes.h"
+#include "services/job/machine/focus_offset.h"
 #include "services/job/machine/stations.h"
-#include "services/job/options.h"
 
 namespace intaglio {
 namespace {

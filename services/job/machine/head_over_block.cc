@@ -10,7 +10,7 @@
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
 #include "engrave/galvo/head_fit.h"
-#include "services/job/field_ranges.h"
+#include "services/job/fields/field_ranges.h"
 #include "services/job/machine/profile_errors.h"
 
 namespace intaglio {

@@ -5,11 +5,11 @@
 
 #include "engrave/core/check.h"
 #include "engrave/optics/focus.h"
-#include "services/job/channels.h"
+#include "services/job/fields/channels.h"
+#include "services/job/fields/shapes.h"
 #include "services/job/machine/block_origin.h"
 #include "services/job/machine/head_over_block.h"
 #include "services/job/machine/stations.h"
-#include "services/job/options.h"
 #include "services/platform/fields/field_rules.h"
 
 namespace intaglio {

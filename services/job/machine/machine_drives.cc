@@ -7,7 +7,7 @@
 #include <set>
 
 #include "engrave/core/check.h"
-#include "services/job/job_defaults.h"
+#include "services/job/machine/machine_defaults.h"
 
 namespace intaglio {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/job/fields/shapes.h"
 #include "services/job/machine/machine_axes.h"
-#include "services/job/options.h"
 
 namespace intaglio {
 namespace {

@@ -14,11 +14,10 @@
 #include <utility>
 #include <vector>
 
-#include "services/job/checks/mark_job_check.h"
-#include "services/job/job_defaults.h"
+#include "services/job/fields/job_kind.h"
+#include "services/job/fields/shapes.h"
 #include "services/job/machine/block_fit.h"
 #include "services/job/machine/focus_offset.h"
-#include "services/job/options.h"
 
 namespace intaglio {
 namespace {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "engrave/core/try.h"
-#include "services/job/of_points.h"
+#include "services/job/fields/of_points.h"
 
 namespace intaglio {
 

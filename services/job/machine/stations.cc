@@ -8,8 +8,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "services/job/fields/shapes.h"
 #include "services/job/machine/block_origin.h"
-#include "services/job/options.h"
 
 // Two blocks that stand upright overlap when their outlines from above and their heights
 // do. Two rectangles are apart exactly when a line along a side of one of them separates

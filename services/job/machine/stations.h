@@ -12,7 +12,7 @@
 #include "engrave/core/result.h"
 #include "proto/job.pb.h"
 #include "proto/machine.pb.h"
-#include "services/job/findings.h"
+#include "services/job/fields/findings.h"
 
 namespace intaglio {
 

@@ -11,12 +11,13 @@
 #include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
 #include "engrave/mark/jump_order.h"
+#include "services/job/checks/marks_check.h"
+#include "services/job/convert/mark_defaults.h"
+#include "services/job/convert/model_kind.h"
 #include "services/job/head/head_correction.h"
 #include "services/job/machine/head_ticks.h"
 #include "services/job/marks/item_place.h"
 #include "services/job/marks/mark_table.h"
-#include "services/job/marks_check.h"
-#include "services/job/model_kind.h"
 
 namespace intaglio {
 namespace {

@@ -5,6 +5,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
+#include "services/job/checks/marks_check.h"
 #include "services/job/course/course_marks.h"
 #include "services/job/marks/job_marks.h"
 #include "services/job/marks/web_run.h"

@@ -7,7 +7,7 @@
 
 #include "engrave/core/try.h"
 #include "engrave/io/nearest_name.h"
-#include "services/job/placeholders.h"
+#include "services/job/convert/placeholders.h"
 
 namespace intaglio {
 namespace {

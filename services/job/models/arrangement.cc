@@ -6,8 +6,8 @@
 
 #include "engrave/core/geometry.h"
 #include "engrave/core/try.h"
-#include "services/job/job_defaults.h"
-#include "services/job/model_kind.h"
+#include "services/job/convert/job_defaults.h"
+#include "services/job/convert/model_kind.h"
 #include "services/job/models/model_sources.h"
 
 // Boxes are measured in a cube of glass and moved from its centre, where models lie that

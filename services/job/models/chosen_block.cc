@@ -7,8 +7,8 @@
 
 #include "engrave/core/try.h"
 #include "engrave/mesh/plausible_size.h"
-#include "services/job/job_defaults.h"
-#include "services/job/model_kind.h"
+#include "services/job/convert/job_defaults.h"
+#include "services/job/convert/model_kind.h"
 #include "services/job/models/model_sources.h"
 
 namespace intaglio {

@@ -19,10 +19,10 @@
 #include "engrave/drawing/svg/svg_read.h"
 #include "engrave/image/image_file.h"
 #include "engrave/mesh/placement.h"
-#include "services/job/model_kind.h"
+#include "services/job/convert/model_kind.h"
+#include "services/job/convert/placeholders.h"
 #include "services/job/models/code_model.h"
 #include "services/job/models/model_checks.h"
-#include "services/job/placeholders.h"
 
 namespace intaglio {
 namespace {

@@ -6,7 +6,6 @@
 #include "engrave/discretize/cloud.h"
 #include "services/job/models/discretize_outcome.h"
 #include "services/job/models/model_sources.h"
-#include "services/job/options.h"
 
 namespace intaglio {
 

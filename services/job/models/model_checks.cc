@@ -12,7 +12,7 @@
 #include "engrave/mesh/base_face.h"
 #include "engrave/mesh/plausible_size.h"
 #include "engrave/mesh/up_convention.h"
-#include "services/job/model_kind.h"
+#include "services/job/convert/model_kind.h"
 
 namespace intaglio {
 namespace {

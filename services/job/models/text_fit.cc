@@ -8,9 +8,9 @@
 #include "engrave/core/try.h"
 #include "engrave/drawing/flatten.h"
 #include "engrave/mesh/placement.h"
-#include "services/job/channels.h"
+#include "services/job/fields/channels.h"
+#include "services/job/fields/shapes.h"
 #include "services/job/models/model_sources.h"
-#include "services/job/options.h"
 
 // A text is scaled about the origin of its drawing. Its placement is affine in the
 // points, and where it regards their extent (centre, pivot), linear in it: so each bound

@@ -15,10 +15,10 @@
 #include "engrave/drawing/utf8_characters.h"
 #include "engrave/io/lower_case.h"
 #include "engrave/io/whole_file.h"
-#include "services/job/model_kind.h"
+#include "services/job/convert/model_kind.h"
+#include "services/job/convert/placeholders.h"
 #include "services/job/models/model_sources.h"
 #include "services/job/models/text_fit.h"
-#include "services/job/placeholders.h"
 
 namespace intaglio {
 namespace {

@@ -11,7 +11,7 @@
 #include "engrave/drawing/drawing.h"
 #include "engrave/drawing/font_source.h"
 #include "proto/job.pb.h"
-#include "services/job/findings.h"
+#include "services/job/fields/findings.h"
 
 namespace intaglio {
 

@@ -5,10 +5,10 @@
 
 #include "engrave/core/try.h"
 #include "engrave/mesh/plausible_size.h"
-#include "services/job/channels.h"
-#include "services/job/model_kind.h"
+#include "services/job/convert/model_kind.h"
+#include "services/job/fields/channels.h"
+#include "services/job/fields/shapes.h"
 #include "services/job/models/model_sources.h"
-#include "services/job/options.h"
 
 namespace intaglio {
 namespace {

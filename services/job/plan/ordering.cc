@@ -1,5 +1,6 @@
 #include "services/job/plan/ordering.h"
 
+#include "services/job/convert/options.h"
 #include "services/platform/host/threads/worker_threads.h"
 
 namespace intaglio::host {

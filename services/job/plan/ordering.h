@@ -1,6 +1,7 @@
 #pragma once
 
-#include "services/job/options.h"
+#include "engrave/sort/order.h"
+#include "proto/task.pb.h"
 
 namespace intaglio::host {
 

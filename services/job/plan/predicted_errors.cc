@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/job/convert/options.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/machine/machine_drives.h"
-#include "services/job/options.h"
 
 namespace intaglio {
 

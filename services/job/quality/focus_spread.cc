@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "engrave/optics/focus.h"
-#include "services/job/job_defaults.h"
+#include "services/job/machine/focus_offset.h"
 
 namespace intaglio {
 

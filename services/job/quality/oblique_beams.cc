@@ -7,10 +7,11 @@
 
 #include "engrave/optics/focus.h"
 #include "engrave/optics/oblique_focus.h"
+#include "services/job/fields/shapes.h"
+#include "services/job/machine/block_origin.h"
 #include "services/job/machine/head_over_block.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/machine/pulse_energies.h"
-#include "services/job/options.h"
 
 // An oblique beam of the energy E cracks the glass where E times its peak ratio is at
 // least the energy that an upright beam needs.

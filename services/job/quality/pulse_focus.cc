@@ -8,7 +8,9 @@
 #include "engrave/optics/crack_model.h"
 #include "engrave/optics/focus_heat.h"
 #include "engrave/optics/pulse_focus.h"
-#include "services/job/job_defaults.h"
+#include "services/job/fields/shapes.h"
+#include "services/job/machine/focus_offset.h"
+#include "services/job/machine/machine_defaults.h"
 #include "services/job/machine/pulse_energies.h"
 
 namespace intaglio {

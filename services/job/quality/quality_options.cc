@@ -1,7 +1,7 @@
 #include "services/job/quality/quality_options.h"
 
 #include "engrave/optics/crack_model.h"
-#include "services/job/job_defaults.h"
+#include "services/job/machine/focus_offset.h"
 #include "services/job/machine/pulse_energies.h"
 
 namespace intaglio {

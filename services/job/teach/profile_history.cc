@@ -12,7 +12,7 @@
 #include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
 #include "engrave/io/whole_file.h"
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 
 namespace intaglio {
 namespace {

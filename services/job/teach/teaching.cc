@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "engrave/core/try.h"
-#include "services/job/field_ranges.h"
+#include "services/job/checks/taught_check.h"
+#include "services/job/fields/field_ranges.h"
 #include "services/job/machine/block_origin.h"
 #include "services/job/machine/machine_axes.h"
-#include "services/job/teach/taught_check.h"
 
 namespace intaglio {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "proto/task.pb.h"
-#include "services/job/checks/mark_job_check.h"
+#include "services/job/fields/job_kind.h"
 #include "services/platform/host/stage/task_part.h"
 
 namespace intaglio::job_service {

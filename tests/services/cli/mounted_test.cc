@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "services/cli/machine/mount_command.h"
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 
 namespace intaglio::cli {
 namespace {

@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 #include "services/virtual_engraver/truth/truth_check.h"
 
 namespace intaglio::client {

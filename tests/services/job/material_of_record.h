@@ -1,7 +1,7 @@
 #pragma once
 
-// The inverse of RecordOf (services/job/material_record.h): tests compare what a message
-// has with the glass it was made of.
+// The inverse of RecordOf (services/job/files/material_record.h): tests compare what a
+// message has with the glass it was made of.
 
 #include "materials_db/material.h"
 #include "proto/material.pb.h"

@@ -1,6 +1,6 @@
 #include "tests/services/job/test_job.h"
 
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 
 namespace intaglio {
 

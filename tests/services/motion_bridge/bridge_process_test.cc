@@ -6,7 +6,7 @@
 #include <fstream>
 #include <optional>
 
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 #include "services/platform/bus/samples.h"
 #include "tests/services/platform/bus/child_program.h"
 #include "tests/services/virtual_engraver/engraver_process.h"

@@ -3,7 +3,7 @@
 // A task that is right in every field, for tests to break: the sample job on els-03.
 
 #include "materials_db/material_store.h"
-#include "services/job/freeze.h"
+#include "services/job/files/freeze.h"
 #include "tests/services/job/test_job.h"
 
 namespace intaglio::synchronizer {

@@ -11,7 +11,7 @@
 
 #include "engrave/formats/point_file.h"
 #include "services/cell/journal_writer.h"
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 #include "services/platform/bus/bus.h"
 #include "services/platform/bus/samples.h"
 #include "services/synchronizer/cell_names.h"

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "services/job/json_text.h"
+#include "services/job/files/json_text.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::cli {

@@ -9,7 +9,7 @@
 #include "services/cli/contour/contour_command.h"
 #include "services/cli/contour/contour_files.h"
 #include "services/client/exit_codes.h"
-#include "services/job/course/course_check.h"
+#include "services/job/convert/mark_defaults.h"
 #include "services/job/course/course_work.h"
 #include "tests/engrave/contour/files/kicad_text.h"
 #include "tests/services/cli/typed_command.h"

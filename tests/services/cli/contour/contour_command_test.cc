@@ -17,9 +17,10 @@
 #include "services/cli/job_options.h"
 #include "services/cli/offline/post_command.h"
 #include "services/client/exit_codes.h"
-#include "services/job/course/course_check.h"
+#include "services/job/checks/course_check.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/convert/mark_defaults.h"
 #include "services/job/course/course_work.h"
-#include "services/job/job_check.h"
 #include "tests/services/cli/typed_command.h"
 #include "tests/test_folder.h"
 

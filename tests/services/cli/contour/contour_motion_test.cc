@@ -14,8 +14,8 @@
 #include "engrave/io/number_text.h"
 #include "services/cli/contour/contour_figures.h"
 #include "services/cli/contour/contour_frames.h"
-#include "services/job/course/course_check.h"
-#include "services/job/job_file.h"
+#include "services/job/convert/mark_defaults.h"
+#include "services/job/files/job_file.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::cli {

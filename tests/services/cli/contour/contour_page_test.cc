@@ -13,8 +13,8 @@
 
 #include "services/cli/contour/contour_command.h"
 #include "services/client/exit_codes.h"
-#include "services/job/course/course_check.h"
-#include "services/job/job_file.h"
+#include "services/job/convert/mark_defaults.h"
+#include "services/job/files/job_file.h"
 #include "tests/engrave/post/judge_programs.h"
 #include "tests/services/cli/typed_command.h"
 #include "tests/test_folder.h"

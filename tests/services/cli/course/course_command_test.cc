@@ -16,7 +16,7 @@
 #include "services/cli/course/course_program.h"
 #include "services/client/exit_codes.h"
 #include "services/job/drive/drive_profile.h"
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 #include "tests/services/cli/typed_command.h"
 #include "tests/test_folder.h"
 

@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <limits>
 
-#include "services/job/field_ranges.h"
+#include "services/job/fields/field_ranges.h"
 #include "services/job/methods/method_table.h"
 #include "services/platform/fields/field_rules.h"
 

@@ -9,7 +9,7 @@
 
 #include "proto/machine_report.pb.h"
 #include "services/cli/intaglio_program.h"
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 #include "tests/services/cli/typed_command.h"
 #include "tests/test_folder.h"
 

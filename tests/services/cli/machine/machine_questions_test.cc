@@ -4,7 +4,7 @@
 
 #include <sstream>
 
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 
 namespace intaglio::cli {
 namespace {

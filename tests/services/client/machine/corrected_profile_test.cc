@@ -2,8 +2,8 @@
 
 #include <gmock/gmock.h>
 
-#include "services/job/job_check.h"
-#include "services/job/job_file.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/files/job_file.h"
 #include "services/job/machine/machine_axes.h"
 
 namespace intaglio::client {

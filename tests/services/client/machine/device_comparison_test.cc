@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 #include "tests/services/virtual_engraver/engraver_process.h"
 #include "tests/test_folder.h"
 

@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
-#include "services/job/job_defaults.h"
-#include "services/job/job_file.h"
+#include "services/job/convert/job_defaults.h"
+#include "services/job/files/job_file.h"
 #include "services/job/models/job_cloud.h"
 #include "services/job/models/text_model.h"
 #include "tests/test_folder.h"

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 #include "services/job/marks/job_marks.h"
 #include "services/job/marks/web_run.h"
 #include "tests/engrave/mark/burnt_picture.h"

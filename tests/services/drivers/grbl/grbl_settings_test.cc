@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "services/drivers/motion_drivers.h"
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 #include "services/virtual_engraver/mill/virtual_grbl.h"
 
 namespace intaglio::drivers {

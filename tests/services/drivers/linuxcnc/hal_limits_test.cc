@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::drivers {

@@ -6,7 +6,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "services/job/course/course_check.h"
 #include "services/job/course/course_marks.h"
 #include "tests/test_folder.h"
 

@@ -9,7 +9,7 @@
 #include <map>
 #include <numbers>
 
-#include "services/job/model_kind.h"
+#include "services/job/convert/model_kind.h"
 
 namespace intaglio {
 namespace {

@@ -2,10 +2,9 @@
 
 #include <gmock/gmock.h>
 
-#include "services/job/job_check.h"
-#include "services/job/job_defaults.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/convert/job_defaults.h"
 #include "services/job/machine/block_origin.h"
-#include "services/job/options.h"
 #include "tests/services/job/test_job.h"
 
 namespace intaglio {

@@ -4,8 +4,9 @@
 
 #include "engrave/optics/focus.h"
 #include "services/job/checks/head_check.h"
-#include "services/job/job_check.h"
-#include "services/job/job_defaults.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/convert/job_defaults.h"
+#include "services/job/machine/machine_defaults.h"
 #include "tests/services/job/finding_matcher.h"
 #include "tests/services/job/test_job.h"
 

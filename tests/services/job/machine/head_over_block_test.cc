@@ -8,11 +8,14 @@
 #include <string>
 
 #include "engrave/galvo/head_model.h"
-#include "services/job/job_check.h"
-#include "services/job/job_defaults.h"
-#include "services/job/job_file.h"
+#include "engrave/optics/focus.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/convert/job_defaults.h"
+#include "services/job/convert/options.h"
+#include "services/job/files/job_file.h"
+#include "services/job/machine/block_origin.h"
 #include "services/job/machine/machine_axes.h"
-#include "services/job/options.h"
+#include "services/job/machine/machine_defaults.h"
 #include "tests/services/job/finding_matcher.h"
 #include "tests/services/job/test_job.h"
 

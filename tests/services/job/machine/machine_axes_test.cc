@@ -5,10 +5,11 @@
 #include <cmath>
 #include <random>
 
-#include "services/job/job_check.h"
-#include "services/job/job_defaults.h"
-#include "services/job/job_file.h"
-#include "services/job/options.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/convert/job_defaults.h"
+#include "services/job/convert/options.h"
+#include "services/job/fields/shapes.h"
+#include "services/job/files/job_file.h"
 #include "tests/services/job/finding_matcher.h"
 #include "tests/services/job/test_job.h"
 

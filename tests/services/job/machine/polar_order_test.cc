@@ -15,10 +15,10 @@
 
 #include "engrave/sort/order.h"
 #include "engrave/sort/shadow.h"
-#include "services/job/job_defaults.h"
-#include "services/job/job_file.h"
+#include "services/job/convert/job_defaults.h"
+#include "services/job/convert/options.h"
+#include "services/job/files/job_file.h"
 #include "services/job/machine/machine_axes.h"
-#include "services/job/options.h"
 #include "services/job/plan/plan_summary.h"
 #include "tests/services/job/test_job.h"
 

@@ -2,8 +2,8 @@
 
 #include <gmock/gmock.h>
 
-#include "services/job/job_check.h"
-#include "services/job/job_defaults.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/convert/job_defaults.h"
 #include "tests/services/job/test_job.h"
 
 namespace intaglio {

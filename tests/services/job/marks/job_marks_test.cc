@@ -9,8 +9,7 @@
 #include <map>
 #include <string>
 
-#include "services/job/job_file.h"
-#include "services/job/marks_check.h"
+#include "services/job/files/job_file.h"
 #include "tests/engrave/mark/burnt_picture.h"
 #include "tests/engrave/matrix_code/code_reader.h"
 

@@ -4,10 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "services/job/job_file.h"
+#include "services/job/checks/marks_check.h"
+#include "services/job/files/job_file.h"
 #include "services/job/marks/job_marks.h"
 #include "services/job/marks/mark_maker.h"
-#include "services/job/marks_check.h"
 
 namespace intaglio {
 namespace {

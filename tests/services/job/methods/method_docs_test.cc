@@ -11,8 +11,8 @@
 #include <sstream>
 #include <string>
 
+#include "services/job/convert/model_kind.h"
 #include "services/job/methods/method_table.h"
-#include "services/job/model_kind.h"
 #include "services/platform/fields/field_rules.h"
 #include "services/platform/fields/field_text.h"
 #include "tests/services/platform/fields/rule_text.h"

@@ -13,11 +13,11 @@
 #include <thread>
 
 #include "engrave/discretize/cloud.h"
-#include "services/job/field_ranges.h"
-#include "services/job/job_defaults.h"
+#include "services/job/convert/job_defaults.h"
+#include "services/job/fields/field_ranges.h"
+#include "services/job/fields/shapes.h"
 #include "services/job/methods/point_maker.h"
 #include "services/job/models/model_sources.h"
-#include "services/job/options.h"
 #include "services/platform/fields/field_defaults.h"
 #include "tests/engrave/discretize/oracles.h"
 #include "tests/engrave/discretize/source_checks.h"

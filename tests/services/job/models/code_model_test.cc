@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-#include "services/job/job_check.h"
+#include "services/job/checks/job_check.h"
 #include "tests/engrave/matrix_code/code_reader.h"
 #include "tests/services/job/finding_matcher.h"
 #include "tests/services/job/models/one_model.h"

@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "engrave/io/whole_file.h"
-#include "services/job/job_defaults.h"
-#include "services/job/model_kind.h"
+#include "services/job/convert/job_defaults.h"
+#include "services/job/convert/model_kind.h"
 #include "services/job/models/model_sources.h"
 #include "tests/services/job/test_job.h"
 

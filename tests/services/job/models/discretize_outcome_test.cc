@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "services/job/job_defaults.h"
+#include "services/job/convert/job_defaults.h"
 #include "tests/services/job/test_job.h"
 
 namespace intaglio {

@@ -9,9 +9,9 @@
 
 #include "engrave/drawing/font_list.h"
 #include "engrave/io/whole_file.h"
-#include "services/job/job_check.h"
-#include "services/job/job_defaults.h"
-#include "services/job/model_kind.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/convert/job_defaults.h"
+#include "services/job/convert/model_kind.h"
 #include "services/job/models/model_sources.h"
 #include "services/job/models/text_model.h"
 #include "tests/services/job/test_job.h"

@@ -73,12 +73,12 @@ TEST(MeshModels, ABufferThatIsNotInTheFolderIsRefusedByName) {
   EXPECT_THAT(refused("scene.bin"), HasSubstr("more than the 1000 bytes allowed"));
 }
 
-struct DeclaredUnit {
+struct UnitOfFile {
   const char* file;
   Vec3 size_mm;  ///< by the unit that it declares, the inch
 };
 
-class UnitsOfMeshes : public ::testing::TestWithParam<DeclaredUnit> {};
+class UnitsOfMeshes : public ::testing::TestWithParam<UnitOfFile> {};
 
 TEST_P(UnitsOfMeshes, AreThoseOfTheFileUnlessTheJobHasOne) {
   OneModel one;
@@ -106,8 +106,8 @@ TEST_P(UnitsOfMeshes, AreThoseOfTheFileUnlessTheJobHasOne) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, UnitsOfMeshes,
-                         ::testing::Values(DeclaredUnit{"unit.3mf", {20, 30, 40}},
-                                           DeclaredUnit{"unit.dae", {25.4, 50.8, 76.2}}),
+                         ::testing::Values(UnitOfFile{"unit.3mf", {20, 30, 40}},
+                                           UnitOfFile{"unit.dae", {25.4, 50.8, 76.2}}),
                          [](const auto& row) {
                            return test::AsTestName(row.param.file);
                          });

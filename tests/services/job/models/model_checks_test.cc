@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "services/job/job_defaults.h"
+#include "services/job/convert/job_defaults.h"
 #include "services/job/models/model_sources.h"
 #include "services/job/models/unfitted_sizes.h"
 #include "tests/engrave/mesh/handmade_files.h"

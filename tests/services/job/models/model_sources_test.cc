@@ -10,8 +10,8 @@
 #include <string>
 #include <string_view>
 
-#include "services/job/job_check.h"
-#include "services/job/job_defaults.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/convert/job_defaults.h"
 #include "tests/services/job/models/one_model.h"
 #include "tests/services/job/test_job.h"
 

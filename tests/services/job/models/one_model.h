@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "services/job/job_defaults.h"
+#include "services/job/convert/job_defaults.h"
 #include "services/job/models/model_sources.h"
 #include "tests/services/job/test_job.h"
 

@@ -9,7 +9,7 @@
 #include "engrave/image/grey_image.h"
 #include "engrave/render/canvas.h"
 #include "engrave/render/png_file.h"
-#include "services/job/job_defaults.h"
+#include "services/job/convert/job_defaults.h"
 #include "services/job/models/model_sources.h"
 #include "tests/services/job/test_job.h"
 #include "tests/test_folder.h"

@@ -8,8 +8,8 @@
 
 #include "engrave/drawing/flatten.h"
 #include "engrave/drawing/font_list.h"
-#include "services/job/job_check.h"
-#include "services/job/job_defaults.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/convert/job_defaults.h"
 #include "tests/engrave/drawing/lengths.h"
 #include "tests/services/job/test_job.h"
 

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "engrave/optics/focus.h"
-#include "services/job/job_defaults.h"
-#include "services/job/job_file.h"
+#include "services/job/convert/job_defaults.h"
+#include "services/job/files/job_file.h"
 #include "tests/services/job/test_job.h"
 
 namespace intaglio {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 #include "services/job/machine/block_origin.h"
 #include "services/job/teach/teaching.h"
 #include "tests/services/job/test_job.h"

@@ -2,12 +2,12 @@
 
 #include <gmock/gmock.h>
 
-#include "services/job/job_check.h"
-#include "services/job/job_defaults.h"
-#include "services/job/job_file.h"
+#include "services/job/checks/job_check.h"
+#include "services/job/convert/job_defaults.h"
+#include "services/job/fields/shapes.h"
+#include "services/job/files/job_file.h"
 #include "services/job/machine/block_origin.h"
 #include "services/job/machine/machine_axes.h"
-#include "services/job/options.h"
 #include "tests/services/job/test_job.h"
 
 namespace intaglio {

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "services/job/job_file.h"
+#include "services/job/files/job_file.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/teach/teaching.h"
 #include "tests/services/job/test_job.h"

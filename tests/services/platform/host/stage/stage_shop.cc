@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "engrave/optics/focus.h"
-#include "services/job/job_defaults.h"
-#include "services/job/job_file.h"
+#include "services/job/convert/job_defaults.h"
+#include "services/job/files/job_file.h"
 #include "services/platform/bus/role_names.h"
 
 namespace intaglio::test {
