@@ -169,7 +169,7 @@ void Engraving::Prepare(const EngravingInputs& inputs) {
     if (granted) preparation_.LightLamp(inputs.now);
     preparation_.LeaveSafeState(chain_.may_reset(links), inputs.now);
     const bool lit = granted || laser_.Has(link::kLampOn);
-    if (lit || !inputs.motion.at_rest) SendIdleTicks();
+    if (preparation_.NeedsTicks(inputs.motion, lit)) SendIdleTicks();
     wait = preparation_.WhatIsMissing(inputs.motion, lit);
     if (!lit && wait.empty()) wait = TextOf(Missing::kPermission);
   }

@@ -75,11 +75,19 @@ void MachinePreparation::LeaveSafeState(bool may_reset, std::chrono::nanoseconds
   (void)laser_.RequestStatus();
 }
 
+bool MachinePreparation::LampIsReady() const {
+  return laser_.Has(link::kLampWarm) && laser_.status().rate_hz == job_.plan.rate_hz;
+}
+
+bool MachinePreparation::NeedsTicks(const MotionView& motion, bool lit) const {
+  const bool seen = motion.fresh && !motion.line_down();
+  return (lit && !LampIsReady()) || (seen && !motion.at_rest);
+}
+
 std::string MachinePreparation::WhatIsMissing(const MotionView& motion, bool lit) const {
   // Without ticks it does not warm up, either.
   if (lit && laser_.Has(link::kNoLampSync)) return TextOf(Missing::kLampSync);
-  const bool right_rate = laser_.status().rate_hz == job_.plan.rate_hz;
-  if (lit && (!laser_.Has(link::kLampWarm) || !right_rate)) {
+  if (lit && !LampIsReady()) {
     return fmt::format("the lamp warms up: {:.0f} %", 100 * laser_.status().warm_ratio);
   }
   if (!motion.fresh) return TextOf(Missing::kMotionState);

@@ -37,6 +37,10 @@ class MachinePreparation {
   /// What the machine is not ready for yet, with no refusal; empty: it is ready. `lit`:
   /// the lamp is on, or is being switched on.
   std::string WhatIsMissing(const MotionView& motion, bool lit) const;
+  /// Ticks bring it nearer to being ready: they warm the lamp up, and brake the stage. In
+  /// lockstep no others pass, so that the first run begins at the same tick however busy
+  /// this computer is.
+  bool NeedsTicks(const MotionView& motion, bool lit) const;
   /// The lamp is this job's: a grant has switched it on.
   bool has_lamp() const { return lamp_session_ != 0; }
   /// It was ready and is not any more: back to preparing.
@@ -45,6 +49,7 @@ class MachinePreparation {
   }
 
  private:
+  bool LampIsReady() const;
   bool MaySend(std::chrono::nanoseconds now);
 
   const EngravingJob& job_;

@@ -356,6 +356,22 @@ TEST_F(EngravingTest, StartsAgainWhenTheRunCameTooLate) {
   EXPECT_THAT(cell_.Disagreements(), IsEmpty());
 }
 
+// How long another process takes is no time of the machine.
+TEST(EngravingInLockstep, NoTickPassesWhileTheStateOfTheStageIsAwaited) {
+  FakeCell cell({.points = 60, .lockstep = true, .simulates_time = true});
+  cell.stage.silent = true;
+  cell.StepFor(1s);
+  cell.Grant();
+  ASSERT_TRUE(cell.StepUntil([&] { return cell.controller->Has(link::kLampWarm); }));
+  cell.StepFor(1s);
+  const std::uint64_t tick = cell.laser.tick();
+  cell.StepFor(20s);
+  EXPECT_EQ(cell.laser.tick(), tick);
+  cell.stage.silent = false;
+  ASSERT_TRUE(cell.StepUntilDone()) << cell.engraving->message();
+  EXPECT_EQ(cell.made(), 60);
+}
+
 TEST_F(EngravingTest, PausesWhenNoRunReachesTheStage) {
   cell_.stage.deaf = true;
   cell_.Grant();
