@@ -103,6 +103,30 @@ TEST_F(MillByHand, MotionEndsWithTheProgramThatHoldsIt) {
   }
 }
 
+// The controller is idle behind it, and nothing but its place says so.
+TEST_F(MillByHand, AHoldAtTheControllerEndsAJogUntilAnotherOne) {
+  const double from_mm = PlaceNow().x();
+  std::optional<Running> jog;
+  const auto moves = [&] { return PlaceNow().x() > from_mm + 4; };
+  for (int i = 0; i < 5 && !moves(); ++i) {
+    jog.emplace(Program("intaglio"),
+                shop_.With({"teach", "jog", "x", "60", "--speed", "20"}),
+                shop_.folder() / "jog.txt");
+    Eventually([&] { return moves() || !jog->running(); }, 20s);
+  }
+  ASSERT_TRUE(moves()) << jog->Output();
+  shop_.AtPanel("hold");
+  const Ended ended = jog->WaitForEnd(10s);
+  EXPECT_EQ(ended.exit_code, 4) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr("as a hold at it does"));
+  const double rests_mm = PlaceNow().x();
+  EXPECT_LT(rests_mm, from_mm + 50);
+  std::this_thread::sleep_for(2s);
+  EXPECT_EQ(PlaceNow().x(), rests_mm) << "it goes on";
+  EXPECT_EQ(Teach({"jog", "x", "2"}), "");
+  EXPECT_NEAR(PlaceNow().x(), rests_mm + 2, 0.01);
+}
+
 TEST_F(MillByHand, WhileAJobIsArmedOrADoorIsOpenNothingIsMovedByHand) {
   shop_.AtPanel("door open");
   ASSERT_TRUE(Eventually(
