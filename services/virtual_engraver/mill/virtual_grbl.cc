@@ -113,6 +113,7 @@ void VirtualGrbl::TakeByte(char byte) {
 
 bool VirtualGrbl::TakeRealtime(unsigned char byte) {
   if (byte == 0x18) {
+    ++resets_taken_;
     if (state_ == State::kHome) return EndHome(6), true;
     Reset();
   } else if (byte == '?') {

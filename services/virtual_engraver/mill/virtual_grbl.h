@@ -91,6 +91,8 @@ class VirtualGrbl {
   /// Bytes that came while the receive buffer was full, and are lost.
   std::uint64_t lost_bytes() const { return lost_bytes_; }
   std::uint64_t lines_taken() const { return lines_taken_; }
+  /// How often 0x18 came.
+  std::uint64_t resets_taken() const { return resets_taken_; }
   /// Whether the line of RefuseLineBehind has not come yet.
   bool refuses() const { return takes_before_refusal_.has_value(); }
   /// Every S above 0 that came.
@@ -161,7 +163,7 @@ class VirtualGrbl {
   std::deque<Timed> to_grbl_, to_host_;
   std::deque<char> receive_buffer_;
   std::string line_;
-  std::uint64_t lost_bytes_ = 0, lines_taken_ = 0;
+  std::uint64_t lost_bytes_ = 0, lines_taken_ = 0, resets_taken_ = 0;
   double parses_until_us_ = 0;
   std::optional<std::string> parsing_;
   std::optional<Waiting> waiting_;

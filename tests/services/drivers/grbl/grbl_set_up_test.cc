@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "tests/services/drivers/grbl/course_rig.h"
 #include "tests/services/drivers/grbl/grbl_cell.h"
 
@@ -128,6 +130,26 @@ class GrblSetUp : public ::testing::TestWithParam<Driver> {
     EXPECT_FALSE(rig.machine().grbl.motion().lit());
   }
 };
+
+// However often the caller repeats it, and however long its answer takes.
+TEST_P(GrblSetUp, ARecoverySendsOneResetAndWaitsForIt) {
+  const auto hold = [](Rig& rig) { rig.machine().grbl.PressHold(); };
+  const auto limit = [](Rig& rig) { rig.machine().grbl.HitLimit(); };
+  for (const auto& inflict : {std::function<void(Rig&)>(hold), {limit}}) {
+    const auto rig = Make();
+    ASSERT_TRUE(rig->Until([&] { return rig->settled(); }));
+    rig->StepFor(200);
+    const std::uint64_t before = rig->machine().grbl.resets_taken();
+    inflict(*rig);
+    ASSERT_TRUE(rig->Until([&] { return !rig->fault().empty(); }));
+    rig->StepFor(500);
+    ASSERT_TRUE(rig->Recovers()) << rig->fault();
+    EXPECT_EQ(rig->machine().grbl.resets_taken(), before + 1);
+    rig->StepFor(500);
+    EXPECT_EQ(rig->machine().grbl.resets_taken(), before + 1);
+    EXPECT_EQ(rig->fault(), "");
+  }
+}
 
 TEST_P(GrblSetUp, ARefusedLineOfTheFirstIsAFaultUntilItIsCleared) {
   // Behind $I and $$: both of its lines.
