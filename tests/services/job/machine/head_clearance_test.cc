@@ -6,6 +6,7 @@
 #include "services/job/checks/head_check.h"
 #include "services/job/checks/job_check.h"
 #include "services/job/convert/job_defaults.h"
+#include "services/job/machine/focus_offset.h"
 #include "services/job/machine/machine_defaults.h"
 #include "tests/services/job/finding_matcher.h"
 #include "tests/services/job/test_job.h"
@@ -52,6 +53,23 @@ TEST(HeadClearance, OfThePublishedLensesIsThatOfTheSource) {
   EXPECT_THAT(RefusalOf(f43, {Vec3(25, 25, 170 - 65.6)}), HasSubstr("the lens f43"));
   EXPECT_EQ(RefusalOf(f70, {Vec3(25, 25, 170 - 106.2)}), "");
   EXPECT_THAT(RefusalOf(f70, {Vec3(25, 25, 170 - 106.6)}), HasSubstr("the lens f70"));
+}
+
+// What admission compares heights with, before there are points, is the same rule.
+TEST(HeadClearance, BeginsToRefusePointsWhereTheLensReachesNoFurther) {
+  for (const double focal_length_mm : {43, 70}) {
+    for (const double free_mm : {0, 30}) {
+      MachineSpec machine = GoodMachine();
+      for (MachineLens& lens : *machine.mutable_lenses())
+        if (free_mm > 0) lens.set_free_distance_mm(free_mm);
+      const FrozenJob job = JobOf(170, focal_length_mm, machine);
+      const double reach_mm = ReachMm(*FindLens(job.machine(), focal_length_mm),
+                                      job.optics().stage_per_glass_ratio());
+      EXPECT_EQ(RefusalOf(job, {Vec3(25, 25, 170 - reach_mm + 1e-3)}), "");
+      EXPECT_THAT(RefusalOf(job, {Vec3(25, 25, 170 - reach_mm - 1e-3)}),
+                  HasSubstr("the lens f"));
+    }
+  }
 }
 
 TEST(HeadClearance, TheMessageHasWhatWhereHowMuchWhyAndTheRemedy) {
