@@ -134,8 +134,8 @@ void AddOblique(const ObliqueFigures& found, JobPreview& figures) {
     radius.set_max_radius_mm(at.max_radius_mm);
     radius.set_double_radius_mm(at.double_radius_mm);
   }
-  oblique.set_weak_count(found.weak_count);
-  oblique.set_double_count(found.double_count);
+  oblique.set_weak_count(found.weak.count);
+  oblique.set_double_count(found.two_foci.count);
   oblique.set_weakest_ratio(found.weakest_ratio);
   oblique.set_max_apart_mm(found.max_apart_mm);
   oblique.set_needed_energy_mj(found.needed_energy_mj);

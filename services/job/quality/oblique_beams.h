@@ -1,8 +1,8 @@
 #pragma once
 
 // What the oblique beams of a scan head cost a job: how far from the axis of the lens
-// they still make cracks, by depth, and which points lie beyond it
-// (engrave/optics/oblique_intensity.h).
+// they still make cracks, by depth, what the laser makes of it by its energy, and which
+// points lie beyond (engrave/machine/beam_strength.h).
 
 #include <cstdint>
 #include <optional>
@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "engrave/core/geometry.h"
+#include "engrave/core/result.h"
 #include "engrave/core/warning.h"
-#include "engrave/optics/oblique_intensity.h"
 #include "proto/machine.pb.h"
 #include "proto/task.pb.h"
 
@@ -26,22 +26,26 @@ struct UsableRadii {
   double double_radius_mm = 0;  ///< beyond it a crack may begin at either of two depths
 };
 
+/// Points of one kind.
+struct PointGroup {
+  std::uint64_t count = 0;
+  Vec3 first_mm = Vec3::Zero();  ///< glass frame
+
+  void Add(const Vec3& point_mm) {
+    if (count++ == 0) first_mm = point_mm;
+  }
+};
+
 struct ObliqueFigures {
   std::vector<UsableRadii> radii;  ///< rising depths
   double field_mm = 0;             ///< from its middle to its corner
-  std::size_t weak_count = 0;      ///< points that get no crack
-  Vec3 first_weak_mm = Vec3::Zero();
-  std::size_t double_count = 0;  ///< points with two strong foci
-  double weakest_ratio = 1;      ///< peak intensity, of that of an upright beam
-  double max_apart_mm = 0;       ///< of both line foci
-  double needed_energy_mj = 0;   ///< with which every point cracks
+  PointGroup weak;              ///< points that get no crack with the energies they have
+  PointGroup beyond;            ///< those that get none with the largest energy, either
+  PointGroup two_foci;          ///< points with two strong foci
+  double weakest_ratio = 1;     ///< peak intensity, of that of an upright beam
+  double max_apart_mm = 0;      ///< of both line foci
+  double needed_energy_mj = 0;  ///< with which every point cracks
 };
-
-/// Of a machine with a scan head over the block, with `beam`: down to `depth_mm`, > 0,
-/// with the energy `energy_mj`. The smaller of both pupil distances counts.
-std::vector<UsableRadii> UsableRadiiOf(const MachineSpec& machine,
-                                       const optics::FocusedBeam& beam, double depth_mm,
-                                       double energy_mj);
 
 /// nullopt: the machine has no scan head over the block. Points in the glass frame, mm,
 /// each with the number of its model.

@@ -63,8 +63,8 @@ TEST(ObliqueBeams, TheUsableRadiusIsThatOfTheIntensity) {
     EXPECT_GT(figures->radii.back().max_radius_mm, radius_mm + 1) << "0.3 mJ at most";
     EXPECT_GT(figures->radii.front().radius_mm, 2 * radius_mm) << "near the face";
     // Every tenth of a millimetre beyond it is a point without a crack.
-    EXPECT_NEAR(static_cast<double>(figures->weak_count), 10 * (30 - radius_mm), 4);
-    EXPECT_NEAR(figures->first_weak_mm.x() - 30, radius_mm, 0.35);
+    EXPECT_NEAR(static_cast<double>(figures->weak.count), 10 * (30 - radius_mm), 4);
+    EXPECT_NEAR(figures->weak.first_mm.x() - 30, radius_mm, 0.35);
   }
 }
 
@@ -89,12 +89,12 @@ TEST(ObliqueBeams, EnoughEnergyOrAnUprightBeamLosesNothing) {
   const PointList points_mm = Line(60);
   const std::vector<std::uint32_t> source(points_mm.size(), 0);
   const FrozenJob strong = CubeJob(0.3, 0.02);
-  EXPECT_EQ(ObliqueFiguresOf(strong, points_mm, source)->weak_count, 0u);
+  EXPECT_EQ(ObliqueFiguresOf(strong, points_mm, source)->weak.count, 0u);
   FrozenJob straight = CubeJob(0.2, 0.2);
   straight.mutable_machine()->mutable_head_over_block()->clear_pupil_x_mm();
   straight.mutable_machine()->mutable_head_over_block()->clear_pupil_y_mm();
   const auto figures = ObliqueFiguresOf(straight, points_mm, source);
-  EXPECT_EQ(figures->weak_count, 0u);
+  EXPECT_EQ(figures->weak.count, 0u);
   EXPECT_EQ(figures->weakest_ratio, 1);
   EXPECT_THAT(ObliqueWarningsOf(straight, *figures), IsEmpty());
 }
