@@ -60,6 +60,11 @@ double BeamStrength::RatioAt(double tangent, double depth_mm) const {
   return loss_ ? loss_->RatioAt(tangent, depth_mm) : 1;
 }
 
+double BeamStrength::EnergyTimes(double tangent, double depth_mm) const {
+  const double excess = 1 / RatioAt(tangent, depth_mm) - 1;
+  return 1 + excess * (1 + optics::ObliqueLoss::kMaxExcessError);
+}
+
 double BeamStrength::ApartMm(double tangent, double depth_mm) const {
   return optics::FociAtDepth(depth_mm, tangent, options_.beam.refractive_index)
       .apart_mm();

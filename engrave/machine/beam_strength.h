@@ -38,6 +38,9 @@ class BeamStrength {
   double TangentTo(const Vec2& from_axis_mm, double depth_mm) const;
   /// Peak intensity of the beam over that of an upright one, 0..1.
   double RatioAt(double tangent, double depth_mm) const;
+  /// How many times the energy of an upright beam makes a point as strong, >= 1. The
+  /// error of the table is added, so it is never too little.
+  double EnergyTimes(double tangent, double depth_mm) const;
   /// Distance of both line foci in depth, mm.
   double ApartMm(double tangent, double depth_mm) const;
   /// A crack may begin at either of two depths.

@@ -36,6 +36,10 @@ double ObliquePeakRatio(const FocusedBeam& beam, double tangent, double depth_mm
 /// The same from a table, for each of a million points. A value; constant.
 class ObliqueLoss {
  public:
+  /// Of 1 / ratio - 1, the energy that has to be added: relative to the sum of plane
+  /// waves, where this is above 0.01.
+  static constexpr double kMaxExcessError = 0.06;
+
   /// Up to this depth and tangent, both > 0; beyond them the border holds. Takes 0.1 s or
   /// so.
   ObliqueLoss(const FocusedBeam& beam, double max_depth_mm, double max_tangent);

@@ -66,7 +66,8 @@ Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
   AddTo(*outcome.mutable_warnings(), PulseWarningsOf(job));
   if (const auto oblique =
           ObliqueFiguresOf(job, result.cloud.points_mm, result.cloud.source)) {
-    AddTo(*outcome.mutable_warnings(), ObliqueWarningsOf(job, *oblique));
+    INTAGLIO_TRY(CheckOblique(job, *oblique));
+    AddTo(*outcome.mutable_warnings(), ObliqueWarningsOf(*oblique));
   }
   AddTo(*outcome.mutable_warnings(), found.warnings);
   return result;

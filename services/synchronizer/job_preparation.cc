@@ -6,6 +6,7 @@
 
 #include "engrave/core/try.h"
 #include "engrave/formats/journal_file.h"
+#include "services/job/beams/energy_by_place.h"
 #include "services/job/convert/options.h"
 #include "services/job/fields/channels.h"
 #include "services/job/machine/head_clearance.h"
@@ -47,7 +48,7 @@ Result<EngravingJob> EngravingOf(const PreparationTask& task, const PointCloud& 
       CheckedAxes(path, BlocksOfModels(frozen.job()), frames, job.plan.limits.travel_mm));
   job.machine_points_mm = std::move(axes);
   INTAGLIO_TRY(CheckHeadClearance(frozen, path.points_mm, PointOrder::kOfEngraving));
-  auto energies = INTAGLIO_TRY(EnergiesOfPoints(frozen.job(), path.source));
+  auto energies = INTAGLIO_TRY(EnergiesOfPoints(frozen, path.points_mm, path.source));
   job.energies = std::move(energies);
   job.max_missed_in_a_row = frozen.machine().laser().max_missed_in_a_row();
   job.needs_door_lock = frozen.machine().laser().door_lock();

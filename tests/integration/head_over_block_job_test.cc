@@ -157,7 +157,8 @@ TEST_F(HeadOverBlockJob, WithoutThePupilItIsMillimetresTooDeep) {
 TEST_F(HeadOverBlockJob, BeyondTheUsableRadiusThereIsNoCrack) {
   // Deepest first, the corners come in a row: else the machine waits for a person.
   const Ended run =
-      RunOn(ProfileWith(kEnergy, kEnergy + std::string("\n  max_missed_in_a_row: 1000")));
+      RunOn(ProfileWith(kEnergy, kEnergy + std::string("\n  max_missed_in_a_row: 1000")),
+            {"--set", "laser.energy_by_place=false"});
   ASSERT_TRUE(run.in_time);
   EXPECT_NE(run.exit_code, 0) << "not good";
   EXPECT_NE(run.output.find("points get no crack"), std::string::npos) << run.output;
@@ -173,6 +174,26 @@ TEST_F(HeadOverBlockJob, BeyondTheUsableRadiusThereIsNoCrack) {
   }
   EXPECT_GT(missed, 0u);
   EXPECT_EQ(Report().points().missed(), missed);
+}
+
+TEST_F(HeadOverBlockJob, WhatNoEnergyCracksIsRefusedWithTheUsableRadius) {
+  const Ended run = RunOn(ProfileWith(kEnergy, kEnergy));
+  ASSERT_TRUE(run.in_time);
+  EXPECT_NE(run.exit_code, 0);
+  EXPECT_NE(run.output.find("mm from the axis of the lens at 55 mm depth"),
+            std::string::npos)
+      << run.output;
+  EXPECT_FALSE(fs::exists(folder_ / "out/glass.ply")) << "nothing is engraved";
+}
+
+// 0.3 mJ are too little for the corners (above); a laser that has more raises them there.
+TEST_F(HeadOverBlockJob, EnergyByPlaceCracksWhatOneEnergyDoesNot) {
+  const Ended run =
+      RunOn(ProfileWith(kEnergy, kStrong), {"--set", "laser.pulse_energy_mj=0.3"});
+  ASSERT_TRUE(run.in_time);
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_EQ(Missed().cracks, points_mm_.size());
+  EXPECT_GT(Report().pulse_energies_size(), 10);
 }
 
 }  // namespace

@@ -28,6 +28,7 @@
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
 #include "services/client/warning_text.h"
+#include "services/job/beams/energy_by_place.h"
 #include "services/job/checks/course_check.h"
 #include "services/job/checks/job_check.h"
 #include "services/job/convert/mark_defaults.h"
@@ -36,7 +37,6 @@
 #include "services/job/files/freeze.h"
 #include "services/job/machine/laser_setting.h"
 #include "services/job/machine/machine_axes.h"
-#include "services/job/machine/pulse_energies.h"
 #include "services/job/models/program_limits.h"
 #include "services/job/plan/ordering.h"
 #include "services/platform/command_line/supplied_files.h"
@@ -99,7 +99,7 @@ Result<OrderedJob> OrderNamedJob(const PostOptions& options) {
     ordered.path_mm.push_back(made.cloud.points_mm[i]);
     source.push_back(made.cloud.source[i]);
   }
-  auto energies = INTAGLIO_TRY(EnergiesOfPoints(ordered.job.job(), source));
+  auto energies = INTAGLIO_TRY(EnergiesOfPoints(ordered.job, ordered.path_mm, source));
   ordered.energies = std::move(energies);
   return ordered;
 }
@@ -113,7 +113,8 @@ Result<OrderedJob> TakePath(const PostOptions& options) {
   INTAGLIO_TRY(RequireInBlock(job, table.points_mm));
   ordered.job = std::move(job);
   ordered.path_mm = std::move(table.points_mm);
-  ordered.energies.distinct_mj = {ordered.job.job().laser().pulse_energy_mj()};
+  const std::vector<std::uint32_t> source(ordered.path_mm.size(), 0);
+  ordered.energies = INTAGLIO_TRY(EnergiesOfPoints(ordered.job, ordered.path_mm, source));
   return ordered;
 }
 

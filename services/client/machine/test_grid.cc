@@ -106,6 +106,8 @@ JobSpec JobOf(const TestGrid& asked, const Grid& grid, const Vec3& block_mm) {
   job.set_name("test grid");
   job.set_glass(asked.glass);
   job.set_machine_file(asked.machine_file.string());
+  // Each patch has the energy that its label names.
+  job.mutable_laser()->set_energy_by_place(false);
   Vector3& size = *job.mutable_block()->mutable_size_mm();
   size.set_x(block_mm.x());
   size.set_y(block_mm.y());

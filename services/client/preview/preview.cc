@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -139,10 +140,20 @@ void AddOblique(const ObliqueFigures& found, JobPreview& figures) {
   oblique.set_weakest_ratio(found.weakest_ratio);
   oblique.set_max_apart_mm(found.max_apart_mm);
   oblique.set_needed_energy_mj(found.needed_energy_mj);
+  if (found.two_foci.count > 0)
+    Set(found.two_foci.first_mm, *oblique.mutable_first_double_mm());
+  oblique.set_energy_by_place(found.why_one_energy.empty());
+  oblique.set_why_one_energy(found.why_one_energy);
+  oblique.set_energy_count(static_cast<std::uint32_t>(found.energies_mj.size()));
+  oblique.set_min_energy_mj(found.energies_mj.front());
+  oblique.set_max_energy_mj(found.energies_mj.back());
+  oblique.set_limited_count(found.limited_count);
 }
 
 JobPreview FiguresOf(const FrozenJob& job, const MadeCloud& made,
-                     const CloudFindings& found, const PreviewOptions& options) {
+                     const CloudFindings& found,
+                     const std::optional<ObliqueFigures>& oblique,
+                     const PreviewOptions& options) {
   JobPreview figures;
   const JobSpec& spec = job.job();
   figures.set_name(spec.name());
@@ -154,10 +165,9 @@ JobPreview FiguresOf(const FrozenJob& job, const MadeCloud& made,
   warnings.insert(warnings.end(), spread.begin(), spread.end());
   const Warnings pulses = PulseWarningsOf(job);
   warnings.insert(warnings.end(), pulses.begin(), pulses.end());
-  if (const auto oblique =
-          ObliqueFiguresOf(job, made.cloud.points_mm, made.cloud.source)) {
+  if (oblique) {
     AddOblique(*oblique, figures);
-    const Warnings beams = ObliqueWarningsOf(job, *oblique);
+    const Warnings beams = ObliqueWarningsOf(*oblique);
     warnings.insert(warnings.end(), beams.begin(), beams.end());
   }
   warnings.insert(warnings.end(), found.warnings.begin(), found.warnings.end());
@@ -217,10 +227,12 @@ Result<Preview> MakePreview(const FrozenJob& job, const PreviewOptions& options,
     return Fail(ErrorCode::kCancelled, "the preview was cancelled");
   }
   INTAGLIO_TRY(CheckHeadClearance(job, made.cloud.points_mm, PointOrder::kNone));
+  const auto oblique = ObliqueFiguresOf(job, made.cloud.points_mm, made.cloud.source);
+  if (oblique) INTAGLIO_TRY(CheckOblique(job, *oblique));
   const CloudFindings found =
       FindInCloud(job.job(), job.machine(), made.cloud, made.masks, options.executor);
   Preview preview;
-  preview.figures = FiguresOf(job, made, found, options);
+  preview.figures = FiguresOf(job, made, found, oblique, options);
   const auto time = INTAGLIO_TRY(
       EstimateTime(job, {made.cloud.points_mm, made.masks}, options.max_planned_points,
                    options.executor, [&](std::uint64_t done, std::uint64_t total) {

@@ -62,6 +62,20 @@ std::string BreakageText(const BreakagePreview& breakage) {
                      GroupedDigits(breakage.risky_count()));
 }
 
+std::string EnergyText(const ObliquePreview& oblique) {
+  if (!oblique.energy_by_place())
+    return "the energy does not follow the place: " + oblique.why_one_energy();
+  std::string text = fmt::format("energy by place, {:.3g}..{:.3g} mJ in {} steps",
+                                 oblique.min_energy_mj(), oblique.max_energy_mj(),
+                                 oblique.energy_count());
+  if (oblique.limited_count() > 0) {
+    text +=
+        fmt::format("; {} points are weaker than asked for, since the laser has no more",
+                    GroupedDigits(oblique.limited_count()));
+  }
+  return text;
+}
+
 /// By depth, how far from the axis of the lens there are cracks.
 std::string ObliqueText(const ObliquePreview& oblique) {
   std::string text = "cracks";
@@ -76,7 +90,7 @@ std::string ObliqueText(const ObliquePreview& oblique) {
                   oblique.weakest_ratio(), oblique.needed_energy_mj());
   if (oblique.weak_count() > 0)
     text += fmt::format("; {} points get none", GroupedDigits(oblique.weak_count()));
-  return text;
+  return text + "; " + EnergyText(oblique);
 }
 
 std::string GlassText(const JobPreview& figures) {

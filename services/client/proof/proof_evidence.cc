@@ -10,6 +10,7 @@
 #include "engrave/io/whole_file.h"
 #include "services/client/proof/collisions.h"
 #include "services/client/proof/glass_search.h"
+#include "services/job/beams/energy_by_place.h"
 #include "services/job/fields/channels.h"
 
 namespace intaglio::client {
@@ -79,7 +80,7 @@ Result<Evidence> ReadEvidence(const fs::path& folder) {
       INTAGLIO_TRY(ColumnOf<std::uint32_t>(plan, "source", folder / "path.ply"));
   auto masks = INTAGLIO_TRY(ChannelsOfPoints(evidence.job.job(), *source));
   evidence.masks = std::move(masks);
-  auto energies = INTAGLIO_TRY(EnergiesOfPoints(evidence.job.job(), *source));
+  auto energies = INTAGLIO_TRY(EnergiesOfPoints(evidence.job, plan.points_mm, *source));
   evidence.energies = std::move(energies);
   evidence.plan_mm = std::move(plan.points_mm);
   if (fs::exists(folder / "glass.ply")) {

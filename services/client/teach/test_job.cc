@@ -55,6 +55,8 @@ JobSpec JobOf(const TestJob& asked, const std::string& name, const MachineSpec& 
   job.mutable_discretization()->set_min_spacing_mm(spacing_mm);
   job.mutable_laser()->set_pulse_energy_mj(EnergyOf(asked, machine));
   job.mutable_laser()->add_channels(asked.channel);
+  // What is asked for is tried.
+  job.mutable_laser()->set_energy_by_place(false);
   // In the air no sensor sees a crack, and a weak pulse may leave none.
   job.mutable_laser()->set_photosensor_feedback(false);
   job.set_machine_file(asked.machine_file.string());

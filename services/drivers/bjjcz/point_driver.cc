@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "services/drivers/bjjcz/board_profile.h"
+#include "services/job/machine/laser_setting.h"
 
 namespace intaglio::drivers {
 namespace {
@@ -36,7 +37,12 @@ BjjczPointDriver::BjjczPointDriver(const MachineSpec& machine,
       broken_(std::move(broken)),
       line_(std::move(open), std::move(clock), ExpectedPointBoard(machine),
             std::move(set_up)),
-      lists_(machine) {
+      lists_(machine),
+      laser_(machine.laser()) {
+  if (const auto energies = EnergiesOf(laser_)) {
+    identity_.min_energy_mj = energies->min_mj;
+    identity_.max_energy_mj = energies->max_mj;
+  }
   pieces_.SetTravel(TravelOf(machine));
   pieces_.SetStepsPerMm(
       Vec3(lists_.places_per_mm(), lists_.places_per_mm(), steps_per_mm_));
@@ -165,6 +171,15 @@ std::uint64_t BjjczPointDriver::LimitedByPulses(std::uint64_t tick) const {
   if (held_ && held_->pulse && ticks_.fires(TickOf(held_->end_subticks)))
     tick = std::min(tick, TickOf(held_->end_subticks) - 1);
   return tick;
+}
+
+// The power of the window's pulses, by their ticks.
+Status BjjczPointDriver::SetEnergy(const link::ArmWindow& window) {
+  if (auto energy = CheckEnergy(identity_, window); !energy) return energy;
+  if (std::ranges::find(window.fire, true) == window.fire.end()) return {};
+  powers_.Set(window.first_tick,
+              LaserSettingFor(laser_, window.pulse_energy_mj).value_or(1));
+  return {};
 }
 
 void BjjczPointDriver::BeginProgram(std::uint64_t start_tick) {

@@ -9,7 +9,8 @@
 //                                  the list's points are made, its ticks pass
 //
 // One list of at most kMaxListSeconds is in the board; the next is given when BUSY of it
-// has gone. A point is a jump, its delay, and the laser on at rest. z is the board's axis
+// has gone. A point is a jump, its delay, and the laser on at rest. A list has one power
+// (laser.energy_calibration), so it ends where the energy changes. z is the board's axis
 // and moves between lists alone: where a piece has another z, the list before it is
 // played first. The end of a move is the board's (AXIS), its place is read and compared.
 //
@@ -40,6 +41,7 @@
 #include "services/drivers/bjjcz/lmc_line.h"
 #include "services/drivers/bjjcz/point_lists.h"
 #include "services/drivers/lockstep/lockstep_driver.h"
+#include "services/drivers/lockstep/tick_powers.h"
 #include "services/platform/link/endpoint.h"
 #include "services/platform/link/steady_clock.h"
 
@@ -83,6 +85,7 @@ class BjjczPointDriver final : public LockstepDriver {
   std::uint32_t openings() const override { return openings_; }
   bool shutter_is_open() const override;
   std::uint64_t LimitedByPulses(std::uint64_t tick) const override;
+  Status SetEnergy(const link::ArmWindow& window) override;
   void DropProgram() override;
   void BeginProgram(std::uint64_t start_tick) override;
   void EndRun() override;
@@ -128,6 +131,8 @@ class BjjczPointDriver final : public LockstepDriver {
   LmcLine line_;
   PieceQueue pieces_;
   PointLists lists_;
+  LaserHead laser_;
+  TickPowers powers_;
   Vec3 listed_mm_ = Vec3::Zero();  ///< where the list in hand ends
   Vec3 end_mm_ = Vec3::Zero();     ///< where the newest run ended
   std::optional<Piece> held_;      ///< taken, and not in a list yet

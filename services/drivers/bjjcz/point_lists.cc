@@ -31,11 +31,12 @@ Vec2 PointLists::at_mm() const {
   return Vec2(at_[0] - kMiddlePlace, at_[1] - kMiddlePlace) / places_per_mm_;
 }
 
-void PointLists::Begin(double places_ms) {
+void PointLists::Begin(double places_ms, double power_ratio) {
   if (!empty()) return;
   BeginList(board_, std::exchange(first_of_run_, false), list_);
   list_.commands.push_back({kJumpSpeed, {ToUint16(std::max(1.0, places_ms))}});
-  AppendLaser(board_, 1, board_.point_frequency_hz(), list_.commands);
+  power_ratio_ = power_ratio;
+  AppendLaser(board_, power_ratio, board_.point_frequency_hz(), list_.commands);
   list_.commands.push_back({kJumpDelay, {Microseconds(jumps_.jump_delay_s())}});
   has_jump_ = false;
   point_count_ = 0;
@@ -51,9 +52,10 @@ void PointLists::AddJump(const Place& to) {
   has_jump_ = true;
 }
 
-bool PointLists::Add(const Vec2& to_mm, bool fires) {
+bool PointLists::Add(const Vec2& to_mm, bool fires, double power_ratio) {
   const bool is_first = empty();
-  Begin(jumps_.jump_mm_s() * places_per_mm_ / 1000);
+  Begin(jumps_.jump_mm_s() * places_per_mm_ / 1000, power_ratio);
+  if (fires && power_ratio != power_ratio_) return false;
   const Place to = PlaceOf(to_mm);
   const double way = std::hypot(to[0] - at_[0], to[1] - at_[1]);
   const double seconds = way / (jumps_.jump_mm_s() * places_per_mm_) +
@@ -74,7 +76,7 @@ void PointLists::AddSlow(const Vec2& to_mm, double seconds) {
   const Place to = PlaceOf(to_mm);
   const double way = std::hypot(to[0] - at_[0], to[1] - at_[1]);
   const double places_ms = std::max(1.0, std::floor(way / (1000 * seconds)));
-  Begin(places_ms);
+  Begin(places_ms, power_ratio_);
   AddJump(to);
   const double jump_s = way / (1000 * places_ms), rest_s = seconds - jump_s;
   if (rest_s > 0) list_.commands.push_back({kDelay, {ToUint16(std::ceil(1e5 * rest_s))}});

@@ -4,6 +4,9 @@
 // Places are the board's own, 0..65535; a point is at the nearest of them, so within half
 // a place on each axis.
 //
+// A list has one power: a source needs some time behind a change, and has it between two
+// lists.
+//
 // A list has laser.max_unsettled_points at most, so that no more are uncertain when all
 // fails at once: the synchronizer arms no more than these, either.
 
@@ -28,8 +31,9 @@ class PointLists {
 
   void BeginRun() { first_of_run_ = true; }
   /// From where the mirrors are to `to_mm`, and the laser on there, if it `fires`. False:
-  /// the list has no room for it, or has its points; an empty one has room.
-  bool Add(const Vec2& to_mm, bool fires);
+  /// the list has no room for it, or has its points, or points of another power; an empty
+  /// one has room. `power_ratio`: of the largest, of a point that fires.
+  bool Add(const Vec2& to_mm, bool fires, double power_ratio = 1);
   /// Dark, in no less than `seconds`: by hand.
   void AddSlow(const Vec2& to_mm, double seconds);
   /// What was added since the last call; it begins with a jump, wherever the mirrors are.
@@ -46,7 +50,7 @@ class PointLists {
 
   Place PlaceOf(const Vec2& at_mm) const;
   void AddJump(const Place& to);
-  void Begin(double places_ms);
+  void Begin(double places_ms, double power_ratio);
 
   BjjczBoard board_;
   JumpAndDwell jumps_;
@@ -55,6 +59,7 @@ class PointLists {
   Place at_{32768, 32768};                      ///< where the list leads
   Place begun_at_{32768, 32768};                ///< where it begins
   LmcList list_;
+  double power_ratio_ = 1;  ///< of the list
   bool first_of_run_ = true, has_jump_ = false;
 };
 

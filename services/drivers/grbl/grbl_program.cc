@@ -14,9 +14,6 @@ constexpr double kMinFeed_mm_min = 1;
 // A step aside has these; a way shorter than twice that is too short to light its begin.
 constexpr double kAsideSteps = 4;
 constexpr double kAside_mm_s = 10;
-// Far more than the pulses that are decided and not given out
-// (GrblDriver::kMaxUnsettled).
-constexpr std::size_t kMaxPowerChanges = 4096;
 
 // Without zeros at its end: the line's bytes are what limits the pulses a second.
 std::string Short(double value, int digits) {
@@ -82,19 +79,9 @@ std::string GrblProgram::Line(const Vec3& to_mm, double speed_mm_s,
   return line;
 }
 
-void GrblProgram::SetPowerRatio(std::uint64_t first_tick, double ratio) {
-  // What was decided for these ticks before is decided anew.
-  power_ratios_.erase(power_ratios_.lower_bound(first_tick), power_ratios_.end());
-  if (!power_ratios_.empty() && power_ratios_.rbegin()->second == ratio) return;
-  power_ratios_.emplace(first_tick, ratio);
-  if (power_ratios_.size() > kMaxPowerChanges) power_ratios_.erase(power_ratios_.begin());
-}
-
 // Never S0, which fires nothing, and never more than the setting.
 double GrblProgram::PulsePower(std::uint64_t tick) const {
-  const auto after = power_ratios_.upper_bound(tick);
-  const double ratio = after == power_ratios_.begin() ? 1 : std::prev(after)->second;
-  return std::max(1.0, std::floor(max_power_ * ratio));
+  return std::max(1.0, std::floor(max_power_ * powers_.At(tick)));
 }
 
 GrblMove GrblProgram::MoveOf(const Piece& piece) const {

@@ -35,7 +35,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -45,6 +44,7 @@
 #include "engrave/core/result.h"
 #include "engrave/motion/segment.h"
 #include "services/drivers/lockstep/piece_queue.h"
+#include "services/drivers/lockstep/tick_powers.h"
 
 namespace intaglio::drivers {
 
@@ -80,7 +80,9 @@ class GrblProgram {
   /// Of the controller. `travel` of the profile, machine frame.
   void SetController(const Vec3& steps_per_mm, double max_power);
   /// Of the pulses of this tick and later ones, 0..1 of the controller's largest S.
-  void SetPowerRatio(std::uint64_t first_tick, double ratio);
+  void SetPowerRatio(std::uint64_t first_tick, double ratio) {
+    powers_.Set(first_tick, ratio);
+  }
   void SetTravel(const Box3& travel) { pieces_.SetTravel(travel); }
   /// The controller's modal state is that after the set-up: G1, no F.
   void ForgetModes() { feed_text_.clear(); }
@@ -116,8 +118,7 @@ class GrblProgram {
   GrblMove MoveOf(const Piece& piece) const;
 
   double max_power_ = 1000;
-  // By the first tick that has it; before the first one, and without any, it is 1.
-  std::map<std::uint64_t, double> power_ratios_;
+  TickPowers powers_;
   std::string feed_text_;
 
   PieceQueue pieces_;

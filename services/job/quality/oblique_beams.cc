@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engrave/core/try.h"
+#include "services/job/beams/energy_by_place.h"
+#include "services/job/beams/job_beams.h"
 #include "services/job/machine/head_over_block.h"
-#include "services/job/machine/job_beams.h"
-#include "services/job/machine/pulse_energies.h"
+#include "services/job/machine/laser_setting.h"
 
 namespace intaglio {
 namespace {
@@ -18,7 +20,7 @@ constexpr int kDepths = 4;
 std::vector<UsableRadii> RadiiBy(const MachineSpec& machine,
                                  const machine::BeamStrength& strength, double depth_mm,
                                  double energy_mj) {
-  const double largest_mj = std::max(energy_mj, machine.laser().pulse_energy_mj());
+  const double largest_mj = std::max(energy_mj, SettableEnergies(machine).max_mj);
   const double first_mm = std::min(kShallowMm, depth_mm / kDepths);
   std::vector<UsableRadii> radii;
   for (int i = 0; i < kDepths; ++i) {
@@ -38,13 +40,19 @@ std::optional<ObliqueFigures> ObliqueFiguresOf(const FrozenJob& job,
                                                std::span<const std::uint32_t> source) {
   const MachineSpec& machine = job.machine();
   if (!machine.has_head_over_block() || points_mm.empty()) return std::nullopt;
-  const auto energies = EnergiesOfPoints(job.job(), source);
-  if (!energies) return std::nullopt;
+  const auto of_models = EnergiesOfPoints(job.job(), source);
+  if (!of_models) return std::nullopt;
   const JobBeams beams(job);
   const machine::BeamStrength& strength = beams.strength();
   const double crack_mj = CrackEnergyMj(machine);
-  const double largest_mj = machine.laser().pulse_energy_mj();
+  const double largest_mj = SettableEnergies(machine).max_mj;
   ObliqueFigures figures;
+  figures.largest_energy_mj = largest_mj;
+  figures.why_one_energy = WhyOneEnergy(job);
+  const bool by_place = figures.why_one_energy.empty();
+  const PointEnergies energies =
+      by_place ? RaisedByPlace(beams, largest_mj, points_mm, *of_models) : *of_models;
+  figures.energies_mj = energies.distinct_mj;
   figures.field_mm = strength.options().field_mm;
   double deepest_mm = 0.1;
   for (std::size_t i = 0; i < points_mm.size(); ++i) {
@@ -56,8 +64,12 @@ std::optional<ObliqueFigures> ObliqueFiguresOf(const FrozenJob& job,
         std::max(figures.max_apart_mm, strength.ApartMm(tangent, depth_mm));
     if (strength.IsDouble(tangent, depth_mm)) figures.two_foci.Add(points_mm[i]);
     if (largest_mj * ratio < crack_mj) figures.beyond.Add(points_mm[i]);
-    if (energies->Of(static_cast<std::uint32_t>(i)) * ratio < crack_mj)
+    const auto point = static_cast<std::uint32_t>(i);
+    if (energies.Of(point) * ratio < crack_mj) {
       figures.weak.Add(points_mm[i]);
+    } else if (by_place && energies.Of(point) * ratio < of_models->Of(point)) {
+      ++figures.limited_count;
+    }
   }
   figures.needed_energy_mj = crack_mj / figures.weakest_ratio;
   figures.radii =
@@ -65,17 +77,49 @@ std::optional<ObliqueFigures> ObliqueFiguresOf(const FrozenJob& job,
   return figures;
 }
 
-Warnings ObliqueWarningsOf(const FrozenJob& job, const ObliqueFigures& figures) {
+std::string MaxRadiiText(const ObliqueFigures& figures) {
+  std::string text;
+  for (const UsableRadii& at : figures.radii) {
+    text += fmt::format("{}up to {:.1f} mm from the axis of the lens at {:.0f} mm depth",
+                        text.empty() ? "" : ", ", at.max_radius_mm, at.depth_mm);
+  }
+  return text;
+}
+
+Status CheckOblique(const FrozenJob& job, const ObliqueFigures& figures) {
+  if (figures.beyond.count == 0 || !job.job().laser().energy_by_place()) return {};
+  const Vec3& first_mm = figures.beyond.first_mm;
+  const std::string place =
+      fmt::format("({:.1f}, {:.1f}, {:.1f})", first_mm.x(), first_mm.y(), first_mm.z());
+  const std::string one_energy =
+      figures.why_one_energy.empty()
+          ? ""
+          : fmt::format(", and its energy does not follow the place: {}",
+                        figures.why_one_energy);
+  return Fail(
+      ErrorCode::kOutsideBlock,
+      fmt::format(
+          "{} points get no crack, the first at {} mm: the beam is too oblique there, "
+          "and "
+          "they need up to {:.3g} mJ. With the {:g} mJ that the laser has there are "
+          "cracks "
+          "{}{}; make the piece smaller or less deep, put it under the middle of the "
+          "field, use a telecentric lens, or measure head_over_block.crack_energy_mj",
+          figures.beyond.count, place, figures.needed_energy_mj,
+          figures.largest_energy_mj, MaxRadiiText(figures), one_energy),
+      place);
+}
+
+Warnings ObliqueWarningsOf(const ObliqueFigures& figures) {
   Warnings warnings;
-  const double largest_mj = job.machine().laser().pulse_energy_mj();
   if (figures.weak.count > 0) {
     const Vec3& first_mm = figures.weak.first_mm;
     const std::string energy =
-        figures.needed_energy_mj <= largest_mj
+        figures.needed_energy_mj <= figures.largest_energy_mj
             ? fmt::format("ask for {:.3g} mJ (laser.pulse_energy_mj)",
                           figures.needed_energy_mj)
             : fmt::format("all of them would need {:.3g} mJ, the laser has {:g}",
-                          figures.needed_energy_mj, largest_mj);
+                          figures.needed_energy_mj, figures.largest_energy_mj);
     warnings.push_back(MakeWarning(
         WarningCode::kObliqueBeam,
         fmt::format(
@@ -90,11 +134,13 @@ Warnings ObliqueWarningsOf(const FrozenJob& job, const ObliqueFigures& figures) 
     warnings.push_back(MakeWarning(
         WarningCode::kTwoFoci,
         fmt::format(
-            "at {} points the oblique beam has two foci up to {:.2f} mm apart in "
-            "depth, both stronger than what lies between them: a crack may begin "
-            "at either; at {:.1f} mm depth this is beyond {:.1f} mm from the axis "
-            "of the lens",
-            figures.two_foci.count, figures.max_apart_mm, figures.radii.back().depth_mm,
+            "at {} points, the first at ({:.1f}, {:.1f}, {:.1f}) mm, the oblique beam "
+            "has two foci up to {:.2f} mm apart in depth, both stronger than what lies "
+            "between them: a crack may begin at either; at {:.1f} mm depth this is "
+            "beyond {:.1f} mm from the axis of the lens",
+            figures.two_foci.count, figures.two_foci.first_mm.x(),
+            figures.two_foci.first_mm.y(), figures.two_foci.first_mm.z(),
+            figures.max_apart_mm, figures.radii.back().depth_mm,
             figures.radii.back().double_radius_mm)));
   }
   return warnings;

@@ -39,12 +39,17 @@ struct PointGroup {
 struct ObliqueFigures {
   std::vector<UsableRadii> radii;  ///< rising depths
   double field_mm = 0;             ///< from its middle to its corner
-  PointGroup weak;              ///< points that get no crack with the energies they have
-  PointGroup beyond;            ///< those that get none with the largest energy, either
-  PointGroup two_foci;          ///< points with two strong foci
-  double weakest_ratio = 1;     ///< peak intensity, of that of an upright beam
-  double max_apart_mm = 0;      ///< of both line foci
-  double needed_energy_mj = 0;  ///< with which every point cracks
+  PointGroup weak;               ///< points that get no crack with the energies they have
+  PointGroup beyond;             ///< those that get none with the largest energy, either
+  PointGroup two_foci;           ///< points with two strong foci
+  double weakest_ratio = 1;      ///< peak intensity, of that of an upright beam
+  double max_apart_mm = 0;       ///< of both line foci
+  double needed_energy_mj = 0;   ///< with which every point cracks
+  double largest_energy_mj = 0;  ///< of the laser
+  std::string why_one_energy;    ///< the energy does not follow the place; empty: it does
+  std::vector<double> energies_mj;  ///< that the points have, rising
+  std::uint64_t limited_count = 0;  ///< they crack, and with more energy than the laser
+                                    ///< has they would be as strong as the others
 };
 
 /// nullopt: the machine has no scan head over the block. Points in the glass frame, mm,
@@ -53,8 +58,15 @@ std::optional<ObliqueFigures> ObliqueFiguresOf(const FrozenJob& job,
                                                const PointList& points_mm,
                                                std::span<const std::uint32_t> source);
 
+/// kOutsideBlock: points that get no crack even with the largest energy, with the usable
+/// radius by depth. A job that has laser.energy_by_place switched off tries its energies.
+Status CheckOblique(const FrozenJob& job, const ObliqueFigures& figures);
+
+/// "up to 24.1 mm from the axis of the lens at 5 mm depth, ...", with the largest energy.
+std::string MaxRadiiText(const ObliqueFigures& figures);
+
 /// Points that get no crack, and points at which it may begin at either of two depths.
-Warnings ObliqueWarningsOf(const FrozenJob& job, const ObliqueFigures& figures);
+Warnings ObliqueWarningsOf(const ObliqueFigures& figures);
 
 /// How far each lens of the profile makes cracks in glass of the index 1.52 (N-BK7), with
 /// the laser's largest energy: a sentence each. Empty: no scan head over the block. Of a

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "engrave/optics/oblique_focus.h"
 
@@ -65,6 +66,23 @@ TEST(ObliqueIntensity, TheTableFollowsTheSum) {
   }
   EXPECT_EQ(loss.RatioAt(0, 40), 1);
   EXPECT_EQ(loss.RatioAt(0.1, 0), 1);
+}
+
+// Between the nodes of the table, of lenses and wavelengths that there are.
+TEST(ObliqueIntensity, TheTableKeepsItsBound) {
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (const FocusedBeam& beam : {kNarrow, kWide, kNarrowUv, kWideUv}) {
+    const ObliqueLoss loss(beam, 80, 0.36);
+    for (int i = 0; i < 40; ++i) {
+      const double tangent = 0.36 * unit(random), depth_mm = 80 * unit(random);
+      const double excess = 1 / ObliquePeakRatio(beam, tangent, depth_mm) - 1;
+      if (excess < 0.01) continue;
+      EXPECT_NEAR((1 / loss.RatioAt(tangent, depth_mm) - 1) / excess, 1,
+                  ObliqueLoss::kMaxExcessError)
+          << beam.numerical_aperture << " " << tangent << " " << depth_mm;
+    }
+  }
 }
 
 TEST(ObliqueIntensity, TheLargestTangentKeepsTheRatio) {

@@ -54,7 +54,8 @@ TEST(ObliqueBeams, TheUsableRadiusIsThatOfTheIntensity) {
   const PointList points_mm = Line(60);
   const std::vector<std::uint32_t> source(points_mm.size(), 0);
   for (const auto& [ratio, degrees] : {std::pair{0.949, 4.0}, std::pair{0.532, 8.0}}) {
-    const FrozenJob job = CubeJob(0.2, 0.2 * ratio);
+    FrozenJob job = CubeJob(0.2, 0.2 * ratio);
+    job.mutable_job()->mutable_laser()->set_energy_by_place(false);
     const auto figures = ObliqueFiguresOf(job, points_mm, source);
     ASSERT_TRUE(figures);
     const double radius_mm = 140 * std::tan(degrees * std::numbers::pi / 180);
@@ -74,7 +75,7 @@ TEST(ObliqueBeams, WarnsWithCountPlaceAndRemedy) {
   const FrozenJob job = CubeJob(0.2, 0.1);
   const auto figures = ObliqueFiguresOf(job, points_mm, source);
   ASSERT_TRUE(figures);
-  const Warnings warnings = ObliqueWarningsOf(job, *figures);
+  const Warnings warnings = ObliqueWarningsOf(*figures);
   ASSERT_THAT(warnings, SizeIs(2));
   EXPECT_EQ(warnings[0].code, WarningCode::kObliqueBeam);
   EXPECT_EQ(warnings[0].weight, WarningWeight::kWarning);
@@ -96,7 +97,41 @@ TEST(ObliqueBeams, EnoughEnergyOrAnUprightBeamLosesNothing) {
   const auto figures = ObliqueFiguresOf(straight, points_mm, source);
   EXPECT_EQ(figures->weak.count, 0u);
   EXPECT_EQ(figures->weakest_ratio, 1);
-  EXPECT_THAT(ObliqueWarningsOf(straight, *figures), IsEmpty());
+  EXPECT_THAT(ObliqueWarningsOf(*figures), IsEmpty());
+}
+
+// The same line: by place all points are as strong as 0.2 mJ upright, or have 0.3 mJ.
+TEST(ObliqueBeams, TheEnergyFollowsThePlaceUpToTheLasers) {
+  const PointList points_mm = Line(60);
+  const std::vector<std::uint32_t> source(points_mm.size(), 0);
+  FrozenJob job = CubeJob(0.2, 0.1);
+  const auto raised = ObliqueFiguresOf(job, points_mm, source);
+  ASSERT_TRUE(raised);
+  EXPECT_EQ(raised->energies_mj.front(), 0.2);
+  EXPECT_EQ(raised->energies_mj.back(), 0.3);
+  EXPECT_GT(raised->limited_count, 0u);
+  EXPECT_EQ(raised->weak.count, raised->beyond.count) << "nothing else lacks a crack";
+  const Status refused = CheckOblique(job, *raised);
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code, ErrorCode::kOutsideBlock);
+  EXPECT_THAT(refused.error().message,
+              HasSubstr("mm from the axis of the lens at 60 mm"));
+  job.mutable_job()->mutable_laser()->set_energy_by_place(false);
+  const auto flat = ObliqueFiguresOf(job, points_mm, source);
+  EXPECT_GT(flat->weak.count, raised->weak.count);
+  EXPECT_TRUE(CheckOblique(job, *flat)) << "these energies are tried";
+}
+
+TEST(ObliqueBeams, ADriverThatCannotVaryTheEnergyIsNamed) {
+  const PointList points_mm = Line(60);
+  const std::vector<std::uint32_t> source(points_mm.size(), 0);
+  FrozenJob job = CubeJob(0.3, 0.1);
+  job.mutable_machine()->mutable_laser_line()->set_protocol("motion-output");
+  const auto figures = ObliqueFiguresOf(job, points_mm, source);
+  EXPECT_EQ(figures->energies_mj.size(), 1u);
+  const Status refused = CheckOblique(job, *figures);
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_THAT(refused.error().message, HasSubstr("cannot vary it"));
 }
 
 TEST(ObliqueBeams, AStageHasNone) {

@@ -1,11 +1,12 @@
-#include "services/job/machine/job_beams.h"
+#include "services/job/beams/job_beams.h"
 
 #include <algorithm>
 
 #include "engrave/optics/focus.h"
+#include "services/job/convert/options.h"
+#include "services/job/machine/block_origin.h"
 #include "services/job/machine/head_over_block.h"
 #include "services/job/machine/machine_axes.h"
-#include "services/job/options.h"
 
 namespace intaglio {
 namespace {
