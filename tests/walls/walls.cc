@@ -247,7 +247,7 @@ const std::vector<Layers> kLayers = {
     {"services/job/",
      {{"drive", "fields", "head", "methods", "verdict"},
       {"machine"},
-      {"convert", "mounted"},
+      {"beams", "convert", "mounted"},
       {"checks", "models", "plan", "quality"},
       {"course", "files"},
       {"marks", "teach"}}},

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "engrave/optics/focus.h"
-#include "services/job/convert/options.h"
 #include "services/job/machine/block_origin.h"
 #include "services/job/machine/head_over_block.h"
 #include "services/job/machine/machine_axes.h"

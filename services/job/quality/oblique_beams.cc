@@ -48,6 +48,7 @@ std::optional<ObliqueFigures> ObliqueFiguresOf(const FrozenJob& job,
   const double largest_mj = SettableEnergies(machine).max_mj;
   ObliqueFigures figures;
   figures.largest_energy_mj = largest_mj;
+  figures.crack_is_measured = machine.head_over_block().has_crack_energy_mj();
   figures.why_one_energy = WhyOneEnergy(job);
   const bool by_place = figures.why_one_energy.empty();
   const PointEnergies energies =
@@ -87,7 +88,8 @@ std::string MaxRadiiText(const ObliqueFigures& figures) {
 }
 
 Status CheckOblique(const FrozenJob& job, const ObliqueFigures& figures) {
-  if (figures.beyond.count == 0 || !job.job().laser().energy_by_place()) return {};
+  if (figures.beyond.count == 0 || !figures.crack_is_measured) return {};
+  if (!job.job().laser().energy_by_place()) return {};
   const Vec3& first_mm = figures.beyond.first_mm;
   const std::string place =
       fmt::format("({:.1f}, {:.1f}, {:.1f})", first_mm.x(), first_mm.y(), first_mm.z());
@@ -104,7 +106,7 @@ Status CheckOblique(const FrozenJob& job, const ObliqueFigures& figures) {
           "they need up to {:.3g} mJ. With the {:g} mJ that the laser has there are "
           "cracks "
           "{}{}; make the piece smaller or less deep, put it under the middle of the "
-          "field, use a telecentric lens, or measure head_over_block.crack_energy_mj",
+          "field, or use a telecentric lens",
           figures.beyond.count, place, figures.needed_energy_mj,
           figures.largest_energy_mj, MaxRadiiText(figures), one_energy),
       place);
@@ -120,15 +122,22 @@ Warnings ObliqueWarningsOf(const ObliqueFigures& figures) {
                           figures.needed_energy_mj)
             : fmt::format("all of them would need {:.3g} mJ, the laser has {:g}",
                           figures.needed_energy_mj, figures.largest_energy_mj);
+    const char* assumed =
+        figures.crack_is_measured
+            ? ""
+            : "; assumed is that an upright beam needs 0.8 of the largest energy: "
+              "measure it with `intaglio test-grid`, and give "
+              "head_over_block.crack_energy_mj";
     warnings.push_back(MakeWarning(
         WarningCode::kObliqueBeam,
         fmt::format(
             "{} points get no crack, the first at ({:.1f}, {:.1f}, {:.1f}) mm: the beam "
             "is too oblique there, and at {:.1f} mm depth it cracks the glass up to "
             "{:.1f} mm from the axis of the lens; {}, make the piece smaller or less "
-            "deep, put it under the middle of the field, or use a telecentric lens",
+            "deep, put it under the middle of the field, or use a telecentric lens{}",
             figures.weak.count, first_mm.x(), first_mm.y(), first_mm.z(),
-            figures.radii.back().depth_mm, figures.radii.back().radius_mm, energy)));
+            figures.radii.back().depth_mm, figures.radii.back().radius_mm, energy,
+            assumed)));
   }
   if (figures.two_foci.count > 0) {
     warnings.push_back(MakeWarning(

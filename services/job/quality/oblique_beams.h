@@ -46,7 +46,8 @@ struct ObliqueFigures {
   double max_apart_mm = 0;       ///< of both line foci
   double needed_energy_mj = 0;   ///< with which every point cracks
   double largest_energy_mj = 0;  ///< of the laser
-  std::string why_one_energy;    ///< the energy does not follow the place; empty: it does
+  bool crack_is_measured = false;  ///< the profile has head_over_block.crack_energy_mj
+  std::string why_one_energy;  ///< the energy does not follow the place; empty: it does
   std::vector<double> energies_mj;  ///< that the points have, rising
   std::uint64_t limited_count = 0;  ///< they crack, and with more energy than the laser
                                     ///< has they would be as strong as the others
@@ -59,7 +60,9 @@ std::optional<ObliqueFigures> ObliqueFiguresOf(const FrozenJob& job,
                                                std::span<const std::uint32_t> source);
 
 /// kOutsideBlock: points that get no crack even with the largest energy, with the usable
-/// radius by depth. A job that has laser.energy_by_place switched off tries its energies.
+/// radius by depth. Not of a profile whose crack energy nobody has measured: it may be
+/// less than what is assumed, and a warning says so; nor of a job that has
+/// laser.energy_by_place switched off, which tries its energies.
 Status CheckOblique(const FrozenJob& job, const ObliqueFigures& figures);
 
 /// "up to 24.1 mm from the axis of the lens at 5 mm depth, ...", with the largest energy.

@@ -19,11 +19,14 @@ using link::TickOutcome;
 using ::testing::HasSubstr;
 
 constexpr double kRate_hz = 4000;
+// Neighbours with one energy.
+constexpr std::size_t kEqualPoints = 7;
 
 /// Points in layers, from the deepest up, all of them armed.
 class Cell {
  public:
-  Cell() : machine(false, true), driver(MakeBjjczPointDriverAt(machine, Profile())) {}
+  explicit Cell(const MachineSpec& profile = Profile())
+      : machine(false, true), driver(MakeBjjczPointDriverAt(machine, profile)) {}
   static MachineSpec Profile() { return BjjczPointProfile(); }
 
   LaserController& laser() { return *driver->laser(); }
@@ -66,13 +69,14 @@ class Cell {
              driver->state().at_rest;
     })) << driver->state().message;
   }
-  /// `layers` of `count` points each.
-  void Begin(int layers, int count) {
+  /// `layers` of `count` points each, the energies of a row's points in turn, mJ.
+  void Begin(int layers, int count, const std::vector<double>& turns_mj = {10}) {
     const std::uint64_t start =
         std::max(laser().status().tick, laser().status().decided_through) + 3;
     ASSERT_TRUE(driver->BeginRun(++run, start, 0)) << driver->state().message;
     std::uint64_t tick = start;
     std::vector<bool> fire(2, false);
+    std::vector<double> energies_mj(2, turns_mj.front());
     for (int layer = 0; layer < layers; ++layer) {
       for (int i = 0; i < count; ++i) {
         const std::uint32_t ticks = i == 0 ? 200 : 2;  // z moves before the first
@@ -81,19 +85,22 @@ class Cell {
         tick += ticks;
         fire.resize(tick - start + 2, false);
         fire.back() = true;
+        const double energy_mj = turns_mj[points.size() / kEqualPoints % turns_mj.size()];
+        energies_mj.resize(fire.size(), energy_mj);
         points[tick] = place;
         segments.push_back({place, Vec3::Zero(), ticks * motion::kSubticksPerTick, true,
                             layer + 1 == layers && i + 1 == count});
       }
     }
-    for (std::size_t at = 0; at < fire.size(); at += 4000) {
-      const std::size_t end = std::min(fire.size(), at + 4000);
+    for (std::size_t at = 0, end = 0; at < fire.size(); at = end) {
+      while (end < fire.size() && end < at + 4000 && energies_mj[end] == energies_mj[at])
+        ++end;
       ASSERT_TRUE(laser().Arm({start - 1 + at,
                                true,
                                {fire.begin() + static_cast<std::ptrdiff_t>(at),
                                 fire.begin() + static_cast<std::ptrdiff_t>(end)},
                                false,
-                               10}));
+                               energies_mj[at]}));
     }
   }
   const std::vector<bjjcz::Flash>& flashes() const { return machine.board.flashes(); }
@@ -144,6 +151,48 @@ TEST(BjjczPoints, EachIsMadeWithinHalfAPlaceOfTheBoard) {
   EXPECT_EQ(cell.machine.board.unknown_count(), 0u);
   // Full lists; z moves between lists alone.
   EXPECT_LE(cell.machine.board.lists_executed(), 4u * (300 / kBoardListPoints + 2));
+}
+
+// What the board's source was set to at each flash, by a calibration that is not linear.
+TEST(BjjczPoints, EachHasThePowerOfItsEnergy) {
+  MachineSpec profile = Cell::Profile();
+  const std::map<double, double> settings = {{2, 0.1}, {5, 0.3}, {10, 1}};
+  for (const auto& [energy_mj, setting] : settings) {
+    EnergyPoint& point = *profile.mutable_laser()->add_energy_calibration();
+    point.set_setting_ratio(setting);
+    point.set_energy_mj(energy_mj);
+  }
+  Cell cell(profile);
+  cell.Connect();
+  cell.Prepare();
+  cell.Begin(2, 100, {2, 5, 10, 5});
+  ASSERT_TRUE(cell.Until([&] {
+    return cell.segments.empty() && cell.driver->state().at_rest;
+  })) << cell.driver->state().message;
+  ASSERT_EQ(cell.MadeTicks().size(), 200u);
+  const double turns_mj[] = {2, 5, 10, 5};
+  // The pulse's width in counts of 20 MHz: the whole period at 30 kHz is full power.
+  constexpr double kFullPower = 20e6 / 30e3;
+  for (std::size_t i = 0; i < cell.flashes().size(); ++i) {
+    const double expected = settings.at(turns_mj[i / kEqualPoints % 4]);
+    EXPECT_NEAR(cell.flashes()[i].power_ratio, expected * kFullPower, 1) << "flash " << i;
+  }
+}
+
+// The board's driver refuses what its source was not measured for.
+TEST(BjjczPoints, AnEnergyOutsideTheCalibrationIsRefused) {
+  MachineSpec profile = Cell::Profile();
+  for (const double energy_mj : {4.0, 10.0}) {
+    EnergyPoint& point = *profile.mutable_laser()->add_energy_calibration();
+    point.set_setting_ratio(energy_mj / 10);
+    point.set_energy_mj(energy_mj);
+  }
+  Cell cell(profile);
+  cell.Connect();
+  cell.Prepare();
+  const auto refused = cell.laser().Arm({1000, true, {true}, false, 3});
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("no pulses of 3 mJ but 4..10 mJ"));
 }
 
 // At ten instants; the board goes on with what it has and keeps its axis, so it is the

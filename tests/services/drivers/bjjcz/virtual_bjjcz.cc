@@ -192,7 +192,11 @@ void VirtualBjjcz::BeginCommand(const Numbers& numbers) {
       left_us_ = 10.0 * numbers[1];
       waits_ = true;
       is_point_ = numbers[0] == 0x8003;
-      flash_ = {at_, static_cast<std::int32_t>(std::lround(axis_)), now_us_, 0};
+      flash_ = {.at = at_,
+                .axis = static_cast<std::int32_t>(std::lround(axis_)),
+                .begin_us = now_us_,
+                .current = laser_.current,
+                .power_ratio = laser_.power_ratio};
       break;
     case 0x8006:
       jump_speed_ = std::max<double>(1, numbers[1]);

@@ -31,6 +31,7 @@ struct Flash {
   std::array<double, 2> at{};  ///< places of the board
   std::int32_t axis = 0;       ///< steps
   double begin_us = 0, lit_us = 0;
+  std::uint16_t current = 0, power_ratio = 0;  ///< as of a Stroke
 };
 
 /// One command of a list that moved the mirrors, when it has ended or was stopped.

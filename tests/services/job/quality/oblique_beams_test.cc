@@ -122,6 +122,20 @@ TEST(ObliqueBeams, TheEnergyFollowsThePlaceUpToTheLasers) {
   EXPECT_TRUE(CheckOblique(job, *flat)) << "these energies are tried";
 }
 
+// Nobody knows then what needs more than the laser has: a warning says what is assumed.
+TEST(ObliqueBeams, WithoutAMeasuredCrackEnergyNothingIsRefused) {
+  const PointList points_mm = Line(60);
+  const std::vector<std::uint32_t> source(points_mm.size(), 0);
+  FrozenJob job = CubeJob(0.3, 0.1);
+  job.mutable_machine()->mutable_head_over_block()->clear_crack_energy_mj();
+  const auto figures = ObliqueFiguresOf(job, points_mm, source);
+  ASSERT_GT(figures->beyond.count, 0u);
+  EXPECT_TRUE(CheckOblique(job, *figures));
+  const Warnings warnings = ObliqueWarningsOf(*figures);
+  ASSERT_FALSE(warnings.empty());
+  EXPECT_THAT(warnings.front().text, HasSubstr("give head_over_block.crack_energy_mj"));
+}
+
 TEST(ObliqueBeams, ADriverThatCannotVaryTheEnergyIsNamed) {
   const PointList points_mm = Line(60);
   const std::vector<std::uint32_t> source(points_mm.size(), 0);
