@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "engrave/core/try.h"
 #include "engrave/formats/record_file.h"
@@ -82,29 +83,61 @@ std::array<std::byte, kJournalRecordSize> EncodeJournalRecord(
   return bytes;
 }
 
-Result<Journal> ParseJournal(std::span<const std::byte> bytes) {
-  INTAGLIO_TRY(CheckRecordHeader(kJournal, bytes));
-  Journal journal;
-  journal.header.point_count = NumberAt<std::uint64_t>(bytes.data() + 16);
-  journal.header.epoch = NumberAt<std::uint64_t>(bytes.data() + 24);
-  journal.header.path_crc = NumberAt<std::uint32_t>(bytes.data() + 32);
-  journal.header.station = NumberAt<std::uint32_t>(bytes.data() + 36);
-  if (journal.header.point_count > kMaxPoints) {
+namespace {
+
+/// A journal from its bytes in pieces of whole records, the first with the header.
+class JournalReader {
+ public:
+  /// `size`: of all pieces.
+  Status Take(std::span<const std::byte> bytes, std::uint64_t size) {
+    if (taken_ == 0) {
+      INTAGLIO_TRY(TakeHeader(bytes));
+      journal_.records.reserve((size - kJournalHeaderSize) / kJournalRecordSize);
+      taken_ = behind_last_ = kJournalHeaderSize;
+      bytes = bytes.subspan(kJournalHeaderSize);
+    }
+    for (; bytes.size() >= kJournalRecordSize; bytes = bytes.subspan(kJournalRecordSize))
+      TakeRecord(bytes.first(kJournalRecordSize));
+    taken_ += bytes.size();
+    return {};
+  }
+  Journal Finish() {
+    journal_.torn_bytes = taken_ - behind_last_;
+    return std::move(journal_);
+  }
+
+ private:
+  Status TakeHeader(std::span<const std::byte> bytes) {
+    INTAGLIO_TRY(CheckRecordHeader(kJournal, bytes));
+    JournalHeader& header = journal_.header;
+    header.point_count = NumberAt<std::uint64_t>(bytes.data() + 16);
+    header.epoch = NumberAt<std::uint64_t>(bytes.data() + 24);
+    header.path_crc = NumberAt<std::uint32_t>(bytes.data() + 32);
+    header.station = NumberAt<std::uint32_t>(bytes.data() + 36);
+    if (header.point_count <= kMaxPoints) return {};
     return Fail(ErrorCode::kTooLarge, "the journal has too many points",
-                fmt::format("{}", journal.header.point_count));
+                fmt::format("{}", header.point_count));
   }
-  std::size_t behind_last = kJournalHeaderSize;
-  for (std::size_t offset = kJournalHeaderSize;
-       offset + kJournalRecordSize <= bytes.size(); offset += kJournalRecordSize) {
-    const auto record =
-        DecodeRecord(bytes.subspan(offset, kJournalRecordSize), journal.header);
-    if (!record) continue;
-    journal.damaged_records += (offset - behind_last) / kJournalRecordSize;
-    behind_last = offset + kJournalRecordSize;
-    journal.records.push_back(*record);
+  void TakeRecord(std::span<const std::byte> bytes) {
+    const auto record = DecodeRecord(bytes, journal_.header);
+    if (record) {
+      journal_.damaged_records += (taken_ - behind_last_) / kJournalRecordSize;
+      behind_last_ = taken_ + kJournalRecordSize;
+      journal_.records.push_back(*record);
+    }
+    taken_ += kJournalRecordSize;
   }
-  journal.torn_bytes = bytes.size() - behind_last;
-  return journal;
+
+  Journal journal_;
+  std::uint64_t taken_ = 0, behind_last_ = 0;
+};
+
+}  // namespace
+
+Result<Journal> ParseJournal(std::span<const std::byte> bytes) {
+  JournalReader reader;
+  INTAGLIO_TRY(reader.Take(bytes, bytes.size()));
+  return reader.Finish();
 }
 
 std::uint32_t PathCrc(const PointList& path_mm) {
@@ -116,7 +149,22 @@ std::uint32_t PathCrc(const PointList& path_mm) {
 }
 
 Result<Journal> ReadJournal(const std::filesystem::path& file) {
-  return ReadRecordFile(file, kMaxJournalFile, ParseJournal);
+  // Whole records behind the header, whose size is two of them.
+  constexpr std::size_t kPieceBytes = 32768 * kJournalRecordSize;
+  static_assert(kJournalHeaderSize % kJournalRecordSize == 0);
+  JournalReader reader;
+  bool is_empty = true;
+  INTAGLIO_TRY(
+      io::ReadInPieces(file, kMaxJournalFile, kPieceBytes,
+                       [&](std::span<const std::byte> piece, std::uint64_t size) {
+                         is_empty = false;
+                         return reader.Take(piece, size);
+                       }));
+  if (is_empty) {
+    return ParseJournal({}).map_error(
+        [&](Error error) { return io::AboutFile(std::move(error), file); });
+  }
+  return reader.Finish();
 }
 
 std::uint32_t PowerUpOfText(std::string_view text) {

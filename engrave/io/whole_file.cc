@@ -76,6 +76,15 @@ Result<Source> OpenSource(const std::filesystem::path& file) {
   return source;
 }
 
+Status CheckSize(const std::filesystem::path& file, const Source& source,
+                 std::uint64_t max_bytes) {
+  if (source.size <= max_bytes) return {};
+  return Refuse(file, ErrorCode::kTooLarge,
+                fmt::format("has {} bytes, more than the {} allowed; make it smaller or "
+                            "raise the limit",
+                            source.size, max_bytes));
+}
+
 Result<std::string> ReadBytes(const std::filesystem::path& file, const Source& source,
                               std::uint64_t count) {
   std::string bytes(count, '\0');
@@ -88,14 +97,24 @@ Result<std::string> ReadBytes(const std::filesystem::path& file, const Source& s
 Result<std::string> ReadWholeFile(const std::filesystem::path& file,
                                   std::uint64_t max_bytes) {
   const auto source = INTAGLIO_TRY(OpenSource(file));
-  if (source.size > max_bytes) {
-    return Refuse(
-        file, ErrorCode::kTooLarge,
-        fmt::format("has {} bytes, more than the {} allowed; make it smaller or "
-                    "raise the limit",
-                    source.size, max_bytes));
-  }
+  INTAGLIO_TRY(CheckSize(file, source, max_bytes));
   return ReadBytes(file, source, source.size);
+}
+
+Status ReadInPieces(const std::filesystem::path& file, std::uint64_t max_bytes,
+                    std::size_t piece_bytes,
+                    const std::function<Status(std::span<const std::byte> piece,
+                                               std::uint64_t size)>& take) {
+  const auto source = INTAGLIO_TRY(OpenSource(file));
+  INTAGLIO_TRY(CheckSize(file, source, max_bytes));
+  for (std::uint64_t left = source.size; left > 0;) {
+    const std::uint64_t count = std::min<std::uint64_t>(left, piece_bytes);
+    const std::string piece = INTAGLIO_TRY(ReadBytes(file, source, count));
+    if (Status taken = take(std::as_bytes(std::span(piece)), source.size); !taken)
+      return tl::unexpected(AboutFile(std::move(taken.error()), file));
+    left -= count;
+  }
+  return {};
 }
 
 Result<std::string> ReadBeginning(const std::filesystem::path& file,

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <utility>
 
 #include "engrave/core/try.h"
 #include "engrave/formats/glass_record.h"
@@ -162,9 +163,9 @@ Result<JobReport> MakeProof(const ProofInputs& inputs) {
         formats::WriteMarkRecord(inputs.folder / kBurntFile,
                                  INTAGLIO_TRY(AllBurnt(journal, inputs.glass_record))));
   } else {
-    const auto record = INTAGLIO_TRY(formats::ReadGlassRecord(inputs.glass_record));
-    INTAGLIO_TRY(
-        WriteGlass({record.cracks, record.collisions}, inputs.folder / kGlassFile));
+    auto record = INTAGLIO_TRY(formats::ReadGlassRecord(inputs.glass_record));
+    INTAGLIO_TRY(WriteGlass({std::move(record.cracks), std::move(record.collisions)},
+                            inputs.folder / kGlassFile));
   }
   ProvedFolder proved = INTAGLIO_TRY(ReadFolder(inputs.folder));
   AddStages(StagesOf(inputs), proved.report);

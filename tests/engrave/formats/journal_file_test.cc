@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 
 #include "engrave/io/crc32.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::formats {
 namespace {
@@ -163,6 +165,31 @@ TEST(JournalFile, APathIsKnownByAllItsBits) {
   path_mm[1].z() = std::nextafter(30.0, 31.0);
   EXPECT_NE(PathCrc(path_mm), crc);
   EXPECT_EQ(PathCrc({}), 0u);
+}
+
+// A file is read in pieces of 1 MB: its cuts and damages are those of the whole.
+TEST(JournalFile, AFileOfSeveralPiecesIsReadAsItsBytes) {
+  std::vector<JournalRecord> records;
+  while (records.size() < 100'000)
+    records.insert(records.end(), kRecords.begin(), kRecords.end());
+  std::vector<std::byte> bytes = BytesOf({3, 77, 5}, records);
+  for (const std::size_t damaged :
+       {std::size_t{32765}, std::size_t{32766}, std::size_t{70000}})
+    bytes[kJournalHeaderSize + damaged * kJournalRecordSize] ^= std::byte{0xff};
+  bytes.resize(bytes.size() - 7);
+  const auto file = test::FreshFolder() / "journal.bin";
+  std::ofstream(file, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+  const auto whole = ParseJournal(bytes), read = ReadJournal(file);
+  ASSERT_TRUE(whole && read);
+  EXPECT_EQ(read->header, whole->header);
+  EXPECT_EQ(read->records, whole->records);
+  EXPECT_EQ(read->records.size(), records.size() - 4);
+  EXPECT_EQ(read->damaged_records, 3u);
+  EXPECT_EQ(read->torn_bytes, kJournalRecordSize - 7);
+  std::ofstream(file) << "";
+  EXPECT_EQ(ReadJournal(file).error().code, ErrorCode::kUnreadable);
 }
 
 TEST(JournalFile, RefusesWhatIsNoJournal) {

@@ -36,6 +36,25 @@ TEST_F(WholeFileTest, ReadsAFileUpToItsBound) {
   EXPECT_EQ(ReadWholeFile(folder_ / "link", 4), bytes);
 }
 
+TEST_F(WholeFileTest, IsReadInPieces) {
+  std::ofstream(folder_ / "letters") << "abcdefgh";
+  std::vector<std::string> pieces;
+  const auto take = [&](std::span<const std::byte> piece, std::uint64_t size) -> Status {
+    EXPECT_EQ(size, 8u);
+    pieces.emplace_back(reinterpret_cast<const char*>(piece.data()), piece.size());
+    if (pieces.size() == 4) return Fail(ErrorCode::kUnreadable, "is enough");
+    return {};
+  };
+  EXPECT_TRUE(ReadInPieces(folder_ / "letters", 8, 3, take));
+  EXPECT_THAT(pieces, ::testing::ElementsAre("abc", "def", "gh"));
+  const auto ended = ReadInPieces(folder_ / "letters", 8, 3, take);
+  EXPECT_THAT(ended.error().message, HasSubstr("letters: is enough"));
+  EXPECT_EQ(ReadInPieces(folder_ / "letters", 7, 3, take).error().code,
+            ErrorCode::kTooLarge);
+  EXPECT_EQ(ReadInPieces(folder_, 7, 3, take).error().code, ErrorCode::kIo);
+  EXPECT_EQ(pieces.size(), 4u);
+}
+
 // A FIFO would block until it gets a writer; a device never ends.
 TEST_F(WholeFileTest, RefusesWhatIsNoFileAtOnce) {
   ASSERT_EQ(mkfifo((folder_ / "fifo").c_str(), 0600), 0);
