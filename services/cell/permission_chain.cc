@@ -78,7 +78,7 @@ std::string TextOf(Missing missing) {
     case Missing::kNothing:
       return "";
     case Missing::kPermission:
-      return "waits for the operator's arm (intaglio resume JOB)";
+      return "waits for the permission of the job service";
     case Missing::kEmergencyStop:
       return "emergency stop is pressed: release and reset it, then resume";
     case Missing::kLaserLine:

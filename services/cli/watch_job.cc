@@ -14,25 +14,26 @@
 #include "services/client/job_need.h"
 
 namespace intaglio::cli {
-namespace {
 
-using namespace std::chrono_literals;
-
-/// What a person has to know of the job now.
 std::string NoteOf(const client::JobView& job) {
-  std::string note = job.message.empty() ? client::StateOf(job) : job.message;
+  const std::string need = client::NeedOf(job);
+  std::string note = !need.empty()         ? need
+                     : job.message.empty() ? client::StateOf(job)
+                                           : job.message;
   const bool waits = job.armed && job.state != intaglio_JOB_ENGRAVING;
   if (waits && !job.message.empty()) note = "armed, " + note;
+  if (job.state == intaglio_JOB_PAUSED && job.armed) note = "paused: " + note;
   if (const std::string estimate = EstimateNote(job); !estimate.empty()) {
     note = estimate + ", " + note;
   }
   if (!job.alarm.empty()) note += "; ALARM " + job.alarm;
   if (job.speed_percent != 100) note += fmt::format(", at {} % speed", job.speed_percent);
-  if (job.state != intaglio_JOB_PAUSED) return note;
-  if (job.armed) return "paused: " + note;
-  if (job.counts.uncertain > 0) return client::NeedOf(job);
-  return fmt::format("paused: {} (intaglio resume {}, or cancel)", note, job.number);
+  return note;
 }
+
+namespace {
+
+using namespace std::chrono_literals;
 
 int PrintEnd(client::JobClient& client, const client::JobView& job,
              client::EventLines* events) {

@@ -61,6 +61,11 @@ TEST(PermissionLinks, EveryMissingLinkNamesTheRemedy) {
   EXPECT_TRUE(TextOf(Missing::kNothing).empty());
 }
 
+// Who has to arm is not known here: the permission of an armed job comes later.
+TEST(PermissionLinks, AMissingPermissionAsksNobodyForAnArm) {
+  EXPECT_EQ(TextOf(Missing::kPermission), "waits for the permission of the job service");
+}
+
 // The machine by a table, in terms of a person at the cell. Soft: latched by a lost line,
 // so that the job service may renew the grant. Of the arms, kOld was spent, kRenewed is
 // the same with a greater renewal, kNew is a greater number.
