@@ -1,7 +1,10 @@
 #include "services/cli/teach/teach_move.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
+#include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -30,6 +33,10 @@ struct MoveOptions : TeachOptions {
   double speed_mm_s = kStepSpeedMmS;
 };
 
+struct HomeOptions : TeachOptions {
+  bool yes = false;
+};
+
 struct ToZeroOptions : TeachOptions {
   std::uint32_t channel = 1;
   std::string lens;
@@ -49,7 +56,7 @@ int MoveTo(TeachClient& client, const Vec3& place, double speed_mm_s) {
   order.kind = intaglio_MANUAL_MOVE;
   order.place = place;
   order.speed_mm_s = speed_mm_s;
-  return ExecuteOrder(client, order, TimeFor(client.view(), speed_mm_s));
+  return ExecuteMove(client, order, TimeFor(client.view(), speed_mm_s));
 }
 
 void AddJog(command_line::Command teach) {
@@ -121,19 +128,24 @@ void AddToZero(command_line::Command teach) {
       order.channel = options->channel;
       order.lens = options->lens;
       order.speed_mm_s = options->speed_mm_s;
-      return ExecuteOrder(client, order, TimeFor(client.view(), options->speed_mm_s));
+      return ExecuteMove(client, order, TimeFor(client.view(), options->speed_mm_s));
     });
   });
 }
 
 void AddHome(command_line::Command teach) {
-  auto options = std::make_shared<TeachOptions>();
+  auto options = std::make_shared<HomeOptions>();
   command_line::Command command = teach.AddCommand(
       "home", "drive to where the axes count from, as the controller does it");
   AddTeachFlags(command, *options);
-  command.SetFooter("Example: intaglio teach home");
+  command.AddFlag("--yes", options->yes,
+                  "the way is free: no question; in a terminal it is asked else");
+  command.SetFooter("Example: intaglio teach home --yes");
   command.SetAction([options] {
     return WithMachine(*options, [&](TeachClient& client) {
+      const bool asks = !options->yes && isatty(STDIN_FILENO) != 0;
+      if (asks && !AllowsHome(std::cin, std::cerr, client.view().cell))
+        return Complain({ErrorCode::kCancelled, "not homed: the answer was not y", ""});
       TeachOrder order;
       order.kind = intaglio_MANUAL_HOME;
       return ExecuteOrder(client, order, 300s);

@@ -50,6 +50,31 @@ int ExecuteOrder(client::TeachClient& client, const client::TeachOrder& order,
   return client::kExitGood;
 }
 
+// The state that has the answer has the place at rest.
+int ExecuteMove(client::TeachClient& client, const client::TeachOrder& order,
+                std::chrono::milliseconds timeout) {
+  const int exit_code = ExecuteOrder(client, order, timeout);
+  if (exit_code == client::kExitGood) std::cout << PlaceText(client.view()) << "\n";
+  return exit_code;
+}
+
+bool AllowsHome(std::istream& in, std::ostream& out, const std::string& machine) {
+  out << machine << " drives its axes to where they count from: is the way free? [y/N] "
+      << std::flush;
+  std::string answer;
+  return std::getline(in, answer) && (answer == "y" || answer == "yes");
+}
+
+std::string PlaceText(const client::MachineView& view) {
+  std::string text;
+  for (int i = 0; i < 3; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    text += fmt::format("{}{} {:.4f} {}", i == 0 ? "" : ", ", view.axes[at],
+                        view.position[i], view.rotary[at] ? "rad" : "mm");
+  }
+  return text;
+}
+
 Result<int> AxisByName(const client::MachineView& view, const std::string& name) {
   for (std::size_t i = 0; i < 3; ++i) {
     if (view.axes[i] == name || (name.size() == 1 && name[0] == "XYZ"[i] &&

@@ -2,7 +2,9 @@
 
 // What the commands of `intaglio teach` share.
 
+#include <chrono>
 #include <functional>
+#include <iosfwd>
 #include <string>
 
 #include "services/client/teach_client.h"
@@ -26,6 +28,17 @@ int WithMachine(const TeachOptions& options,
 /// Executes one order, prints the answer; the exit code. Ctrl-C lets go.
 int ExecuteOrder(client::TeachClient& client, const client::TeachOrder& order,
                  std::chrono::milliseconds timeout = std::chrono::seconds(10));
+
+/// The same for an order that moves to a place; prints where the machine is then.
+int ExecuteMove(client::TeachClient& client, const client::TeachOrder& order,
+                std::chrono::milliseconds timeout);
+
+/// The question of `intaglio teach home`: true when a line of `in` says y or yes. The
+/// axes drive to where they count from, on a way that no limit of the profile bounds.
+bool AllowsHome(std::istream& in, std::ostream& out, const std::string& machine);
+
+/// "x 1.5000 mm, y 0.0000 mm, c 0.2500 rad".
+std::string PlaceText(const client::MachineView& view);
 
 /// The number of the axis with this name; kNotFound lists them.
 Result<int> AxisByName(const client::MachineView& view, const std::string& name);

@@ -14,6 +14,7 @@
 #include <iostream>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "services/cli/complain.h"
 #include "services/cli/interrupt.h"
@@ -105,12 +106,21 @@ class TeachScreen {
   }
 
   void Take(const std::string& key) {
-    if (const auto direction = DirectionOf(key)) return Move(key, *direction);
+    const auto direction = DirectionOf(key);
+    if (direction && !asks_home_) return Move(key, *direction);
     client_.LetGo();
     moving_key_.clear();
+    if (std::exchange(asks_home_, false)) {
+      message_.clear();
+      if (key == "y") Start({.kind = intaglio_MANUAL_HOME});
+      return;
+    }
     if (key == "q") ends_ = true;
     if (key >= "1" && key <= "4") step_ = static_cast<std::size_t>(key[0] - '1');
-    if (key == "h") Start({.kind = intaglio_MANUAL_HOME});
+    if (key == "h") {
+      asks_home_ = true;
+      message_ = "home, is the way free? y, any other key: no";
+    }
     if (key == "s") Start({.kind = intaglio_TEACH_SAMPLE});
     if (key == "p") Start({.kind = intaglio_TEACH_PARK});
     if (key == "u") Start({.kind = intaglio_TEACH_UNDO});
@@ -171,7 +181,7 @@ class TeachScreen {
   }
 
   TeachClient& client_;
-  bool ends_ = false, continuous_ = false;
+  bool ends_ = false, continuous_ = false, asks_home_ = false;
   std::size_t step_ = 1;
   std::string moving_key_, message_;
   std::uint64_t number_ = 0;
