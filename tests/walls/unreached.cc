@@ -52,6 +52,7 @@ const std::map<std::string, std::string> kStay = {
     {"output_at", "virtual grbl"},
     {"output_on", "virtual grbl"},
     {"refuses", "virtual grbl"},
+    {"resets_taken", "virtual grbl"},
     {"spindle_on", "virtual grbl"},
     {"steps_made", "virtual grbl"},
     // What tests need to ask or to begin with.

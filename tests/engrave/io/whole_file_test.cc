@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include <fstream>
+#include <vector>
 
 #include "tests/test_folder.h"
 
