@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "engrave/core/counted.h"
 #include "services/cli/batch/station_jobs.h"
 #include "services/cli/complain.h"
 #include "services/cli/job_series.h"
@@ -52,7 +53,8 @@ Result<std::vector<client::JobView>> SubmitAll(client::JobClient& client, bus::B
     if (!job) return tl::unexpected(job.error());
     submitted.push_back(std::move(*job));
   }
-  options.human() << jobs.size() << " jobs submitted; list them with intaglio list\n";
+  options.human() << Counted(jobs.size(), "job")
+                  << " submitted; list them with intaglio list\n";
   client.Poll(500ms);
   return submitted;
 }

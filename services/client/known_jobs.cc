@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "services/client/patience.h"
 
@@ -30,12 +31,12 @@ Error WhyNotKnown(const JobClient& client, double waited_s) {
                     waited_s),
         ""};
   }
-  return {
-      ErrorCode::kLinkLost,
-      fmt::format("the job service has {} jobs, and {} of them have come within {:.0f} "
-                  "s: check the network and the load of the computer, and try again",
-                  *counted, client.jobs().size(), waited_s),
-      ""};
+  return {ErrorCode::kLinkLost,
+          fmt::format("the job service has {}, and {} of them {} come within {:.0f} "
+                      "s: check the network and the load of the computer, and try again",
+                      Counted(*counted, "job"), client.jobs().size(),
+                      client.jobs().size() == 1 ? "has" : "have", waited_s),
+          ""};
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <google/protobuf/struct.pb.h>
 #include <google/protobuf/util/json_util.h>
 
+#include "engrave/core/counted.h"
 #include "engrave/io/whole_file.h"
 #include "services/client/proof/collisions.h"
 #include "services/client/proof/marks/mark_verdict.h"
@@ -26,25 +27,27 @@ void AddFaults(const JobReport& report, Verdict& verdict) {
   need(points.planned() > 0, "the plan has no points");
   for (const CollisionReport& collision : report.collisions())
     need(false, CollisionText(collision));
-  need(points.doubled() == 0, fmt::format("{} points were made twice", points.doubled()));
+  const auto none = [&](std::uint64_t count, const char* what) {
+    need(count == 0,
+         fmt::format("{} {} {}", Counted(count, "point"), WasOrWere(count), what));
+  };
+  none(points.doubled(), "made twice");
   need(points.stray() == 0,
-       fmt::format("{} cracks belong to no planned point", points.stray()));
-  need(points.skipped() == 0, fmt::format("{} points were skipped", points.skipped()));
-  need(points.missed() == 0,
-       fmt::format("{} points were fired without a crack", points.missed()));
-  need(points.unaccounted() == 0,
-       report.evidence() == kControllerEvidence
-           ? fmt::format("it is unknown whether {} points were fired: check the block",
-                         points.unaccounted())
-           : fmt::format("{} points are unaccounted for: journal and glass disagree",
-                         points.unaccounted()));
+       fmt::format("{} {} to no planned point", Counted(points.stray(), "crack"),
+                   points.stray() == 1 ? "belongs" : "belong"));
+  none(points.skipped(), "skipped");
+  none(points.missed(), "fired without a crack");
+  const std::uint64_t open = points.unaccounted();
+  need(open == 0, report.evidence() == kControllerEvidence
+                      ? fmt::format("it is unknown whether {} {} fired: check the block",
+                                    Counted(open, "point"), WasOrWere(open))
+                      : fmt::format("{} {} unaccounted for: journal and glass disagree",
+                                    Counted(open, "point"), IsOrAre(open)));
   const PositionErrors& errors = report.position_errors();
   need(errors.max_um() <= ToleranceUm(errors),
        fmt::format("a crack is {:.2f} um off, the tolerance is {:.2f} um",
                    errors.max_um(), ToleranceUm(errors)));
-  need(report.shadow_violations() == 0,
-       fmt::format("{} points were fired through an earlier crack",
-                   report.shadow_violations()));
+  none(report.shadow_violations(), "fired through an earlier crack");
   need(KeepsSpacing(report),
        fmt::format("two planned points are {:.4f} mm apart, nearer than {:.4f} mm",
                    report.measured_spacing_mm(), report.min_spacing_mm()));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engrave/core/counted.h"
 #include "services/cli/batch/batch_run.h"
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
@@ -69,11 +70,12 @@ std::string TableOf(const BatchResults& results) {
         FirstLine(job.message()));
   }
   return table + fmt::format(
-                     "{} jobs in {}: {} good, {} good with warnings, {} not good, {} "
+                     "{} in {}: {} good, {} good with warnings, {} not good, {} "
                      "failed, {} cancelled, {} not made\n",
-                     results.jobs_size(), client::ShortDuration(results.time_s()),
-                     results.good(), results.good_with_warnings(), results.not_good(),
-                     results.failed(), results.cancelled(), results.not_made());
+                     Counted(static_cast<std::uint64_t>(results.jobs_size()), "job"),
+                     client::ShortDuration(results.time_s()), results.good(),
+                     results.good_with_warnings(), results.not_good(), results.failed(),
+                     results.cancelled(), results.not_made());
 }
 
 }  // namespace intaglio::cli

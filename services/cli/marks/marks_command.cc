@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
 #include "engrave/render/png_file.h"
@@ -178,11 +179,11 @@ std::vector<std::string> LinesOfMarks(const OrderedMarks& marks) {
     const mark::Pen& pen = marks.set.pens[i];
     const auto count = std::ranges::count(marks.set.marks, static_cast<std::uint32_t>(i),
                                           &mark::Mark::pen);
-    lines.push_back(
-        fmt::format("{:<12}{} marks, {:.6g} mm/s, {:.4g} of the power, {:.6g} "
-                    "Hz, {} pass{}",
-                    pen.name, count, pen.speed_mm_s, pen.power_ratio, pen.frequency_hz,
-                    pen.pass_count, pen.pass_count == 1 ? "" : "es"));
+    lines.push_back(fmt::format(
+        "{:<12}{}, {:.6g} mm/s, {:.4g} of the power, {:.6g} "
+        "Hz, {}",
+        pen.name, Counted(static_cast<std::uint64_t>(count), "mark"), pen.speed_mm_s,
+        pen.power_ratio, pen.frequency_hz, Counted(pen.pass_count, "pass", "passes")));
   }
   for (const Warning& warning : marks.warnings)
     lines.push_back(client::WarningLine(warning));

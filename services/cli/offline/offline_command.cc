@@ -8,6 +8,7 @@
 #include <iostream>
 #include <memory>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/formats/point_file_kinds.h"
 #include "engrave/proof/glass_comparison.h"
@@ -110,8 +111,9 @@ int DiscretizeOffline(const OfflineOptions& options) {
   }
   const CloudRecord record = CloudRecordOf(options.out, *cloud);
   if (options.json) return PrintJson(record);
-  fmt::print("{} points, minimum spacing {:.4f} mm, checksum {}, in {}\n",
-             client::GroupedDigits(record.point_count()), record.min_spacing_mm(),
+  fmt::print("{} {}, minimum spacing {:.4f} mm, checksum {}, in {}\n",
+             client::GroupedDigits(record.point_count()),
+             NounFor(record.point_count(), "point"), record.min_spacing_mm(),
              record.checksum(), record.file());
   return client::kExitGood;
 }

@@ -12,6 +12,7 @@
 #include <string>
 #include <utility>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/formats/point_file_kinds.h"
 #include "engrave/io/whole_file.h"
@@ -190,10 +191,10 @@ Status MakeCourseProgram(const PostOptions& options, const JobSpec& job) {
   const auto written =
       INTAGLIO_TRY(WriteContourPrograms(work, whole, job.course(), program));
   const std::vector<std::string> names(written.begin(), written.end());
-  fmt::print("{} contours and {} holes: {} {}\n",
-             client::GroupedDigits(work.paths.size()),
-             client::GroupedDigits(work.hole_count),
-             names.size() == 1 ? "program" : "programs", fmt::join(names, ", "));
+  fmt::print("{} {} and {} {}: {} {}\n", client::GroupedDigits(work.paths.size()),
+             NounFor(work.paths.size(), "contour"),
+             client::GroupedDigits(work.hole_count), NounFor(work.hole_count, "hole"),
+             NounFor(names.size(), "program"), fmt::join(names, ", "));
   return {};
 }
 
@@ -211,8 +212,8 @@ Status MakeProgram(const PostOptions& options) {
   const auto program_template = INTAGLIO_TRY(TemplateOf(options, ordered.job.machine()));
   const auto program = INTAGLIO_TRY(ProgramOf(ordered));
   INTAGLIO_TRY(post::WritePointProgram(options.out, program_template, program));
-  fmt::print("{} points for {}, by {}, in {}\n",
-             client::GroupedDigits(program.axes.size()), ordered.job.machine().name(),
+  fmt::print("{} {} for {}, by {}, in {}\n", client::GroupedDigits(program.axes.size()),
+             NounFor(program.axes.size(), "point"), ordered.job.machine().name(),
              fs::path(program_template.file).filename().string(), options.out);
   return {};
 }

@@ -7,6 +7,7 @@
 #include <iostream>
 #include <memory>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "services/cli/complain.h"
 #include "services/cli/json/print_json.h"
@@ -77,9 +78,10 @@ int Copy(const Options& options, const std::string& default_ending) {
   for (const std::string& damage : report->damages) {
     std::cerr << "left out    " << damage << "\n";
   }
-  fmt::print("{} messages in {}", report->message_count, out.string());
+  fmt::print("{} in {}", Counted(report->message_count, "message"), out.string());
   if (report->repeat_count > 0)
-    fmt::print("; {} repeats of present messages left out", report->repeat_count);
+    fmt::print("; {} of present messages left out",
+               Counted(report->repeat_count, "repeat"));
   fmt::print("\n");
   return client::kExitGood;
 }

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "services/cli/complain.h"
 #include "services/cli/interrupt.h"
@@ -70,12 +71,14 @@ void PrintCounts(const ReplayComparison& result) {
     segments += task.segment_count();
     pulses += task.pulse_count();
   }
+  const auto tasks = static_cast<std::uint64_t>(result.tasks_size());
   if (result.service() == "synchronizer") {
-    fmt::print("{}  {} tasks, {} runs, {} segments, {} points compared\n",
-               result.service(), result.tasks_size(), runs, segments, pulses);
+    fmt::print("{}  {}, {}, {}, {} compared\n", result.service(), Counted(tasks, "task"),
+               Counted(runs, "run"), Counted(segments, "segment"),
+               Counted(pulses, "point"));
   } else {
-    fmt::print("{}  {} tasks, {} batches, {} points compared\n", result.service(),
-               result.tasks_size(), batches, points);
+    fmt::print("{}  {}, {}, {} compared\n", result.service(), Counted(tasks, "task"),
+               Counted(batches, "batch", "batches"), Counted(points, "point"));
   }
   for (const TaskComparison& task : result.tasks()) {
     if (!task.recorded_in_part()) continue;

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "services/cli/complain.h"
 #include "services/cli/flags/bus_flags.h"
@@ -167,8 +168,8 @@ void Replay::Print(const replayer::PlayReport& report) const {
   for (const std::string& complaint : report.complaints)
     std::cerr << "intaglio: " << complaint << "\n";
   if (report.restored_count > 0)
-    fmt::print("{} retained samples, ", report.restored_count);
-  fmt::print("{} samples played\n", report.played_count);
+    fmt::print("{}, ", Counted(report.restored_count, "retained sample"));
+  fmt::print("{} played\n", Counted(report.played_count, "sample"));
   std::cout << std::flush;
 }
 

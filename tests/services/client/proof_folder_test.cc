@@ -201,24 +201,24 @@ TEST_F(ProofFolderTest, ACollisionIsNotGoodAndNamesWhatMetWhatAndHowDeep) {
 
 TEST_F(ProofFolderTest, AMissedPulseIsNotGood) {
   Unmake(1, PointOutcome::kMissed);
-  EXPECT_THAT(Reason(), HasSubstr("1 points were fired without a crack"));
+  EXPECT_THAT(Reason(), HasSubstr("1 point was fired without a crack"));
 }
 
 TEST_F(ProofFolderTest, ASkippedPointIsNotGood) {
   Unmake(3, PointOutcome::kSkipped);
-  EXPECT_THAT(Reason(), HasSubstr("1 points were skipped"));
+  EXPECT_THAT(Reason(), HasSubstr("1 point was skipped"));
 }
 
 TEST_F(ProofFolderTest, ADoubledPointIsNotGood) {
   cracks_mm_.push_back(plan_mm_[3]);
   ticks_.push_back(kFirstTick + 100);
-  EXPECT_THAT(Reason(), HasSubstr("1 points were made twice"));
+  EXPECT_THAT(Reason(), HasSubstr("1 point was made twice"));
 }
 
 TEST_F(ProofFolderTest, AStrayCrackIsNotGood) {
   cracks_mm_.push_back({5, 5, 5});
   ticks_.push_back(kFirstTick + 100);
-  EXPECT_THAT(Reason(), HasSubstr("1 cracks belong to no planned point"));
+  EXPECT_THAT(Reason(), HasSubstr("1 crack belongs to no planned point"));
 }
 
 TEST_F(ProofFolderTest, ACrackBeyondTheToleranceIsNotGoodAndOneAtItIs) {
@@ -234,7 +234,7 @@ TEST_F(ProofFolderTest, APointFiredThroughAnEarlierCrackIsNotGood) {
   const JobReport report = Verified();
   EXPECT_EQ(report.shadow_violations(), 1u);
   EXPECT_THAT(report.verdict().reasons(),
-              ElementsAre(HasSubstr("1 points were fired through an earlier crack")));
+              ElementsAre(HasSubstr("1 point was fired through an earlier crack")));
 }
 
 TEST_F(ProofFolderTest, APlanWithTwoPointsTooNearIsNotGood) {
@@ -251,14 +251,14 @@ TEST_F(ProofFolderTest, AJournalThatTheGlassContradictsIsNotGood) {
 
 TEST_F(ProofFolderTest, AnIntentWithoutAnOutcomeIsNotGood) {
   Unmake(3, PointOutcome::kNone);
-  EXPECT_THAT(Reason(), HasSubstr("1 points are unaccounted for"));
+  EXPECT_THAT(Reason(), HasSubstr("1 point is unaccounted for"));
 }
 
 // Whether it was fired before is as unknown as it was.
 TEST_F(ProofFolderTest, AnUncertainPointThatWasNotFiredAgainIsUnaccountedFor) {
   Unmake(3, PointOutcome::kUncertain);
   reopened_ = {3};
-  EXPECT_THAT(Reason(), HasSubstr("1 points are unaccounted for"));
+  EXPECT_THAT(Reason(), HasSubstr("1 point is unaccounted for"));
 }
 
 TEST_F(ProofFolderTest, EveryReasonIsNamed) {

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engrave/core/counted.h"
 #include "services/client/proof/marks/mark_evidence.h"
 #include "services/client/proof/proof_figures.h"
 
@@ -14,12 +15,6 @@ namespace intaglio::client {
 namespace {
 
 constexpr std::size_t kMaxNamed = 3;
-
-/// "1 mark", "12 marks".
-std::string MarksText(std::uint64_t count) {
-  return fmt::format("{} mark{}", count, count == 1 ? "" : "s");
-}
-const char* IsOrAre(std::uint64_t count) { return count == 1 ? "is" : "are"; }
 
 /// Names the first of the findings that `has`: ": mark 3 (..) at (..), ..".
 template <typename Has>
@@ -50,13 +45,13 @@ std::string UncertainText(const JobReport& report) {
   if (report.evidence() == kControllerEvidence) {
     return fmt::format(
         "it is unknown whether {} {} made, wholly or in part: check the piece{}",
-        MarksText(counts.uncertain()), counts.uncertain() == 1 ? "was" : "were", names);
+        Counted(counts.uncertain(), "mark"), WasOrWere(counts.uncertain()), names);
   }
   return fmt::format(
       "{} {} uncertain by the journal; the material has {} whole, {} in part, {} not at "
       "all, {} too often{}",
-      MarksText(counts.uncertain()), IsOrAre(counts.uncertain()), counts.uncertain_made(),
-      counts.uncertain_incomplete(), counts.uncertain_missed(),
+      Counted(counts.uncertain(), "mark"), IsOrAre(counts.uncertain()),
+      counts.uncertain_made(), counts.uncertain_incomplete(), counts.uncertain_missed(),
       counts.uncertain_doubled(), names);
 }
 
@@ -67,7 +62,7 @@ struct NamedMeasure {
 
 std::string BeyondText(const NamedMeasure& of, double tolerance_um) {
   return fmt::format("{} of {} beyond the tolerance of {:g} um, {:.1f} um at {}", of.name,
-                     MarksText(of.measure.beyond_count()), tolerance_um,
+                     Counted(of.measure.beyond_count(), "mark"), tolerance_um,
                      of.measure.max_um(), MarkText(of.measure.worst()));
 }
 
@@ -81,7 +76,7 @@ void AddMarkFaults(const JobReport& report, Verdict& verdict) {
   };
   const auto none = [&](std::uint64_t count, std::string_view outcome, const char* what) {
     need(count == 0, [&] {
-      return fmt::format("{} {} {}{}", MarksText(count), IsOrAre(count), what,
+      return fmt::format("{} {} {}{}", Counted(count, "mark"), IsOrAre(count), what,
                          Named(marks, count, Outcome(outcome)));
     });
   };
@@ -99,7 +94,7 @@ void AddMarkFaults(const JobReport& report, Verdict& verdict) {
   need(counts.unaccounted() == 0, [&] {
     return fmt::format(
         "{} {} in the material, though the journal has them as not begun{}",
-        MarksText(counts.unaccounted()), IsOrAre(counts.unaccounted()),
+        Counted(counts.unaccounted(), "mark"), IsOrAre(counts.unaccounted()),
         Named(marks, counts.unaccounted(),
               [](const MarkFinding& finding) { return finding.unaccounted(); }));
   });

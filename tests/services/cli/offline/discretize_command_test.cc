@@ -92,7 +92,7 @@ TEST_F(DiscretizeCommand, OnlyTheAskedModelsAreWritten) {
   EXPECT_THAT(out_, HasSubstr("3 points"));
   // The shared place is the first model's, as in the whole.
   EXPECT_EQ(Run(with({"--only", "2"})), 0) << err_;
-  EXPECT_THAT(out_, HasSubstr("1 points"));
+  EXPECT_THAT(out_, HasSubstr("1 point,"));
   EXPECT_EQ(Run(with({"--only", "1", "2"})), 0) << err_;
   EXPECT_THAT(out_, HasSubstr("3 points"));
   EXPECT_EQ(Run(with({"--only", "3"})), 2);
