@@ -37,6 +37,8 @@ Status WriteGlass(const JobGlass& glass, const fs::path& file) {
   formats::PointTable table;
   std::vector<double> tick;
   std::vector<std::uint8_t> channel, station;
+  table.points_mm.reserve(glass.cracks.size());
+  tick.reserve(glass.cracks.size());
   for (const formats::GlassCrack& crack : glass.cracks) {
     if (!crack.in_glass) continue;
     table.points_mm.push_back(crack.position_mm);
@@ -46,9 +48,10 @@ Status WriteGlass(const JobGlass& glass, const fs::path& file) {
   }
   table.comments = {
       "cracks as recorded by the virtual engraver's glass, glass frame, mm"};
-  table.columns = {{"tick", std::move(tick)},
-                   {"channel", std::move(channel)},
-                   {"station", std::move(station)}};
+  // Not by a list of initial values, which would copy them.
+  table.columns.push_back({"tick", std::move(tick)});
+  table.columns.push_back({"channel", std::move(channel)});
+  table.columns.push_back({"station", std::move(station)});
   return formats::WritePly(file, table);
 }
 

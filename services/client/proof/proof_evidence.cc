@@ -40,6 +40,7 @@ Status ReadCracks(const fs::path& file, Evidence& evidence) {
   // A folder that was completed before there were stations has none.
   const auto* station = glass.Find<std::uint8_t>("station");
   const std::uint32_t own = std::max(1u, evidence.job.job().station());
+  evidence.cracks.reserve(glass.points_mm.size());
   for (std::size_t i = 0; i < glass.points_mm.size(); ++i) {
     const std::uint8_t number = (*channel)[i];
     if (number >= kMaxChannels) {
@@ -54,6 +55,18 @@ Status ReadCracks(const fs::path& file, Evidence& evidence) {
     evidence.cracks.push_back({glass.points_mm[i], static_cast<std::uint64_t>((*tick)[i]),
                                MaskOfChannel(number + 1u)});
   }
+  return {};
+}
+
+/// The plan's points, and what follows from the models that they are of.
+Status ReadPlan(const fs::path& file, Evidence& evidence) {
+  auto plan = INTAGLIO_TRY(formats::ReadPly(file));
+  const auto source = INTAGLIO_TRY(ColumnOf<std::uint32_t>(plan, "source", file));
+  auto masks = INTAGLIO_TRY(ChannelsOfPoints(evidence.job.job(), *source));
+  evidence.masks = std::move(masks);
+  auto energies = INTAGLIO_TRY(EnergiesOfPoints(evidence.job, plan.points_mm, *source));
+  evidence.energies = std::move(energies);
+  evidence.plan_mm = std::move(plan.points_mm);
   return {};
 }
 
@@ -75,14 +88,7 @@ Result<Evidence> ReadEvidence(const fs::path& folder) {
   Evidence evidence;
   auto job = INTAGLIO_TRY(ReadFrozenJob(folder / "job.json"));
   evidence.job = std::move(job);
-  auto plan = INTAGLIO_TRY(formats::ReadPly(folder / "path.ply"));
-  const auto source =
-      INTAGLIO_TRY(ColumnOf<std::uint32_t>(plan, "source", folder / "path.ply"));
-  auto masks = INTAGLIO_TRY(ChannelsOfPoints(evidence.job.job(), *source));
-  evidence.masks = std::move(masks);
-  auto energies = INTAGLIO_TRY(EnergiesOfPoints(evidence.job, plan.points_mm, *source));
-  evidence.energies = std::move(energies);
-  evidence.plan_mm = std::move(plan.points_mm);
+  INTAGLIO_TRY(ReadPlan(folder / "path.ply", evidence));
   if (fs::exists(folder / "glass.ply")) {
     INTAGLIO_TRY(ReadCracks(folder / "glass.ply", evidence));
     evidence.has_glass = true;

@@ -89,6 +89,8 @@ void AddGlass(const Evidence& evidence, const proof::GlassComparison& glass,
   errors.set_rms_z_um(glass.errors.axis_rms_um.z());
   PointList cracks_mm;
   std::vector<ChannelMask> crack_channels;
+  cracks_mm.reserve(evidence.cracks.size());
+  crack_channels.reserve(evidence.cracks.size());
   for (const proof::Crack& crack : evidence.cracks) {
     cracks_mm.push_back(crack.position_mm);
     crack_channels.push_back(crack.channel);
@@ -192,6 +194,7 @@ void AddOrder(const Evidence& evidence, const MadeOrder& order, JobReport& repor
   PointList made_mm;
   std::vector<ChannelMask> made_masks;
   made_mm.reserve(order.points.size());
+  made_masks.reserve(order.points.size());
   for (const std::uint32_t point : order.points) {
     made_mm.push_back(evidence.plan_mm[point]);
     made_masks.push_back(evidence.masks[point]);

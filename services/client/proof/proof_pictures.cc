@@ -164,6 +164,7 @@ render::ViewsCaption ViewsCaptionOf(const JobReport& report, const Box3& work_mm
 PointList PicturePoints(const Evidence& evidence) {
   PointList points_mm;
   if (evidence.has_glass) {
+    points_mm.reserve(evidence.cracks.size());
     for (const proof::Crack& crack : evidence.cracks)
       points_mm.push_back(crack.position_mm);
     return points_mm;
