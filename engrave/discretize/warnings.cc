@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "engrave/core/counted.h"
+
 namespace intaglio::discretize {
 
 Warnings WarningsOf(const MethodStatistics& statistics, double min_spacing_mm) {
@@ -35,8 +37,9 @@ Warnings WarningsOf(const MethodStatistics& statistics, double min_spacing_mm) {
   }
   if (statistics.rejected_triangle_count > 0) {
     warn(WarningCode::kEmptyTriangles,
-         fmt::format("{} triangles have no area and were left out",
-                     statistics.rejected_triangle_count));
+         fmt::format("{} without an area {} left out",
+                     Counted(statistics.rejected_triangle_count, "triangle"),
+                     WasOrWere(statistics.rejected_triangle_count)));
   }
   return warnings;
 }

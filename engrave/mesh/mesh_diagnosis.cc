@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "engrave/core/check.h"
+#include "engrave/core/counted.h"
 #include "engrave/mesh/half_edges.h"
 
 // Orientation. Two triangles that share an edge and pass it in opposite ways face the
@@ -221,31 +222,44 @@ bool MeshDiagnosis::inside_out() const {
 Warnings WarningsOf(const MeshDiagnosis& d, std::string_view model_name) {
   Warnings warnings;
   const auto warn_if = [&](std::uint64_t count, WarningCode code,
-                           std::string_view sentence) {
-    if (count == 0) return;
-    warnings.push_back(MakeWarning(
-        code,
-        fmt::format("{}: {}", model_name, fmt::format(fmt::runtime(sentence), count))));
+                           const std::string& sentence) {
+    if (count > 0)
+      warnings.push_back(MakeWarning(code, fmt::format("{}: {}", model_name, sentence)));
   };
-  warn_if(d.open_edge_count, WarningCode::kOpenSurface,
-          "the surface is open along {} edges; points are made on it, but contours there "
-          "do not close: fill the holes in a mesh editor if they are not intended");
-  warn_if(d.non_manifold_edge_count, WarningCode::kNonManifoldEdges,
-          "{} edges belong to more than two triangles, for example where walls meet "
-          "inside; remove inner walls in a mesh editor if no points are wanted there");
+  const auto triangles = [](std::uint64_t count, const char* of_one, const char* of_more,
+                            const char* what) {
+    return fmt::format("{} {} {}", Counted(count, "triangle"),
+                       count == 1 ? of_one : of_more, what);
+  };
+  warn_if(
+      d.open_edge_count, WarningCode::kOpenSurface,
+      fmt::format("the surface is open along {}; points are made on it, but contours "
+                  "there do not close: fill the holes in a mesh editor if they are not "
+                  "intended",
+                  Counted(d.open_edge_count, "edge")));
+  warn_if(
+      d.non_manifold_edge_count, WarningCode::kNonManifoldEdges,
+      fmt::format("{} {} to more than two triangles, for example where walls meet "
+                  "inside; remove inner walls in a mesh editor if no points are wanted "
+                  "there",
+                  Counted(d.non_manifold_edge_count, "edge"),
+                  d.non_manifold_edge_count == 1 ? "belongs" : "belong"));
   warn_if(d.flipped_triangle_count, WarningCode::kFlippedTriangles,
-          "{} triangles are oriented against their neighbours; make the normals "
-          "consistent in a mesh editor if inside and outside matter");
+          triangles(d.flipped_triangle_count, "is", "are",
+                    "oriented against the neighbours; make the normals consistent in a "
+                    "mesh editor if inside and outside matter"));
   warn_if(d.orientable ? 0 : 1, WarningCode::kOneSided,
-          "inside and outside cannot be distinguished ({} or more parts are one-sided "
+          "inside and outside cannot be distinguished (1 or more parts are one-sided "
           "like a Moebius strip); points are still made on the surface");
   warn_if(d.inside_out() ? 1 : 0, WarningCode::kInsideOut,
           "the surface is inside out; points are still made on it; flip the normals in a "
           "mesh editor if inside and outside matter");
   warn_if(d.degenerate_triangle_count, WarningCode::kEmptyTriangles,
-          "{} triangles have no area; they get no points");
+          triangles(d.degenerate_triangle_count, "has", "have",
+                    "no area, and no points are made there"));
   warn_if(d.duplicate_triangle_count, WarningCode::kRepeatedTriangles,
-          "{} triangles occur more than once; remove duplicates in a mesh editor");
+          triangles(d.duplicate_triangle_count, "occurs", "occur",
+                    "more than once; remove duplicates in a mesh editor"));
   return warnings;
 }
 

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "engrave/core/check.h"
+#include "engrave/core/counted.h"
 #include "engrave/proof/distinct_places.h"
 #include "engrave/proof/point_tree.h"
 #include "engrave/proof/surface.h"
@@ -95,18 +96,20 @@ void WarnOfSpacing(const QualityOptions& options, CloudQuality& quality) {
   if (nearest.doubled_count > 0) {
     quality.warnings.push_back(MakeWarning(
         WarningCode::kDoubledPoints,
-        fmt::format(
-            "{} points have the same place as another one, e.g. at {}: thin the cloud",
-            nearest.doubled_count, At(nearest.smallest.first_mm))));
+        fmt::format("{} {} the same place as another one, e.g. at {}: thin the cloud",
+                    Counted(nearest.doubled_count, "point"),
+                    nearest.doubled_count == 1 ? "has" : "have",
+                    At(nearest.smallest.first_mm))));
   } else if (nearest.near_pair_count > 0) {
     const bool scaled = options.height_ratio != 1;
+    const std::uint64_t at_least = nearest.near_pair_count + (nearest.more_pairs ? 1 : 0);
     quality.warnings.push_back(MakeWarning(
         WarningCode::kNearPoints,
         fmt::format(
-            "{}{} pairs of points are nearer than the minimum spacing of {:g} mm{}, the "
+            "{}{} {} of points {} nearer than the minimum spacing of {:g} mm{}, the "
             "nearest {:.6f} mm at {}: thin the cloud with that spacing",
             nearest.near_pair_count, nearest.more_pairs ? " or more" : "",
-            options.min_spacing_mm,
+            NounFor(at_least, "pair"), IsOrAre(at_least), options.min_spacing_mm,
             scaled ? fmt::format(" (heights divided by {:g})", options.height_ratio) : "",
             nearest.min_scaled.distance_mm, At(nearest.min_scaled.first_mm))));
   }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "engrave/core/counted.h"
 #include "services/cli/proofs/mark_text.h"
 #include "services/client/figure_text.h"
 #include "services/client/proof/proof_figures.h"
@@ -79,12 +80,12 @@ std::string GlassLines(const JobReport& report) {
   }
   text += PointsText(report);
   text += fmt::format(
-      "order       {} points fired through an earlier crack\n"
+      "order       {} fired through an earlier crack\n"
       "spacing     minimum {}, {:.4f} mm required\n"
       "time        {} at {:g} Hz, {} ticks{}, {:.4f} points a tick\n",
-      report.shadow_violations(), client::SpacingText(report), report.min_spacing_mm(),
-      client::ShortDuration(report.machining_time_s()), report.job().laser().rate_hz(),
-      GroupedDigits(report.ticks()),
+      Counted(report.shadow_violations(), "point"), client::SpacingText(report),
+      report.min_spacing_mm(), client::ShortDuration(report.machining_time_s()),
+      report.job().laser().rate_hz(), GroupedDigits(report.ticks()),
       report.has_ticks_bound() ? client::AboveBound(report.ticks(), report.ticks_bound())
                                : "",
       report.utilisation());

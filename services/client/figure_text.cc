@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "engrave/core/counted.h"
+
 namespace intaglio::client {
 
 std::string GroupedDigits(std::uint64_t number) {
@@ -12,6 +14,10 @@ std::string GroupedDigits(std::uint64_t number) {
     digits.insert(static_cast<std::size_t>(at), " ");
   }
   return digits;
+}
+
+std::string GroupedCount(std::uint64_t count, std::string_view noun) {
+  return GroupedDigits(count) + " " + NounFor(count, noun);
 }
 
 std::string ShortNumber(double number) {

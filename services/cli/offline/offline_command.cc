@@ -8,7 +8,6 @@
 #include <iostream>
 #include <memory>
 
-#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/formats/point_file_kinds.h"
 #include "engrave/proof/glass_comparison.h"
@@ -111,9 +110,8 @@ int DiscretizeOffline(const OfflineOptions& options) {
   }
   const CloudRecord record = CloudRecordOf(options.out, *cloud);
   if (options.json) return PrintJson(record);
-  fmt::print("{} {}, minimum spacing {:.4f} mm, checksum {}, in {}\n",
-             client::GroupedDigits(record.point_count()),
-             NounFor(record.point_count(), "point"), record.min_spacing_mm(),
+  fmt::print("{}, minimum spacing {:.4f} mm, checksum {}, in {}\n",
+             client::GroupedCount(record.point_count(), "point"), record.min_spacing_mm(),
              record.checksum(), record.file());
   return client::kExitGood;
 }

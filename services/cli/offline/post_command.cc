@@ -191,9 +191,8 @@ Status MakeCourseProgram(const PostOptions& options, const JobSpec& job) {
   const auto written =
       INTAGLIO_TRY(WriteContourPrograms(work, whole, job.course(), program));
   const std::vector<std::string> names(written.begin(), written.end());
-  fmt::print("{} {} and {} {}: {} {}\n", client::GroupedDigits(work.paths.size()),
-             NounFor(work.paths.size(), "contour"),
-             client::GroupedDigits(work.hole_count), NounFor(work.hole_count, "hole"),
+  fmt::print("{} and {}: {} {}\n", client::GroupedCount(work.paths.size(), "contour"),
+             client::GroupedCount(work.hole_count, "hole"),
              NounFor(names.size(), "program"), fmt::join(names, ", "));
   return {};
 }
@@ -212,8 +211,9 @@ Status MakeProgram(const PostOptions& options) {
   const auto program_template = INTAGLIO_TRY(TemplateOf(options, ordered.job.machine()));
   const auto program = INTAGLIO_TRY(ProgramOf(ordered));
   INTAGLIO_TRY(post::WritePointProgram(options.out, program_template, program));
-  fmt::print("{} {} for {}, by {}, in {}\n", client::GroupedDigits(program.axes.size()),
-             NounFor(program.axes.size(), "point"), ordered.job.machine().name(),
+  fmt::print("{} for {}, by {}, in {}\n",
+             client::GroupedCount(program.axes.size(), "point"),
+             ordered.job.machine().name(),
              fs::path(program_template.file).filename().string(), options.out);
   return {};
 }

@@ -70,9 +70,9 @@ std::string ModelTable(const JobPreview& figures) {
   std::string rows;
   for (const ModelPreview& model : figures.models()) {
     rows += fmt::format(
-        "<tr><th>{}</th><td>{}</td><td>{}</td><td>{} points</td><td>{}</td></tr>\n",
+        "<tr><th>{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
         HtmlOf(model.name()), HtmlOf(model.kind()), HtmlOf(model.method()),
-        GroupedDigits(model.point_count()), SizeText(model.size_mm()));
+        GroupedCount(model.point_count(), "point"), SizeText(model.size_mm()));
   }
   return "<h2>Models</h2>\n<table>\n" + rows + "</table>\n";
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/warning.h"
 #include "services/client/figure_text.h"
 #include "services/job/quality/pulse_focus.h"
@@ -34,12 +35,12 @@ std::string TimeText(const JobPreview& figures) {
     text += fmt::format(", after {} of lamp warm-up", ShortDuration(time.warm_up_s()));
   }
   if (time.has_ticks_bound()) {
-    text += fmt::format("; {} ticks{}", GroupedDigits(time.ticks()),
+    text += fmt::format("; {}{}", GroupedCount(time.ticks(), "tick"),
                         AboveBound(time.ticks(), time.ticks_bound()));
   }
   if (time.planned_count() < figures.point_count()) {
     text +=
-        fmt::format("; from a sample of {} points", GroupedDigits(time.planned_count()));
+        fmt::format("; from a sample of {}", GroupedCount(time.planned_count(), "point"));
   }
   text += fmt::format("; {:.3f} points a tick", time.utilisation());
   return text;
@@ -58,8 +59,8 @@ std::string BreakageText(const BreakagePreview& breakage) {
       fmt::format("cracks take {:.0f} % of the densest place, {:.0f} % are sound",
                   100 * breakage.crack_share_ratio(), 100 * breakage.max_share_ratio());
   if (breakage.risky_count() == 0) return share;
-  return fmt::format("may break: {}; more at {} points", share,
-                     GroupedDigits(breakage.risky_count()));
+  return fmt::format("may break: {}; more at {}", share,
+                     GroupedCount(breakage.risky_count(), "point"));
 }
 
 std::string EnergyText(const ObliquePreview& oblique) {
@@ -69,9 +70,9 @@ std::string EnergyText(const ObliquePreview& oblique) {
                                  oblique.min_energy_mj(), oblique.max_energy_mj(),
                                  oblique.energy_count());
   if (oblique.limited_count() > 0) {
-    text +=
-        fmt::format("; {} points are weaker than asked for, since the laser has no more",
-                    GroupedDigits(oblique.limited_count()));
+    text += fmt::format("; {} {} weaker than asked for, since the laser has no more",
+                        GroupedCount(oblique.limited_count(), "point"),
+                        IsOrAre(oblique.limited_count()));
   }
   return text;
 }
@@ -89,7 +90,8 @@ std::string ObliqueText(const ObliquePreview& oblique) {
       fmt::format("; the weakest point has {:.2f} of the intensity and needs {:.3g} mJ",
                   oblique.weakest_ratio(), oblique.needed_energy_mj());
   if (oblique.weak_count() > 0)
-    text += fmt::format("; {} points get none", GroupedDigits(oblique.weak_count()));
+    text +=
+        fmt::format("; {} without a crack", GroupedCount(oblique.weak_count(), "point"));
   return text + "; " + EnergyText(oblique);
 }
 

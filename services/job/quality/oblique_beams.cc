@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "services/job/beams/energy_by_place.h"
 #include "services/job/beams/job_beams.h"
@@ -101,13 +102,14 @@ Status CheckOblique(const FrozenJob& job, const ObliqueFigures& figures) {
   return Fail(
       ErrorCode::kOutsideBlock,
       fmt::format(
-          "{} points get no crack, the first at {} mm: the beam is too oblique there, "
+          "{} {} no crack, the first at {} mm: the beam is too oblique there, "
           "and "
           "they need up to {:.3g} mJ. With the {:g} mJ that the laser has there are "
           "cracks "
           "{}{}; make the piece smaller or less deep, put it under the middle of the "
           "field, or use a telecentric lens",
-          figures.beyond.count, place, figures.needed_energy_mj,
+          Counted(figures.beyond.count, "point"),
+          figures.beyond.count == 1 ? "gets" : "get", place, figures.needed_energy_mj,
           figures.largest_energy_mj, MaxRadiiText(figures), one_energy),
       place);
 }
@@ -131,23 +133,24 @@ Warnings ObliqueWarningsOf(const ObliqueFigures& figures) {
     warnings.push_back(MakeWarning(
         WarningCode::kObliqueBeam,
         fmt::format(
-            "{} points get no crack, the first at ({:.1f}, {:.1f}, {:.1f}) mm: the beam "
+            "{} {} no crack, the first at ({:.1f}, {:.1f}, {:.1f}) mm: the beam "
             "is too oblique there, and at {:.1f} mm depth it cracks the glass up to "
             "{:.1f} mm from the axis of the lens; {}, make the piece smaller or less "
             "deep, put it under the middle of the field, or use a telecentric lens{}",
-            figures.weak.count, first_mm.x(), first_mm.y(), first_mm.z(),
-            figures.radii.back().depth_mm, figures.radii.back().radius_mm, energy,
-            assumed)));
+            Counted(figures.weak.count, "point"),
+            figures.weak.count == 1 ? "gets" : "get", first_mm.x(), first_mm.y(),
+            first_mm.z(), figures.radii.back().depth_mm, figures.radii.back().radius_mm,
+            energy, assumed)));
   }
   if (figures.two_foci.count > 0) {
     warnings.push_back(MakeWarning(
         WarningCode::kTwoFoci,
         fmt::format(
-            "at {} points, the first at ({:.1f}, {:.1f}, {:.1f}) mm, the oblique beam "
+            "at {}, the first at ({:.1f}, {:.1f}, {:.1f}) mm, the oblique beam "
             "has two foci up to {:.2f} mm apart in depth, both stronger than what lies "
             "between them: a crack may begin at either; at {:.1f} mm depth this is "
             "beyond {:.1f} mm from the axis of the lens",
-            figures.two_foci.count, figures.two_foci.first_mm.x(),
+            Counted(figures.two_foci.count, "point"), figures.two_foci.first_mm.x(),
             figures.two_foci.first_mm.y(), figures.two_foci.first_mm.z(),
             figures.max_apart_mm, figures.radii.back().depth_mm,
             figures.radii.back().double_radius_mm)));

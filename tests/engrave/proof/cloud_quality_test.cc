@@ -128,13 +128,13 @@ TEST(CloudQuality, WarnsOfWhatIsWrongWithItsPlace) {
   points.push_back(points[100] + Vec3(0.01, 0, 0));
   const auto near = MeasureCloud(CloudOf(points), {}, Options(0.2));
   EXPECT_FALSE(near->KeepsSpacing());
-  EXPECT_THAT(near->warnings.at(0).text, HasSubstr("1 pairs of points are nearer"));
+  EXPECT_THAT(near->warnings.at(0).text, HasSubstr("1 pair of points is nearer"));
   EXPECT_EQ(near->warnings.at(0).code, WarningCode::kNearPoints);
   points.push_back(points[200]);
   const auto doubled = MeasureCloud(CloudOf(points), {}, Options(0.2));
   EXPECT_EQ(doubled->nearest.doubled_count, 1u);
   EXPECT_THAT(doubled->warnings.at(0).text,
-              HasSubstr("have the same place as another one"));
+              HasSubstr("1 point has the same place as another one"));
 }
 
 TEST(CloudQuality, ReportsTheShareOfEverySource) {

@@ -13,5 +13,10 @@ TEST(FigureText, DistanceFromTheBoundIsRoundedUp) {
   EXPECT_EQ(AboveBound(1000, 1000), ", the best possible");
 }
 
+TEST(FigureText, ANounAgreesWithItsGroupedNumber) {
+  EXPECT_EQ(GroupedCount(1, "point"), "1 point");
+  EXPECT_EQ(GroupedCount(1234, "point"), "1 234 points");
+}
+
 }  // namespace
 }  // namespace intaglio::client

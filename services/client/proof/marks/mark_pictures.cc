@@ -182,8 +182,8 @@ std::vector<std::string> MarkTitle(const JobReport& report) {
   std::string job = report.job_number() > 0 ? fmt::format("job {}", report.job_number())
                                             : "job " + report.job_uid();
   if (!report.ended_utc().empty()) job += ", " + MinuteText(report.ended_utc());
-  job += fmt::format(", {} marks, {:.4g} m",
-                     GroupedDigits(report.marks().counts().planned()),
+  job += fmt::format(", {}, {:.4g} m",
+                     GroupedCount(report.marks().counts().planned(), "mark"),
                      report.marks().length_mm() / 1000);
   std::string machine = report.machine().name();
   if (report.machine().has_scan_head())
