@@ -28,7 +28,8 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-constexpr const char* kGalvoProfile = INTAGLIO_SOURCE_DIR "/deploy/machines/galvo.textproto";
+constexpr const char* kGalvoProfile =
+    INTAGLIO_SOURCE_DIR "/deploy/machines/galvo.textproto";
 
 class GalvoGrid : public TypedCommand {
  protected:
@@ -115,8 +116,8 @@ TEST_F(GalvoGrid, TheJobMarksADiscAtEachNodeAndOneThatShowsTheDirection) {
 }
 
 TEST_F(GalvoGrid, TheTableHasTheCommandsForWhoeverMeasures) {
-  ASSERT_EQ(Type({"grid", "--machine", kGalvoProfile, "--nodes", "5", "--pitch", "20", "--out",
-                  (folder_ / "grid").string()}),
+  ASSERT_EQ(Type({"grid", "--machine", kGalvoProfile, "--nodes", "5", "--pitch", "20",
+                  "--out", (folder_ / "grid").string()}),
             client::kExitGood)
       << errors_;
   const std::string table = test::ContentOf(folder_ / "grid/grid.csv");
@@ -124,9 +125,9 @@ TEST_F(GalvoGrid, TheTableHasTheCommandsForWhoeverMeasures) {
                                "-40,-40,,\n-20,-40,,\n"));
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 26);
   // A line that is not filled in is named.
-  EXPECT_EQ(
-      Type({"calibrate", (folder_ / "grid/grid.csv").string(), "--machine", kGalvoProfile}),
-      client::kExitWrongInput);
+  EXPECT_EQ(Type({"calibrate", (folder_ / "grid/grid.csv").string(), "--machine",
+                  kGalvoProfile}),
+            client::kExitWrongInput);
   EXPECT_THAT(errors_, HasSubstr("grid.csv:2: measured_x_mm \"\" is no number; leave the "
                                  "line out when the mark was not found"));
 }
@@ -155,8 +156,8 @@ TEST_F(GalvoGrid, RefusesWhatIsNoGridOrExceedsTheField) {
 TEST_F(GalvoGrid, CalibrateTakesFieldAndCorrectionOfTheProfile) {
   const galvo::WrongField field(100, .03, 20);
   const fs::path first = folder_ / "first.ct5";
-  ASSERT_EQ(Type({"calibrate", Measured(field).string(), "--machine", kGalvoProfile, "--out",
-                  first.string()}),
+  ASSERT_EQ(Type({"calibrate", Measured(field).string(), "--machine", kGalvoProfile,
+                  "--out", first.string()}),
             client::kExitGood)
       << errors_;
   EXPECT_THAT(output_, HasSubstr("first.ct5, 5243 bit/mm"));
@@ -200,8 +201,8 @@ TEST_F(GalvoGrid, CoversThatOfTheFieldWhichACorrectionOfAShrunkOneReaches) {
   auto shrunk = galvo::HeadModel::Ideal(50 / kBorderRad);
   shrunk.lens_ratio[1] = -0.03 / (kBorderRad * kBorderRad);
   const fs::path first = folder_ / "first.ct5";
-  ASSERT_EQ(Type({"calibrate", Measured(shrunk).string(), "--machine", kGalvoProfile, "--out",
-                  first.string()}),
+  ASSERT_EQ(Type({"calibrate", Measured(shrunk).string(), "--machine", kGalvoProfile,
+                  "--out", first.string()}),
             client::kExitGood)
       << errors_;
   const std::string profile = ProfileWith(first).string();
