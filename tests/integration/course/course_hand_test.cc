@@ -49,6 +49,18 @@ class MillByHand : public ::testing::Test {
     const auto way = shop_.Way();
     return way.empty() ? Vec3(Vec3::Zero()) : way.back().to_mm;
   }
+  /// A jog of x by 60 mm at 20 mm/s, which is 4 mm on its way. A press that a busy
+  /// computer has lost is repeated.
+  void JogFrom(double from_mm, std::optional<Running>& jog) {
+    const auto moves = [&] { return PlaceNow().x() > from_mm + 4; };
+    for (int i = 0; i < 5 && !moves(); ++i) {
+      jog.emplace(Program("intaglio"),
+                  shop_.With({"teach", "jog", "x", "60", "--speed", "20"}),
+                  shop_.folder() / "jog.txt");
+      Eventually([&] { return moves() || !jog->running(); }, 20s);
+    }
+    ASSERT_TRUE(moves()) << jog->Output();
+  }
 
   CourseShop shop_{CourseShop::Machine::kMill};
 };
@@ -85,14 +97,7 @@ TEST_F(MillByHand, MotionEndsWithTheProgramThatHoldsIt) {
   for (const int how : {SIGINT, SIGKILL}) {
     const double from_mm = PlaceNow().x();
     std::optional<Running> jog;
-    const auto moves = [&] { return PlaceNow().x() > from_mm + 4; };
-    for (int i = 0; i < 5 && !moves(); ++i) {
-      jog.emplace(Program("intaglio"),
-                  shop_.With({"teach", "jog", "x", "60", "--speed", "20"}),
-                  shop_.folder() / "jog.txt");
-      Eventually([&] { return moves() || !jog->running(); }, 20s);
-    }
-    ASSERT_TRUE(moves()) << jog->Output();
+    ASSERT_NO_FATAL_FAILURE(JogFrom(from_mm, jog));
     jog->Signal(how);
     // 200 ms without a command, what was sent ahead (at most 0.15 s), and the braking;
     // and a computer that is busy.
@@ -109,14 +114,7 @@ TEST_F(MillByHand, MotionEndsWithTheProgramThatHoldsIt) {
 TEST_F(MillByHand, AHoldAtTheControllerEndsAJogUntilAnotherOne) {
   const double from_mm = PlaceNow().x();
   std::optional<Running> jog;
-  const auto moves = [&] { return PlaceNow().x() > from_mm + 4; };
-  for (int i = 0; i < 5 && !moves(); ++i) {
-    jog.emplace(Program("intaglio"),
-                shop_.With({"teach", "jog", "x", "60", "--speed", "20"}),
-                shop_.folder() / "jog.txt");
-    Eventually([&] { return moves() || !jog->running(); }, 20s);
-  }
-  ASSERT_TRUE(moves()) << jog->Output();
+  ASSERT_NO_FATAL_FAILURE(JogFrom(from_mm, jog));
   shop_.AtPanel("hold");
   const Ended ended = jog->WaitForEnd(10s);
   EXPECT_EQ(ended.exit_code, 4) << ended.output;
