@@ -123,7 +123,7 @@ TEST_F(MillByHand, AHoldAtTheControllerEndsAJogUntilAnotherOne) {
   EXPECT_LT(rests_mm, from_mm + 50);
   std::this_thread::sleep_for(2s);
   EXPECT_EQ(PlaceNow().x(), rests_mm) << "it goes on";
-  EXPECT_EQ(Teach({"jog", "x", "2"}), "");
+  EXPECT_THAT(Teach({"jog", "x", "2"}), HasSubstr("y 0.0000 mm")) << "it says its place";
   EXPECT_NEAR(PlaceNow().x(), rests_mm + 2, 0.01);
 }
 

@@ -2,6 +2,7 @@
 // is back, also when all services were restarted meanwhile. The judge is the true way of
 // the tool.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -56,7 +57,8 @@ class ZeroOfAJob : public ::testing::TestWithParam<bool> {
         },
         30s))
         << shop_.Teach({"status"});
-    EXPECT_EQ(shop_.Teach({"move", std::to_string(x_mm), std::to_string(y_mm), "5"}), "");
+    EXPECT_THAT(shop_.Teach({"move", std::to_string(x_mm), std::to_string(y_mm), "5"}),
+                HasSubstr(fmt::format("x {:.1f}", x_mm)));
     EXPECT_THAT(shop_.Teach({"zero", "--axes", axes}), HasSubstr("the work zero is set"));
   }
   std::vector<ToolStep> Cuts() const {
