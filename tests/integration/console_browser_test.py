@@ -186,7 +186,8 @@ def arm(driver, say, cracks):
 
 def results(driver, say):
     """The job is cancelled, and its picture is shown."""
-    from selenium.common.exceptions import ElementNotInteractableException
+    from selenium.common.exceptions import (ElementClickInterceptedException,
+                                            ElementNotInteractableException)
     from selenium.webdriver.common.by import By
 
     cancel = driver.find_element(By.CSS_SELECTOR, "[data-command=cancel]")
@@ -199,7 +200,7 @@ def results(driver, say):
             try:
                 if cancel.is_displayed():
                     cancel.click()
-            except ElementNotInteractableException:
+            except (ElementClickInterceptedException, ElementNotInteractableException):
                 pass  # the job has ended meanwhile, and the button is gone
         return False
 

@@ -50,9 +50,9 @@ class ReplayOfCut : public ::testing::Test {
 // first run, in the pause, and in the run after it.
 TEST_F(ReplayOfCut, IsIdenticalAsFarAsItGoes) {
   for (const auto& [to_s, compared] :
-       {std::pair("1.5", "1 runs, 704 segments, 0 points"),
-        std::pair("2.5", "1 runs, 704 segments, 26 points"),
-        std::pair("3.8", "1 runs, 704 segments, 81 points"),
+       {std::pair("1.5", "1 run, 704 segments, 0 points"),
+        std::pair("2.5", "1 run, 704 segments, 26 points"),
+        std::pair("3.8", "1 run, 704 segments, 81 points"),
         std::pair("5.2", "2 runs, 1272 segments, 81 points"),
         std::pair("6", "2 runs, 1272 segments, 111 points")}) {
     SCOPED_TRACE(to_s);

@@ -159,14 +159,24 @@ TEST_F(TeachFocus, AKilledClientAndAnOpenDoorSwitchLampAndShutterOff) {
   ASSERT_TRUE(holds_open("killed.txt")) << client->Output();
   client->Signal(SIGKILL);
   EXPECT_TRUE(Eventually([&] { return !is_open(); }, 10s));
-  ASSERT_TRUE(holds_open("door.txt")) << client->Output();
-  EXPECT_TRUE(StatusNow().door_locked());
-  EXPECT_THAT(testing::AskPanel(shop(), "door open"), HasSubstr("the door is locked"));
-  testing::AskPanel(shop(), "door force");
-  EXPECT_TRUE(Eventually([&] { return !is_open(); }, 10s));
-  EXPECT_FALSE(StatusNow().door_locked());
-  const Ended ended = client->WaitForEnd(10s);
-  EXPECT_EQ(ended.exit_code, 4) << ended.output;
+  Ended ended;
+  for (int i = 0; i < 10; ++i) {
+    ASSERT_TRUE(holds_open("door.txt")) << client->Output();
+    const bool locked = StatusNow().door_locked();
+    const std::string opened = testing::AskPanel(shop(), "door open");
+    testing::AskPanel(shop(), "door force");
+    EXPECT_TRUE(Eventually([&] { return !is_open(); }, 10s));
+    EXPECT_FALSE(StatusNow().door_locked());
+    ended = client->WaitForEnd(10s);
+    EXPECT_EQ(ended.exit_code, 4) << ended.output;
+    if (EndsByABusyComputer(ended)) {
+      testing::AskPanel(shop(), "door close");
+      continue;
+    }
+    EXPECT_TRUE(locked);
+    EXPECT_THAT(opened, HasSubstr("the door is locked"));
+    break;
+  }
   EXPECT_THAT(ended.output, HasSubstr("door is open"));
   testing::AskPanel(shop(), "door close");
   EXPECT_FALSE(Eventually(is_open, 3s)) << "it opens by itself";

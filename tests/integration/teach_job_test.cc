@@ -21,6 +21,7 @@ using ::testing::HasSubstr;
 
 class TeachJob : public testing::TeachShop {
  protected:
+  using testing::TeachShop::TeachShop;
   std::string Panel() { return testing::AskPanel(shop(), "status"); }
   /// Where the stage is by the record of the virtual engraver itself; NaN: no answer.
   Vec3 Stage() {
@@ -133,9 +134,15 @@ TEST_F(TeachZero, InAPauseRefusesTheArmUntilItIsBroughtBack) {
   Type({"cancel", job});
 }
 
+// The stage waits at the sample position for the lamp: long enough to be seen there.
+class TeachJobWithASlowLamp : public TeachJob {
+ protected:
+  TeachJobWithASlowLamp() : TeachJob(20) {}
+};
+
 // By the record of the virtual engraver itself: stage and lamp are where they were until
 // somebody arms, and while the next job waits behind one that was made.
-TEST_F(TeachJob, AJobThatIsSubmittedMovesAndLightsNothingBeforeItIsArmed) {
+TEST_F(TeachJobWithASlowLamp, AJobThatIsSubmittedMovesAndLightsNothingBeforeItIsArmed) {
   const Vec3 sample(20, 30, 40), park(60, 50, 45), before(5, 5, 35);
   Do({"move", "20", "30", "40", "--speed", "50"});
   Do({"sample"});
