@@ -149,7 +149,7 @@ TEST_F(MarkingTest, HandsOverNothingWhoseIntentIsNotOnDisk) {
 TEST_F(MarkingTest, WaitsForTheArm) {
   inputs_.permission_granted = false;
   EXPECT_FALSE(TurnUntil([&] { return !head_.handed.empty(); }, 100));
-  EXPECT_THAT(marking_->message(), HasSubstr("arm"));
+  EXPECT_THAT(marking_->message(), HasSubstr("permission of the job service"));
   inputs_.permission_granted = true;
   EXPECT_TRUE(ToItsEnd());
   ExpectEachMadeOnce();
