@@ -17,6 +17,8 @@ import sys
 import time
 import zlib
 
+from patience import eventually
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 NAME = "<b>knot</b>"
 
@@ -59,17 +61,6 @@ def pixels(png):
         rows.append([tuple(row[x:x + 3]) for x in range(0, len(row), step)])
         before = row
     return rows
-
-
-def eventually(condition, seconds=60):
-    """The first true value of the condition; fails after the time."""
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        value = condition()
-        if value:
-            return value
-        time.sleep(0.1)
-    raise AssertionError(f"not within {seconds} s: {condition.__name__}")
 
 
 def languages(driver, say):

@@ -15,9 +15,10 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 
 import jsonschema
+
+from patience import eventually
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 DOCS = ROOT / "docs"
@@ -29,16 +30,6 @@ def documented_lines():
     text = (DOCS / "console.md").read_text()
     part = text.split("### With curl alone")[1].split("\n## ")[0]
     return "\n".join(re.findall(r"```\n(.*?)```", part, re.S))
-
-
-def eventually(condition, seconds=60):
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        value = condition()
-        if value:
-            return value
-        time.sleep(0.2)
-    raise AssertionError(f"not within {seconds} s: {condition.__name__}")
 
 
 def check_answers(folder, schemas, ask):

@@ -19,21 +19,13 @@ import sys
 import time
 import urllib.request
 
+from patience import eventually
+
 SPEED_MM_S = 20
 # 200 ms of the bridge's rule and braking from 20 mm/s at 700 mm/s^2, 29 ms.
 MAX_REST_S = 0.3
 # On a computer that is too busy, the panel is read late.
 MAX_LATE_S = 0.3
-
-
-def eventually(condition, seconds=60):
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        value = condition()
-        if value:
-            return value
-        time.sleep(0.05)
-    raise AssertionError(f"not within {seconds} s: {condition.__name__}")
 
 
 class Finger:
