@@ -17,6 +17,10 @@ std::vector<ChannelMask> DistinctMasks(std::span<const ChannelMask> masks) {
 }
 
 // A channel adds no information if another channel occurs in all masks that contain it.
+bool HaveOneMask(std::span<const ChannelMask> masks) {
+  return DistinctMasks(masks).size() == 1 && masks.front() != 0;
+}
+
 std::vector<ChannelMask> DistinctChannels(std::span<const ChannelMask> masks) {
   const std::vector<ChannelMask> distinct = DistinctMasks(masks);
   const auto implies = [&distinct](ChannelMask a, ChannelMask b) {

@@ -27,6 +27,9 @@ inline bool ShareChannel(ChannelMask a, ChannelMask b) { return (a & b) != 0; }
 /// The masks that occur, each once, rising.
 std::vector<ChannelMask> DistinctMasks(std::span<const ChannelMask> masks);
 
+/// All points are made in the same channels, and in one at least: each may affect each.
+bool HaveOneMask(std::span<const ChannelMask> masks);
+
 /// Single channels, as few as are needed so that any two of `masks` that share a channel
 /// share one of these. One when all masks are equal.
 std::vector<ChannelMask> DistinctChannels(std::span<const ChannelMask> masks);

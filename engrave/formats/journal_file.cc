@@ -153,17 +153,11 @@ Result<Journal> ReadJournal(const std::filesystem::path& file) {
   constexpr std::size_t kPieceBytes = 32768 * kJournalRecordSize;
   static_assert(kJournalHeaderSize % kJournalRecordSize == 0);
   JournalReader reader;
-  bool is_empty = true;
   INTAGLIO_TRY(
       io::ReadInPieces(file, kMaxJournalFile, kPieceBytes,
                        [&](std::span<const std::byte> piece, std::uint64_t size) {
-                         is_empty = false;
                          return reader.Take(piece, size);
                        }));
-  if (is_empty) {
-    return ParseJournal({}).map_error(
-        [&](Error error) { return io::AboutFile(std::move(error), file); });
-  }
   return reader.Finish();
 }
 

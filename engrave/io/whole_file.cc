@@ -107,13 +107,14 @@ Status ReadInPieces(const std::filesystem::path& file, std::uint64_t max_bytes,
                                                std::uint64_t size)>& take) {
   const auto source = INTAGLIO_TRY(OpenSource(file));
   INTAGLIO_TRY(CheckSize(file, source, max_bytes));
-  for (std::uint64_t left = source.size; left > 0;) {
+  std::uint64_t left = source.size;
+  do {
     const std::uint64_t count = std::min<std::uint64_t>(left, piece_bytes);
     const std::string piece = INTAGLIO_TRY(ReadBytes(file, source, count));
     if (Status taken = take(std::as_bytes(std::span(piece)), source.size); !taken)
       return tl::unexpected(AboutFile(std::move(taken.error()), file));
     left -= count;
-  }
+  } while (left > 0);
   return {};
 }
 

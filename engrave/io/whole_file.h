@@ -18,8 +18,8 @@ Result<std::string> ReadWholeFile(const std::filesystem::path& file,
                                   std::uint64_t max_bytes);
 
 /// The same in pieces of `piece_bytes`, the last one shorter, without all of them at
-/// once. `take(piece, size)`: `size` is that of the file. Ends with the first error of
-/// `take`, which is named after the file.
+/// once; an empty file is one empty piece. `take(piece, size)`: `size` is that of the
+/// file. Ends with the first error of `take`, which is named after the file.
 Status ReadInPieces(const std::filesystem::path& file, std::uint64_t max_bytes,
                     std::size_t piece_bytes,
                     const std::function<Status(std::span<const std::byte> piece,

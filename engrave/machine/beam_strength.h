@@ -18,8 +18,8 @@ struct BeamStrengthOptions {
   optics::ScanLens lens;
   double field_mm = 0;  ///< from the axis of the lens to the corner of its field, > 0
   double crack_energy_mj = 0;  ///< the least that makes a crack with an upright beam, > 0
-  double max_depth_mm =
-      0;  ///< of the points below the face, > 0; beyond it the border holds
+  /// Of the points below the face, > 0; beyond it that of this depth holds.
+  double max_depth_mm = 0;
 };
 
 /// Places are relative to the axis of the lens, mm; depths below the face, mm, >= 0. A

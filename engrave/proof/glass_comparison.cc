@@ -159,9 +159,8 @@ GlassComparison CompareGlass(const PointList& plan_mm, std::span<const ChannelMa
 }
 
 double MinSpacing(const PointList& points_mm, std::span<const ChannelMask> masks) {
-  // All points are in the same blocks: no copy by channel is needed.
-  if (DistinctMasks(masks).size() == 1 && masks.front() != 0 && points_mm.size() > 1)
-    return MinSpacing(points_mm);
+  // No copy by channel is needed.
+  if (HaveOneMask(masks) && points_mm.size() > 1) return MinSpacing(points_mm);
   double min_mm = std::numeric_limits<double>::infinity();
   for (const ChannelMask channel : DistinctChannels(masks)) {
     PointList in_channel_mm;

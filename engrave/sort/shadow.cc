@@ -153,9 +153,8 @@ std::uint64_t CountShadowViolations(const PointList& made_mm,
                                     const BeamCone& cone) {
   Require(masks.size() == made_mm.size(), "{} points have {} masks", made_mm.size(),
           masks.size());
-  // All points are in the same blocks: no copy by channel is needed.
-  if (DistinctMasks(masks).size() == 1 && masks.front() != 0)
-    return CountShadowViolations(made_mm, cone);
+  // No copy by channel is needed.
+  if (HaveOneMask(masks)) return CountShadowViolations(made_mm, cone);
   std::vector<bool> violated(made_mm.size(), false);
   for (const ChannelMask channel : DistinctChannels(masks)) {
     PointList in_channel_mm;

@@ -35,8 +35,8 @@ struct JobFlags {
   std::optional<double> rate_hz, speed_mm_s, acceleration_mm_s2, focal_mm;
   std::optional<std::string> machine;  // name of a supplied profile, or a file
   std::optional<std::string> name;
-  std::vector<std::string>
-      fields;  // "PATH=VALUE" of JobSpec, services/job/fields/field_path.h
+  // "PATH=VALUE" of JobSpec, services/job/fields/field_path.h
+  std::vector<std::string> fields;
   std::optional<std::string> turn_block;  // degrees: "90", "180", "270"
   bool clip = false;
   double size_limits = 1;  ///< factor (services/job/models/read_limits.h)

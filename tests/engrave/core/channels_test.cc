@@ -18,6 +18,13 @@ TEST(Channels, DistinctMasksAreEachThereOnce) {
   EXPECT_TRUE(DistinctMasks({}).empty());
 }
 
+TEST(Channels, OneMaskIsThatOfAllPointsAndNotEmpty) {
+  EXPECT_TRUE(HaveOneMask(std::vector<ChannelMask>{5, 5, 5}));
+  EXPECT_FALSE(HaveOneMask(std::vector<ChannelMask>{5, 5, 1}));
+  EXPECT_FALSE(HaveOneMask(std::vector<ChannelMask>{0, 0}));
+  EXPECT_FALSE(HaveOneMask({}));
+}
+
 TEST(Channels, EqualMasksAreDistinguishedByOneChannel) {
   for (ChannelMask mask = 1; mask <= kAnyChannel; ++mask) {
     const auto deciding = DistinctChannels(std::vector<ChannelMask>{mask, mask});
