@@ -54,12 +54,13 @@ void ShopDesk::Order(std::function<void(ShopDesk&)> order) {
 }
 
 void ShopDesk::Turn(bool in_haste) {
-  watcher_.Poll(IsAwaited() || in_haste ? kAwaitingTurn : kTurn);
+  watcher_.Poll(IsAwaited() || has_had_orders_ || in_haste ? kAwaitingTurn : kTurn);
   std::vector<std::function<void(ShopDesk&)>> orders;
   {
     const std::lock_guard lock(mutex_);
     orders.swap(orders_);
   }
+  has_had_orders_ = !orders.empty();
   for (const auto& order : orders) order(*this);
   AnswerCommands();
   AnswerStops();

@@ -36,8 +36,8 @@ class ShopDesk {
 
   // From the thread that turns it.
 
-  /// Waits up to 20 ms for news, 2 ms while something waits for an answer or `in_haste`;
-  /// then does the orders.
+  /// Waits up to 20 ms for news, 2 ms while something waits for an answer, after a turn
+  /// with orders, or `in_haste`; then does the orders.
   void Turn(bool in_haste = false);
   /// The lines of --events since the last call.
   std::vector<std::string> TakeEvents();
@@ -95,6 +95,7 @@ class ShopDesk {
   ShopMetrics metrics_;
   std::vector<PendingCommand> commands_;
   std::vector<PendingStop> stops_;
+  bool has_had_orders_ = false;  // in the last turn: more will follow
 
   std::mutex mutex_;  // of what follows
   client::StopSource source_;
