@@ -1,7 +1,9 @@
 """A shop by its web console, from a computer that has nothing of Intaglio but this file.
 
-Pure standard library; docs/console.md has the requests and docs/openapi.json their form.
-Every method returns the object of the answer's JSON, as dicts and lists.
+The package python3-intaglio has it; it needs the standard library alone. docs/console.md
+explains the requests and docs/openapi.json has their form: a test compares each method, its
+fields and the message that it returns with that file. A message is the object of the answer's
+JSON, as dicts and lists.
 
     import intaglio_console
 
@@ -21,7 +23,6 @@ Whoever calls `arm` or `resume` by a program is at the machine and has read the 
 import array
 import http.cookiejar
 import json
-import os
 import pathlib
 import ssl
 import sys
@@ -29,6 +30,15 @@ import time
 import urllib.error
 import urllib.parse
 import urllib.request
+from typing import (Any, Callable, Dict, Iterable, Iterator, List, Optional, Tuple,
+                    Union)
+
+Message = Dict[str, Any]
+Path = Union[str, pathlib.Path]
+Job = Union[int, str]
+"""A job by its number or its uid."""
+Points = Any
+"""A numpy array with a row for each point where numpy is installed, else a list of tuples."""
 
 _PIECE_BYTES = 4 << 20
 _END_STATES = ("done", "failed", "cancelled")
@@ -37,30 +47,32 @@ _END_STATES = ("done", "failed", "cancelled")
 class Refused(Exception):
     """The console does not do it. str() is its reason; `status` that of HTTP, `answer` all."""
 
-    def __init__(self, status, answer):
+    def __init__(self, status: int, answer: Message) -> None:
         super().__init__(answer.get("message") or f"HTTP {status}")
         self.status = status
         self.answer = answer
-        self.code = answer.get("code", "")
+        self.code: str = answer.get("code", "")
 
 
 class Console:
     """A console by its address, which may have the key. `cafile`: the certificate of one that
     is not of a known authority."""
 
-    def __init__(self, address, cafile=None, timeout_s=150):
+    def __init__(self, address: str, cafile: Optional[str] = None,
+                 timeout_s: float = 150) -> None:
         parts = urllib.parse.urlsplit(address)
         self._origin = f"{parts.scheme}://{parts.netloc}"
         self._key = urllib.parse.parse_qs(parts.query).get("key", [""])[0]
         self._timeout_s = timeout_s
-        handlers = [urllib.request.HTTPCookieProcessor(http.cookiejar.CookieJar()),
-                    urllib.request.ProxyHandler({})]
+        handlers: List[urllib.request.BaseHandler] = [
+            urllib.request.HTTPCookieProcessor(http.cookiejar.CookieJar()),
+            urllib.request.ProxyHandler({})]
         if parts.scheme == "https":
             context = ssl.create_default_context(cafile=cafile)
             handlers.append(urllib.request.HTTPSHandler(context=context))
         self._opener = urllib.request.build_opener(*handlers)
 
-    def _open(self, method, path, body=None, **query):
+    def _open(self, method: str, path: str, body: Optional[bytes] = None, **query: Any) -> Any:
         query = {name: value for name, value in query.items() if value is not None}
         url = self._origin + urllib.parse.quote(path)
         if query:
@@ -79,60 +91,62 @@ class Console:
                 answer = {"message": text.strip()}
             raise Refused(error.code, answer) from None
 
-    def _bytes(self, path, **query):
+    def _bytes(self, path: str, **query: Any) -> bytes:
         with self._open("GET", "/api/v1/" + path, **query) as answer:
-            return answer.read()
+            packed: bytes = answer.read()
+            return packed
 
-    def _get(self, path, **query):
+    def _get(self, path: str, **query: Any) -> Any:
         return json.loads(self._bytes(path, **query))
 
-    def _post(self, path, **members):
+    def _post(self, path: str, **members: Any) -> Any:
         with self._open("POST", "/api/v1/" + path, json.dumps(members).encode()) as answer:
             return json.load(answer)
 
-    def log_in(self, name, password):
+    def log_in(self, name: str, password: str) -> Message:
         """A session of this person; ConsoleSession."""
         return self._post("login", name=name, password=password)
 
-    def log_out(self):
-        """Ends it."""
+    def log_out(self) -> Message:
+        """Ends the session; ConsoleSession, of nobody."""
         return self._post("logout")
 
-    def session(self):
+    def session(self) -> Message:
         """Who is logged in, and who is in charge; ConsoleSession."""
         return self._get("session")
 
-    def take_charge(self):
+    def take_charge(self) -> Message:
         """The commands of everybody else are refused from now on; ConsoleSession."""
         return self._post("charge")
 
-    def stop(self, reason=""):
+    def stop(self, reason: str = "") -> Message:
         """Stops every machine; StopAnswer, with what confirmed it."""
         return self._post("stop", reason=reason)
 
-    def status(self):
+    def status(self) -> Message:
         """The shop; ShopStatus."""
         return self._get("status")
 
-    def jobs(self):
-        """Its jobs; a list of JobRecord."""
+    def jobs(self) -> List[Message]:
+        """Its jobs: those of JobList, each a JobRecord."""
         return self._get("jobs").get("jobs", [])
 
-    def job(self, job):
+    def job(self, job: Job) -> Message:
         """A job by its number or uid; JobRecord."""
         return self._get(f"jobs/{job}")
 
-    def history(self, **filters):
-        """The jobs that have ended, a list of JobStatistics. since, until, name, glass, verdict,
+    def history(self, **filters: str) -> List[Message]:
+        """The jobs that have ended: those of JobHistory, each a JobStatistics. since, until, name, glass, verdict,
         cell choose some."""
         return self._get("history", **filters).get("jobs", [])
 
-    def metrics(self):
-        """The text for Prometheus."""
+    def metrics(self) -> str:
+        """The figures of machines and jobs: the text for Prometheus."""
         with self._open("GET", "/metrics") as answer:
             return answer.read().decode()
 
-    def upload(self, submission, file, progress=lambda sent, size: None):
+    def upload(self, submission: str, file: Path,
+               progress: Callable[[int, int], None] = lambda sent, size: None) -> Message:
         """Sends a file of a submission, in pieces; goes on where an earlier call ended.
         UploadAnswer. `progress` is called with the bytes sent and all."""
         file = pathlib.Path(file)
@@ -158,7 +172,7 @@ class Console:
                 if state["complete"] or not piece:
                     return state
 
-    def submit(self, submission, job_file, files=()):
+    def submit(self, submission: str, job_file: Path, files: Iterable[Path] = ()) -> Message:
         """Sends the files, then the job file. SubmitAnswer, whose `job` is the number. The same
         submission again submits nothing twice."""
         for file in files:
@@ -167,7 +181,7 @@ class Console:
         with self._open("POST", f"/api/v1/submissions/{submission}", text) as answer:
             return json.load(answer)
 
-    def preview(self, submission, job_file, files=()):
+    def preview(self, submission: str, job_file: Path, files: Iterable[Path] = ()) -> Message:
         """What the job will look like and take, before it is submitted; JobPreview."""
         for file in files:
             self.upload(submission, file)
@@ -175,46 +189,47 @@ class Console:
         with self._open("POST", f"/api/v1/submissions/{submission}/preview", text) as answer:
             return json.load(answer)
 
-    def preview_picture(self, submission):
+    def preview_picture(self, submission: str) -> bytes:
         """Of the last preview, a PNG."""
         return self._bytes(f"submissions/{submission}/preview")
 
-    def _held(self, command, job, block, members):
+    def _held(self, command: str, job: Job, block: str, members: Message) -> Message:
         hold = self._post(f"jobs/{job}/hold", block=block)
         time.sleep(hold["hold_s"] + 0.1)
         return self._post(f"jobs/{job}/{command}", token=hold["token"], **members)
 
-    def arm(self, job, block, accept_breakage=False):
+    def arm(self, job: Job, block: str, accept_breakage: bool = False) -> Message:
         """Lets a machine fire for this job, with this block in it, as the status names it
         (`mounted`). CommandAnswer."""
         return self._held("arm", job, block, {"accept_breakage": accept_breakage})
 
-    def resume(self, job, block, accept_breakage=False, from_point=0, fire_uncertain=False):
+    def resume(self, job: Job, block: str, accept_breakage: bool = False, from_point: int = 0,
+               fire_uncertain: bool = False) -> Message:
         """Goes on with a job that is paused. CommandAnswer."""
         return self._held("resume", job, block,
                           {"accept_breakage": accept_breakage, "from_point": from_point,
                            "fire_uncertain": fire_uncertain})
 
-    def pause(self, job):
+    def pause(self, job: Job) -> Message:
         """CommandAnswer."""
         return self._post(f"jobs/{job}/pause")
 
-    def cancel(self, job):
+    def cancel(self, job: Job) -> Message:
         """For good. CommandAnswer."""
         return self._post(f"jobs/{job}/cancel")
 
-    def set_speed(self, job, percent):
+    def set_speed(self, job: Job, percent: int) -> Message:
         """1 to 140 percent of the job's limits. CommandAnswer."""
         return self._post(f"jobs/{job}/speed", percent=percent)
 
-    def events(self):
+    def events(self) -> Iterator[Message]:
         """What happens to jobs from now on, JobEvent after JobEvent (docs/cli.md)."""
         with self._open("GET", "/api/v1/events") as lines:
             for line in lines:
                 if line.startswith(b"data: "):
                     yield json.loads(line[6:])
 
-    def follow(self, job, period_s=0.5):
+    def follow(self, job: Job, period_s: float = 0.5) -> Iterator[Message]:
         """JobRecord after JobRecord of a job, at each change of its state, to its end."""
         state = None
         while state not in _END_STATES:
@@ -225,7 +240,7 @@ class Console:
             else:
                 time.sleep(period_s)
 
-    def _when_made(self, path, wait_s):
+    def _when_made(self, path: str, wait_s: float) -> bytes:
         end = time.monotonic() + wait_s
         while True:
             try:
@@ -235,19 +250,19 @@ class Console:
                     raise
             time.sleep(0.5)
 
-    def report(self, job, wait_s=60):
+    def report(self, job: Job, wait_s: float = 60) -> Message:
         """Its report, which is made some seconds after its end; JobReport."""
         return json.loads(self._when_made(f"jobs/{job}/report", wait_s))
 
-    def picture(self, job, wait_s=60):
+    def picture(self, job: Job, wait_s: float = 60) -> bytes:
         """The customer's picture, a PNG."""
         return self._when_made(f"jobs/{job}/picture", wait_s)
 
-    def views(self, job, wait_s=60):
+    def views(self, job: Job, wait_s: float = 60) -> bytes:
         """Its views, a PNG."""
         return self._when_made(f"jobs/{job}/views", wait_s)
 
-    def plan(self, job):
+    def plan(self, job: Job) -> Points:
         """Its planned points, mm, glass frame, in the order in which they are made: an array of
         three columns where numpy is installed, else a list of tuples."""
         packed = self._bytes(f"jobs/{job}/plan")
@@ -258,16 +273,17 @@ class Console:
         begin = 24 + 4 * 513  # behind the first points of the cells
         shares = _little_endian("H", packed[begin:begin + 8 * count])
         places = _little_endian("I", packed[begin + 8 * count:])
-        points = [()] * count
+        points: List[Tuple[Any, ...]] = [()] * count
         for i, place in enumerate(places):
             points[place] = tuple(shares[4 * i + axis] / 65535 * block_mm[axis]
                                   for axis in range(3))
         return _as_array(points)
 
-    def made(self, job):
+    def made(self, job: Job) -> Points:
         """What was made of them: pairs of the place in the order and the outcome
         (PointOutcome), as they were recorded."""
-        pairs, start = [], 0
+        pairs: List[Tuple[Any, ...]] = []
+        start = 0
         while True:
             packed = self._bytes(f"jobs/{job}/made", **{"from": start})
             following = int.from_bytes(packed[:4], "little")
@@ -278,35 +294,17 @@ class Console:
             start = following
 
 
-def _little_endian(code, packed):
-    values = array.array(code)
+def _little_endian(code: str, packed: bytes) -> Any:
+    values: Any = array.array(code)
     values.frombytes(packed)
     if sys.byteorder == "big":
         values.byteswap()
     return values
 
 
-def _as_array(rows):
+def _as_array(rows: List[Tuple[Any, ...]]) -> Points:
     try:
         import numpy
     except ImportError:
         return rows
     return numpy.array(rows)
-
-
-def main():
-    """Submits a job: intaglio_console.py ADDRESS ID JOB_FILE [FILE...]; a name and a password are
-    read from INTAGLIO_USER and INTAGLIO_PASSWORD."""
-    if len(sys.argv) < 4:
-        sys.exit(main.__doc__)
-    shop = Console(sys.argv[1])
-    if os.environ.get("INTAGLIO_USER"):
-        shop.log_in(os.environ["INTAGLIO_USER"], os.environ.get("INTAGLIO_PASSWORD", ""))
-    try:
-        print("job", shop.submit(sys.argv[2], sys.argv[3], sys.argv[4:])["job"])
-    except Refused as refused:
-        sys.exit(f"intaglio_console.py: {refused}")
-
-
-if __name__ == "__main__":
-    main()
