@@ -126,6 +126,13 @@ TEST_F(Listening, APortThatIsTakenIsNamed) {
   EXPECT_THAT(second.error().message, HasSubstr(address.text()));
 }
 
+// The resolver would read the host up to the zero byte.
+TEST(TcpAddress, HasNoZeroByte) {
+  using namespace std::string_literals;
+  EXPECT_FALSE(ParseTcpAddress("0\0000:40033:40"s));
+  EXPECT_FALSE(ParseTcpAddress("127.0.0.1\0:40"s));
+}
+
 TEST(TcpAddress, IsItsText) {
   for (const char* text : {"127.0.0.1:5000", "[::1]:80", "10.1.2.3:0"})
     EXPECT_EQ(ParseTcpAddress(text).value().text(), std::string("tcp:") + text);
