@@ -46,6 +46,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   const std::string_view text(reinterpret_cast<const char*>(bytes), size);
   CheckTable(intaglio::formats::ParsePly(text));
   CheckTable(intaglio::formats::ParseXyz(text));
+  CheckTable(intaglio::formats::ParseCft(text));
   CheckTable(intaglio::formats::ParseScl(text));
   CheckTable(intaglio::formats::ParseScl(Sealed(text)));
   CheckTable(intaglio::formats::ParseDxf(text));
