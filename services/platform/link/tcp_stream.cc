@@ -182,10 +182,10 @@ Result<TcpAddress> ParseTcpAddress(const std::string& text) {
   const bool bracketed = host.size() > 2 && host.front() == '[' && host.back() == ']';
   if (bracketed) host = host.substr(1, host.size() - 2);
   if (host == "localhost") host = "127.0.0.1";
-  // The resolver reads a text up to its first zero byte.
-  const bool has_zero = host.find('\0') != std::string::npos;
+  // The resolver reads a text up to its first zero byte, and "*" as no host.
+  const bool is_other = host.find('\0') != std::string::npos || host == "*";
   const SocketAddress found = Numeric(address);
-  if (has_zero || !found || (found->ai_family == AF_INET6) != bracketed) {
+  if (is_other || !found || (found->ai_family == AF_INET6) != bracketed) {
     return Invalid(text, fmt::format("the host \"{}\" is neither localhost nor an IPv4 "
                                      "address nor an IPv6 address in brackets (names are "
                                      "not resolved: `getent hosts NAME` shows the "

@@ -126,11 +126,13 @@ TEST_F(Listening, APortThatIsTakenIsNamed) {
   EXPECT_THAT(second.error().message, HasSubstr(address.text()));
 }
 
-// The resolver would read the host up to the zero byte.
-TEST(TcpAddress, HasNoZeroByte) {
+// The resolver would read the host up to the zero byte, and "*" as no host.
+TEST(TcpAddress, HasNoHostThatTheResolverReadsOtherwise) {
   using namespace std::string_literals;
   EXPECT_FALSE(ParseTcpAddress("0\0000:40033:40"s));
   EXPECT_FALSE(ParseTcpAddress("127.0.0.1\0:40"s));
+  EXPECT_FALSE(ParseTcpAddress("[*]:4"));
+  EXPECT_FALSE(ParseTcpAddress("*:4"));
 }
 
 TEST(TcpAddress, IsItsText) {
