@@ -90,6 +90,7 @@ int Press(const StopOptions& options) {
     missing = Unconfirmed(reports.Poll(), source.name(), *number, confirmed);
     return missing.empty();
   };
+  // It lives that long: the press reaches machines that are discovered late.
   if (every) {
     Until([&] { return all_confirmed() && false; }, bus.discovery_time());
     if (reports.Poll().empty()) return ComplainOfNoMachine();
@@ -109,7 +110,8 @@ int Press(const StopOptions& options) {
 Result<std::string> MachineToReset(MachineReports& reports, const StopOptions& options,
                                    std::chrono::milliseconds discovery_time) {
   if (!options.cell.empty()) return options.cell;
-  Until([&] { return reports.Poll().empty() && false; }, discovery_time);
+  Until([&] { return !reports.Poll().empty() && reports.KnowsAllMachines(); },
+        discovery_time);
   const auto& machines = reports.Poll();
   if (machines.size() == 1) return machines.begin()->first;
   std::vector<std::string> cells;

@@ -41,6 +41,7 @@ JobClient::JobClient(bus::Bus& bus, std::function<Clock::time_point()> now)
       mounted_(bus, bus::kMounted),
       tasks_(bus, bus::kTaskStatus),
       health_(bus, bus::kServiceHealth),
+      listed_(bus),
       disk_spaces_(bus, bus::kDiskSpace),
       wait_(bus),
       now_(std::move(now)) {
@@ -197,6 +198,7 @@ void JobClient::Poll(std::chrono::milliseconds timeout) {
                                std::chrono::steady_clock::now()};
       });
   TakeCounts();
+  listed_.Poll();
   TakeDisks();
   DropForgotten();
 }
@@ -227,6 +229,19 @@ std::optional<std::uint64_t> JobClient::counted_jobs() const {
 bool JobClient::KnowsAllJobs() const {
   const auto counted = counted_jobs();
   return counted && jobs_.size() - lost_.size() >= *counted;
+}
+
+bool JobClient::KnowsAllServices() const {
+  bool served = false;
+  for (const auto& [instance, service] : services_) {
+    if (service.role != intaglio_ROLE_JOB_SERVICE) continue;
+    const auto list = listed_.lists().find(instance);
+    if (list == listed_.lists().end()) return false;
+    for (const ListedService& listed : list->second)
+      if (!services_.contains(listed.instance)) return false;
+    served = true;
+  }
+  return served;
 }
 
 void JobClient::TakeMounts() {

@@ -14,6 +14,7 @@
 #include "proto/job.pb.h"
 #include "proto/task.pb.h"
 #include "services/client/job_view.h"
+#include "services/client/shop/listed_services.h"
 #include "services/platform/bus/bus.h"
 
 namespace intaglio::client {
@@ -71,6 +72,9 @@ class JobClient {
   /// The job service forgets a command that was sent, unless it was taken.
   void Withdraw(std::uint64_t number);
 
+  /// Every job service that is there has listed the services of the shop, and each of
+  /// them has come. False without a job service.
+  bool KnowsAllServices() const;
   /// By uid; of the last revision seen. An ended job that the job service has forgotten
   /// leaves a minute later: by then every client that follows it has read its end.
   const std::map<std::string, JobView>& jobs() const { return jobs_; }
@@ -132,6 +136,7 @@ class JobClient {
   bus::Reader<intaglio_CellMount> mounted_;
   bus::Reader<intaglio_TaskStatus> tasks_;
   bus::Reader<intaglio_ServiceHealth> health_;
+  ListedServices listed_;
   bus::Reader<intaglio_DiskSpace> disk_spaces_;
   bus::WaitSet wait_;
   std::map<std::string, JobView> jobs_;

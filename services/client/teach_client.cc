@@ -4,12 +4,14 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <random>
 #include <set>
 #include <sstream>
 #include <thread>
 
 #include "services/client/job_client.h"
+#include "services/client/shop/listed_services.h"
 #include "services/platform/bus/samples.h"
 
 namespace intaglio::client {
@@ -78,12 +80,20 @@ intaglio_ManualCommand SampleOf(const SentOrder& sent) {
 Result<std::string> TeachClient::FindMachine(bus::Bus& bus, const std::string& cell) {
   if (!cell.empty()) return cell;
   bus::Reader<intaglio_ManualState> states(bus, bus::kManualState);
+  ListedServices listed(bus);
   std::set<std::string> cells;
+  const auto all_are_here = [&] {
+    const auto expected = listed.Cells({intaglio_ROLE_MOTION_BRIDGE});
+    return !expected.empty() &&
+           std::includes(cells.begin(), cells.end(), expected.begin(), expected.end());
+  };
+  // Without a list a machine may be on its way until the time is up.
   for (const auto end = Clock::now() + bus.discovery_time() + 600ms;
-       Clock::now() < end;) {
+       Clock::now() < end && !all_are_here();) {
     states.Take([&](const intaglio_ManualState& state) {
       cells.insert(std::string(View(state.cell)));
     });
+    listed.Poll();
     std::this_thread::sleep_for(kPollTime);
   }
   if (cells.size() == 1) return *cells.begin();

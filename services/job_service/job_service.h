@@ -20,7 +20,7 @@
 #include "services/job_service/permission_keeper.h"
 #include "services/job_service/queue/job_queue.h"
 #include "services/job_service/statistics_writer.h"
-#include "services/job_service/status_board.h"
+#include "services/job_service/published/status_board.h"
 #include "services/job_service/submission_reader.h"
 #include "services/job_service/unsettled_ends.h"
 #include "services/job_service/worker_reports.h"

@@ -7,9 +7,10 @@
 
 #include "materials_db/material_store.h"
 #include "services/job_service/boot_clock.h"
-#include "services/job_service/disk_report.h"
 #include "services/job_service/job_service.h"
-#include "services/job_service/status_board.h"
+#include "services/job_service/published/disk_report.h"
+#include "services/job_service/published/service_list.h"
+#include "services/job_service/published/status_board.h"
 #include "services/job_service/store_turn.h"
 #include "services/platform/command_line/program.h"
 #include "services/platform/host/process/only_instance.h"
@@ -31,9 +32,16 @@ std::vector<std::filesystem::path> FoldersOf(
 struct Published {
   Published(host::ServiceHost& host, const job_service::JobServiceOptions& options)
       : board(host.bus(), host.instance()),
-        disk(host.bus(), host.instance(), FoldersOf(options)) {}
+        disk(host.bus(), host.instance(), FoldersOf(options)),
+        services(host.bus(), host.instance()) {}
+  void Turn() {
+    disk.Turn(job_service::SinceBoot());
+    services.Turn(job_service::SinceBoot());
+  }
+
   job_service::StatusBoard board;
   job_service::DiskReport disk;
+  job_service::ServiceList services;
 };
 
 /// A job service from the process's start to its end.
@@ -76,7 +84,7 @@ void Server::Pause(std::chrono::milliseconds time) {
   const auto end = job_service::SinceBoot() + time;
   while (job_service::SinceBoot() < end && !host_.stopping()) {
     host_.KeepAlive();
-    if (published_) published_->disk.Turn(job_service::SinceBoot());
+    if (published_) published_->Turn();
     std::this_thread::sleep_for(50ms);
   }
 }
@@ -114,7 +122,7 @@ int Server::ServeQueue(job_service::JobStore store) {
       if (only_->MustEnd()) return only_->EndAsSecond("job service");
       service.Turn(job_service::SinceBoot());
       host_.KeepAlive();
-      published_->disk.Turn(job_service::SinceBoot());
+      published_->Turn();
       loop.Wait({}, 20ms);
     }
     service.Close(job_service::SinceBoot());

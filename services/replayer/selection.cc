@@ -14,11 +14,11 @@ namespace {
 constexpr std::array<std::string_view, 10> kCommands = {
     "JobSubmission",      "JobCommand", "DiscretizeTask", "SortTask",      "EngraveTask",
     "MotionSegmentBatch", "Permission", "EmergencyStop",  "ManualCommand", "CellMove"};
-constexpr std::array<std::string_view, 18> kBelieved = {
+constexpr std::array<std::string_view, 19> kBelieved = {
     "JobCount",         "JobStatus",   "JobCommandAnswer", "TaskStatus", "ServiceHealth",
     "Credit",           "ModelChunk",  "PointBatch",       "PathBatch",  "MarkBatch",
     "OrderedMarkBatch", "MotionState", "PositionReport",   "LampSync",   "Interlock",
-    "DiskSpace",        "ManualState", "Mounted"};
+    "DiskSpace",        "ManualState", "Mounted",          "ServiceList"};
 
 bool Contains(const auto& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();

@@ -59,9 +59,8 @@ int ShowStatus(const StatusOptions& options) {
     while (Interrupts() == 0 && Clock::now() < end && !condition())
       shop.Poll(kStatusPollPeriod);
   };
-  poll_until(Clock::now() + bus.discovery_time(), [] { return false; });
   // What is not here by then is missing; a service that runs on a busy computer is not.
-  for (client::Patience patience(kCompleteTime);
+  for (client::Patience patience(bus.discovery_time() + kCompleteTime);
        Interrupts() == 0 && !shop.IsComplete() && !patience.IsUp();)
     shop.Poll(kStatusPollPeriod);
   if (shop.Take().services.empty()) {

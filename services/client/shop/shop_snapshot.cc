@@ -90,9 +90,10 @@ bool ShopWatcher::IsComplete() const {
     return std::any_of(services.begin(), services.end(),
                        [role](const auto& service) { return service.role == role; });
   };
-  return served && client_.KnowsAllJobs() && !client_.disks().empty() &&
-         has(intaglio_ROLE_DISCRETIZER) && has(intaglio_ROLE_SORTER) &&
-         has(intaglio_ROLE_SYNCHRONIZER) && has(intaglio_ROLE_MOTION_BRIDGE);
+  return served && client_.KnowsAllServices() && client_.KnowsAllJobs() &&
+         !client_.disks().empty() && has(intaglio_ROLE_DISCRETIZER) &&
+         has(intaglio_ROLE_SORTER) && has(intaglio_ROLE_SYNCHRONIZER) &&
+         has(intaglio_ROLE_MOTION_BRIDGE);
 }
 
 ShopSnapshot ShopWatcher::Take() const {

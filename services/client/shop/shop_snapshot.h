@@ -43,9 +43,9 @@ class ShopWatcher {
   explicit ShopWatcher(bus::Bus& bus);
   /// Takes what comes within `time`.
   void Poll(std::chrono::milliseconds time);
-  /// All that a working shop has is here: its services, its jobs and its disks, and of
-  /// every machine with a synchronizer its interlocks, of every one with a bridge its
-  /// motion.
+  /// All that a working shop has is here: the services that its job service lists, its
+  /// jobs and its disks, and of every machine with a synchronizer its interlocks, of
+  /// every one with a bridge its motion.
   bool IsComplete() const;
   ShopSnapshot Take() const;
   /// For commands.

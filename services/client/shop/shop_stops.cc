@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <set>
 
 #include "engrave/core/try.h"
 #include "services/platform/bus/samples.h"
@@ -14,6 +15,9 @@ namespace {
 
 using bus::Borrow;
 using bus::View;
+
+const std::set<intaglio_ServiceRole> kMachineRoles = {intaglio_ROLE_SYNCHRONIZER,
+                                                      intaglio_ROLE_MOTION_BRIDGE};
 
 std::string SourceName(const std::string& program) {
   char host[256] = "localhost";
@@ -65,6 +69,7 @@ MachineReports::MachineReports(bus::Bus& bus, const std::string& cell)
   if (cell.empty()) {
     health_ =
         std::make_unique<bus::Reader<intaglio_ServiceHealth>>(bus, bus::kServiceHealth);
+    listed_ = std::make_unique<ListedServices>(bus);
   } else {
     machines_[cell];
   }
@@ -72,6 +77,7 @@ MachineReports::MachineReports(bus::Bus& bus, const std::string& cell)
 
 const std::map<std::string, MachineStops>& MachineReports::Poll() {
   if (health_) health_->Take([this](const intaglio_ServiceHealth& s) { Add(s); });
+  if (listed_) listed_->Poll();
   interlocks_.Take([this](const intaglio_Interlock& sample) {
     MachineStops& machine = machines_[std::string(View(sample.cell))];
     machine = {true,
@@ -89,9 +95,17 @@ const std::map<std::string, MachineStops>& MachineReports::Poll() {
 }
 
 void MachineReports::Add(const intaglio_ServiceHealth& sample) {
-  const bool serves = sample.role == intaglio_ROLE_SYNCHRONIZER ||
-                      sample.role == intaglio_ROLE_MOTION_BRIDGE;
-  if (serves && !View(sample.cell).empty()) machines_[std::string(View(sample.cell))];
+  if (kMachineRoles.contains(sample.role) && !View(sample.cell).empty())
+    machines_[std::string(View(sample.cell))];
+}
+
+bool MachineReports::KnowsAllMachines() const {
+  if (!listed_) return false;
+  const auto cells = listed_->Cells(kMachineRoles);
+  return !cells.empty() &&
+         std::all_of(cells.begin(), cells.end(), [this](const std::string& cell) {
+           return machines_.contains(cell);
+         });
 }
 
 }  // namespace intaglio::client

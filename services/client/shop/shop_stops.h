@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "services/client/job_view.h"
+#include "services/client/shop/listed_services.h"
 #include "services/platform/bus/bus.h"
 
 namespace intaglio::client {
@@ -65,13 +66,18 @@ class MachineReports {
   MachineReports(bus::Bus& bus, const std::string& cell);
 
   const std::map<std::string, MachineStops>& Poll();
+  /// A job service lists the machines of the shop, and each of them has come. False
+  /// without a job service, and where one machine is named.
+  bool KnowsAllMachines() const;
   const MachineStops& Of(const std::string& cell) { return Poll().at(cell); }
 
  private:
   void Add(const intaglio_ServiceHealth& sample);
 
   bus::Reader<intaglio_Interlock> interlocks_;
+  // Null where one machine is named.
   std::unique_ptr<bus::Reader<intaglio_ServiceHealth>> health_;
+  std::unique_ptr<ListedServices> listed_;
   std::map<std::string, MachineStops> machines_;
 };
 

@@ -70,6 +70,9 @@ inline constexpr Topic<intaglio_TaskStatus> kTaskStatus{
 inline constexpr Topic<intaglio_ServiceHealth> kServiceHealth{
     "ServiceHealth", &intaglio_ServiceHealth_desc, Profile::kState, DomainKind::kControl,
     Scope::kRole};
+inline constexpr Topic<intaglio_ServiceList> kServiceList{
+    "ServiceList", &intaglio_ServiceList_desc, Profile::kState, DomainKind::kControl,
+    Scope::kShop};
 inline constexpr Topic<intaglio_Credit> kCredit{
     "Credit", &intaglio_Credit_desc, Profile::kState, DomainKind::kControl, Scope::kRole};
 inline constexpr Topic<intaglio_Presence> kPresence{"Presence", &intaglio_Presence_desc,

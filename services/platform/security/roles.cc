@@ -23,9 +23,9 @@ Topics OwnReports() { return {Of(bus::kServiceHealth), Of(bus::kAlarm)}; }
 
 // What can be seen of a shop without seeing what is engraved.
 Topics ShopState() {
-  return {Of(bus::kJobStatus),     Of(bus::kJobCount), Of(bus::kTaskStatus),
-          Of(bus::kServiceHealth), Of(bus::kAlarm),    Of(bus::kDiskSpace),
-          Of(bus::kMounted)};
+  return {Of(bus::kJobStatus),     Of(bus::kJobCount),    Of(bus::kTaskStatus),
+          Of(bus::kServiceHealth), Of(bus::kServiceList), Of(bus::kAlarm),
+          Of(bus::kDiskSpace),     Of(bus::kMounted)};
 }
 
 Topics CellState() {
@@ -55,10 +55,10 @@ Role JobService() {
   return {bus::kJobServiceRole,
           "*",
           Join({OwnReports(),
-                {Of(bus::kPresence), Of(bus::kDiskSpace), Of(bus::kJobStatus),
-                 Of(bus::kJobCount), Of(bus::kJobCommandAnswer), Of(bus::kDiscretizeTask),
-                 Of(bus::kSortTask), Of(bus::kEngraveTask), Of(bus::kModelChunk),
-                 Of(bus::kPermission), Of(bus::kMounted)}}),
+                {Of(bus::kPresence), Of(bus::kServiceList), Of(bus::kDiskSpace),
+                 Of(bus::kJobStatus), Of(bus::kJobCount), Of(bus::kJobCommandAnswer),
+                 Of(bus::kDiscretizeTask), Of(bus::kSortTask), Of(bus::kEngraveTask),
+                 Of(bus::kModelChunk), Of(bus::kPermission), Of(bus::kMounted)}}),
           {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kTaskStatus),
            Of(bus::kServiceHealth), Of(bus::kCredit), Of(bus::kEmergencyStop),
            Of(bus::kPresence), Of(bus::kManualCommand), Of(bus::kInterlock)}};

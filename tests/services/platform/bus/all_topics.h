@@ -20,6 +20,7 @@ void ForEachTopic(Visit&& visit) {
   visit(bus::kEngraveTask);
   visit(bus::kTaskStatus);
   visit(bus::kServiceHealth);
+  visit(bus::kServiceList);
   visit(bus::kCredit);
   visit(bus::kAlarm);
   visit(bus::kDiskSpace);

@@ -1,4 +1,4 @@
-#include "services/job_service/disk_report.h"
+#include "services/job_service/published/disk_report.h"
 
 #include <sys/stat.h>
 

@@ -1,4 +1,4 @@
-#include "services/job_service/status_board.h"
+#include "services/job_service/published/status_board.h"
 
 #include <utility>
 #include <vector>
