@@ -1,9 +1,16 @@
 import { Dict, post } from './dom';
 
-/** The connection /control: the state, ten times a second, Stop, and motion by hand. */
+const watchPeriodMs = 250;
+/** Somebody who looks at another page for a moment keeps the connection. */
+const sleepDelayMs = 10000;
+
+/** The connection /control: the state, ten times a second, Stop, and motion by hand. A page
+ * that nobody sees, as on a tablet that sleeps, has none; it comes back with the page, and
+ * with it the whole state. */
 export class Control {
   private socket?: WebSocket;
   private lastMessage = 0;
+  private timer = 0;
   connected = false;
   onState: (state: Dict) => void = () => {};
   onStop: (answer: Dict) => void = () => {};
@@ -12,8 +19,29 @@ export class Control {
   onConnection: (connected: boolean) => void = () => {};
 
   constructor() {
-    this.open();
-    setInterval(() => this.watch(), 250);
+    this.wake();
+    document.addEventListener('visibilitychange', () => {
+      clearTimeout(this.timer);
+      if (document.hidden) this.timer = window.setTimeout(() => this.sleep(), sleepDelayMs);
+      else this.wake();
+    });
+  }
+
+  private wake() {
+    clearInterval(this.timer);
+    this.timer = window.setInterval(() => this.watch(), watchPeriodMs);
+    if (!this.socket) this.open();
+  }
+
+  private sleep() {
+    this.drop();
+    this.set(false);
+  }
+
+  private drop() {
+    const old = this.socket;
+    this.socket = undefined;
+    old?.close();
   }
 
   private open() {
@@ -39,9 +67,7 @@ export class Control {
   private watch() {
     if (performance.now() - this.lastMessage < 2000) return;
     this.set(false);
-    const old = this.socket;
-    this.socket = undefined;
-    old?.close();
+    this.drop();
     this.open();
   }
 
