@@ -11,6 +11,7 @@
 #include "services/platform/command_line/parent_death.h"
 #include "services/platform/host/peers/identity_role.h"
 #include "services/platform/host/peers/presence.h"
+#include "services/platform/host/process/bounded_end.h"
 #include "services/platform/host/process/init_system.h"
 #include "services/platform/host/process/log.h"
 #include "services/platform/link/real_time.h"
@@ -23,6 +24,8 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kHealthPeriod{200};
 constexpr std::chrono::days kExpiryWarning{30};
 constexpr std::chrono::hours kExpiryPeriod{24};
+// From the last health to the end of the process; on a busy computer DDS needs seconds.
+constexpr std::chrono::seconds kEndTime{20};
 
 std::string HostName() {
   char name[256] = "localhost";
@@ -97,6 +100,7 @@ void CheckCell(const ServiceDescription& description, const bus::BusOptions& opt
 int EndByFault(ServiceHost& host, const char* code, const std::string& why) {
   host.SetHealth(intaglio_HEALTH_FAULT, {}, why);
   host.RaiseAlarm(intaglio_ALARM_FAULT, code, why);
+  EndWithin(kEndTime, 1);
   return 1;
 }
 
@@ -265,6 +269,7 @@ int RunService(const ServiceDescription& description, int argc, char** argv,
       host.SetHealth(intaglio_HEALTH_STOPPING);
       host.AwaitHealthReceived();
       LogInfo("ends with exit code {}", code);
+      EndWithin(kEndTime, code);
       return code;
     } catch (const std::bad_alloc&) {
       return EndByFault(host, "no_memory",
