@@ -113,6 +113,44 @@ int SetSpeed(client::JobClient& client, const client::JobView& job,
   return client::kExitGood;
 }
 
+/// The job that `job` is to precede; empty: none.
+Result<std::string> BeforeWhom(client::JobClient& client, const client::JobView& job,
+                               const JobsOptions& options,
+                               std::chrono::milliseconds discovery_time) {
+  if (options.last) return std::string();
+  if (!options.before.empty())
+    return INTAGLIO_TRY(client::AwaitJob(client, options.before, discovery_time)).uid;
+  const auto is_next = [&](const auto& entry) {
+    return entry.second.cell == job.cell && entry.second.queue_place == 1;
+  };
+  const auto next = std::find_if(client.jobs().begin(), client.jobs().end(), is_next);
+  return next == client.jobs().end() ? std::string() : next->first;
+}
+
+int Move(client::JobClient& client, const client::JobView& job,
+         const JobsOptions& options) {
+  if (const auto ended = WhyEnded(job)) return Complain(*ended, client::kExitWrongInput);
+  const auto discovery_time = client::JobClient::kAnswerTime;
+  if (const auto all = client::PollUntilJobsAreKnown(client, discovery_time); !all)
+    return ComplainOfShop(all.error());
+  const auto before = BeforeWhom(client, job, options, discovery_time);
+  if (!before) return ComplainOfShop(before.error());
+  if (*before != job.uid) {
+    const client::JobOrder order{.kind = intaglio_COMMAND_MOVE,
+                                 .before_job_uid = *before};
+    if (auto taken = client.Command(job, order); !taken) return ComplainOf(taken.error());
+  }
+  const auto now = [&]() -> const client::JobView& { return client.jobs().at(job.uid); };
+  client.PollUntil(
+      [&] { return *before == job.uid || now().queue_place != job.queue_place; }, 1s);
+  if (now().queue_place == 0)
+    std::cout << "job " << job.number << " is " << client::StateOf(now()) << "\n";
+  else
+    std::cout << fmt::format("job {} has place {} of those that wait for {}\n",
+                             job.number, now().queue_place, job.cell);
+  return client::kExitGood;
+}
+
 /// 1..140.
 Result<std::uint32_t> PercentOf(const std::string& text) {
   std::uint32_t percent = 0;
@@ -273,6 +311,20 @@ void AddJobsCommands(command_line::Command app) {
       return SetSpeed(client, job, *percent);
     });
   });
+
+  command_line::Command move =
+      add("move", "change the place of a job that waits for its machine",
+          [options](client::JobClient& client, const client::JobView& job) {
+            return Move(client, job, *options);
+          });
+  const auto before = move.AddOption(
+      "--before", options->before,
+      "the waiting job that it is to precede; default the next one of its machine");
+  move.AddFlag("--last", options->last, "behind all that wait for its machine")
+      .Exclude(before);
+  move.SetFooter(
+      "Example: intaglio move 7; intaglio move 7 --before 5; intaglio move 7 --last\n"
+      "It gets the priority of its new neighbour. Nothing is armed by it.");
 }
 
 int SubmitJobFile(const bus::BusOptions& bus, const std::string& file) {

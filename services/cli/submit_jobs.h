@@ -20,6 +20,8 @@ struct JobsOptions {
   JobFlags job;
   std::string uid;
   std::string percent;
+  std::string before;  ///< move
+  bool last = false;   ///< move
   std::string series, stations;
   std::string id;  // of the submission; empty: a new one
   std::string materials_db;

@@ -100,6 +100,7 @@ void JobClient::Take(const intaglio_JobStatus& status) {
   view.alarm = View(status.alarm);
   view.awaits_block = status.awaits_block;
   view.block_id = View(status.block_id);
+  view.queue_place = status.queue_place;
   if (view.uid.empty()) {
     refused_[view.submission_uid] = view;
   } else {

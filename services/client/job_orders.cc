@@ -23,7 +23,7 @@ intaglio_JobCommand CommandOf(const std::string& sender, std::uint64_t number,
   sample.operator_name = Borrow(name);
   static const std::string kEmpty;
   sample.block_id = sample.cell = sample.mounted.glass = Borrow(kEmpty);
-  sample.mounted.lens = sample.mounted.piece = Borrow(kEmpty);
+  sample.mounted.lens = sample.mounted.piece = sample.before_job_uid = Borrow(kEmpty);
   return sample;
 }
 
@@ -42,6 +42,7 @@ Result<std::uint64_t> JobClient::Send(const JobView& job, const JobOrder& order)
   sample.accept_breakage = order.accept_breakage;
   sample.basis = order.basis;
   sample.block_id = Borrow(order.block_id);
+  sample.before_job_uid = Borrow(order.before_job_uid);
   INTAGLIO_TRY(commands_->commands.Write(sample));
   return last_number_;
 }

@@ -48,6 +48,8 @@ struct JobView {
   /// it.
   bool awaits_block = false;
   std::string block_id;  ///< of the loader that armed it; empty: no loader did
+  /// Of a job that waits for its machine: 1 is the next one; else 0.
+  std::uint32_t queue_place = 0;
 
   /// Done, failed or cancelled.
   bool ended() const;
@@ -94,6 +96,8 @@ struct JobOrder {
   /// Arm, resume: what it is based on.
   intaglio_ArmBasis basis = intaglio_ARM_BY_PROGRAM;
   std::string block_id = {};  ///< arm by a loader: the block that it has put in
+  /// Move: the waiting job that it is to precede; empty: behind all that wait.
+  std::string before_job_uid = {};
 };
 
 /// A CellMount, copied.

@@ -93,6 +93,7 @@ std::optional<intaglio_JobCommandKind> CommandNamed(std::string_view name) {
   if (name == "resume") return intaglio_COMMAND_RESUME;
   if (name == "cancel") return intaglio_COMMAND_CANCEL;
   if (name == "speed") return intaglio_COMMAND_SPEED;
+  if (name == "move") return intaglio_COMMAND_MOVE;
   return std::nullopt;
 }
 
@@ -123,6 +124,10 @@ Result<PostedCommand> ReadCommand(intaglio_JobCommandKind kind, const std::strin
     const auto speed = BodyOf<SpeedRequest>(body);
     if (!speed) return Fail(ErrorCode::kInvalidValue, "the body is no SpeedRequest");
     order.speed_percent = speed->percent();
+  } else if (kind == intaglio_COMMAND_MOVE) {
+    const auto move = BodyOf<MoveRequest>(body);
+    if (!move) return Fail(ErrorCode::kInvalidValue, "the body is no MoveRequest");
+    order.before_job_uid = move->before();
   }
   return command;
 }

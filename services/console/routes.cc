@@ -37,6 +37,8 @@ constexpr Route kRoutes[] = {
      "Cancel for good"},
     {"POST", "/api/v1/jobs/{job}/speed", Right::kCharge, "SpeedRequest", "CommandAnswer",
      "Set the speed"},
+    {"POST", "/api/v1/jobs/{job}/move", Right::kCharge, "MoveRequest", "CommandAnswer",
+     "Change the place of a job that waits for its machine"},
     {"GET", "/api/v1/submissions/{id}/files/{file}", Right::kRead, "", "UploadAnswer",
      "How much of a file of a submission has come"},
     {"POST", "/api/v1/submissions/{id}/files/{file}", Right::kOperate,

@@ -31,6 +31,7 @@ CommandView ViewOf(const intaglio_JobCommand& sample) {
   command.basis = sample.basis;
   command.block_id = View(sample.block_id);
   command.cell = View(sample.cell);
+  command.before_job_uid = View(sample.before_job_uid);
   if (auto parts = PartsOf(sample.mounted)) {
     command.mounted = std::move(*parts);
   } else {

@@ -212,6 +212,11 @@ CREATE TABLE mounts (
 );
 ALTER TABLE jobs ADD COLUMN block_id TEXT NOT NULL DEFAULT '';
 ALTER TABLE commands ADD COLUMN basis INTEGER NOT NULL DEFAULT 1;
+)sql",
+    // The order that people have given the queue; kTurnStep apart.
+    R"sql(
+ALTER TABLE jobs ADD COLUMN turn INTEGER NOT NULL DEFAULT 0;
+UPDATE jobs SET turn = number * 1048576;
 )sql"};
 
 }  // namespace intaglio::job_service

@@ -67,7 +67,8 @@ void LoadParts(sql::Connection& database, JobRecord& job) {
 
 // An open job has all of them; an ended one is loaded without its frozen job.
 constexpr const char* kColumns =
-    "number, uid, submission_uid, epoch, name, cell, material, priority, rate_hz, "
+    "number, uid, submission_uid, epoch, name, cell, material, priority, turn, "
+    "rate_hz, "
     "result_directory, state, attempt, lost_attempts, message, estimate_ticks, "
     "first_estimate_ticks, revision, "
     "last_command, ever_granted, armed, operator_name, first_point, fire_uncertain, "
@@ -92,6 +93,7 @@ JobRecord RecordOf(sql::Statement& row) {
   job.material = text("material");
   job.makes = text("makes");
   job.priority = static_cast<int>(row.Integer("priority"));
+  job.turn = row.Integer("turn");
   job.rate_hz = row.Real("rate_hz");
   job.result_directory = text("result_directory");
   job.state = static_cast<intaglio_JobState>(row.Integer("state"));
@@ -211,13 +213,13 @@ void JobStore::Keep(const JobRecord& job) {
         "fire_uncertain, disarm_count, disarm_reason, last_command_id, pause_reason, "
         "warnings, breakage_accepted_by, first_estimate_ticks, makes, block_id, "
         "changed_utc, "
-        "ended_utc) "
+        "ended_utc, turn) "
         "VALUES "
         "(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, "
         "?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, "
         "?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, ?33, ?34, "
         "?35, "
-        "CASE ?11 WHEN 1 THEN ?35 ELSE '' END) "
+        "CASE ?11 WHEN 1 THEN ?35 ELSE '' END, ?36) "
         "ON CONFLICT (number) DO UPDATE SET state = excluded.state, "
         "ended = excluded.ended, attempt = excluded.attempt, "
         "lost_attempts = excluded.lost_attempts, message = excluded.message, "
@@ -234,6 +236,7 @@ void JobStore::Keep(const JobRecord& job) {
         "breakage_accepted_by = excluded.breakage_accepted_by, "
         "first_estimate_ticks = excluded.first_estimate_ticks, "
         "block_id = excluded.block_id, "
+        "priority = excluded.priority, turn = excluded.turn, "
         "changed_utc = excluded.changed_utc, "
         // The first time stays.
         "started_utc = CASE WHEN jobs.started_utc = '' AND excluded.attempt > 0 THEN "
@@ -281,6 +284,7 @@ void JobStore::Keep(const JobRecord& job) {
     insert->Bind(33, job.makes);
     insert->Bind(34, arm.block_id);
     insert->Bind(35, NowUtc());
+    insert->Bind(36, job.turn);
     insert->Execute();
     KeepStages(*database_, job);
     transaction.Commit();

@@ -184,6 +184,7 @@ TEST_F(Console, ArmsByAPressThatIsHeldAndByNothingElse) {
   EXPECT_EQ(PostToJob("speed", R"({"percent": 50})").status, 200);
   EXPECT_TRUE(JobShows("\"speed_percent\": 50"));
   ExpectRefused(PostToJob("speed", R"({"percent": 0})"), "out_of_range");
+  ExpectRefused(PostToJob("move", R"({"before": ""})"), "out_of_range");
   const std::int64_t cracks = floor_.Panel("cracks");
   const std::string again = Press();
   std::this_thread::sleep_for(1300ms);

@@ -171,8 +171,11 @@ TEST_F(SecuredShop, LetsTheObserverReadAndTheOperatorCommand) {
   EXPECT_EQ(seen.exit_code, 0);
   EXPECT_THAT(seen.output, HasSubstr("trefoil knot"));
 
-  for (const auto& words : std::vector<std::vector<std::string>>{
-           {"arm", "1"}, {"cancel", "1"}, {"speed", "1", "50"}, {"submit", kSample}}) {
+  for (const auto& words : std::vector<std::vector<std::string>>{{"arm", "1"},
+                                                                 {"cancel", "1"},
+                                                                 {"speed", "1", "50"},
+                                                                 {"move", "1"},
+                                                                 {"submit", kSample}}) {
     // On a busy computer two may not have known one another in time.
     Ended refused;
     for (int i = 0; i < 5; ++i) {

@@ -33,6 +33,7 @@ bool Reached(const client::JobView& job, intaglio_JobCommandKind kind) {
                              job.state != intaglio_JOB_WAITING_FOR_ARM);
     case intaglio_COMMAND_SPEED:
     case intaglio_COMMAND_MOUNT:
+    case intaglio_COMMAND_MOVE:
       break;
   }
   return true;

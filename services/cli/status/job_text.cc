@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "services/cli/progress/time_left.h"
 #include "services/client/event_lines.h"
@@ -54,6 +55,13 @@ std::string CountsText(const client::JobView& job) {
   return text;
 }
 
+/// "queued, place 2".
+std::string StateInQueue(const client::JobView& job) {
+  std::string state = client::StateOf(job);
+  if (job.queue_place > 0) state += fmt::format(", place {}", job.queue_place);
+  return state;
+}
+
 }  // namespace
 
 std::string TimeOf(const client::JobView& job) {
@@ -69,15 +77,15 @@ std::string ReasonOf(const client::JobView& job) {
 }
 
 std::string ListText(std::vector<client::JobView> jobs, std::time_t now) {
-  std::sort(jobs.begin(), jobs.end(),
-            [](const client::JobView& a, const client::JobView& b) {
-              return a.number < b.number;
-            });
+  std::sort(
+      jobs.begin(), jobs.end(), [](const client::JobView& a, const client::JobView& b) {
+        return std::tie(a.queue_place, a.number) < std::tie(b.queue_place, b.number);
+      });
   constexpr const char* kLine = "{:>6}  {:<24} {:<12} {:<9} {:<10} {:<28} {}\n";
   std::string text = fmt::format(fmt::runtime(kLine), "job", "state", "machine",
                                  "verdict", "time", "progress", "name");
   for (const client::JobView& job : jobs) {
-    text += fmt::format(fmt::runtime(kLine), job.number, client::StateOf(job), job.cell,
+    text += fmt::format(fmt::runtime(kLine), job.number, StateInQueue(job), job.cell,
                         job.verdict.empty() ? "-" : job.verdict, TimeOf(job),
                         ProgressOf(job), job.name);
     if (const std::string left = TimeLeftText(client::WorkLeftOf(job), now);
@@ -94,6 +102,7 @@ std::string ShowText(const client::JobView& job, std::time_t now) {
   std::string text = fmt::format(
       "job        {} ({})\nname       {}\nstate      {}\nmachine    {}\nattempt    {}\n",
       job.number, job.uid, job.name, client::StateOf(job), job.cell, job.attempt);
+  if (job.queue_place > 0) text += fmt::format("queue      place {}\n", job.queue_place);
   if (!job.verdict.empty()) text += fmt::format("verdict    {}\n", job.verdict);
   if (job.counts.planned > 0)
     text += fmt::format("{:<10} {}\n", job.makes, CountsText(job));

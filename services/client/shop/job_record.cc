@@ -51,6 +51,7 @@ JobRecord JobRecordOf(const JobView& job) {
   SetCounts(job.counts, record);
   record.set_makes(job.makes);
   record.set_alarm(job.alarm);
+  record.set_queue_place(job.queue_place);
   return record;
 }
 

@@ -113,6 +113,8 @@ class JobLine {
   private figures = make('div', '', 'quiet');
   private answer = make('div', '', 'need');
   private buttons = make('div');
+  private sooner: HTMLElement;
+  private later: HTMLElement;
   private fire: FirePanel;
   private results: ResultPanel;
 
@@ -122,6 +124,8 @@ class JobLine {
     this.buttons.append(show);
     this.command('pause', text.pause);
     this.command('cancel', text.cancel, text.cancelSure);
+    this.sooner = this.moveButton(text.sooner);
+    this.later = this.moveButton(text.later);
     this.fire = new FirePanel(this.job, (line) => (this.answer.textContent = line));
     this.results = new ResultPanel(this.job);
     this.element.append(this.title, this.bar, this.figures, this.buttons, this.fire.element,
@@ -142,17 +146,39 @@ class JobLine {
         }, 4000);
         return;
       }
-      const answer = await post(`jobs/${this.job}/${name}`, {});
-      this.answer.textContent = answer?.taken ? '' : answer?.message ?? text.lost;
+      this.send(name, {});
     });
     this.buttons.append(button);
+  }
+
+  private async send(name: string, request: Dict) {
+    const answer = await post(`jobs/${this.job}/${name}`, request);
+    this.answer.textContent = answer?.taken ? '' : answer?.message ?? text.lost;
+  }
+
+  /** Its data name the job that this one is to precede. */
+  private moveButton(label: string): HTMLElement {
+    const button = make('button', label);
+    button.addEventListener('click', () => this.send('move', { before: button.dataset.before! }));
+    this.buttons.append(button);
+    return button;
+  }
+
+  /** `queue`: the jobs that wait for the same machine, in their order. */
+  private updatePlace(job: Dict, queue: Dict[]) {
+    const place = queue.indexOf(job);
+    this.sooner.hidden = place < 1;
+    this.later.hidden = place < 0 || place === queue.length - 1;
+    this.sooner.dataset.before = queue[place - 1]?.uid ?? '';
+    this.later.dataset.before = queue[place + 2]?.uid ?? '';
   }
 
   letGo() {
     this.fire.letGo();
   }
 
-  update(job: Dict, machine: Dict | undefined) {
+  update(job: Dict, machine: Dict | undefined, queue: Dict[]) {
+    this.updatePlace(job, queue);
     this.title.textContent = `${job.job} ${job.name}: ${job.state}`;
     const stages: Dict[] = job.stages ?? [];
     const stage = stages.find((one) => one.done < one.total) ?? stages[stages.length - 1];
@@ -197,17 +223,30 @@ class JobList extends HTMLElement {
       line.element.remove();
       this.lines.delete(number);
     }
-    for (const job of jobs) {
+    const waiting = jobs.filter((job) => job.queue_place)
+      .sort((one, other) => one.queue_place - other.queue_place);
+    for (const job of [...jobs.filter((job) => !job.queue_place), ...waiting]) {
       let line = this.lines.get(job.job);
       if (!line) {
         line = new JobLine(job.job, () => this.onShow(job.job));
         this.lines.set(job.job, line);
         this.list.append(line.element);
       }
-      line.update(job, machines.find((machine) => machine.cell === job.cell));
+      line.update(job, machines.find((machine) => machine.cell === job.cell),
+        waiting.filter((other) => other.cell === job.cell));
     }
+    this.order(waiting);
     if (jobs.length) this.empty.remove();
     else this.list.append(this.empty);
+  }
+
+  /** What waits is at the end, in its order. An element that is moved loses the finger that
+   * holds it, so none moves that is at its place. */
+  private order(waiting: Dict[]) {
+    const elements = waiting.map((job) => this.lines.get(job.job)!.element);
+    const shown = [...this.list.children].slice(-elements.length || this.list.children.length);
+    if (elements.some((element, place) => element !== shown[place]))
+      this.list.append(...elements);
   }
 }
 

@@ -91,6 +91,7 @@ void StatusBoard::Write(const JobRecord& job, const intaglio_PointCounts& counts
   sample.alarm = Borrow(job.alarm);
   sample.awaits_block = job.awaits_block;
   sample.block_id = Borrow(job.arm.kept().block_id);
+  sample.queue_place = job.queue_place;
   if (!job.uid.empty() && counted_.insert(job.uid).second) WriteCount();
   published_.emplace(job.uid, job.submission_uid);
   if (auto written = statuses_.Write(sample); !written) {

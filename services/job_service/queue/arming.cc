@@ -30,6 +30,11 @@ CommandAnswer Arming::Check(const JobRecord& job, const CommandView& command) co
               fmt::format("speed_percent {} of job {} is outside {}..{}",
                           command.speed_percent, job.number, kMinSpeedPercent,
                           kMaxSpeedPercent)};
+    case intaglio_COMMAND_MOVE: {
+      const std::string why = book_.WhyNotMoved(job, command.before_job_uid);
+      return why.empty() ? CommandAnswer()
+                         : CommandAnswer{intaglio_ANSWER_OUT_OF_RANGE, why};
+    }
     case intaglio_COMMAND_PAUSE:
     case intaglio_COMMAND_CANCEL:
       return {};

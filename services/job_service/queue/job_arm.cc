@@ -34,7 +34,8 @@ bool JobArm::IsRepeated(const CommandView& command) const {
 
 void JobArm::Note(const CommandView& command) {
   kept_.last_command_id = IdOf(command);
-  if (command.kind == intaglio_COMMAND_SPEED) return;
+  if (command.kind == intaglio_COMMAND_SPEED || command.kind == intaglio_COMMAND_MOVE)
+    return;
   ++kept_.last_command;
   kept_.fire_uncertain = false;
 }

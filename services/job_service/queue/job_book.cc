@@ -1,11 +1,24 @@
 #include "services/job_service/queue/job_book.h"
 
+#include <fmt/format.h>
+
+#include <iterator>
+#include <utility>
+
 namespace intaglio::job_service {
 
 JobRecord& JobBook::Add(JobRecord job) {
-  in_turn_[{-job.priority, job.number}] = job.uid;
+  in_turn_[TurnOf(job)] = job.uid;
   const std::string uid = job.uid;
   return jobs_[uid] = std::move(job);
+}
+
+JobRecord& JobBook::AddNew(JobRecord job) {
+  job.turn = 0;
+  for (const auto& [turn, uid] : in_turn_) {
+    if (std::get<0>(turn) == -job.priority) job.turn = std::get<1>(turn) + kTurnStep;
+  }
+  return Add(std::move(job));
 }
 
 void JobBook::AddEnded(JobRecord job, Nanoseconds now) {
@@ -43,10 +56,83 @@ bool JobBook::CellIsTaken(const std::string& cell) const {
   return false;
 }
 
+// ---- The order of the turn ----------------------------------------------------------
+
+std::string JobBook::WhyNotMoved(const JobRecord& job,
+                                 const std::string& before_job_uid) const {
+  if (!IsWaiting(job, job.cell)) {
+    return fmt::format(
+        "job {} has its machine already: only a job that is queued can be "
+        "moved",
+        job.number);
+  }
+  if (before_job_uid.empty()) return "";
+  const JobRecord* before = Find(before_job_uid);
+  if (before == nullptr) {
+    return fmt::format("no job {} to move job {} before: see intaglio list",
+                       before_job_uid, job.number);
+  }
+  if (before->uid == job.uid)
+    return fmt::format("job {} cannot be moved before itself", job.number);
+  if (IsWaiting(*before, job.cell)) return "";
+  return fmt::format("job {} does not wait for {}: job {} cannot be moved before it",
+                     before->number, job.cell, job.number);
+}
+
+const JobRecord* JobBook::LastWaiting(const JobRecord& job) const {
+  for (auto entry = in_turn_.rbegin(); entry != in_turn_.rend(); ++entry) {
+    const JobRecord& other = jobs_.at(entry->second);
+    if (other.uid != job.uid && IsWaiting(other, job.cell)) return &other;
+  }
+  return nullptr;
+}
+
+void JobBook::SpreadTurns(std::int32_t priority) {
+  std::vector<JobRecord*> equal;
+  for (JobRecord* job : InTurn())
+    if (job->priority == priority) equal.push_back(job);
+  std::erase_if(in_turn_,
+                [&](const auto& entry) { return std::get<0>(entry.first) == -priority; });
+  std::int64_t turn = 0;
+  for (JobRecord* job : equal) {
+    job->turn = turn += kTurnStep;
+    in_turn_[TurnOf(*job)] = job->uid;
+    if (!job->ended()) Change(*job, job->state, job->message);
+  }
+}
+
+std::int64_t JobBook::TurnBefore(const JobRecord& next) {
+  const auto previous_turn = [&] {
+    const auto entry = in_turn_.find(TurnOf(next));
+    const bool is_first = entry == in_turn_.begin() ||
+                          std::get<0>(std::prev(entry)->first) != -next.priority;
+    return is_first ? next.turn - 2 * kTurnStep : std::get<1>(std::prev(entry)->first);
+  };
+  if (next.turn - previous_turn() < 2) SpreadTurns(next.priority);
+  return previous_turn() + (next.turn - previous_turn()) / 2;
+}
+
+void JobBook::Move(JobRecord& job, const std::string& before_job_uid) {
+  const JobRecord* before = Find(before_job_uid);
+  const JobRecord* last = LastWaiting(job);
+  if (before == nullptr && last == nullptr) return;
+  in_turn_.erase(TurnOf(job));
+  if (before != nullptr) {
+    job.turn = TurnBefore(*before);
+    job.priority = before->priority;
+  } else {
+    job.turn = last->turn + kTurnStep;
+    job.priority = last->priority;
+  }
+  in_turn_[TurnOf(job)] = job.uid;
+  Change(job, job.state, job.message);
+}
+
 void JobBook::Change(JobRecord& job, intaglio_JobState state,
                      const std::string& message) {
   job.state = state;
   if (state != intaglio_JOB_PAUSED) job.pause_reason = intaglio_PAUSE_NONE;
+  if (state != intaglio_JOB_QUEUED) job.queue_place = 0;
   job.message = message;
   if (state != intaglio_JOB_ENGRAVING && state != intaglio_JOB_PAUSED) job.alarm.clear();
   ++job.revision;

@@ -8,14 +8,15 @@
 //    or a progress alone is published and not kept.
 // 2. pause_reason is PAUSE_NONE exactly when the state is not JOB_PAUSED.
 // 3. Order of the turn: higher priorities first; of equal ones in the order of
-//    submission.
+//    submission, until a person moves one. A moved job takes the priority of its new
+//    neighbour.
 // 4. An ended job leaves when kRememberedJobs have ended after it, kRememberedFor after
 //    its end at the earliest; the database keeps it (job_store.h). References to jobs
 //    last until Forget. Used from one thread.
 
 #include <map>
 #include <string>
-#include <utility>
+#include <tuple>
 #include <vector>
 
 #include "services/job_service/queue/ended_list.h"
@@ -30,12 +31,17 @@ inline constexpr std::size_t kRememberedJobs = 100;
 /// history.
 inline constexpr std::chrono::seconds kRememberedFor{60};
 
+/// Between the turns of two jobs that were submitted one after the other.
+inline constexpr std::int64_t kTurnStep = std::int64_t{1} << 20;
+
 class JobBook {
  public:
   explicit JobBook(JobActions& actions) : actions_(actions) {}
 
   /// A job that is open, at its place in the turn. Not published yet.
   JobRecord& Add(JobRecord job);
+  /// The same of one that has no turn yet: behind the others of its priority.
+  JobRecord& AddNew(JobRecord job);
   /// One that ended in an earlier run of the job service: published.
   void AddEnded(JobRecord job, Nanoseconds now);
 
@@ -49,6 +55,11 @@ class JobBook {
   /// The open ones; what ends meanwhile stays valid.
   std::vector<JobRecord*> InTurn();
   bool CellIsTaken(const std::string& cell) const;
+  /// Why the job cannot be moved before `before_job_uid` (empty: behind all that wait for
+  /// its machine), for people; empty: it can.
+  std::string WhyNotMoved(const JobRecord& job, const std::string& before_job_uid) const;
+  /// Moves it; only when WhyNotMoved is empty.
+  void Move(JobRecord& job, const std::string& before_job_uid);
 
   void Change(JobRecord& job, intaglio_JobState state, const std::string& message);
   void ChangeToPaused(JobRecord& job, intaglio_PauseReason reason,
@@ -65,10 +76,25 @@ class JobBook {
   void Forget(Nanoseconds now);
 
  private:
+  /// {-priority, turn, number}.
+  using Turn = std::tuple<std::int32_t, std::int64_t, std::uint32_t>;
+  static Turn TurnOf(const JobRecord& job) {
+    return {-job.priority, job.turn, job.number};
+  }
+  bool IsWaiting(const JobRecord& job, const std::string& cell) const {
+    return job.state == intaglio_JOB_QUEUED && job.cell == cell;
+  }
+  /// The last one that waits for the cell, besides `job`; nullptr: none.
+  const JobRecord* LastWaiting(const JobRecord& job) const;
+  /// A turn right before that of `next`, at its priority; makes room where there is none.
+  std::int64_t TurnBefore(const JobRecord& next);
+  /// Gives the jobs of a priority turns that are kTurnStep apart, in their order.
+  void SpreadTurns(std::int32_t priority);
+
   JobActions& actions_;
   std::map<std::string, JobRecord> jobs_;  // by uid
-  // By {-priority, number}; those that ended leave with the next Forget.
-  std::map<std::pair<std::int32_t, std::uint32_t>, std::string> in_turn_;
+  // Those that ended leave with the next Forget.
+  std::map<Turn, std::string> in_turn_;
   EndedList ended_{kRememberedJobs, kRememberedFor};
 };
 

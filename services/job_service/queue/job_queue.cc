@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <set>
+#include <map>
+#include <utility>
 
 #include "services/platform/host/safety/absence_limit.h"
 
@@ -73,7 +74,7 @@ void JobQueue::Restore(std::vector<JobRecord> jobs, std::optional<Nanoseconds> a
 
 void JobQueue::Add(JobRecord job) {
   job.place = PlaceOf(job.frozen_job);
-  book_.Change(book_.Add(std::move(job)), intaglio_JOB_QUEUED, "");
+  book_.Change(book_.AddNew(std::move(job)), intaglio_JOB_QUEUED, "");
 }
 
 void JobQueue::EndJob(JobRecord& job, intaglio_JobState state, const std::string& message,
@@ -110,6 +111,8 @@ void JobQueue::Apply(JobRecord& job, const CommandView& command, Nanoseconds now
     case intaglio_COMMAND_SPEED:
       job.speed_percent = command.speed_percent;
       return book_.Change(job, job.state, job.message);
+    case intaglio_COMMAND_MOVE:
+      return book_.Move(job, command.before_job_uid);
     case intaglio_COMMAND_MOUNT:
       break;  // of a machine, not of a job
   }
@@ -132,16 +135,19 @@ void JobQueue::Turn(Nanoseconds now) {
 }
 
 void JobQueue::StartWaiting(Nanoseconds now) {
-  std::set<std::string> cells;  // whose first waiting job had its chance
+  std::map<std::string, std::uint32_t> waiting;  // jobs that had their chance, by cell
   for (JobRecord* job : book_.InTurn()) {
     if (job->state != intaglio_JOB_QUEUED) continue;
-    if (!cells.insert(job->cell).second || book_.CellIsTaken(job->cell)) {
+    const std::uint32_t place = ++waiting[job->cell];
+    const bool has_moved = std::exchange(job->queue_place, place) != place;
+    if (place > 1 || book_.CellIsTaken(job->cell)) {
       WaitFor(*job,
               fmt::format("its turn on {}; arm it then, with its block in the machine",
                           job->cell));
     } else {
       HandOut(*job, now);
     }
+    if (has_moved && job->state == intaglio_JOB_QUEUED) book_.PublishProgress(*job);
   }
 }
 

@@ -51,7 +51,8 @@ struct JobRecord {
   std::string cell;
   std::string material;
   std::string makes = "points";  ///< what its counts count, or "marks"
-  std::int32_t priority = 0;     ///< JobSpec.priority
+  std::int32_t priority = 0;     ///< JobSpec.priority, or that of where it was moved to
+  std::int64_t turn = 0;         ///< among equal priorities, the least first (job_book.h)
   double rate_hz = 0;
   std::string result_directory;
   std::string frozen_job;  ///< serialized FrozenJob
@@ -71,6 +72,7 @@ struct JobRecord {
 
   // Not kept over a restart.
   JobPlace place;                     ///< made of the frozen job
+  std::uint32_t queue_place = 0;      ///< queued: 1 is the next one of its machine
   bool awaits_block = false;          ///< no program arms it: piece_book.h
   std::string mount_misfit;           ///< of what is mounted, as of
   std::uint64_t mount_revision = 0;   ///< this MountBook::revision; 0: not compared

@@ -43,7 +43,8 @@ struct CommandView {
   std::string block_id;
   std::string cell;  ///< mount: the machine, and what is in it
   MountedParts mounted;
-  std::string mount_error;  ///< why `mounted` cannot be read; empty: it can
+  std::string before_job_uid;  ///< move: empty: behind all that wait
+  std::string mount_error;     ///< why `mounted` cannot be read; empty: it can
 };
 /// Range of the speed override, % of the job's speed limits (Trochimczuk 2008, 6.4.2).
 inline constexpr std::uint32_t kMinSpeedPercent = 1, kMaxSpeedPercent = 140;

@@ -85,6 +85,44 @@ class JobClientTest : public ::testing::Test {
   std::optional<ServiceProcess> service_;
 };
 
+/// Short numbers of the jobs that wait, in their order.
+std::vector<std::uint32_t> Waiting(const JobClient& client) {
+  std::map<std::uint32_t, std::uint32_t> by_place;
+  for (const auto& [uid, job] : client.jobs())
+    if (job.queue_place > 0) by_place[job.queue_place] = job.number;
+  std::vector<std::uint32_t> numbers;
+  for (const auto& [place, number] : by_place) numbers.push_back(number);
+  return numbers;
+}
+
+TEST_F(JobClientTest, AMovedJobKeepsItsPlaceWhenTheJobServiceIsKilled) {
+  Start();
+  std::vector<JobView> jobs;
+  for (int i = 0; i < 3; ++i) {
+    const auto job = ann_.Submit(GoodJob(), 10s);
+    ASSERT_TRUE(job.has_value()) << job.error().message;
+    jobs.push_back(*job);
+  }
+  const auto waits = [&](const std::vector<std::uint32_t>& expected) {
+    return bob_.PollUntil([&] { return Waiting(bob_) == expected; }, 20s);
+  };
+  EXPECT_TRUE(waits({1, 2, 3}));
+  const JobOrder first{.kind = intaglio_COMMAND_MOVE, .before_job_uid = jobs[0].uid};
+  ASSERT_TRUE(ann_.Command(jobs[2], first).has_value());
+  EXPECT_TRUE(waits({3, 1, 2}));
+  service_.emplace(folder_, test::PrivateTag());  // the one before is killed
+  EXPECT_TRUE(waits({3, 1, 2}));
+  shop_.ready = true;
+  EXPECT_TRUE(waits({1, 2})) << "the first one has its machine";
+  EXPECT_NE(bob_.jobs().at(jobs[2].uid).state, intaglio_JOB_QUEUED);
+  const auto late =
+      ann_.Command(bob_.jobs().at(jobs[1].uid),
+                   {.kind = intaglio_COMMAND_MOVE, .before_job_uid = jobs[2].uid});
+  ASSERT_FALSE(late.has_value());
+  EXPECT_EQ(late.error().value, "out_of_range");
+  EXPECT_THAT(late.error().message, HasSubstr("job 3 does not wait for"));
+}
+
 TEST_F(JobClientTest, WaitsForTheAnswerToItsOwnCommand) {
   Start();
   const auto job = ann_.Submit(GoodJob(), 10s);

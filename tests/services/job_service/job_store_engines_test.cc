@@ -50,6 +50,7 @@ TEST_P(JobStoreEngine, KeepsEveryFieldThatHasToLast) {
   EXPECT_EQ(job.cell, kept.cell);
   EXPECT_EQ(job.material, kept.material);
   EXPECT_EQ(job.priority, kept.priority);
+  EXPECT_EQ(job.turn, kept.turn);
   EXPECT_EQ(job.rate_hz, kept.rate_hz);
   EXPECT_EQ(job.result_directory, kept.result_directory);
   EXPECT_EQ(job.frozen_job, kept.frozen_job);

@@ -24,6 +24,7 @@ class JobStoreRig : public testing::Test {
     job.cell = "els-03";
     job.material = "N-BK7";
     job.priority = -3;
+    job.turn = -(std::int64_t{1} << 40);
     job.rate_hz = 100;
     job.result_directory = "/results/" + job.uid;
     job.frozen_job = std::string("\0\1\2\xff", 4);

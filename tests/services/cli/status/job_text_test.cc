@@ -30,6 +30,22 @@ TEST(JobText, AnEndedJobHasItsVerdictItsCountsAndTheReason) {
   EXPECT_THAT(shown, HasSubstr("reason     of 1240 points 4 missed, 2 skipped"));
 }
 
+TEST(JobText, WhatWaitsIsInItsOrderBehindTheOthers) {
+  std::vector<client::JobView> jobs;
+  for (const std::uint32_t number : {1, 2, 3, 4})
+    jobs.push_back(ShownJob(number, intaglio_JOB_QUEUED));
+  jobs[0].queue_place = 3;
+  jobs[1].queue_place = 1;
+  jobs[3].queue_place = 2;
+  jobs[2].state = intaglio_JOB_ENGRAVING;
+  EXPECT_THAT(ListText(jobs), ContainsRegex("3  engraving .*\n(.*\n)*"
+                                            " +2  queued, place 1 .*\n(.*\n)*"
+                                            " +4  queued, place 2 .*\n(.*\n)*"
+                                            " +1  queued, place 3 "));
+  EXPECT_THAT(ShowText(jobs[0]), HasSubstr("queue      place 3\n"));
+  EXPECT_THAT(ShowText(jobs[2]), Not(HasSubstr("queue")));
+}
+
 TEST(JobText, AGoodJobHasNoReason) {
   client::JobView job = ShownJob(7, intaglio_JOB_DONE);
   job.verdict = "good";

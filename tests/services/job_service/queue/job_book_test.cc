@@ -14,7 +14,7 @@ class JobBookTest : public testing::Test {
     job.uid = fmt::format("j{}", number);
     job.cell = cell;
     job.priority = priority;
-    return book_.Add(std::move(job));
+    return book_.AddNew(std::move(job));
   }
   std::vector<std::uint32_t> Turn() {
     std::vector<std::uint32_t> numbers;
@@ -32,6 +32,70 @@ TEST_F(JobBookTest, TheTurnIsByPriorityAndThenBySubmission) {
   Add(3);
   Add(4, 5);
   EXPECT_THAT(Turn(), testing::ElementsAre(2, 4, 1, 3));
+}
+
+TEST_F(JobBookTest, AMovedJobPrecedesTheNamedOneAndIsKept) {
+  for (std::uint32_t number : {1, 2, 3, 4}) Add(number);
+  book_.Move(*book_.Find("j4"), "j2");
+  EXPECT_THAT(Turn(), testing::ElementsAre(1, 4, 2, 3));
+  book_.Move(*book_.Find("j3"), "j1");
+  EXPECT_THAT(Turn(), testing::ElementsAre(3, 1, 4, 2));
+  book_.Move(*book_.Find("j3"), "");
+  EXPECT_THAT(Turn(), testing::ElementsAre(1, 4, 2, 3));
+  Add(5);
+  EXPECT_THAT(Turn(), testing::ElementsAre(1, 4, 2, 3, 5)) << "behind what was moved";
+  // The order outlasts the process.
+  EXPECT_EQ(actions_.kept.at("j4").turn, book_.Find("j4")->turn);
+  JobBook restored(actions_);
+  for (const auto& [uid, job] : book_.jobs()) restored.Add(job);
+  std::vector<std::uint32_t> numbers;
+  for (const JobRecord* job : restored.InTurn()) numbers.push_back(job->number);
+  EXPECT_EQ(numbers, Turn());
+}
+
+// However often the same two jobs get another one between them.
+TEST_F(JobBookTest, ThereIsAlwaysRoomBetweenTwoJobs) {
+  constexpr std::uint32_t kCount = 200;
+  for (std::uint32_t number = 1; number <= kCount; ++number) Add(number);
+  std::vector<std::uint32_t> expected = {1};
+  for (std::uint32_t number = 3; number <= kCount; ++number) {
+    book_.Move(*book_.Find(fmt::format("j{}", number)), "j2");
+    expected.push_back(number);
+  }
+  expected.push_back(2);
+  EXPECT_EQ(Turn(), expected);
+  for (std::uint32_t number = 2; number <= kCount; ++number)
+    book_.Move(*book_.Find(fmt::format("j{}", number)), fmt::format("j{}", Turn()[0]));
+  for (std::uint32_t i = 0; i < kCount; ++i) expected[i] = kCount - i;
+  EXPECT_EQ(Turn(), expected);
+}
+
+TEST_F(JobBookTest, AMovedJobTakesThePriorityOfItsNeighbour) {
+  Add(1, 5);
+  Add(2);
+  Add(3, -5);
+  book_.Move(*book_.Find("j3"), "j1");
+  EXPECT_THAT(Turn(), testing::ElementsAre(3, 1, 2));
+  EXPECT_EQ(book_.Find("j3")->priority, 5);
+  book_.Move(*book_.Find("j1"), "");
+  EXPECT_THAT(Turn(), testing::ElementsAre(3, 2, 1));
+  EXPECT_EQ(book_.Find("j1")->priority, 0);
+}
+
+TEST_F(JobBookTest, OnlyWhatWaitsForTheSameMachineIsMoved) {
+  using testing::HasSubstr;
+  JobRecord& first = Add(1);
+  JobRecord& second = Add(2);
+  Add(3, 0, "another");
+  EXPECT_EQ(book_.WhyNotMoved(second, "j1"), "");
+  EXPECT_THAT(book_.WhyNotMoved(second, "j3"), HasSubstr("job 3 does not wait for c"));
+  EXPECT_THAT(book_.WhyNotMoved(second, "j2"), HasSubstr("before itself"));
+  EXPECT_THAT(book_.WhyNotMoved(second, "j9"), HasSubstr("no job j9"));
+  book_.Change(first, intaglio_JOB_DISCRETIZING, "");
+  EXPECT_THAT(book_.WhyNotMoved(first, ""), HasSubstr("has its machine already"));
+  EXPECT_THAT(book_.WhyNotMoved(second, "j1"), HasSubstr("job 1 does not wait for c"));
+  book_.Move(second, "");
+  EXPECT_THAT(Turn(), testing::ElementsAre(1, 2, 3)) << "nobody else waits for c";
 }
 
 TEST_F(JobBookTest, AChangeOfStateIsKeptAndAMessageIsNot) {
