@@ -13,6 +13,7 @@
 #include <numbers>
 #include <vector>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 
 namespace intaglio::calibrate {
@@ -32,9 +33,10 @@ Status CheckPoints(std::span<const Vec2> points_mm, double radius_mm) {
   }
   if (points_mm.size() < kMinPoints) {
     return Fail(ErrorCode::kMissing,
-                fmt::format("{} points are too few for a circle; measure {} or more, all "
+                fmt::format("{} {} too few for a circle; measure {} or more, all "
                             "around",
-                            points_mm.size(), kMinPoints),
+                            Counted(points_mm.size(), "point"), IsOrAre(points_mm.size()),
+                            kMinPoints),
                 fmt::format("{}", points_mm.size()));
   }
   for (std::size_t i = 0; i < points_mm.size(); ++i) {

@@ -11,6 +11,7 @@
 #include <unordered_map>
 
 #include "engrave/calibrate/median.h"
+#include "engrave/core/counted.h"
 
 // Every half degree, shifted so that the medians coincide, and as it is; the candidates
 // with most marks near one are refined with the similarity of least squares of their
@@ -164,9 +165,10 @@ Result<std::vector<int>> MatchMarks(const std::vector<Vec2>& marks_mm,
   constexpr std::size_t kFewest = 20, kMany = 20000;
   if (measured_mm.size() < kFewest) {
     return Fail(ErrorCode::kMissing,
-                fmt::format("{} marks are too few to recognize the pattern; measure {} "
+                fmt::format("{} {} too few to recognize the pattern; measure {} "
                             "or more, or give their numbers",
-                            measured_mm.size(), kFewest));
+                            Counted(measured_mm.size(), "mark"),
+                            IsOrAre(measured_mm.size()), kFewest));
   }
   if (measured_mm.size() > std::min(kMany, 4 * marks_mm.size())) {
     return Fail(ErrorCode::kTooLarge,
@@ -194,10 +196,11 @@ Result<std::vector<int>> MatchMarks(const std::vector<Vec2>& marks_mm,
                                                 marks_mm.size(), measured_mm.size()));
   if (static_cast<double>(best_count) < needed) {
     return Fail(ErrorCode::kInvalidValue,
-                fmt::format("the marks are not the pattern: at best {} of {} measured "
-                            "marks are within {} mm of one; check the unit or the pixel "
+                fmt::format("the marks are not the pattern: at best {} of {} {} "
+                            "within {} mm of one; check the unit or the pixel "
                             "size, and that it is seen from above",
-                            best_count, measured_mm.size(), options.reach_mm));
+                            best_count, Counted(measured_mm.size(), "measured mark"),
+                            IsOrAre(best_count), options.reach_mm));
   }
   return best;
 }

@@ -17,7 +17,16 @@ std::string NounFor(std::uint64_t count, std::string_view noun,
 std::string Counted(std::uint64_t count, std::string_view noun,
                     std::string_view plural = {});
 
-inline const char* IsOrAre(std::uint64_t count) { return count == 1 ? "is" : "are"; }
-inline const char* WasOrWere(std::uint64_t count) { return count == 1 ? "was" : "were"; }
+/// "belongs" of one, "belong" of every other count.
+inline const char* VerbFor(std::uint64_t count, const char* of_one, const char* of_more) {
+  return count == 1 ? of_one : of_more;
+}
+inline const char* IsOrAre(std::uint64_t count) { return VerbFor(count, "is", "are"); }
+inline const char* WasOrWere(std::uint64_t count) {
+  return VerbFor(count, "was", "were");
+}
+inline const char* HasOrHave(std::uint64_t count) {
+  return VerbFor(count, "has", "have");
+}
 
 }  // namespace intaglio

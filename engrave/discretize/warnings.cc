@@ -21,10 +21,11 @@ Warnings WarningsOf(const MethodStatistics& statistics, double min_spacing_mm) {
   }
   if (statistics.odd_ray_count > 0) {
     warn(WarningCode::kOddRays,
-         fmt::format("{} of {} rays cross the surface an odd number of times: the model "
+         fmt::format("{} of {} {} the surface an odd number of times: the model "
                      "is not closed; "
                      "close its holes in a mesh editor, or use the method even",
-                     statistics.odd_ray_count, statistics.ray_count));
+                     statistics.odd_ray_count, Counted(statistics.ray_count, "ray"),
+                     VerbFor(statistics.odd_ray_count, "crosses", "cross")));
   }
   if (statistics.shallow_count > 0) {
     warn(

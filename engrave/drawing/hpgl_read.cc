@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "engrave/core/counted.h"
 #include "engrave/drawing/drawing_builder.h"
 #include "engrave/drawing/hpgl_commands.h"
 #include "engrave/drawing/hpgl_encoded.h"
@@ -18,7 +19,6 @@ namespace intaglio::drawing {
 namespace {
 
 using std::numbers::pi;
-
 constexpr double kPlotterUnit_mm = 0.025;
 constexpr char kEndOfText = '\x03';
 constexpr char kEscape = '\x1B';
@@ -129,7 +129,7 @@ class HpglReader {
     return number;
   }
 
-  /// All numbers of an instruction that has few; at least `least` of them are required.
+  /// All numbers of an instruction that has few, `smallest` or more.
   bool Numbers(std::size_t smallest, std::vector<double>& numbers) {
     bool ok = true;
     while (const std::optional<double> number = NextNumber(ok)) {
@@ -139,8 +139,8 @@ class HpglReader {
     }
     if (!ok || numbers.size() >= smallest) return ok;
     return Refuse(ErrorCode::kInvalidValue,
-                  fmt::format("needs {} numbers, got {}; plot the drawing again",
-                              smallest, numbers.size()));
+                  fmt::format("needs {}, got {}; plot the drawing again",
+                              Counted(smallest, "number"), numbers.size()));
   }
 
   bool Do() {

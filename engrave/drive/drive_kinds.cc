@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <string>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/drive/first_order.h"
 #include "engrave/drive/linear_drive.h"
@@ -107,8 +108,9 @@ const DriveKind kKinds[] = {
 Status CheckValues(const DriveKind& kind, Values values) {
   if (values.size() != kind.parameters.size()) {
     return Fail(ErrorCode::kInvalidValue,
-                fmt::format("drive {}: {} values are given, it has {} parameters",
-                            kind.name, values.size(), kind.parameters.size()));
+                fmt::format("drive {}: {} {} given, it has {}", kind.name,
+                            Counted(values.size(), "value"), IsOrAre(values.size()),
+                            Counted(kind.parameters.size(), "parameter")));
   }
   for (std::size_t i = 0; i < values.size(); ++i) {
     const DriveParameter& parameter = kind.parameters[i];

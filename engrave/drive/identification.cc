@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/drive/drive_kinds.h"
 
@@ -50,10 +51,10 @@ Status CheckSteps(std::span<const DriveStep> steps) {
       steps, [](const DriveStep& step) { return step.position_u.has_value(); });
   // The first sample of a record is where the axis rests.
   if (measured < 9) {
-    return WrongRecord(
-        fmt::format("{} samples are too few to identify a drive; record 10 "
-                    "or more",
-                    steps.empty() ? 0 : measured + 1));
+    const std::uint64_t count =
+        steps.empty() ? 0 : static_cast<std::uint64_t>(measured) + 1;
+    return WrongRecord(fmt::format("{} {} too few to identify a drive; record 10 or more",
+                                   Counted(count, "sample"), IsOrAre(count)));
   }
   const bool moves = std::ranges::any_of(steps, [](const DriveStep& step) {
     const Cubic& c = step.command;

@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/formats/coordinate_lines.h"
 #include "engrave/formats/point_file.h"
@@ -203,8 +204,10 @@ Result<PointTable> PointReader::Read() {
                                   PassedOver()));
   }
   if (passed_over_count_ > 0) {
-    table_.comments.push_back(fmt::format("{} entities other than POINT were ignored: {}",
-                                          passed_over_count_, PassedOver()));
+    table_.comments.push_back(
+        fmt::format("{} other than POINT {} ignored: {}",
+                    Counted(passed_over_count_, "entity", "entities"),
+                    WasOrWere(passed_over_count_), PassedOver()));
   }
   return std::move(table_);
 }

@@ -32,6 +32,7 @@
 #include <optional>
 
 #include "engrave/core/check.h"
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/formats/point_table_rules.h"
@@ -236,14 +237,17 @@ Result<std::string_view> PayloadOf(std::string_view bytes, const SclHeader& head
   // The size by multiplication could overflow; a count that fits in the rest does not.
   if (header.point_count > rest.size() / row_size ||
       header.point_count * row_size + kCrcSize > rest.size()) {
-    return Damaged(
-        fmt::format("the file is truncated: its {} points need more than its {} bytes",
-                    header.point_count, bytes.size()));
+    return Damaged(fmt::format("the file is truncated: its {} {} more than its {}",
+                               Counted(header.point_count, "point"),
+                               VerbFor(header.point_count, "needs", "need"),
+                               Counted(bytes.size(), "byte")));
   }
   const std::size_t size = header.point_count * row_size;
   if (rest.size() > size + kCrcSize) {
-    return Damaged(fmt::format("{} extra bytes follow its {} points",
-                               rest.size() - size - kCrcSize, header.point_count));
+    return Damaged(
+        fmt::format("{} {} its {}", Counted(rest.size() - size - kCrcSize, "extra byte"),
+                    VerbFor(rest.size() - size - kCrcSize, "follows", "follow"),
+                    Counted(header.point_count, "point")));
   }
   if (Crc(rest.substr(0, size)) != GetAt<std::uint32_t>(rest, size)) {
     return Damaged("its points are damaged: their checksum is wrong");

@@ -12,6 +12,7 @@
 #include <optional>
 #include <utility>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/galvo/calibration_grid.h"
 
@@ -268,11 +269,13 @@ Result<GridMatch> MatchGrid(std::span<const Vec2> measured_mm, int nodes,
   const Vec2 middle_mm = (low + high) / 2;
   const Connected found = ConnectMarks(measured_mm, middle_mm, nodes, pitch_mm);
   if (found.columns != nodes || found.rows != nodes) {
-    return Fail(ErrorCode::kInvalidValue,
-                fmt::format("{} columns and {} rows of marks are connected, {} are "
-                            "expected; check nodes, pitch and the scale of the picture",
-                            found.columns, found.rows, nodes),
-                fmt::format("{} x {}", found.columns, found.rows));
+    return Fail(
+        ErrorCode::kInvalidValue,
+        fmt::format("{} and {} of marks are connected, {} are "
+                    "expected; check nodes, pitch and the scale of the picture",
+                    Counted(static_cast<std::uint64_t>(found.columns), "column"),
+                    Counted(static_cast<std::uint64_t>(found.rows), "row"), nodes),
+        fmt::format("{} x {}", found.columns, found.rows));
   }
   const int half = (nodes - 1) / 2;
   GridMatch match;

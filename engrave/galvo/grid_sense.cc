@@ -8,6 +8,8 @@
 #include <numbers>
 #include <optional>
 
+#include "engrave/core/counted.h"
+
 namespace intaglio::galvo {
 namespace {
 
@@ -87,9 +89,10 @@ Status CheckFitSense(const HeadFit& fit, double width_mm) {
   const auto count = static_cast<double>(fit.used.size());
   if (static_cast<double>(left_out) > kMaxLeftOutShare * count) {
     return FailSense(fmt::format(
-        "{} of {} marks are far from where the others put them; check which mark belongs "
+        "{} of {} {} far from where the others put them; check which mark belongs "
         "to which command, and measure again",
-        left_out, fit.used.size()));
+        left_out, Counted(fit.used.size(), "mark"),
+        IsOrAre(static_cast<std::uint64_t>(left_out))));
   }
   if (fit.sigma_mm > kMaxLeftShare * width_mm) {
     return FailSense(fmt::format(

@@ -12,6 +12,7 @@
 #include <random>
 
 #include "engrave/core/check.h"
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/galvo/grid_sense.h"
 #include "engrave/galvo/residual_surface.h"
@@ -301,9 +302,9 @@ Result<HeadFit> FitHead(std::span<const GridMark> marks, const HeadFitOptions& o
     if (used.size() < kMinMarks) {
       return Fail(
           ErrorCode::kMissing,
-          fmt::format("{} marks are too few to fit a head; measure {} or more over the "
+          fmt::format("{} {} too few to fit a head; measure {} or more over the "
                       "whole field",
-                      used.size(), kMinMarks),
+                      Counted(used.size(), "mark"), IsOrAre(used.size()), kMinMarks),
           fmt::format("{}", used.size()));
     }
     solution = INTAGLIO_TRY(Solve(options.focal_mm, used));

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <limits>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/image/decoders.h"
 #include "engrave/image/luminance.h"
@@ -176,7 +177,9 @@ Result<GreyImage> ReadPlain(const Bitmap& b, const Luminance& luminance) {
       (static_cast<std::size_t>(b.width) * b.depth + 31) / 32 * 4;
   if (!b.Has(b.pixels_at, 0) ||
       (b.bytes.size() - b.pixels_at) / row_bytes < static_cast<std::size_t>(b.height)) {
-    return CutOff(fmt::format("its {} rows of {} bytes", b.height, row_bytes));
+    return CutOff(fmt::format("its {} of {}",
+                              Counted(static_cast<std::uint64_t>(b.height), "row"),
+                              Counted(row_bytes, "byte")));
   }
   const std::vector<std::uint16_t> palette = ReadPalette(b, luminance);
   GreyImage image{static_cast<int>(b.width), static_cast<int>(b.height), {}};

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/image/decoders.h"
 #include "engrave/image/luminance.h"
@@ -85,11 +86,11 @@ Status FindPalette(PcxPicture& picture) {
                           ? ColoursAt(picture.bytes, size - kLargePalette, 256)
                           : GreysOf(256);
   } else {
-    return Fail(
-        ErrorCode::kUnsupported,
-        fmt::format("the PCX has {} planes of {} bits: save it with 1, 4, 8 or 24 "
-                    "bits a pixel",
-                    picture.planes, picture.depth));
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("the PCX has {} of {}: save it with 1, 4, 8 or 24 "
+                            "bits a pixel",
+                            Counted(static_cast<std::uint64_t>(picture.planes), "plane"),
+                            Counted(static_cast<std::uint64_t>(picture.depth), "bit")));
   }
   return {};
 }
@@ -153,9 +154,11 @@ Result<GreyImage> ParsePcx(std::string_view bytes, const ImageOptions& options) 
   INTAGLIO_TRY(CheckSize(picture.width, picture.height, options.limits));
   if (8 * picture.plane_bytes < static_cast<std::size_t>(picture.width) * picture.depth) {
     return Fail(ErrorCode::kUnreadable,
-                fmt::format("the PCX has rows of {} bytes for {} pixels of {} bits: save "
+                fmt::format("the PCX has rows of {} for {} of {}: save "
                             "it again",
-                            picture.plane_bytes, picture.width, picture.depth));
+                            Counted(picture.plane_bytes, "byte"),
+                            Counted(static_cast<std::uint64_t>(picture.width), "pixel"),
+                            Counted(static_cast<std::uint64_t>(picture.depth), "bit")));
   }
   const Luminance luminance(options, false);
   GreyImage image{static_cast<int>(picture.width), static_cast<int>(picture.height), {}};

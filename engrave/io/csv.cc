@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
 
@@ -194,9 +195,10 @@ Result<CsvTable> ParseCsv(std::string_view bytes, const CsvLimits& limits) {
     CsvRow row = INTAGLIO_TRY(records.Next());
     if (row.fields.size() != table.names.size()) {
       return Fail(ErrorCode::kUnreadable,
-                  fmt::format("line {} has {} fields for {} columns; put a field with a "
+                  fmt::format("line {} has {} for {}; put a field with a "
                               "separator in quotes",
-                              row.line_number, row.fields.size(), table.names.size()));
+                              row.line_number, Counted(row.fields.size(), "field"),
+                              Counted(table.names.size(), "column")));
     }
     if (table.rows.size() == limits.max_rows) {
       return Fail(ErrorCode::kTooLarge,

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "engrave/core/counted.h"
 #include "engrave/io/number_text.h"
 
 namespace intaglio::mesh {
@@ -116,8 +117,8 @@ std::string WrongInCollada(std::string_view text) {
       wrong = "an accessor has no source";
     } else if (*count > 0 && *offset + (*count - 1) * *stride + std::max(*stride, read) >
                                  array->second) {
-      wrong = fmt::format("an accessor exceeds the {} numbers of '{}'", array->second,
-                          array->first);
+      wrong = fmt::format("an accessor exceeds the {} of '{}'",
+                          Counted(array->second, "number"), array->first);
     }
     return wrong.empty();
   });

@@ -229,7 +229,7 @@ Warnings WarningsOf(const MeshDiagnosis& d, std::string_view model_name) {
   const auto triangles = [](std::uint64_t count, const char* of_one, const char* of_more,
                             const char* what) {
     return fmt::format("{} {} {}", Counted(count, "triangle"),
-                       count == 1 ? of_one : of_more, what);
+                       VerbFor(count, of_one, of_more), what);
   };
   warn_if(
       d.open_edge_count, WarningCode::kOpenSurface,
@@ -243,7 +243,7 @@ Warnings WarningsOf(const MeshDiagnosis& d, std::string_view model_name) {
                   "inside; remove inner walls in a mesh editor if no points are wanted "
                   "there",
                   Counted(d.non_manifold_edge_count, "edge"),
-                  d.non_manifold_edge_count == 1 ? "belongs" : "belong"));
+                  VerbFor(d.non_manifold_edge_count, "belongs", "belong")));
   warn_if(d.flipped_triangle_count, WarningCode::kFlippedTriangles,
           triangles(d.flipped_triangle_count, "is", "are",
                     "oriented against the neighbours; make the normals consistent in a "

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/io/lower_case.h"
 #include "engrave/io/number_text.h"
@@ -124,7 +125,8 @@ Status TextReader::TakeCorner(Tokens& words, std::string_view line) {
 
 Status TextReader::EndFacet() {
   if (!in_facet_ || corner_count_ != corners_.size()) {
-    return Refuse(fmt::format("ends a facet of {} vertices", corner_count_));
+    return Refuse(
+        fmt::format("ends a facet of {}", Counted(corner_count_, "vertex", "vertices")));
   }
   in_facet_ = false;
   return welder_.Add(corners_);
@@ -226,8 +228,8 @@ Result<TriangleMesh> ReadStl(ByteReader& bytes, std::uint64_t byte_count,
   // A few bytes behind the last triangle are the padding of some writers.
   if (rest_size / kTriangleSize != count) {
     return source.RefuseAsUnreadable(
-        fmt::format("its header declares {} triangles, its size allows {}", count,
-                    rest_size / kTriangleSize));
+        fmt::format("its header declares {}, its size allows {}",
+                    Counted(count, "triangle"), rest_size / kTriangleSize));
   }
   return ReadBinary(bytes, count, source);
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engrave/core/check.h"
+#include "engrave/core/counted.h"
 
 // A cubic with end positions P0, P1, end velocities v0, v1 and duration d has the
 // Bezier points B0 = P0, B1 = P0 + v0 d / 3, B2 = P1 - v1 d / 3, B3 = P1. Its velocity
@@ -134,7 +135,9 @@ MotionReport MotionVerifier::Finish() {
   report_.ticks = (subticks_ + kSubticksPerTick - 1) / kSubticksPerTick;
   const auto missing = std::count(seen_.begin(), seen_.end(), false);
   if (options_.all_points && missing > 0) {
-    Violate(fmt::format("{} of {} points are never reached", missing, seen_.size()));
+    Violate(fmt::format("{} of {} {} never reached", missing,
+                        Counted(seen_.size(), "point"),
+                        IsOrAre(static_cast<std::uint64_t>(missing))));
   }
   return std::move(report_);
 }

@@ -4,6 +4,8 @@
 
 #include <cctype>
 
+#include "engrave/core/counted.h"
+
 namespace intaglio::post {
 namespace {
 
@@ -37,11 +39,12 @@ Status RequireName(const Template& program, const std::string& name,
   const auto max = static_cast<std::size_t>(program.SettingOf("max-name", kMaxName.max));
   const std::string longest = PartName(name, part_count > 0 ? part_count - 1 : 0);
   if (longest.size() <= max) return {};
-  return Fail(ErrorCode::kInvalidValue,
-              fmt::format("{}: the program's name {} has {} characters, and this "
-                          "controller takes {}; give --out a shorter file name",
-                          program.file, longest, longest.size(), max),
-              longest);
+  return Fail(
+      ErrorCode::kInvalidValue,
+      fmt::format("{}: the program's name {} has {}, and this "
+                  "controller takes {}; give --out a shorter file name",
+                  program.file, longest, Counted(longest.size(), "character"), max),
+      longest);
 }
 
 Status RequireSuited(const Template& program, const TemplateRules& rules,

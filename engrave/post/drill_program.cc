@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 
 namespace intaglio::post {
@@ -83,9 +84,9 @@ class DrillWriter {
 
   tl::unexpected<Error> TooSmall() const {
     return Fail(ErrorCode::kInvalidValue,
-                fmt::format("{}: a program of {} bytes holds not even one hole; allow "
+                fmt::format("{}: a program of {} holds not even one hole; allow "
                             "larger ones with #max-bytes",
-                            program_.file, max_bytes_),
+                            program_.file, Counted(max_bytes_, "byte")),
                 fmt::format("{}", max_bytes_));
   }
 

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/post/tab_parts.h"
 #include "engrave/post/written_arc.h"
@@ -142,9 +143,9 @@ class MillWriter {
 
   tl::unexpected<Error> TooSmall(const ToolPath& path) const {
     return Fail(ErrorCode::kInvalidValue,
-                fmt::format("{}: a program of {} bytes holds not even one move of {}; "
+                fmt::format("{}: a program of {} holds not even one move of {}; "
                             "allow larger ones with #max-bytes",
-                            program_.file, *max_bytes_, path.name),
+                            program_.file, Counted(*max_bytes_, "byte"), path.name),
                 fmt::format("{}", *max_bytes_));
   }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
 
@@ -59,13 +60,14 @@ std::array<Value, std::size(kPointVariables)> ValuesOf(const PointList& axes,
 }
 
 Status RequireAxes(const Template& program, int turning_count) {
-  if (program.SettingOf("turning", 0) != turning_count) {
+  const auto made_for = static_cast<std::uint64_t>(program.SettingOf("turning", 0));
+  if (made_for != static_cast<std::uint64_t>(turning_count)) {
     return Fail(
         ErrorCode::kUnsupported,
-        fmt::format("{}: this template is for {} axes that turn, the machine has {}; "
+        fmt::format("{}: this template is for {} that {}, the machine has {}; "
                     "choose or write a template with '#turning {}'",
-                    program.file, program.SettingOf("turning", 0), turning_count,
-                    turning_count));
+                    program.file, Counted(made_for, "axis", "axes"),
+                    VerbFor(made_for, "turns", "turn"), turning_count, turning_count));
   }
   if (program.SettingOf("mark", 0) > 0 && turning_count > 0) {
     return Fail(ErrorCode::kUnsupported,

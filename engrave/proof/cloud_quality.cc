@@ -98,8 +98,7 @@ void WarnOfSpacing(const QualityOptions& options, CloudQuality& quality) {
         WarningCode::kDoubledPoints,
         fmt::format("{} {} the same place as another one, e.g. at {}: thin the cloud",
                     Counted(nearest.doubled_count, "point"),
-                    nearest.doubled_count == 1 ? "has" : "have",
-                    At(nearest.smallest.first_mm))));
+                    HasOrHave(nearest.doubled_count), At(nearest.smallest.first_mm))));
   } else if (nearest.near_pair_count > 0) {
     const bool scaled = options.height_ratio != 1;
     const std::uint64_t at_least = nearest.near_pair_count + (nearest.more_pairs ? 1 : 0);
@@ -141,11 +140,11 @@ void WarnOfBands(CloudQuality& quality) {
       WarningCode::kHole,
       fmt::format(
           "a band around the model has too few points: {:.0f} % of those expected "
-          "between the heights {:.2f} and {:.2f} mm, below {:.0f} % in {} of {} "
-          "slices; it shows as a dark ring: make the cloud again with the method "
+          "between the heights {:.2f} and {:.2f} mm, below {:.0f} % in {} of {}; "
+          "it shows as a dark ring: make the cloud again with the method "
           "even",
           100 * slices.smallest_ratio, low_mm, low_mm + slices.slice_mm, 100 * kBandRatio,
-          slices.band_count, slices.slice_count)));
+          slices.band_count, Counted(slices.slice_count, "slice"))));
 }
 
 void WarnOfCracks(const QualityOptions& options, CloudQuality& quality) {

@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "engrave/core/counted.h"
 #include "services/cell/pause_reason.h"
 #include "services/cell/point_counts.h"
 #include "services/platform/bus/error_code.h"
@@ -106,9 +107,10 @@ void CellTask::BeginWork(const EarlierWork& earlier, const MachineCounters& sess
                          const std::string& journal) {
   if (earlier.damaged_records > 0) {
     host_.RaiseAlarm(intaglio_ALARM_WARNING, ErrorCodeName(ErrorCode::kUnreadable),
-                     fmt::format("{} records of {} are damaged: check what is in the "
+                     fmt::format("{} of {} {} damaged: check what is in the "
                                  "machine before you resume",
-                                 earlier.damaged_records, journal),
+                                 Counted(earlier.damaged_records, "record"), journal,
+                                 IsOrAre(earlier.damaged_records)),
                      job_->job_uid());
   }
   // What an earlier process left is compared with the machine as it is now.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 
 namespace intaglio::cell {
@@ -81,9 +82,9 @@ Result<OpenedJournal> OpenJournal(const fs::path& file,
                          journal.header.station == header.station;
   if (!same_path && !HasNoPointRecords(journal)) {
     return Fail(ErrorCode::kRefused,
-                fmt::format("{} has pulses of another path or station, of {} points: "
+                fmt::format("{} has pulses of another path or station, of {}: "
                             "take the block out and cancel the job",
-                            file.string(), journal.header.point_count),
+                            file.string(), Counted(journal.header.point_count, "point")),
                 file.string());
   }
   if (!same_path) {

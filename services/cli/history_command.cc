@@ -6,6 +6,7 @@
 #include <iostream>
 #include <memory>
 
+#include "engrave/core/counted.h"
 #include "services/cli/complain.h"
 #include "services/cli/json/print_json.h"
 #include "services/cli/message_csv.h"
@@ -58,9 +59,10 @@ void PrintTable(const std::vector<JobStatistics>& jobs) {
   const history::EstimateScore score = history::ScoreOf(jobs);
   if (score.jobs == 0) return;
   fmt::print(
-      "first estimate by outcome of {} undisturbed jobs: {:.2f} in the median, {:.2f} to "
+      "first estimate by outcome of {}: {:.2f} in the median, {:.2f} to "
       "{:.2f}\n",
-      score.jobs, score.median_ratio, score.min_ratio, score.max_ratio);
+      Counted(score.jobs, "undisturbed job"), score.median_ratio, score.min_ratio,
+      score.max_ratio);
 }
 
 int PrintHistory(const std::vector<JobStatistics>& jobs) {

@@ -82,10 +82,11 @@ std::string GlassLines(const JobReport& report) {
   text += fmt::format(
       "order       {} fired through an earlier crack\n"
       "spacing     minimum {}, {:.4f} mm required\n"
-      "time        {} at {:g} Hz, {} ticks{}, {:.4f} points a tick\n",
-      Counted(report.shadow_violations(), "point"), client::SpacingText(report),
-      report.min_spacing_mm(), client::ShortDuration(report.machining_time_s()),
-      report.job().laser().rate_hz(), GroupedDigits(report.ticks()),
+      "time        {} at {:g} Hz, {}{}, {:.4f} points a tick\n",
+      client::GroupedCount(report.shadow_violations(), "point"),
+      client::SpacingText(report), report.min_spacing_mm(),
+      client::ShortDuration(report.machining_time_s()), report.job().laser().rate_hz(),
+      client::GroupedCount(report.ticks(), "tick"),
       report.has_ticks_bound() ? client::AboveBound(report.ticks(), report.ticks_bound())
                                : "",
       report.utilisation());

@@ -16,8 +16,9 @@ std::string GroupedDigits(std::uint64_t number) {
   return digits;
 }
 
-std::string GroupedCount(std::uint64_t count, std::string_view noun) {
-  return GroupedDigits(count) + " " + NounFor(count, noun);
+std::string GroupedCount(std::uint64_t count, std::string_view noun,
+                         std::string_view plural) {
+  return GroupedDigits(count) + " " + NounFor(count, noun, plural);
 }
 
 std::string ShortNumber(double number) {

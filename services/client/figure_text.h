@@ -11,7 +11,8 @@ namespace intaglio::client {
 /// 1234567 -> "1 234 567".
 std::string GroupedDigits(std::uint64_t number);
 /// 1234, "point" -> "1 234 points"; as Counted of engrave/core/counted.h.
-std::string GroupedCount(std::uint64_t count, std::string_view noun);
+std::string GroupedCount(std::uint64_t count, std::string_view noun,
+                         std::string_view plural = {});
 /// 1234567 -> "1.23 M".
 std::string ShortNumber(double number);
 /// 3725 -> "1 h 02 min", 62 -> "1 min 02 s", 3.2 -> "3.2 s".

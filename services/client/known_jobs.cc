@@ -35,7 +35,7 @@ Error WhyNotKnown(const JobClient& client, double waited_s) {
           fmt::format("the job service has {}, and {} of them {} come within {:.0f} "
                       "s: check the network and the load of the computer, and try again",
                       Counted(*counted, "job"), client.jobs().size(),
-                      client.jobs().size() == 1 ? "has" : "have", waited_s),
+                      HasOrHave(client.jobs().size()), waited_s),
           ""};
 }
 

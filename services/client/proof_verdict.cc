@@ -34,7 +34,7 @@ void AddFaults(const JobReport& report, Verdict& verdict) {
   none(points.doubled(), "made twice");
   need(points.stray() == 0,
        fmt::format("{} {} to no planned point", Counted(points.stray(), "crack"),
-                   points.stray() == 1 ? "belongs" : "belong"));
+                   VerbFor(points.stray(), "belongs", "belong")));
   none(points.skipped(), "skipped");
   none(points.missed(), "fired without a crack");
   const std::uint64_t open = points.unaccounted();

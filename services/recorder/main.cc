@@ -3,6 +3,7 @@
 #include <iostream>
 #include <thread>
 
+#include "engrave/core/counted.h"
 #include "services/platform/command_line/program.h"
 #include "services/platform/host/process/service_host.h"
 #include "services/recorder/job_attachments.h"
@@ -134,7 +135,7 @@ int Serve(host::ServiceHost& host, const Options& options) {
   host.SetHealth(intaglio_HEALTH_STOPPING);
   const auto stopped = (*recorder)->Stop();
   const auto state = (*recorder)->state();
-  std::cerr << state.message_count << " messages in " << state.file;
+  std::cerr << Counted(state.message_count, "message") << " in " << state.file;
   if (state.missing_count > 0) std::cerr << ", " << state.missing_count << " missing";
   std::cerr << "\n";
   if (stopped) return 0;

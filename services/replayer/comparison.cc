@@ -6,6 +6,8 @@
 #include <bit>
 #include <tuple>
 
+#include "engrave/core/counted.h"
+
 namespace intaglio::replayer {
 namespace {
 
@@ -44,7 +46,7 @@ std::optional<Found> CompareHeads(const CloudBatch& a, const CloudBatch& b) {
 }
 
 std::string Tokens(const CloudBatch& batch) {
-  return fmt::format("{} points of {}", batch.x_mm.size(), batch.total_count);
+  return fmt::format("{} of {}", Counted(batch.x_mm.size(), "point"), batch.total_count);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "engrave/core/check.h"
+#include "engrave/core/counted.h"
 #include "services/job/fields/channels.h"
 #include "services/job/fields/shapes.h"
 
@@ -59,9 +60,9 @@ class Findings {
   bool any() const { return count_ > 0; }
   tl::unexpected<Error> Refusal(std::size_t of_points) const {
     return Fail(ErrorCode::kOutsideBlock,
-                fmt::format("{} of {} points of the path cannot be engraved; {}: the job "
+                fmt::format("{} of {} of the path cannot be engraved; {}: the job "
                             "is refused; submit it again",
-                            count_, of_points, first_.text),
+                            count_, Counted(of_points, "point"), first_.text),
                 std::to_string(first_.point));
   }
 

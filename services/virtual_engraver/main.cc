@@ -6,6 +6,7 @@
 #include <iostream>
 #include <random>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "services/platform/command_line/parent_death.h"
 #include "services/platform/command_line/program.h"
@@ -185,8 +186,8 @@ int Serve(Options& options) {
   machine.laser().EnterSafeState();
   const auto flushed = machine.glass().Flush();
   if (!flushed) throw std::runtime_error(flushed.error().message);
-  std::cout << "ends with " << machine.glass().crack_count() << " cracks in the glass"
-            << std::endl;
+  std::cout << "ends with " << Counted(machine.glass().crack_count(), "crack")
+            << " in the glass" << std::endl;
   return 0;
 }
 

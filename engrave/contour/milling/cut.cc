@@ -12,6 +12,7 @@
 #include "engrave/contour/milling/cut_tabs.h"
 #include "engrave/contour/option_range.h"
 #include "engrave/contour/simple_loops.h"
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 
 namespace intaglio::contour {
@@ -209,11 +210,12 @@ class Cutter {
     const TabPlaces places = PlaceTabs(path, count, length);
     if (places.max_count < count) {
       const Vec2& begin = path.front().begin_mm;
-      return Refused(
-          begin,
-          fmt::format("the straight pieces of the contour at {} hold {} of {} tabs "
-                      "of {:.4g} mm; use fewer or narrower ones",
-                      AtPlace(begin), places.max_count, count, options_.tabs.width_mm));
+      return Refused(begin,
+                     fmt::format("the straight pieces of the contour at {} hold {} of {} "
+                                 "of {:.4g} mm; use fewer or narrower ones",
+                                 AtPlace(begin), places.max_count,
+                                 Counted(static_cast<std::uint64_t>(count), "tab"),
+                                 options_.tabs.width_mm));
     }
     cut.pieces = DividedAtTabs(path, places.ways_mm, length);
     for (const CutPiece& piece : cut.pieces) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engrave/contour/simple_loops.h"
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 
 namespace intaglio::contour {
@@ -38,9 +39,9 @@ Result<MaterialUse> MaterialUseOf(const std::vector<Edges>& loops) {
   }
   if (sheet_count != 1)
     return Fail(ErrorCode::kInvalidValue,
-                fmt::format("{} contours are outermost, expected one, the sheet's around "
+                fmt::format("{} {} outermost, expected one, the sheet's around "
                             "all parts; draw it",
-                            sheet_count));
+                            Counted(sheet_count, "contour"), IsOrAre(sheet_count)));
   use.used_mm2 = use.parts_mm2 - use.holes_mm2;
   use.use_percent = 100 * use.used_mm2 / use.sheet_mm2;
   return use;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "engrave/core/check.h"
+#include "engrave/core/counted.h"
 
 namespace intaglio::discretize {
 namespace {
@@ -86,9 +87,10 @@ Error OutsideBlock(const BoundsReport& report, std::uint64_t point_count) {
                          report.side_excess_mm[i]);
   }
   return {ErrorCode::kOutsideBlock,
-          fmt::format("{} of {} points lie outside the block minus its margin: {}; scale "
+          fmt::format("{} of {} {} outside the block minus its margin: {}; scale "
                       "or move the model, use a larger block, or set block.clip",
-                      report.outside_count, point_count, sides),
+                      report.outside_count, Counted(point_count, "point"),
+                      VerbFor(report.outside_count, "lies", "lie"), sides),
           fmt::format("{}", report.outside_count)};
 }
 

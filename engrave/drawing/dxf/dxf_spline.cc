@@ -6,6 +6,8 @@
 #include <cmath>
 #include <functional>
 
+#include "engrave/core/counted.h"
+
 namespace intaglio::drawing {
 namespace {
 
@@ -21,10 +23,11 @@ bool CheckNurbs(const DxfEntity& entity, DrawingBuilder& builder, const Nurbs& n
   if (controls < static_cast<std::size_t>(degree) + 1 || nurbs.knots.size() != wanted) {
     return Refuse(
         entity, builder,
-        fmt::format("{} control points of degree {} and {} knots do not make a spline "
+        fmt::format("{} of degree {} and {} do not make a spline "
                     "(one more knot than both together is needed, and more control "
                     "points than the degree); export the drawing again",
-                    controls, degree, nurbs.knots.size()),
+                    Counted(controls, "control point"), degree,
+                    Counted(nurbs.knots.size(), "knot")),
         static_cast<double>(nurbs.knots.size()));
   }
   const auto falls = std::ranges::adjacent_find(nurbs.knots, std::greater<>());

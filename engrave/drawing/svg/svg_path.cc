@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "engrave/core/counted.h"
 #include "engrave/drawing/drawing_builder.h"
 #include "engrave/io/lower_case.h"
 
@@ -67,8 +68,8 @@ class PathParser {
         return Wrong("a path must begin with M or m");
       first_ = false;
       if (!ReadNumbers(command)) {
-        return Wrong(fmt::format("the command {} needs {} finite numbers", command,
-                                 NumberCountOf(command)));
+        return Wrong(fmt::format("the command {} needs {}", command,
+                                 Counted(NumberCountOf(command), "finite number")));
       }
       Draw(command);
       if (points_ > max_points_) return Wrong("the path has too many points");

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 
+#include "engrave/core/counted.h"
 #include "materials_db/material_store.h"
 #include "services/backup/shop_backup.h"
 #include "services/cli/complain.h"
@@ -55,8 +56,8 @@ void PrintParts(const std::vector<backup::ArchivedFile>& files) {
     sum.bytes += file.bytes;
   }
   for (const char* part : backup::kParts) {
-    fmt::print("{:<10} {:>8} files {:>16} bytes\n", part,
-               client::GroupedDigits(sums[part].files),
+    fmt::print("{:<10} {:>8} {:<5} {:>16} bytes\n", part,
+               client::GroupedDigits(sums[part].files), NounFor(sums[part].files, "file"),
                client::GroupedDigits(sums[part].bytes));
   }
 }

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
 #include "engrave/io/lower_case.h"
@@ -116,11 +117,11 @@ Status Simulate(const ContourOptions& options, const ContourWork& work,
   }
   if (motion.not_held > 0) {
     return Fail(ErrorCode::kUnsupported,
-                fmt::format("{} of {} contours: {} cannot keep its tolerance of {:g} um "
+                fmt::format("{} of {}: {} cannot keep its tolerance of {:g} um "
                             "there however slow it is; use another machine, or a greater "
                             "position_tolerance_um",
-                            motion.not_held, work.paths.size(), machine->name(),
-                            machine->position_tolerance_um()));
+                            motion.not_held, Counted(work.paths.size(), "contour"),
+                            machine->name(), machine->position_tolerance_um()));
   }
   if (!options.page.empty() && motion.duration_s > 0) {
     const std::string title = fs::path(options.files[0]).filename().string();

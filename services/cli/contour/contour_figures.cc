@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "engrave/core/counted.h"
 #include "engrave/post/tab_parts.h"
 #include "services/cli/contour/contour_programs.h"
 #include "services/client/figure_text.h"
@@ -55,13 +56,14 @@ std::vector<std::string> FiguresOf(const ContourWork& work, const Course& whole)
   const auto saved = [](double mm, double of_mm) {
     return of_mm > 0 ? 100 * (1 - mm / of_mm) : 0;
   };
-  std::vector<std::string> lines{fmt::format("elements      {}, {} holes with {} tools",
-                                             client::GroupedDigits(work.element_count),
-                                             client::GroupedDigits(work.hole_count),
-                                             work.rounds.size())};
+  std::vector<std::string> lines{fmt::format(
+      "elements      {}, {} with {}", client::GroupedDigits(work.element_count),
+      client::GroupedCount(work.hole_count, "hole"),
+      Counted(work.rounds.size(), "tool"))};
   if (work.net_count) {
-    lines.push_back(fmt::format("isolation     {} nets, {:.3g} mm around the copper",
-                                *work.net_count, work.isolated_mm));
+    lines.push_back(fmt::format("isolation     {}, {:.3g} mm around the copper",
+                                client::GroupedCount(*work.net_count, "net"),
+                                work.isolated_mm));
     lines.push_back(
         work.piece_count == *work.net_count
             ? fmt::format("pieces        {}, each net in one of its own",
@@ -72,8 +74,8 @@ std::vector<std::string> FiguresOf(const ContourWork& work, const Course& whole)
   }
   if (work.proved_net_count) {
     lines.push_back(
-        fmt::format("copper left   {} nets as the file has them, none short or open",
-                    *work.proved_net_count));
+        fmt::format("copper left   {} as the file has them, none short or open",
+                    client::GroupedCount(*work.proved_net_count, "net")));
   }
   if (whole.make() == COURSE_MAKE_POCKET) {
     lines.push_back(fmt::format(
@@ -81,9 +83,9 @@ std::vector<std::string> FiguresOf(const ContourWork& work, const Course& whole)
         work.left_mm2));
   }
   const WorkTime time = TimeOf(work, whole);
-  lines.push_back(fmt::format("contours      {}, {:.1f} mm at work, {} times",
+  lines.push_back(fmt::format("contours      {}, {:.1f} mm at work, {}",
                               client::GroupedDigits(work.paths.size()), work.work_mm,
-                              whole.repeat_count()));
+                              Counted(whole.repeat_count(), "time")));
   lines.push_back(fmt::format(
       "idle way      {:.1f} mm, {:.1f} % less than to the nearest "
       "contour; {:.1f} mm to the holes",

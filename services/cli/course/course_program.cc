@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
 #include "services/client/figure_text.h"
@@ -72,9 +73,9 @@ std::string MarginText(const CourseProgram& program) {
     return fmt::format("holds with {}: {:.1f} um", wrong, 1e3 * worst_mm);
   }
   return fmt::format(
-      "does not hold with {}: {:.1f} um, {} contours over; plan with "
+      "does not hold with {}: {:.1f} um, {} over; plan with "
       "--reserve, or identify the axes more exactly",
-      wrong, 1e3 * worst_mm, over);
+      wrong, 1e3 * worst_mm, Counted(static_cast<std::uint64_t>(over), "contour"));
 }
 
 const PlannedContour* FirstNotHeld(const CourseProgram& program) {
@@ -189,8 +190,8 @@ std::vector<std::string> FiguresOf(const CourseProgram& program) {
     return 1e3 * Worst(program, of);
   };
   std::vector<std::string> lines{
-      fmt::format("contours      {}, {} segments, {:.1f} mm", program.contours.size(),
-                  client::GroupedDigits(segments), program.length_mm()),
+      fmt::format("contours      {}, {}, {:.1f} mm", program.contours.size(),
+                  client::GroupedCount(segments, "segment"), program.length_mm()),
       fmt::format("law           {}", LawText(program)),
       fmt::format("time          {}, {:.1f} % less than with a stop at every node ({})",
                   client::ShortDuration(program.duration_s()),

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/drive/two_axes.h"
 #include "engrave/io/atomic_file.h"
@@ -92,8 +93,8 @@ Result<drive::TwoAxisRun> RunOf(const DriveSimulateOptions& options,
 
 std::string CourseText(const DriveSimulateOptions& options) {
   if (options.circle_mm) {
-    return fmt::format("circle of {:g} mm at {:g} mm/s, {} turns", *options.circle_mm,
-                       options.speed_mm_s, options.turns);
+    return fmt::format("circle of {:g} mm at {:g} mm/s, {}", *options.circle_mm,
+                       options.speed_mm_s, Counted(options.turns, "turn"));
   }
   return fmt::format("corner of {:g} degrees at {:g} mm/s{}", *options.corner_deg,
                      options.speed_mm_s, options.stops ? ", with a stop" : "");

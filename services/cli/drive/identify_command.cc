@@ -22,6 +22,7 @@
 #include "services/cli/drive/recorded_axis.h"
 #include "services/cli/json/print_json.h"
 #include "services/client/exit_codes.h"
+#include "services/client/figure_text.h"
 #include "services/platform/recording/mcap_reader.h"
 
 namespace intaglio::cli {
@@ -120,8 +121,9 @@ void PrintIdentification(const DriveIdentification& found) {
     std::cout << fmt::format("{:<24} {:.6g} +- {:.2g}, 95 %\n", p.name(), p.value(),
                              p.interval95());
   }
-  std::cout << fmt::format("residual                 {:.4g} rms of {} samples\n",
-                           found.rms_residual(), found.sample_count());
+  std::cout << fmt::format("residual                 {:.4g} rms of {}\n",
+                           found.rms_residual(),
+                           client::GroupedCount(found.sample_count(), "sample"));
   std::cout << fmt::format("profile                  {}\n", found.profile_line());
 }
 

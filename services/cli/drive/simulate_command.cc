@@ -23,6 +23,7 @@
 #include "services/cli/drive/simulate_options.h"
 #include "services/cli/json/print_json.h"
 #include "services/client/exit_codes.h"
+#include "services/client/figure_text.h"
 #include "services/job/drive/drive_profile.h"
 
 namespace intaglio::cli {
@@ -89,14 +90,15 @@ Status WritePicture(const DriveSimulateOptions& options, double period_s,
 
 void PrintFigures(const DriveSimulation& figures) {
   std::cout << fmt::format(
-      "axis          {}, {} samples\n"
+      "axis          {}, {}\n"
       "error         {:.5g} um largest, {:.5g} um at the end\n"
       "overshoot     {:.5g} um\n"
       "acceleration  {:.5g}..{:.5g} m/s^2\n"
       "output        {:.4g} V largest\n",
-      figures.axis(), figures.sample_count(), figures.max_error_um(),
-      figures.end_error_um(), figures.overshoot_um(), figures.min_acceleration_m_s2(),
-      figures.max_acceleration_m_s2(), figures.max_output_v());
+      figures.axis(), client::GroupedCount(figures.sample_count(), "sample"),
+      figures.max_error_um(), figures.end_error_um(), figures.overshoot_um(),
+      figures.min_acceleration_m_s2(), figures.max_acceleration_m_s2(),
+      figures.max_output_v());
 }
 
 Result<DriveSimulation> SimulateAndWrite(DriveSimulateOptions options,

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "services/job/convert/model_kind.h"
 #include "services/job/models/arrangement.h"
@@ -34,12 +35,11 @@ std::string WithLines(const std::string& typed) {
 Status SetText(const std::string& typed, JobSpec& job) {
   const std::vector<Text*> texts = TextsOf(job);
   if (texts.size() > 1) {
-    return Fail(
-        ErrorCode::kInvalidValue,
-        fmt::format("--text: the job has {} texts; change them in the job file, or "
-                    "use a series (--series)",
-                    texts.size()),
-        typed);
+    return Fail(ErrorCode::kInvalidValue,
+                fmt::format("--text: the job has {}; change them in the job file, or "
+                            "use a series (--series)",
+                            Counted(texts.size(), "text")),
+                typed);
   }
   Text& text = texts.empty() ? *job.add_models()->mutable_text() : *texts.front();
   text.set_text(WithLines(typed));
@@ -59,7 +59,7 @@ Result<MarkCode*> CodeOf(const TextFlags& flags, JobSpec& job) {
                                          : "--module";
   return Fail(
       ErrorCode::kInvalidValue,
-      fmt::format("{}: the job has {} codes; {}", option, codes.size(),
+      fmt::format("{}: the job has {}; {}", option, Counted(codes.size(), "code"),
                   codes.empty() ? "give one with --code" : "change them in the job file"),
       option);
 }

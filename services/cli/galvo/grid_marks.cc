@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/galvo/grid_match.h"
 #include "engrave/io/csv.h"
@@ -51,8 +52,8 @@ Result<std::vector<galvo::GridMark>> ReadCommandedMarks(const std::string& file)
 
 /// What the match shows, a line each.
 void PrintMatch(const galvo::GridMatch& match, int nodes) {
-  std::cout << fmt::format("grid          {} of {} nodes found, {} other spots\n",
-                           match.marks.size(), nodes * nodes, match.left_out_count);
+  std::cout << fmt::format("grid          {} of {} nodes found, {}\n", match.marks.size(),
+                           nodes * nodes, Counted(match.left_out_count, "other spot"));
   if (!match.quarter_turns) {
     std::cout << "direction     not marked: taken as upright, x to the right\n";
   } else if (*match.quarter_turns == 0) {

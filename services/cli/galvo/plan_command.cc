@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/galvo/web_order.h"
 #include "engrave/io/atomic_file.h"
@@ -63,11 +64,12 @@ Result<galvo::WebMark> MarkOf(const galvo::MarkStroke& stroke, std::size_t numbe
 Result<WebContent> ReadContent(const WebPlanOptions& options) {
   const auto once = INTAGLIO_TRY(ReadMarkStrokes(options.drawing));
   if (once.size() * options.repeats > kMaxMarks) {
-    return Fail(
-        ErrorCode::kTooLarge,
-        fmt::format("{}: {} contours {} times are more than {} marks; plan fewer "
-                    "repeats",
-                    options.drawing.file, once.size(), options.repeats, kMaxMarks));
+    return Fail(ErrorCode::kTooLarge,
+                fmt::format("{}: {} {} are more than {} marks; plan fewer "
+                            "repeats",
+                            options.drawing.file, Counted(once.size(), "contour"),
+                            Counted(static_cast<std::uint64_t>(options.repeats), "time"),
+                            kMaxMarks));
   }
   if (options.repeats > 1 && !options.pitch_mm)
     return Fail(ErrorCode::kMissing, "--repeats: needs --pitch, the way of a repeat, mm");
@@ -147,14 +149,14 @@ Result<bool> PlanWeb(const WebPlanOptions& options) {
     for (const std::size_t k : indices) missed[k] = true;
     good = indices.empty();
     figures.push_back(
-        good
-            ? fmt::format("verdict       all marks are made at {:.6g} mm/s",
-                          *options.web_mm_s)
-            : fmt::format("verdict       at {:.6g} mm/s {} of {} marks are missed, first "
-                          "contour {} at x {:.4g} mm",
-                          *options.web_mm_s, indices.size(), missed.size(),
-                          fastest.order[indices.front()] + 1,
-                          -fastest.timed[indices.front()].along_mm));
+        good ? fmt::format("verdict       all marks are made at {:.6g} mm/s",
+                           *options.web_mm_s)
+             : fmt::format("verdict       at {:.6g} mm/s {} of {} {} missed, first "
+                           "contour {} at x {:.4g} mm",
+                           *options.web_mm_s, indices.size(),
+                           Counted(missed.size(), "mark"), IsOrAre(indices.size()),
+                           fastest.order[indices.front()] + 1,
+                           -fastest.timed[indices.front()].along_mm));
   }
   for (const std::string& line : figures) std::cout << line << "\n";
   if (!options.csv.empty())

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/galvo/files/xy2_100.h"
 #include "engrave/io/atomic_file.h"
@@ -79,11 +80,12 @@ Status MakeTicks(const TicksOptions& options) {
     lit += tick.laser;
   }
   if (maker.lit_outside_count() > 0) {
-    return Fail(
-        ErrorCode::kOutsideBlock,
-        fmt::format("{}: {} of {} lit ticks are outside the field of {:.6g} mm; "
-                    "make the drawing smaller",
-                    options.drawing.file, maker.lit_outside_count(), lit, field_mm));
+    return Fail(ErrorCode::kOutsideBlock,
+                fmt::format("{}: {} of {} {} outside the field of {:.6g} mm; "
+                            "make the drawing smaller",
+                            options.drawing.file, maker.lit_outside_count(),
+                            Counted(lit, "lit tick"), IsOrAre(maker.lit_outside_count()),
+                            field_mm));
   }
   std::cout << fmt::format(
       "strokes       {}\nticks         {} of 10 us, {} with the laser\n"

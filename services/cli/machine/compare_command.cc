@@ -200,10 +200,10 @@ void PrintText(const MachineComparison& comparison) {
         fmt::format("{:.0f} x {:.0f}", of.room_x_mm(), of.room_y_mm()));
   }
   std::cout << fmt::format(
-      "{} points at {:g} Hz in a block of {:g} x {:g} x {:g} mm; yields: by {:g} N in "
+      "{} at {:g} Hz in a block of {:g} x {:g} x {:g} mm; yields: by {:g} N in "
       "the "
       "weakest direction\n",
-      client::GroupedDigits(comparison.point_count()), comparison.rate_hz(),
+      client::GroupedCount(comparison.point_count(), "point"), comparison.rate_hz(),
       comparison.block_mm().x(), comparison.block_mm().y(), comparison.block_mm().z(),
       comparison.force_n());
 }

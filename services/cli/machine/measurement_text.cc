@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "engrave/core/counted.h"
+
 namespace intaglio::cli {
 namespace {
 
@@ -23,11 +25,11 @@ std::vector<std::string> FigureLinesOf(const MachineMeasurement& report) {
                   report.rms_residual_um())};
   for (const MeasuredAxis& axis : report.axes()) {
     lines.push_back(fmt::format(
-        "{}              scale {}, backlash {} um, lag {} us, repeatability {} um; {} "
-        "marks, {} left out",
+        "{}              scale {}, backlash {} um, lag {} us, repeatability {} um; {}, "
+        "{} left out",
         axis.axis(), TextOf(axis.scale_ratio(), 1, 6), TextOf(axis.backlash_um(), 1, 1),
         TextOf(axis.lag_us(), 1, 0), TextOf(axis.repeatability_um(), 1, 1),
-        axis.used_count(), axis.rejected_count()));
+        Counted(axis.used_count(), "mark"), axis.rejected_count()));
   }
   lines.push_back(fmt::format("squareness     {} mrad less than a right angle",
                               TextOf(report.squareness_xy_rad(), 1000, 3)));

@@ -155,9 +155,9 @@ std::vector<std::string> WebLines(const OrderedMarks& marks) {
         fmt::format("verdict     good: all marks are made at {:.6g} mm/s", asked_mm_s));
   } else {
     lines.push_back(fmt::format(
-        "verdict     at {:.6g} mm/s {} of {} marks would be missed: {}; reduce "
+        "verdict     at {:.6g} mm/s {} of {} would be missed: {}; reduce "
         "marks.web.speed_mm_s to {:.1f}",
-        asked_mm_s, marks.web->missed.size(), marks.set.marks.size(),
+        asked_mm_s, marks.web->missed.size(), Counted(marks.set.marks.size(), "mark"),
         NamesOfMissed(marks), max_mm_s));
   }
   return lines;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engrave/core/check.h"
+#include "engrave/core/counted.h"
 #include "materials_db/near_names.h"
 #include "materials_db/numbers.h"
 #include "services/job/files/json_text.h"
@@ -69,7 +70,7 @@ void AddLines(const char* title, std::string_view text, std::vector<Row>& rows) 
 
 std::string TransmittanceText(std::span<const optics::Transmittance> table) {
   if (table.empty()) return "unknown";
-  return fmt::format("{} wavelengths, {:g}-{:g} nm", table.size(),
+  return fmt::format("{}, {:g}-{:g} nm", Counted(table.size(), "wavelength"),
                      table.front().wavelength_um * 1000,
                      table.back().wavelength_um * 1000);
 }

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
 #include "materials_db/export_rii.h"
@@ -173,8 +174,8 @@ Result<Material> ReadOne(const std::string& file, const std::string& name) {
     if (material.name == name) return std::move(material);
   }
   return Fail(ErrorCode::kNotFound,
-              fmt::format("{}: has {} glasses, none of them named {}", file,
-                          imported.materials.size(), name),
+              fmt::format("{}: has {}, none of them named {}", file,
+                          Counted(imported.materials.size(), "glass", "glasses"), name),
               name);
 }
 
@@ -218,8 +219,8 @@ Status Import(const Flags& flags, MaterialStore& store) {
     if (!materials.empty()) {
       all.message += fmt::format(
           "\n"
-          "nothing is imported; --skip-bad imports the {} valid glasses",
-          materials.size());
+          "nothing is imported; --skip-bad imports the {}",
+          Counted(materials.size(), "valid glass", "valid glasses"));
     }
     return tl::unexpected(std::move(all));
   }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/mesh/mesh.h"
 #include "engrave/proof/cloud_quality.h"
@@ -59,9 +60,10 @@ Result<mesh::TriangleMesh> WithCopies(const Model& model, const Block& block,
   if (offsets_mm.size() * one.triangles.size() > kMaxTriangles) {
     return Fail(
         ErrorCode::kTooLarge,
-        fmt::format(
-            "{}: {} copies of {} triangles exceed {} triangles; measure fewer copies",
-            model.file(), offsets_mm.size(), one.triangles.size(), kMaxTriangles));
+        fmt::format("{}: {} of {} {} the {} triangles allowed; measure fewer copies",
+                    model.file(), Counted(offsets_mm.size(), "copy", "copies"),
+                    Counted(one.triangles.size(), "triangle"),
+                    VerbFor(offsets_mm.size(), "exceeds", "exceed"), kMaxTriangles));
   }
   mesh::TriangleMesh all;
   for (const Vec3& offset_mm : offsets_mm) Append(one, offset_mm, all);
@@ -157,9 +159,10 @@ render::ViewsCaption CaptionOf(const MeasureOptions& options,
   render::ViewsCaption caption;
   caption.title_lines = {
       fs::path(options.cloud).filename().string(),
-      fmt::format("{} points; distance to the nearest other point, compared with the "
+      fmt::format("{}; distance to the nearest other point, compared with the "
                   "minimum spacing of {:g} mm",
-                  client::GroupedDigits(record.point_count()), record.min_spacing_mm())};
+                  client::GroupedCount(record.point_count(), "point"),
+                  record.min_spacing_mm())};
   auto& figures = caption.figures;
   figures = {{"least", fmt::format("{:.4f} mm", nearest.min_mm()),
               record.keeps_spacing() ? Tone::kGood : Tone::kBad},

@@ -208,27 +208,27 @@ std::string FiguresOf(const PlanReport& report) {
   Require(!report.motions().empty(), "a report without a motion");
   const PlannedMotion& m = report.motions(0);
   std::string text = fmt::format(
-      "path          {} points, {} fired through an earlier crack, checksum {}\n"
+      "path          {}, {} fired through an earlier crack, checksum {}\n"
       "travel        {} mm, the longest axis of each step; longest step {:.2f} mm\n"
       "motion        {}, {} at {:g} Hz, {:g} mm/s, {:g} mm/s^2\n"
-      "time          {}, {} ticks{}\n"
+      "time          {}, {}{}\n"
       "utilisation   {:.4f} points a tick\n"
       "violations    {} of limits, places or ticks\n"
       "acceleration  {} mm/s^2 rms, {} mm/s^2 peak\n"
       "jerk          {} mm/s^3 mean\n"
       "speed         {:.1f} mm/s peak of an axis\n"
-      "planned       {} segments, {} points/s",
-      client::GroupedDigits(report.point_count()),
+      "planned       {}, {} points/s",
+      client::GroupedCount(report.point_count(), "point"),
       client::GroupedDigits(report.shadow_violation_count()), report.checksum(),
       Grouped(report.travel_mm()), report.longest_step_mm(), m.planner(),
       report.machine(), report.rate_hz(), report.max_speed_mm_s(),
       report.max_acceleration_mm_s2(), client::ShortDuration(m.machining_time_s()),
-      client::GroupedDigits(m.ticks()),
+      client::GroupedCount(m.ticks(), "tick"),
       m.has_ticks_bound() ? client::AboveBound(m.ticks(), m.ticks_bound()) : "",
       m.utilisation(), client::GroupedDigits(m.violation_count()),
       Grouped(m.rms_acceleration_mm_s2()), Grouped(m.peak_acceleration_mm_s2()),
       Grouped(m.mean_jerk_mm_s3()), m.peak_speed_mm_s(),
-      client::GroupedDigits(m.segment_count()),
+      client::GroupedCount(m.segment_count(), "segment"),
       client::ShortNumber(m.planned_points_per_s()));
   if (m.max_move_um() > 0) {
     text += fmt::format("\nmoves         {:.2f} um at most, of a point", m.max_move_um());

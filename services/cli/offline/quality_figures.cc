@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "engrave/core/check.h"
+#include "engrave/core/counted.h"
 #include "services/client/figure_text.h"
 #include "services/client/warning_text.h"
 #include "services/job/files/json_text.h"
@@ -109,16 +110,18 @@ void AddNearest(const CloudQuality& quality, Lines& lines) {
   }
   lines.Add("nearest pair", "points {} and {} of the file, at {}", nearest.first_point(),
             nearest.second_point(), PlaceText(nearest.first_mm()));
-  lines.Add("too near", "{}{} pairs below {:g} mm, {} points at the place of another one",
+  lines.Add("too near", "{}{} {} below {:g} mm, {} at the place of another one",
             client::GroupedDigits(nearest.near_pair_count()),
-            nearest.more_pairs() ? " or more" : "", quality.min_spacing_mm(),
-            client::GroupedDigits(nearest.doubled_count()));
+            nearest.more_pairs() ? " or more" : "",
+            NounFor(nearest.near_pair_count() + (nearest.more_pairs() ? 1 : 0), "pair"),
+            quality.min_spacing_mm(),
+            client::GroupedCount(nearest.doubled_count(), "point"));
 }
 
 void AddSurface(const CloudQuality& quality, Lines& lines) {
   const SurfaceFigures& surface = quality.surface();
-  lines.Add("surface", "{:.1f} mm^2, {} triangles", surface.area_mm2(),
-            client::GroupedDigits(surface.triangle_count()));
+  lines.Add("surface", "{:.1f} mm^2, {}", surface.area_mm2(),
+            client::GroupedCount(surface.triangle_count(), "triangle"));
   lines.Add("uncovered", "largest disc {:.4f} mm in radius, {:.2f} spacings, at {}",
             surface.uncovered_radius_mm(),
             surface.uncovered_radius_mm() / quality.min_spacing_mm(),
@@ -127,28 +130,28 @@ void AddSurface(const CloudQuality& quality, Lines& lines) {
                             surface.on_surface_count();
   lines.Add(
       "off surface",
-      "maximum distance {:.3f} um, of the point at {}; {} points ({}) are farther than "
+      "maximum distance {:.3f} um, of the point at {}; {} ({}) {} farther than "
       "half a spacing, the others at most {:.3f} um",
       1000 * surface.greatest_distance_mm(), PlaceText(surface.farthest_point_mm()),
-      client::GroupedDigits(off),
+      client::GroupedCount(off, "point"),
       Percent(static_cast<double>(off) / static_cast<double>(quality.point_count())),
-      1000 * surface.greatest_on_surface_mm());
-  lines.Add(
-      "density",
-      "{:.2f} points/mm^2, {} of the densest; varies by {} over {} patches, {} empty",
-      surface.points_per_mm2(), Percent(surface.density_ratio()),
-      Percent(surface.variation_ratio()), client::GroupedDigits(surface.patch_count()),
-      client::GroupedDigits(surface.empty_patch_count()));
+      IsOrAre(off), 1000 * surface.greatest_on_surface_mm());
+  lines.Add("density",
+            "{:.2f} points/mm^2, {} of the densest; varies by {} over {}, {} empty",
+            surface.points_per_mm2(), Percent(surface.density_ratio()),
+            Percent(surface.variation_ratio()),
+            client::GroupedCount(surface.patch_count(), "patch", "patches"),
+            client::GroupedDigits(surface.empty_patch_count()));
   if (!surface.has_slices()) return;
   const HeightSliceFigures& slices = surface.slices();
   lines.Add(
       "level slices",
       "of {:.3f} mm: at least {} of the points expected, between the heights {:.2f} "
-      "and {:.2f} mm; below half of them in {} of {} slices",
+      "and {:.2f} mm; below half of them in {} of {}",
       slices.slice_mm(), Percent(slices.smallest_ratio()), slices.smallest_low_mm(),
       slices.smallest_low_mm() + slices.slice_mm(),
       client::GroupedDigits(slices.band_count()),
-      client::GroupedDigits(slices.slice_count()));
+      client::GroupedCount(slices.slice_count(), "slice"));
 }
 
 void AddSources(const CloudQuality& quality, Lines& lines) {
@@ -159,8 +162,9 @@ void AddSources(const CloudQuality& quality, Lines& lines) {
       break;
     }
     const SourceFigures& source = quality.sources(i);
-    lines.Add(i == 0 ? "sources" : "", "model {}: {} points, {}{}", source.source(),
-              client::GroupedDigits(source.point_count()), Percent(source.point_ratio()),
+    lines.Add(i == 0 ? "sources" : "", "model {}: {}, {}{}", source.source(),
+              client::GroupedCount(source.point_count(), "point"),
+              Percent(source.point_ratio()),
               source.has_surface_ratio()
                   ? ", on " + Percent(source.surface_ratio()) + " of the surface"
                   : "");
@@ -170,10 +174,11 @@ void AddSources(const CloudQuality& quality, Lines& lines) {
 void AddCracks(const CrackRiskFigures& cracks, Lines& lines) {
   const DensePlaceFigures& densest = cracks.densest();
   lines.Add("glass",
-            "densest {:.0f} points/mm^3, cracks take {} of the volume, at {}; {} points "
+            "densest {:.0f} points/mm^3, cracks take {} of the volume, at {}; {} "
             "where it is above {}",
             densest.points_per_mm3(), Percent(densest.crack_share_ratio()),
-            PlaceText(densest.place_mm()), client::GroupedDigits(cracks.risky_count()),
+            PlaceText(densest.place_mm()),
+            client::GroupedCount(cracks.risky_count(), "point"),
             Percent(cracks.max_share_ratio()));
 }
 

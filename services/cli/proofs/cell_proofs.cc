@@ -3,6 +3,7 @@
 #include <chrono>
 #include <iostream>
 
+#include "engrave/core/counted.h"
 #include "services/cli/interrupt.h"
 #include "services/platform/command_line/other_programs.h"
 
@@ -36,7 +37,8 @@ void FinishProofs(client::ShopProofs& proofs, client::JobClient& client) {
   client.Poll(100ms);  // an end that has just come
   TurnProofs(proofs, client);
   if (proofs.pending_count() == 0) return;
-  std::cerr << "making report and pictures of " << proofs.pending_count() << " jobs\n";
+  std::cerr << "making report and pictures of " << Counted(proofs.pending_count(), "job")
+            << "\n";
   const auto end = Clock::now() + kProofTime;
   while (proofs.pending_count() > 0 && Interrupts() < 2 && Clock::now() < end) {
     client.Poll(100ms);

@@ -31,9 +31,8 @@ std::string MarkCountsText(const JobReport& report) {
                         counts.uncertain_made(), counts.uncertain_incomplete(),
                         counts.uncertain_missed(), counts.uncertain_doubled());
   }
-  return text + fmt::format(", {} unaccounted, {} stray ticks\n",
-                            GroupedDigits(counts.unaccounted()),
-                            GroupedDigits(counts.stray_ticks()));
+  return text + fmt::format(", {} unaccounted, {}\n", GroupedDigits(counts.unaccounted()),
+                            client::GroupedCount(counts.stray_ticks(), "stray tick"));
 }
 
 std::string MeasureText(const char* name, const MarkMeasure& measure) {

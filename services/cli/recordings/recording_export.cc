@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/io/csv.h"
@@ -134,11 +135,10 @@ class Cracks {
   Status CheckJob(bool any) const {
     const std::string names = fmt::format("{}", fmt::join(jobs_, ", "));
     if (any && jobs_.size() > 1) {
-      return Fail(
-          ErrorCode::kMissing,
-          fmt::format("the recording has the points of {} jobs, {}: name one with "
-                      "--job",
-                      jobs_.size(), names));
+      return Fail(ErrorCode::kMissing,
+                  fmt::format("the recording has the points of {}, {}: name one with "
+                              "--job",
+                              Counted(jobs_.size(), "job"), names));
     }
     if (!any && !jobs_.contains(job_uid_)) {
       return Fail(ErrorCode::kNotFound,

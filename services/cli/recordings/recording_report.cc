@@ -9,6 +9,7 @@
 #include <limits>
 #include <vector>
 
+#include "engrave/core/counted.h"
 #include "services/client/figure_text.h"
 #include "services/platform/host/times/utc_time.h"
 #include "services/platform/recording/bulk.h"
@@ -102,13 +103,15 @@ std::string StateText(const RecordingInfo& info) {
     std::uint64_t missing = 0;
     for (const RecordingMissing& one : info.missing()) missing += one.message_count();
     if (missing == 0) return "whole";
-    return fmt::format("the file is whole, but {} messages are missing in it",
-                       client::GroupedDigits(missing));
+    return fmt::format("the file is whole, but {} {} missing in it",
+                       client::GroupedCount(missing, "message"), IsOrAre(missing));
   }
   std::string text =
       "open: its writer was killed, is still writing, or the copy was truncated";
   if (info.torn_bytes() > 0) {
-    text += fmt::format("; {} bytes at its end are incomplete", info.torn_bytes());
+    text += fmt::format("; {} at its end {} incomplete",
+                        client::GroupedCount(info.torn_bytes(), "byte"),
+                        IsOrAre(info.torn_bytes()));
   }
   return text;
 }
@@ -129,15 +132,16 @@ std::string BulkText(const RecordingBulk& bulk) {
 std::string LossText(const RecordingInfo& info) {
   std::string text;
   for (const RecordingForgotten& one : info.forgotten()) {
-    text += fmt::format(
-        "forgotten   {} retained samples before file {}: more than {} bytes of them\n",
-        one.message_count(), one.file_number(), one.limit_bytes());
+    text += fmt::format("forgotten   {} before file {}: more than {} bytes of them\n",
+                        client::GroupedCount(one.message_count(), "retained sample"),
+                        one.file_number(), one.limit_bytes());
   }
   for (const RecordingMissing& one : info.missing()) {
-    text += fmt::format(
-        "missing     {}: {}{}\n", one.topic(),
-        one.message_count() == 0 ? "" : fmt::format("{} messages, ", one.message_count()),
-        one.reason());
+    text += fmt::format("missing     {}: {}{}\n", one.topic(),
+                        one.message_count() == 0
+                            ? ""
+                            : client::GroupedCount(one.message_count(), "message") + ", ",
+                        one.reason());
   }
   for (const std::string& damage : info.damages()) {
     text += fmt::format("damaged     {}\n", damage);
@@ -178,23 +182,24 @@ RecordingInfo InfoOf(const McapReader& reader) {
 }
 
 std::string TextOf(const RecordingInfo& info) {
-  std::string text = fmt::format(
-      "file        {}, {} bytes\nstate       {}\nwriter      {}\n", info.file(),
-      client::GroupedDigits(info.bytes()), StateText(info), info.writer());
+  std::string text = fmt::format("file        {}, {}\nstate       {}\nwriter      {}\n",
+                                 info.file(), client::GroupedCount(info.bytes(), "byte"),
+                                 StateText(info), info.writer());
   if (!info.start_utc().empty()) {
     text += fmt::format("time        {} to {}, {:.1f} s\n", ForPeople(info.start_utc()),
                         ForPeople(info.end_utc()), info.duration_s());
   }
-  text += fmt::format("messages    {} in {} channels and {} chunks\n",
-                      client::GroupedDigits(info.message_count()), info.channel_count(),
-                      info.chunk_count());
+  text += fmt::format("messages    {} in {} and {}\n",
+                      client::GroupedDigits(info.message_count()),
+                      Counted(info.channel_count(), "channel"),
+                      client::GroupedCount(info.chunk_count(), "chunk"));
   if (info.repeated_count() > 0) {
     text += fmt::format("repeated    {} more at the beginning, retained from before it\n",
                         client::GroupedDigits(info.repeated_count()));
   }
   for (const RecordingAttachment& one : info.attachments()) {
-    text += fmt::format("attachment  {}, {} bytes\n", one.name(),
-                        client::GroupedDigits(one.bytes()));
+    text += fmt::format("attachment  {}, {}\n", one.name(),
+                        client::GroupedCount(one.bytes(), "byte"));
   }
   return text + BulkText(info.bulk()) + LossText(info);
 }

@@ -123,7 +123,7 @@ void Print(const ReplayComparison& result) {
   for (const TaskComparison& task : result.tasks())
     different += task.different_batch_count();
   fmt::print("verdict     DIFFERENT");
-  if (different > 0) fmt::print(", {} batches", different);
+  if (different > 0) fmt::print(", {}", Counted(different, "batch", "batches"));
   fmt::print("\n");
 }
 

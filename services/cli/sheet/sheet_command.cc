@@ -14,6 +14,7 @@
 #include "engrave/contour/files/drawing_loops.h"
 #include "engrave/contour/milling/material_use.h"
 #include "engrave/contour/milling/nest.h"
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/image/image_file.h"
 #include "engrave/io/atomic_file.h"
@@ -155,8 +156,9 @@ Status Nest(const SheetOptions& options) {
   nest_options.margin_mm = options.margin_mm;
   nest_options.turn = !options.upright;
   const contour::Nest nest = INTAGLIO_TRY(contour::NestParts(parts, nest_options));
-  fmt::print("parts         {} on {} sheets of {:g} x {:g} mm\n", parts.size(),
-             nest.sheet_count, options.sheet_mm[0], options.sheet_mm[1]);
+  fmt::print("parts         {} on {} of {:g} x {:g} mm\n", parts.size(),
+             Counted(nest.sheet_count, "sheet"), options.sheet_mm[0],
+             options.sheet_mm[1]);
   fmt::print("use           {:.2f} %\n", nest.use_percent);
   fmt::print("last sheet    used to {:.1f} mm of its height\n", nest.last_top_mm);
   if (options.out.empty()) return {};

@@ -18,11 +18,11 @@ std::string PlainSizeText(const Vector3& size_mm) {
 /// The time of a head that jumps and dwells, by part.
 std::string JumpTimeText(const TimePreview& time) {
   const JumpTimePreview& parts = time.jumps();
-  return fmt::format("{}: jumps {}, delays {}, dwell {}, {} moves of z {}",
-                     ShortDuration(time.machining_time_s()),
-                     ShortDuration(parts.jump_s()), ShortDuration(parts.delay_s()),
-                     ShortDuration(parts.dwell_s()), GroupedDigits(parts.z_move_count()),
-                     ShortDuration(parts.z_s()));
+  return fmt::format(
+      "{}: jumps {}, delays {}, dwell {}, {} of z {}",
+      ShortDuration(time.machining_time_s()), ShortDuration(parts.jump_s()),
+      ShortDuration(parts.delay_s()), ShortDuration(parts.dwell_s()),
+      GroupedCount(parts.z_move_count(), "move"), ShortDuration(parts.z_s()));
 }
 
 std::string TimeText(const JobPreview& figures) {
@@ -66,9 +66,9 @@ std::string BreakageText(const BreakagePreview& breakage) {
 std::string EnergyText(const ObliquePreview& oblique) {
   if (!oblique.energy_by_place())
     return "the energy does not follow the place: " + oblique.why_one_energy();
-  std::string text = fmt::format("energy by place, {:.3g}..{:.3g} mJ in {} steps",
-                                 oblique.min_energy_mj(), oblique.max_energy_mj(),
-                                 oblique.energy_count());
+  std::string text =
+      fmt::format("energy by place, {:.3g}..{:.3g} mJ in {}", oblique.min_energy_mj(),
+                  oblique.max_energy_mj(), Counted(oblique.energy_count(), "step"));
   if (oblique.limited_count() > 0) {
     text += fmt::format("; {} {} weaker than asked for, since the laser has no more",
                         GroupedCount(oblique.limited_count(), "point"),
@@ -157,7 +157,7 @@ std::vector<PreviewLine> LinesOf(const JobPreview& figures) {
   }
   for (const ChannelPreview& channel : figures.channels()) {
     lines.push_back({fmt::format("channel {}", channel.channel()),
-                     GroupedDigits(channel.point_count()) + " points"});
+                     GroupedCount(channel.point_count(), "point")});
   }
   return lines;
 }

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <optional>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "services/job/files/submission_id.h"
 
@@ -207,9 +208,9 @@ Result<std::unique_ptr<OpenUpload>> UploadFolder::Open(const std::string& id,
   if (fstat(upload->descriptor_, &there) != 0) return RefusedBySystem(upload->file_);
   const auto end = static_cast<std::uint64_t>(there.st_size);
   if (offset_bytes > 0 && offset_bytes != end) {
-    return Fail(
-        ErrorCode::kRefused,
-        fmt::format("{}: {} bytes have come: go on at offset={}", file, end, end));
+    return Fail(ErrorCode::kRefused,
+                fmt::format("{}: {} {} come: go on at offset={}", file,
+                            Counted(end, "byte"), HasOrHave(end), end));
   }
   if (ftruncate(upload->descriptor_, static_cast<off_t>(offset_bytes)) != 0)
     return RefusedBySystem(upload->file_);

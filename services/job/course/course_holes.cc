@@ -6,6 +6,7 @@
 
 #include "engrave/contour/area.h"
 #include "engrave/contour/near_pairs.h"
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 
 namespace intaglio {
@@ -67,10 +68,11 @@ void AddHolesBeside(const DrilledFile& file, const std::vector<contour::Area>& c
   }
   if (beside == 0) return;
   warnings.push_back(HoleWarning(fmt::format(
-      "{}: {} of {} holes lie beside all copper, the first {}; holes reach {}, copper "
+      "{}: {} of {} {} beside all copper, the first {}; holes reach {}, copper "
       "{}; "
       "where that is not meant, correct the unit, the digits or the zero of the file",
-      file.name, beside, file.holes.size(), PlaceOf(file.holes[first]), TextOf(of_holes),
+      file.name, beside, Counted(file.holes.size(), "hole"),
+      VerbFor(beside, "lies", "lie"), PlaceOf(file.holes[first]), TextOf(of_holes),
       TextOf(of_copper))));
 }
 
@@ -91,10 +93,10 @@ void AddHolesOver(const DrilledFile& file, Warnings& warnings) {
   }
   if (count == 0) return;
   warnings.push_back(HoleWarning(fmt::format(
-      "{}: {} pairs of holes lie over each other, by up to {:.3g} mm, the first {} and "
+      "{}: {} of holes {} over each other, by up to {:.3g} mm, the first {} and "
       "{}; a drill breaks there: drill one of them, or mill a slot",
-      file.name, count, over_mm, PlaceOf(file.holes[first.first]),
-      PlaceOf(file.holes[first.second]))));
+      file.name, Counted(count, "pair"), VerbFor(count, "lies", "lie"), over_mm,
+      PlaceOf(file.holes[first.first]), PlaceOf(file.holes[first.second]))));
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 #include <optional>
 
+#include "engrave/core/counted.h"
 #include "engrave/optics/focus.h"
 #include "services/job/fields/shapes.h"
 #include "services/job/machine/focus_offset.h"
@@ -124,10 +125,10 @@ tl::unexpected<Error> Refuse(const FrozenJob& job, const MachineLens& lens,
                            : "place the model away from it, or move it";
   return Fail(
       ErrorCode::kOutsideBlock,
-      fmt::format("{} of {} points would bring the head into {}: {} point {}, "
+      fmt::format("{} of {} would bring the head into {}: {} point {}, "
                   "{:.1f} mm below the top face, {} would be {:.1f} mm inside {} "
                   "({}); {}",
-                  worst.count, points_mm.size(), solid,
+                  worst.count, Counted(points_mm.size(), "point"), solid,
                   worst.on_the_way ? "on the way to" : "at", PlaceText(at_mm), depth_mm,
                   head.bodies[collision.body], collision.overlap_mm, solid,
                   WhereFrom(lens, collision, job.machine().name()), remedy),

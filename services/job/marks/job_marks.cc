@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
 #include "engrave/mark/jump_order.h"
@@ -101,8 +102,8 @@ class JobMarks {
   }
 
   Status TooFewFiles(std::size_t needed) const {
-    return Fail(ErrorCode::kMissing,
-                fmt::format("marks.items: need {} files, got {}", needed, named_.size()));
+    return Fail(ErrorCode::kMissing, fmt::format("marks.items: need {}, got {}",
+                                                 Counted(needed, "file"), named_.size()));
   }
 
   Status AddRepeat(std::size_t repeat) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/galvo/web_speed.h"
 #include "services/job/marks/job_marks.h"
@@ -54,10 +55,10 @@ Status CheckWebRun(const JobSpec& job, const MachineSpec& machine,
   if (!run.missed.empty()) {
     return Fail(
         ErrorCode::kRefused,
-        fmt::format("marks.web.speed_mm_s: at {:.6g} mm/s {} of {} marks would be "
+        fmt::format("marks.web.speed_mm_s: at {:.6g} mm/s {} of {} would be "
                     "missed, the first: {}; the largest speed is {:.1f} mm/s: give this "
                     "or less, mark faster, or give 0 for as fast as possible",
-                    asked_mm_s, run.missed.size(), ordered.marks.size(),
+                    asked_mm_s, run.missed.size(), Counted(ordered.marks.size(), "mark"),
                     NameOfMark(job, ordered, run.missed.front()), Shown(run.max_mm_s)),
         fmt::format("{:.6g}", asked_mm_s));
   }

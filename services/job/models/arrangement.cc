@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/geometry.h"
 #include "engrave/core/try.h"
 #include "services/job/convert/job_defaults.h"
@@ -105,12 +106,11 @@ double OverlapMm3(const Box3& a, const Box3& b) {
 Status CheckTextPlace(const JobSpec& job, const std::string& place) {
   const auto texts = std::count_if(job.models().begin(), job.models().end(), IsText);
   if (texts != 1) {
-    return Fail(
-        ErrorCode::kInvalidValue,
-        fmt::format("--text-place {}: the job has {} texts, and one can be placed; "
-                    "give the others models[].placement.move_mm",
-                    place, texts),
-        place);
+    return Fail(ErrorCode::kInvalidValue,
+                fmt::format("--text-place {}: the job has {}, and one can be placed; "
+                            "give the others models[].placement.move_mm",
+                            place, Counted(static_cast<std::uint64_t>(texts), "text")),
+                place);
   }
   for (const Model& model : job.models()) {
     if (IsMovable(model) && job.channel_blocks().empty()) continue;

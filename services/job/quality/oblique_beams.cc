@@ -109,7 +109,7 @@ Status CheckOblique(const FrozenJob& job, const ObliqueFigures& figures) {
           "{}{}; make the piece smaller or less deep, put it under the middle of the "
           "field, or use a telecentric lens",
           Counted(figures.beyond.count, "point"),
-          figures.beyond.count == 1 ? "gets" : "get", place, figures.needed_energy_mj,
+          VerbFor(figures.beyond.count, "gets", "get"), place, figures.needed_energy_mj,
           figures.largest_energy_mj, MaxRadiiText(figures), one_energy),
       place);
 }
@@ -138,7 +138,7 @@ Warnings ObliqueWarningsOf(const ObliqueFigures& figures) {
             "{:.1f} mm from the axis of the lens; {}, make the piece smaller or less "
             "deep, put it under the middle of the field, or use a telecentric lens{}",
             Counted(figures.weak.count, "point"),
-            figures.weak.count == 1 ? "gets" : "get", first_mm.x(), first_mm.y(),
+            VerbFor(figures.weak.count, "gets", "get"), first_mm.x(), first_mm.y(),
             first_mm.z(), figures.radii.back().depth_mm, figures.radii.back().radius_mm,
             energy, assumed)));
   }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "services/job/machine/block_origin.h"
 #include "services/job/machine/machine_axes.h"
@@ -51,9 +52,10 @@ Result<PointList> FocusSeriesPoints(const MachineSpec& machine, const Vec3& axes
   if (!(series.step_mm > 0) || !(series.pitch_mm > 0) || series.count < 2 ||
       series.count > kMaxCount) {
     return Fail(ErrorCode::kInvalidValue,
-                fmt::format("a series of {} points, {} mm deeper each, {} mm apart: give "
+                fmt::format("a series of {}, {} mm deeper each, {} mm apart: give "
                             "2 to {} points and ways above 0",
-                            series.count, series.step_mm, series.pitch_mm, kMaxCount));
+                            Counted(series.count, "point"), series.step_mm,
+                            series.pitch_mm, kMaxCount));
   }
   const Vec3 here_mm = frame.ToGlass(KinematicsOf(machine)->ToPlace(axes));
   const double height_mm = frame.block_size_mm.z();

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "engrave/core/counted.h"
 #include "proto/task.pb.h"
 #include "services/job/fields/job_kind.h"
 #include "services/platform/host/stage/task_part.h"
@@ -108,8 +109,8 @@ std::optional<std::string> Discretizing::Lose(JobRecord& job, std::uint32_t part
   tasks_.RevokeHeld(job, {given}, now);
   const std::uint32_t losses = record.losses + 1;
   if (losses >= host::kMaxPartLosses) {
-    return fmt::format("{} has failed after {} attempts; {}", job.parts.NameOf(part),
-                       losses, why);
+    return fmt::format("{} has failed after {}; {}", job.parts.NameOf(part),
+                       Counted(losses, "attempt"), why);
   }
   job.parts.Lose(part, why, now + pause);
   SetProgress(job, now);

@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "engrave/core/counted.h"
 #include "services/platform/host/safety/absence_limit.h"
 
 namespace intaglio::job_service {
@@ -247,10 +248,10 @@ void JobQueue::LoseAttempt(JobRecord& job, const std::string& why, Nanoseconds n
   ++job.lost_attempts;
   job.last_loss = fmt::format("attempt {} failed: {}", job.attempt, why);
   if (job.lost_attempts >= kMaxAttempts) {
-    return EndJob(
-        job, intaglio_JOB_FAILED,
-        fmt::format("failed after {} attempts; {}", job.lost_attempts, job.last_loss),
-        now);
+    return EndJob(job, intaglio_JOB_FAILED,
+                  fmt::format("failed after {}; {}",
+                              Counted(job.lost_attempts, "attempt"), job.last_loss),
+                  now);
   }
   Requeue(job, job.last_loss, now);
   tasks_.RevokeAndStopFeed(job, job.GivenTasks(), now);

@@ -9,6 +9,7 @@
 #include <map>
 #include <utility>
 
+#include "engrave/core/counted.h"
 #include "services/platform/recording/conventions.h"
 
 namespace intaglio::recording {
@@ -101,8 +102,9 @@ std::vector<std::string> MissingSentences(const McapReader& reader) {
   for (const auto& [key, count] : counts) {
     const auto& [topic, reason] = key;
     sentences.push_back(count == 0 ? fmt::format("{} is missing: {}", topic, reason)
-                                   : fmt::format("{} messages of {} are missing: {}",
-                                                 count, topic, reason));
+                                   : fmt::format("{} of {} {} missing: {}",
+                                                 Counted(count, "message"), topic,
+                                                 IsOrAre(count), reason));
   }
   return sentences;
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "engrave/core/counted.h"
 #include "services/platform/bus/topics.h"
 
 namespace intaglio::replayer {
@@ -94,8 +95,7 @@ std::optional<SampleDifference> CompareRun(const CellRun* then, const CellRun* n
                                            TaskComparison& counts) {
   std::optional<SampleDifference> found;
   const auto messages = [](const CellRun* run) {
-    return run == nullptr ? std::string("none")
-                          : fmt::format("{} points", run->pulses.size());
+    return run == nullptr ? std::string("none") : Counted(run->pulses.size(), "point");
   };
   if (then == nullptr || now == nullptr) {
     found =

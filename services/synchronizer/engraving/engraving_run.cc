@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "engrave/core/counted.h"
+
 namespace intaglio::synchronizer {
 namespace {
 
@@ -75,9 +77,9 @@ std::optional<HaltReason> EngravingRun::WhyHalt(const EngravingInputs& inputs) {
   if (missed_in_a_row_ >= job_.max_missed_in_a_row) {
     return HaltReason{
         Missing::kNothing,
-        fmt::format("no crack was detected for {} pulses in a row: check lens, block, "
+        fmt::format("no crack was detected for {} in a row: check lens, block, "
                     "pulse energy and photosensor, then resume",
-                    missed_in_a_row_),
+                    Counted(missed_in_a_row_, "pulse")),
         true};
   }
   if (feed_.dropped()) {

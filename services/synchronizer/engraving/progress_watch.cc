@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "engrave/core/counted.h"
+
 namespace intaglio::synchronizer {
 namespace {
 
@@ -133,15 +135,15 @@ std::string TextOf(const Stall& stall, const std::string& tolerance_mismatch) {
   for (const Cause& cause : causes)
     reasons.push_back(fmt::format("{} {}", cause.count, cause.text));
   if (d.run_count > 1)
-    reasons.push_back(fmt::format("the run began {} times", d.run_count));
+    reasons.push_back(fmt::format("the run began {}", Counted(d.run_count, "time")));
   const char* remedy =
       causes.empty() ? "pause the job and check the machine" : causes.front().remedy;
-  return fmt::format("no progress: {} of {} expected points in {:.0f} s of work{}{}: {}",
-                     stall.made_count, stall.expected_count, stall.working_s,
-                     reasons.empty() ? "" : "; ", fmt::join(reasons, ", "),
-                     tolerance_mismatch.empty() || d.out_of_position_count == 0
-                         ? remedy
-                         : tolerance_mismatch);
+  return fmt::format(
+      "no progress: {} of {} in {:.0f} s of work{}{}: {}", stall.made_count,
+      Counted(stall.expected_count, "expected point"), stall.working_s,
+      reasons.empty() ? "" : "; ", fmt::join(reasons, ", "),
+      tolerance_mismatch.empty() || d.out_of_position_count == 0 ? remedy
+                                                                 : tolerance_mismatch);
 }
 
 }  // namespace intaglio::synchronizer

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "engrave/core/counted.h"
+
 namespace intaglio::synchronizer {
 namespace {
 
@@ -134,12 +136,13 @@ std::optional<std::string> Settling::CompareCounters(bool no_run_yet) {
     const std::uint32_t more = counted - known;
     if (taken_up_ && no_run_yet && more <= ledger.size()) unmarked_count_ = more;
     finding = fmt::format(
-        "the laser controller counts {} pulses where {} are known{}: "
+        "the laser controller counts {} where {} {} known{}: "
         "check the block, then resume or cancel",
-        counted, known,
+        Counted(counted, "pulse"), known, IsOrAre(known),
         unmarked_count_ == 0
             ? ""
-            : fmt::format(", so the next {} points are uncertain", unmarked_count_));
+            : fmt::format(", so the next {} {} uncertain",
+                          Counted(unmarked_count_, "point"), IsOrAre(unmarked_count_)));
   }
   if (MarkNextPoints()) record_.TakeCounters(laser_);
   return finding;

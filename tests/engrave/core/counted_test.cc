@@ -22,6 +22,10 @@ TEST(Counted, TheVerbAgrees) {
   EXPECT_STREQ(IsOrAre(0), "are");
   EXPECT_STREQ(WasOrWere(1), "was");
   EXPECT_STREQ(WasOrWere(2), "were");
+  EXPECT_STREQ(HasOrHave(1), "has");
+  EXPECT_STREQ(HasOrHave(0), "have");
+  EXPECT_STREQ(VerbFor(1, "belongs", "belong"), "belongs");
+  EXPECT_STREQ(VerbFor(3, "belongs", "belong"), "belong");
 }
 
 }  // namespace

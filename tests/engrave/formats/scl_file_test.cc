@@ -115,7 +115,7 @@ TEST(SclFile, CutAnywhereIsRefused) {
     ASSERT_FALSE(read.has_value()) << size;
     EXPECT_EQ(read.error().code, ErrorCode::kUnreadable);
   }
-  EXPECT_THAT(ParseScl(bytes + "x").error().message, HasSubstr("1 extra bytes"));
+  EXPECT_THAT(ParseScl(bytes + "x").error().message, HasSubstr("1 extra byte follows"));
 }
 
 TEST(SclFile, EveryFlippedBitIsSeen) {

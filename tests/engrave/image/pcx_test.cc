@@ -141,10 +141,10 @@ TEST(Pcx, DamageIsAnErrorThatNamesItsPlace) {
   EXPECT_THAT(message(file.substr(0, file.size() - 1)), HasSubstr("row 1 of 2"));
   std::string wrong = file;
   wrong[66] = 1;
-  EXPECT_THAT(message(wrong), HasSubstr("rows of 1 bytes for 10 pixels"));
+  EXPECT_THAT(message(wrong), HasSubstr("rows of 1 byte for 10 pixels"));
   wrong = file;
   wrong[65] = 7;
-  EXPECT_THAT(message(wrong), HasSubstr("7 planes of 1 bits"));
+  EXPECT_THAT(message(wrong), HasSubstr("7 planes of 1 bit"));
   wrong = file;
   wrong[8] = 0, wrong[4] = 5;
   EXPECT_THAT(message(wrong), HasSubstr("no pixels"));

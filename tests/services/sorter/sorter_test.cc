@@ -354,7 +354,7 @@ TEST_F(SorterTest, AWebThatIsTooFastIsRefusedBeforeItIsArmed) {
   ASSERT_TRUE(refused);
   EXPECT_EQ(refused->state, intaglio_TASK_FAILED);
   EXPECT_EQ(refused->error_code, bus::WireOf(ErrorCode::kRefused));
-  EXPECT_NE(refused->message.find("marks.web.speed_mm_s: at 500 mm/s 1 of 1 marks would "
+  EXPECT_NE(refused->message.find("marks.web.speed_mm_s: at 500 mm/s 1 of 1 mark would "
                                   "be missed, the first: item 1 of repeat 1; the largest "
                                   "speed is 55."),
             std::string::npos)

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 
 namespace intaglio::client {
@@ -18,8 +19,8 @@ Result<CutEvidence> ReadCutEvidence(const std::filesystem::path& folder,
   formats::ToolWay way = INTAGLIO_TRY(formats::ReadToolWay(file));
   if (way.torn_bytes > 0) {
     return Fail(ErrorCode::kUnreadable,
-                fmt::format("{}: cut or damaged behind {} steps; run the job again",
-                            file.string(), way.steps.size()),
+                fmt::format("{}: cut or damaged behind {}; run the job again",
+                            file.string(), Counted(way.steps.size(), "step")),
                 file.string());
   }
   const double diameter_mm = ToolDiameterOf(course);
@@ -58,11 +59,20 @@ void AddCutFaults(const CutReport& cut, Verdict& verdict) {
     if (figure > 0) verdict.add_reasons(fmt::format(fmt::runtime(sentence), figure));
   };
   if (cut.pieces_left() != cut.pieces_planned()) {
-    verdict.add_reasons(fmt::format("{} pieces of the face are left, {} are planned",
-                                    cut.pieces_left(), cut.pieces_planned()));
+    verdict.add_reasons(fmt::format(
+        "{} of the face {} left, {} {} planned", Counted(cut.pieces_left(), "piece"),
+        IsOrAre(cut.pieces_left()), cut.pieces_planned(), IsOrAre(cut.pieces_planned())));
   }
-  none(cut.pieces_joined(), "{:.0f} pieces that are to be apart hang together");
-  none(cut.pieces_split(), "{:.0f} pieces that are to be whole are several");
+  if (const auto count = cut.pieces_joined(); count > 0) {
+    verdict.add_reasons(fmt::format("{} that {} to be apart {} together",
+                                    Counted(count, "piece"), IsOrAre(count),
+                                    VerbFor(count, "hangs", "hang")));
+  }
+  if (const auto count = cut.pieces_split(); count > 0) {
+    verdict.add_reasons(fmt::format("{} that {} to be whole {} several",
+                                    Counted(count, "piece"), IsOrAre(count),
+                                    IsOrAre(count)));
+  }
   none(cut.beside_mm2(), "{:.3g} mm2 are cleared beside the plan");
   none(cut.uncut_mm2(), "{:.3g} mm2 of the plan are not cleared");
   none(cut.too_deep_mm2(), "{:.3g} mm2 are cut deeper than planned");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/mark/mark_file.h"
 #include "services/client/proof/proof_evidence.h"
@@ -29,10 +30,10 @@ Status CheckJournal(const fs::path& file, const formats::Journal& journal,
       journal.header.path_crc == mark::MarksCrc(marks))
     return {};
   return Fail(ErrorCode::kInvalidValue,
-              fmt::format("{}: is the journal of other marks ({} marks, {} has {}); put "
+              fmt::format("{}: is the journal of other marks ({}, {} has {}); put "
                           "the files of one job into the folder",
-                          file.string(), journal.header.point_count, kMarksFile,
-                          marks.marks.size()),
+                          file.string(), Counted(journal.header.point_count, "mark"),
+                          kMarksFile, marks.marks.size()),
               file.string());
 }
 
@@ -74,9 +75,9 @@ Result<MarkEvidence> ReadMarkEvidence(const fs::path& folder) {
   if (record.torn_bytes > 0) {
     return Fail(
         ErrorCode::kUnreadable,
-        fmt::format("{}: cut or damaged behind {} ticks; remove it and verify the "
+        fmt::format("{}: cut or damaged behind {}; remove it and verify the "
                     "folder again beside its shop",
-                    (folder / kBurntFile).string(), record.ticks.size()),
+                    (folder / kBurntFile).string(), Counted(record.ticks.size(), "tick")),
         (folder / kBurntFile).string());
   }
   evidence.has_material = true;

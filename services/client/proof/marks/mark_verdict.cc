@@ -99,8 +99,8 @@ void AddMarkFaults(const JobReport& report, Verdict& verdict) {
               [](const MarkFinding& finding) { return finding.unaccounted(); }));
   });
   need(counts.stray_ticks() == 0, [&] {
-    return fmt::format("the beam was on for {} ticks of 10 us outside the job's marks",
-                       counts.stray_ticks());
+    return fmt::format("the beam was on for {} of 10 us outside the job's marks",
+                       Counted(counts.stray_ticks(), "tick"));
   });
   if (marks.has_cut()) AddCutFaults(marks.cut(), verdict);
   const MarkMeasures& measures = marks.measures();

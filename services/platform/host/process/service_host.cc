@@ -3,10 +3,12 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <iostream>
 
+#include "engrave/core/counted.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/command_line/parent_death.h"
 #include "services/platform/host/peers/identity_role.h"
@@ -213,10 +215,12 @@ void ServiceHost::WarnOfExpiry() {
   if (left > kExpiryWarning) return;
   RaiseAlarm(
       intaglio_ALARM_WARNING, "identity_expires",
-      fmt::format("the identity in {} expires in {} days; after that other processes "
+      fmt::format("the identity in {} expires in {}; after that other processes "
                   "drop the samples of this service: run intaglio security renew",
                   bus().options().security,
-                  std::chrono::floor<std::chrono::days>(left).count()));
+                  Counted(static_cast<std::uint64_t>(std::max<std::int64_t>(
+                              0, std::chrono::floor<std::chrono::days>(left).count())),
+                          "day")));
 }
 
 void ServiceHost::RaiseAlarm(intaglio_AlarmSeverity severity, const std::string& code,

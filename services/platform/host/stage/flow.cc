@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "services/platform/bus/samples.h"
 
@@ -113,10 +114,11 @@ template <typename Codec>
 Status Intake<Codec>::Accept(const Batch& batch) {
   const TaskPart which = Codec::PartOf(batch);
   if (which.count != parts_.size() || !which.valid()) {
-    return Fail(ErrorCode::kFault, fmt::format("part {}.{} of {} of {} does not belong "
-                                               "to what was asked for, {} parts",
-                                               which.index, which.attempt, which.count,
-                                               topic_name_, parts_.size()));
+    return Fail(ErrorCode::kFault,
+                fmt::format("part {}.{} of {} of {} does not belong "
+                            "to what was asked for, {}",
+                            which.index, which.attempt, which.count, topic_name_,
+                            Counted(parts_.size(), "part")));
   }
   Part& part = parts_[which.index];
   if (which.attempt < part.attempt) return {};

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "services/platform/bus/samples.h"
 
@@ -59,10 +60,11 @@ Status CheckArrays(const intaglio_MarkBatch& batch) {
                              {"y_mm", batch.y_mm._length, places},
                              {"bulge", batch.bulge._length, places}}) {
     if (array.length == array.needed) continue;
-    return MarkFault(fmt::format(
-        "mark batch {}: {} is {}, and not {}; it has {} marks "
-        "of {} places",
-        batch.sequence_number, array.name, array.length, array.needed, marks, places));
+    return MarkFault(
+        fmt::format("mark batch {}: {} is {}, and not {}; it has {} "
+                    "of {}",
+                    batch.sequence_number, array.name, array.length, array.needed,
+                    Counted(marks, "mark"), Counted(places, "place")));
   }
   return {};
 }

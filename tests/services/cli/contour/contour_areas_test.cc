@@ -52,7 +52,7 @@ TEST_F(ContourAreas, TheCopperLeftOfABoardHasTheNetsOfItsFile) {
   ASSERT_EQ(Type({board, "--tool", "0.3"}), client::kExitGood) << errors_;
   EXPECT_THAT(output_, HasSubstr("copper left   2 nets as the file has them"));
   EXPECT_THAT(output_, HasSubstr("isolation     3 nets")) << "B is two pads in front";
-  EXPECT_THAT(output_, HasSubstr("4 holes with 1 tools"));
+  EXPECT_THAT(output_, HasSubstr("4 holes with 1 tool"));
   ASSERT_EQ(Type({board, "--tool", "0.3", "--layer", "B.Cu"}), client::kExitGood)
       << errors_;
   EXPECT_THAT(output_, HasSubstr("copper left   2 nets as the file has them"));
