@@ -1,7 +1,7 @@
 // A new job: files are dropped, glass and sizes chosen, points and time shown as they change; the
 // job file that it makes is one that the command line takes unchanged. Nothing is armed here.
 import { Dict, make, post } from './dom';
-import { fill, text } from './text';
+import { fill, fillCounted, text } from './text';
 import { sendFile } from './upload';
 
 // For which endings a method makes points; the first is the default of its kind.
@@ -155,7 +155,7 @@ export class JobPage extends HTMLElement {
     this.picture.hidden = !answer?.time;
     if (!answer?.time) return;
     this.figures.textContent = [
-      fill(text.previewFigures, {
+      fillCounted(text.previewFigures, answer.point_count ?? 0, {
         points: answer.point_count ?? 0,
         minutes: ((answer.time.machining_time_s ?? 0) / 60).toFixed(1),
       }),

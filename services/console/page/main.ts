@@ -7,7 +7,7 @@ import { JobPage } from './job_page';
 import { JogPanel } from './jog';
 import { ResultPanel } from './result';
 import { LogIn, SessionLine, readSession } from './session';
-import { LanguageList, fill, text, translatePage } from './text';
+import { LanguageList, fill, fillCounted, text, translatePage } from './text';
 
 class StopButton extends HTMLElement {
   private line = make('span');
@@ -290,7 +290,7 @@ class GlassView extends HTMLElement {
 
   private report(data: Dict) {
     if (data.missing) this.line.textContent = text.otherHost;
-    else this.line.textContent = fill(text.cracksMade, data);
+    else this.line.textContent = fillCounted(text.cracksMade, data.planned ?? 0, data);
     this.dataset.drawn = String(data.drawn ?? 0);
     this.dataset.frames = String(data.frames ?? 0);
     this.dataset.budget = String(data.budget ?? 0);

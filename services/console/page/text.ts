@@ -38,6 +38,24 @@ export function fill(pattern: string, values: Record<string, string | number>): 
   return pattern.replace(/\{(\w+)\}/g, (place, name) => String(values[name] ?? place));
 }
 
+const plurals = new Intl.PluralRules(language);
+
+/**
+ * A text that counts: the form for this count, "one: {points} point | other: {points} points" by
+ * the categories of Intl.PluralRules, with its places filled in and its numbers grouped.
+ */
+export function fillCounted(
+    pattern: string, count: number, values: Record<string, string | number>): string {
+  const forms = new Map(pattern.split(' | ').map((form): [string, string] => {
+    const colon = form.indexOf(': ');
+    return [form.slice(0, colon), form.slice(colon + 2)];
+  }));
+  const form = forms.get(plurals.select(count)) ?? forms.get('other') ?? pattern;
+  const shown = Object.fromEntries(Object.entries(values).map(([name, value]) =>
+    [name, typeof value === 'number' ? value.toLocaleString(language) : value]));
+  return fill(form, shown);
+}
+
 /** A list of the languages; a choice loads the page again, which sends nothing. */
 export class LanguageList extends HTMLElement {
   connectedCallback() {
