@@ -222,6 +222,11 @@ class Console:
         """1 to 140 percent of the job's limits. CommandAnswer."""
         return self._post(f"jobs/{job}/speed", percent=percent)
 
+    def move(self, job: Job, before: str = "") -> Message:
+        """Before the waiting job with this uid; empty: behind all that wait for its machine.
+        CommandAnswer."""
+        return self._post(f"jobs/{job}/move", before=before)
+
     def events(self) -> Iterator[Message]:
         """What happens to jobs from now on, JobEvent after JobEvent (docs/cli.md)."""
         with self._open("GET", "/api/v1/events") as lines:

@@ -29,6 +29,7 @@ ARGUMENTS = {
     "arm": ("{job}", "block"),
     "resume": ("{job}", "block"),
     "set_speed": ("{job}", 50),
+    "move": ("{job}", ""),
 }
 OF_A_JOB = ("job", "follow", "pause", "cancel", "report", "picture", "views", "plan", "made")
 PACKED = {"plan": b"INTPLAN2" + bytes(16 + 4 * 513), "made": bytes(4)}

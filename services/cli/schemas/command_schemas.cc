@@ -92,6 +92,8 @@ constexpr Written kWritten[] = {
      "ResumeRequest", Fields::kRead},
     {"speed_request", "the body of POST /api/v1/jobs/N/speed of the console", "console",
      "SpeedRequest", Fields::kRead},
+    {"move_request", "the body of POST /api/v1/jobs/N/move of the console", "console",
+     "MoveRequest", Fields::kRead},
     {"stop_answer", "POST /api/v1/stop of the console", "console", "StopAnswer"},
     {"hold_answer", "POST /api/v1/jobs/N/hold of the console", "console", "HoldAnswer"},
     {"command_answer",

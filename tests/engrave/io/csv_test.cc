@@ -102,7 +102,7 @@ TEST(Csv, ReportsWhatIsWrongAndWhere) {
   ExpectError("a,,c\n", ErrorCode::kMissing, "line 1: column 2 has no name");
   ExpectError("a,b, a\n", ErrorCode::kInvalidValue, "two columns are named 'a'");
   ExpectError("a,b\n1,2\n1,2,3\n", ErrorCode::kUnreadable, "line 3 has 3 fields for 2");
-  ExpectError("a,b\n\n1\n", ErrorCode::kUnreadable, "line 3 has 1 fields for 2");
+  ExpectError("a,b\n\n1\n", ErrorCode::kUnreadable, "line 3 has 1 field for 2");
   ExpectError("a,b\n1,2\"x\n", ErrorCode::kUnreadable, "line 2 has a quote inside");
   ExpectError("a,b\n\"1\"x,2\n", ErrorCode::kUnreadable, "line 2 has text behind");
   ExpectError("a,b\n1,2\n3,\"4\n5,6\n", ErrorCode::kUnreadable,
@@ -126,7 +126,7 @@ TEST(Csv, ErrorsNameTheFile) {
   const auto file = test::FreshFolder() / "series.csv";
   std::ofstream(file) << "a,b\n1\n";
   EXPECT_THAT(ReadCsv(file).error().message,
-              HasSubstr("series.csv: line 2 has 1 fields"));
+              HasSubstr("series.csv: line 2 has 1 field "));
   EXPECT_EQ(ReadCsv("/nonexistent.csv").error().code, ErrorCode::kNotFound);
 }
 

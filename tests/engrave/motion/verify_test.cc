@@ -141,7 +141,7 @@ TEST_F(Verify, FindsMissingAndDoubledPoints) {
   segments_[3].point = 0;
   const MotionReport report = Report();
   EXPECT_THAT(report.violations, Contains(HasSubstr("point 0 again")));
-  EXPECT_THAT(report.violations, Contains(HasSubstr("1 of 3 points are never reached")));
+  EXPECT_THAT(report.violations, Contains(HasSubstr("1 of 3 points is never reached")));
 }
 
 TEST_F(Verify, FindsPointsThatDoNotExist) {

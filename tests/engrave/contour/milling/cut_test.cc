@@ -177,7 +177,7 @@ TEST(Cut, TabsThatDoNotFitAreRefused) {
               HasSubstr("hold 40 of 41 tabs of 3 mm"));
   options.tabs.of_holes = true;
   options.tabs.count = 1;
-  EXPECT_THAT(RefusalOfCut(Plate(), options), HasSubstr("hold 0 of 1 tabs"));
+  EXPECT_THAT(RefusalOfCut(Plate(), options), HasSubstr("hold 0 of 1 tab "));
 }
 
 TEST(Cut, RefusesWhatTheToolCannotCut) {
