@@ -169,6 +169,7 @@ class Job:
     uncertain: int = 0
     to_come: int = 0
     armed_count: int = 0
+    queue_place: int = 0
     makes: str = ""
     alarm: str = ""
 

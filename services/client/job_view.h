@@ -48,7 +48,7 @@ struct JobView {
   /// it.
   bool awaits_block = false;
   std::string block_id;  ///< of the loader that armed it; empty: no loader did
-  /// Of a job that waits for its machine: 1 is the next one; else 0.
+  /// Place of a job that waits for its machine: 1 is the next one; else 0.
   std::uint32_t queue_place = 0;
 
   /// Done, failed or cancelled.

@@ -10,7 +10,10 @@ LANGUAGES = {"en", "de", "es", "pl", "zh"}
 
 
 def places(pattern):
-    return sorted(re.findall(r"\{\w+\}", pattern))
+    """Of each form that a count may have: "one: ... | other: ..."."""
+    forms = {tuple(sorted(re.findall(r"\{\w+\}", form))) for form in pattern.split(" | ")}
+    assert len(forms) == 1, pattern
+    return forms.pop()
 
 
 def main():
