@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <random>
 #include <set>
 #include <sstream>
@@ -82,14 +81,10 @@ Result<std::string> TeachClient::FindMachine(bus::Bus& bus, const std::string& c
   bus::Reader<intaglio_ManualState> states(bus, bus::kManualState);
   ListedServices listed(bus);
   std::set<std::string> cells;
-  const auto all_are_here = [&] {
-    const auto expected = listed.Cells({intaglio_ROLE_MOTION_BRIDGE});
-    return !expected.empty() &&
-           std::includes(cells.begin(), cells.end(), expected.begin(), expected.end());
-  };
+  const std::set<intaglio_ServiceRole> bridges = {intaglio_ROLE_MOTION_BRIDGE};
   // Without a list a machine may be on its way until the time is up.
   for (const auto end = Clock::now() + bus.discovery_time() + 600ms;
-       Clock::now() < end && !all_are_here();) {
+       Clock::now() < end && !listed.AreAllIn(cells, bridges);) {
     states.Take([&](const intaglio_ManualState& state) {
       cells.insert(std::string(View(state.cell)));
     });

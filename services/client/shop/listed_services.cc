@@ -1,5 +1,7 @@
 #include "services/client/shop/listed_services.h"
 
+#include <algorithm>
+
 #include "services/platform/bus/samples.h"
 
 namespace intaglio::client {
@@ -33,6 +35,13 @@ std::set<std::string> ListedServices::Cells(
       if (roles.contains(service.role)) cells.insert(service.cell);
   }
   return cells;
+}
+
+bool ListedServices::AreAllIn(const std::set<std::string>& found,
+                              const std::set<intaglio_ServiceRole>& roles) const {
+  const auto listed = Cells(roles);
+  return !listed.empty() &&
+         std::includes(found.begin(), found.end(), listed.begin(), listed.end());
 }
 
 }  // namespace intaglio::client

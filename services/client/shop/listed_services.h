@@ -30,6 +30,10 @@ class ListedServices {
   }
   /// The cells of the listed services with one of the roles.
   std::set<std::string> Cells(const std::set<intaglio_ServiceRole>& roles) const;
+  /// Some cell has a listed service with one of the roles, and each such cell is among
+  /// `found`: a client that has found one machine knows then that it is the only one.
+  bool AreAllIn(const std::set<std::string>& found,
+                const std::set<intaglio_ServiceRole>& roles) const;
 
  private:
   bus::Reader<intaglio_ServiceList> reader_;

@@ -101,11 +101,9 @@ void MachineReports::Add(const intaglio_ServiceHealth& sample) {
 
 bool MachineReports::KnowsAllMachines() const {
   if (!listed_) return false;
-  const auto cells = listed_->Cells(kMachineRoles);
-  return !cells.empty() &&
-         std::all_of(cells.begin(), cells.end(), [this](const std::string& cell) {
-           return machines_.contains(cell);
-         });
+  std::set<std::string> cells;
+  for (const auto& [cell, stops] : machines_) cells.insert(cell);
+  return listed_->AreAllIn(cells, kMachineRoles);
 }
 
 }  // namespace intaglio::client
