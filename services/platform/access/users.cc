@@ -10,7 +10,7 @@
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
-#include "engrave/io/whole_file.h"
+#include "services/platform/access/secret_file.h"
 
 namespace intaglio::access {
 namespace {
@@ -125,16 +125,7 @@ std::string TextOf(const std::vector<User>& users) {
 }
 
 Result<std::vector<User>> ReadUsers(const fs::path& file) {
-  const auto text = INTAGLIO_TRY(io::ReadWholeFile(file, kMaxFileBytes));
-  std::error_code error;
-  const fs::perms rights = fs::status(file, error).permissions();
-  constexpr auto kOthers = fs::perms::group_all | fs::perms::others_all;
-  if (!error && (rights & kOthers) != fs::perms::none) {
-    return Fail(
-        ErrorCode::kRefused,
-        fmt::format("{0}: others can read or write it: chmod 600 {0}", file.string()),
-        file.string());
-  }
+  const auto text = INTAGLIO_TRY(ReadSecretFile(file, kMaxFileBytes));
   return ParseUsers(text);
 }
 
