@@ -111,7 +111,9 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
       "services/virtual_engraver/truth"}},
     {"services/console",
      {"engrave/*", "proto", "idl", "services/client", "services/history", "services/job",
-      "services/platform/*"}},
+      "services/console/webhooks", "services/platform/*"}},
+    {"services/console/webhooks",
+     {"engrave/core", "engrave/io", "proto", "services/job", "services/platform/*"}},
     {"services/client/preview",
      {"engrave/*", "proto", "services/client", "services/job", "services/job/methods",
       "services/job/models", "services/job/verdict", "services/platform/text_format"}},
@@ -184,6 +186,7 @@ struct Kept {
 };
 const std::vector<Kept> kKept = {
     {"CLI/", false, {"services/platform/command_line"}},
+    {"curl/", false, {"services/console/webhooks"}},
     {"boost/", false, {"services/platform/web"}},
     {"sodium", false, {"services/platform/access"}},
     {"hb", false, {"engrave/drawing"}},

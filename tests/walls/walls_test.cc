@@ -82,6 +82,8 @@ TEST_F(MadeUpTree, EveryWallIsSeenWhenItIsCrossed) {
       {"services/cli/a.cc", "#include \"services/sorter/sort_job.h\"\n"},
       {"services/cli/b.cc", "#include <CLI/App.hpp>\n"},
       {"services/console/a.cc", "#include <boost/beast.hpp>\n"},
+      {"services/console/c.cc", "#include <curl/curl.h>\n"},
+      {"services/console/webhooks/a.cc", "#include \"services/console/shop_desk.h\"\n"},
       {"services/console/b.cc", "#include \"services/cli/complain.h\"\n"},
       {"services/platform/web/a.cc", "#include \"services/platform/bus/bus.h\"\n"},
       {"services/sorter/a.cc", "#include <dds/dds.h>\n"},
