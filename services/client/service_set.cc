@@ -263,6 +263,7 @@ Status ServiceSet::StartConsole(const ServiceSetOptions& options) {
   add("--address", console.address);
   add("--certificate", console.certificate);
   add("--private-key", console.private_key);
+  add("--webhooks", console.webhooks);
   return Keep(options, "console", std::move(words));
 }
 

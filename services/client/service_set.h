@@ -35,6 +35,7 @@ struct ConsoleSetting {
   std::string address;                   ///< empty: this computer alone
   std::string certificate, private_key;  ///< PEM files; empty: not encrypted
   std::string users;                     ///< file; empty: kConsoleUsersFile
+  std::string webhooks;                  ///< file of receivers; empty: none
 };
 
 struct ServiceSetOptions {

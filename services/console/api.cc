@@ -236,9 +236,9 @@ void Api::Dispatch(const web::Request& request, const Visitor& visitor,
                    web::Reply reply) {
   const std::string& path = request.target.path;
   if (path == "/metrics") {
-    return desk_.Order([reply](ShopDesk& desk) {
+    return desk_.Order([this, reply](ShopDesk& desk) {
       reply(web::TextResponse(200, "text/plain; version=0.0.4; charset=utf-8",
-                              desk.Metrics()));
+                              desk.Metrics() + webhooks_.Metrics()));
     });
   }
   const std::string rest = path.substr(kApi.size());

@@ -15,6 +15,7 @@
 #include "services/console/jog_desk.h"
 #include "services/console/shop_desk.h"
 #include "services/console/submit/submit_api.h"
+#include "services/console/webhooks/webhooks.h"
 #include "services/platform/web/server.h"
 
 namespace intaglio::console {
@@ -26,7 +27,7 @@ class Api {
  public:
   /// All live longer.
   Api(ShopDesk& desk, CloudReader& clouds, ConsoleAccess& access, AuditLog& audit,
-      WorkQueue& log_ins, SubmitApi& submit, JogDesk& jogs,
+      WorkQueue& log_ins, SubmitApi& submit, JogDesk& jogs, const Webhooks& webhooks,
       std::filesystem::path database)
       : desk_(desk),
         clouds_(clouds),
@@ -35,6 +36,7 @@ class Api {
         log_ins_(log_ins),
         submit_(submit),
         jogs_(jogs),
+        webhooks_(webhooks),
         database_(std::move(database)) {}
 
   // In the server's thread.
@@ -71,6 +73,7 @@ class Api {
   WorkQueue& log_ins_;  // where passwords are checked
   SubmitApi& submit_;
   JogDesk& jogs_;
+  const Webhooks& webhooks_;
   std::filesystem::path database_;  // of the job service; empty: not known
 };
 

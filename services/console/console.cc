@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "engrave/core/try.h"
 #include "services/client/shop/shop_flags.h"
@@ -12,6 +15,7 @@
 #include "services/console/console_address.h"
 #include "services/console/json_response.h"
 #include "services/console/page_files.h"
+#include "services/console/webhooks/webhooks.h"
 #include "services/platform/access/new_key.h"
 #include "services/platform/access/users.h"
 #include "services/platform/web/server.h"
@@ -108,13 +112,20 @@ web::ServerOptions ServerOptionsOf(const ConsoleOptions& options,
   return server;
 }
 
-void Turn(ShopDesk& desk, JogDesk& jogs, ConsoleAccess& access, web::Server& server,
-          Clock::time_point& next_state) {
+Result<std::vector<Receiver>> ReceiversOf(const ConsoleOptions& options) {
+  if (options.webhooks.empty()) return std::vector<Receiver>();
+  return ReadReceivers(options.webhooks);
+}
+
+void Turn(ShopDesk& desk, JogDesk& jogs, ConsoleAccess& access, Webhooks& webhooks,
+          web::Server& server, Clock::time_point& next_state) {
   desk.Turn(jogs.IsAtWork(Clock::now()));
   for (const auto& [page, view] : jogs.TakeNew(Clock::now()))
     server.Send(page, LineOf(view));
-  for (std::string& line : desk.TakeEvents())
+  for (std::string& line : desk.TakeEvents()) {
+    webhooks.Publish(line);
     server.Publish(kEventsPath, std::move(line));
+  }
   if (Clock::now() < next_state) return;
   next_state = Clock::now() + kStatePeriod;
   for (std::string& session : access.TakeEnded(Clock::now()))
@@ -130,6 +141,8 @@ void Turn(ShopDesk& desk, JogDesk& jogs, ConsoleAccess& access, web::Server& ser
 Status Serve(const ConsoleOptions& options, const std::function<bool()>& stopping,
              const std::function<void(const std::string& address)>& opened) {
   INTAGLIO_TRY(CheckExposure(options));
+  auto receivers = INTAGLIO_TRY(ReceiversOf(options));
+  Webhooks webhooks(std::move(receivers));
   bus::Bus bus(options.bus);
   ShopDesk desk(bus);
   ConsoleAccess access(options.users_file);
@@ -140,7 +153,7 @@ Status Serve(const ConsoleOptions& options, const std::function<bool()>& stoppin
   JogDesk jogs(bus);
   SubmitApi submit(
       {options.uploads, client::ShopArguments(options.bus), options.materials.string()});
-  Api api(desk, clouds, access, audit, log_ins, submit, jogs, options.database);
+  Api api(desk, clouds, access, audit, log_ins, submit, jogs, webhooks, options.database);
   web::Handlers handlers;
   handlers.request = [&](const web::Request& request, web::Reply reply) {
     api.Answer(request, std::move(reply));
@@ -173,8 +186,29 @@ Status Serve(const ConsoleOptions& options, const std::function<bool()>& stoppin
     INTAGLIO_TRY(WriteAddressFile(options.address_file, address));
   opened(TextOf(address));
   auto next_state = Clock::now();
-  while (!stopping()) Turn(desk, jogs, access, *server, next_state);
+  while (!stopping()) Turn(desk, jogs, access, webhooks, *server, next_state);
   return {};
+}
+
+Result<PingAnswer> PingReceiver(const ConsoleOptions& options, const std::string& name) {
+  const auto receivers = INTAGLIO_TRY(ReceiversOf(options));
+  const auto receiver = std::ranges::find(receivers, name, &Receiver::name);
+  if (receiver == receivers.end()) {
+    std::string names;
+    for (const Receiver& one : receivers) names += (names.empty() ? "" : ", ") + one.name;
+    return Fail(ErrorCode::kNotFound,
+                fmt::format("--ping-webhook: {} has no receiver {:?}; give one of {}",
+                            options.webhooks.string(), name, names),
+                name);
+  }
+  const WebhookAnswer answer = Ping(*receiver);
+  PingAnswer ping;
+  ping.is_accepted = answer.outcome() == DeliveryOutcome::kDelivered;
+  ping.sentence =
+      fmt::format("{} ({}): {}", receiver->name, receiver->place, answer.Sentence());
+  if (!answer.body.empty()) ping.sentence += fmt::format(": {:?}", answer.body);
+  if (!ping.is_accepted) ping.sentence += "; accepted is an answer of 200 to 299";
+  return ping;
 }
 
 }  // namespace intaglio::console

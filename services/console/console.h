@@ -20,12 +20,22 @@ struct ConsoleOptions {
   std::filesystem::path audit_file;        ///< who pressed what; empty: none
   std::filesystem::path materials;         ///< material base; empty: the user's
   std::filesystem::path database;          ///< of the job service; empty: no history
-  std::filesystem::path uploads;  ///< folder of jobs' files; empty: none are taken
+  std::filesystem::path uploads;   ///< folder of jobs' files; empty: none are taken
+  std::filesystem::path webhooks;  ///< who gets events (receivers.h); empty: nobody
 };
 
 /// Serves until `stopping`; `opened` gets the address once pages can be opened. kIo,
 /// kInvalidValue, kUnreadable: it cannot serve there.
 Status Serve(const ConsoleOptions& options, const std::function<bool()>& stopping,
              const std::function<void(const std::string& address)>& opened);
+
+struct PingAnswer {
+  bool is_accepted = false;
+  std::string sentence;  ///< what the receiver answered, for people
+};
+
+/// Sends the event `ping` to the receiver of this name in options.webhooks; needs no bus.
+/// The errors of ReadReceivers, and kNotFound of another name.
+Result<PingAnswer> PingReceiver(const ConsoleOptions& options, const std::string& name);
 
 }  // namespace intaglio::console

@@ -15,6 +15,9 @@ namespace {
 
 using namespace intaglio;
 
+/// A receiver has not accepted --ping-webhook.
+constexpr int kExitNotAccepted = 1;
+
 volatile std::sig_atomic_t g_stopping = 0;
 
 void CatchSignals() {
@@ -25,9 +28,20 @@ void CatchSignals() {
   signal(SIGPIPE, SIG_IGN);
 }
 
-int Run(const console::ConsoleOptions& options) {
+int Ping(const console::ConsoleOptions& options, const std::string& receiver) {
+  const auto answer = console::PingReceiver(options, receiver);
+  if (!answer) {
+    std::cerr << "intaglio-console: " << answer.error().message << "\n";
+    return client::kExitWrongInput;
+  }
+  (answer->is_accepted ? std::cout : std::cerr) << answer->sentence << "\n";
+  return answer->is_accepted ? client::kExitGood : kExitNotAccepted;
+}
+
+int Run(const console::ConsoleOptions& options, const std::string& ping) {
   CatchSignals();
   try {
+    if (!ping.empty()) return Ping(options, ping);
     const Status served = console::Serve(
         options, [] { return g_stopping != 0; },
         [](const std::string& address) {
@@ -51,6 +65,7 @@ int main(int argc, char** argv) {
   program.SetVersion(host::SoftwareVersion());
   command_line::Command root = program.root();
   console::ConsoleOptions options;
+  std::string ping;
   int starter = 0;
   client::AddShopFlags(root, options.bus,
                        "folder of the operator's identity, or of all roles; needed "
@@ -85,11 +100,18 @@ int main(int argc, char** argv) {
   root.AddOption("--uploads", options.uploads,
                  "folder for the files of jobs that are submitted here; without it none "
                  "are");
+  const auto webhooks = root.AddOption(
+      "--webhooks", options.webhooks,
+      "file of the receivers that get the events of jobs by HTTP; docs/console.md");
+  root.AddOption("--ping-webhook", ping,
+                 "name of a receiver: send it the event ping, print its answer, and end "
+                 "with 0 when it has accepted it, else 1")
+      .Need(webhooks);
   command_line::AddParentFlag(root, starter);
   root.SetFooter(
       "Usually started by `intaglio up --console`; see docs/console.md.\n"
       "It is not the emergency stop of the machine: at a machine, use its button.");
   if (const auto exit_code = program.Parse(argc, argv)) return *exit_code;
   if (!command_line::EndWithParent(starter, parent)) return 1;  // it was quicker
-  return Run(options);
+  return Run(options, ping);
 }

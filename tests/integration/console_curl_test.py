@@ -25,9 +25,9 @@ DOCS = ROOT / "docs"
 
 
 def documented_lines():
-    """The code blocks between the two marks of the page."""
+    """The code blocks of this part of the page."""
     text = (DOCS / "console.md").read_text()
-    part = text.split("### With curl alone")[1].split("\n## ")[0]
+    part = re.split(r"\n##+ ", text.split("### With curl alone")[1])[0]
     return "\n".join(re.findall(r"```\n(.*?)```", part, re.S))
 
 

@@ -28,6 +28,10 @@ void AddConsoleFlags(command_line::Command command, ConsoleFlags& flags) {
       .AddOption("--console-users", setting.users,
                  "file of who may log in, default console.users in the folder")
       .Need(console);
+  command
+      .AddOption("--console-webhooks", setting.webhooks,
+                 "file of the receivers that get the events of jobs by HTTP")
+      .Need(console);
 }
 
 client::ConsoleSetting SettingOf(const ConsoleFlags& flags) {

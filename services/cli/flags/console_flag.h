@@ -15,7 +15,7 @@ struct ConsoleFlags {
 };
 
 /// --console[=PORT], and where it serves: --console-address, --console-certificate,
-/// --console-private-key, --console-users.
+/// --console-private-key, --console-users; --console-webhooks.
 void AddConsoleFlags(command_line::Command command, ConsoleFlags& flags);
 
 /// Port -1 without a console.

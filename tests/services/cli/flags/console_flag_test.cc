@@ -34,18 +34,21 @@ TEST(ConsoleFlag, PassesOnWhereItServes) {
   AddConsoleFlags(program.root(), flags);
   ASSERT_TRUE(program.Parse({"--console=8850", "--console-address", "0.0.0.0",
                              "--console-certificate", "shop.pem", "--console-private-key",
-                             "shop.key", "--console-users", "people"}));
+                             "shop.key", "--console-users", "people",
+                             "--console-webhooks", "hooks"}));
   const client::ConsoleSetting setting = SettingOf(flags);
   EXPECT_EQ(setting.port, 8850);
   EXPECT_EQ(setting.address, "0.0.0.0");
   EXPECT_EQ(setting.certificate, "shop.pem");
   EXPECT_EQ(setting.private_key, "shop.key");
   EXPECT_EQ(setting.users, "people");
+  EXPECT_EQ(setting.webhooks, "hooks");
 }
 
 TEST(ConsoleFlag, NeedsTheConsoleAndTheKeyOfACertificate) {
   for (const std::vector<std::string>& words :
        {std::vector<std::string>{"--console-address", "0.0.0.0"},
+        {"--console-webhooks", "hooks"},
         {"--console", "--console-certificate", "shop.pem"},
         {"--console", "--console-private-key", "shop.key"}}) {
     command_line::Program program("intaglio", "");
