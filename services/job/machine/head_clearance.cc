@@ -13,6 +13,7 @@
 
 #include "engrave/core/counted.h"
 #include "engrave/optics/focus.h"
+#include "engrave/optics/machine_frame.h"
 #include "services/job/fields/shapes.h"
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/stations.h"
