@@ -25,7 +25,9 @@ struct Question {
     kHead,
     kPointBoard,
     kJumps,
-    kBoard
+    kJumpLens,
+    kBoard,
+    kMarkBoard
   } machines = For::kAll;
 };
 
@@ -41,19 +43,35 @@ constexpr Question kQuestions[] = {
     {"cartesian.x.moves", "x moves the head or the table", kMoves},
     {"cartesian.y.moves", "y moves the head or the table", kMoves},
     {"block_origin_mm", "corner of the block for the axes (x y z), mm", kPoints},
+    {"lenses[0].name", "lens: its name", kJumpLens},
+    {"lenses[0].focal_length_mm", "lens: focal length, mm", kJumpLens},
+    {"lenses[0].numerical_aperture", "lens: half of the beam's width over focal length",
+     kJumpLens},
+    {"lenses[0].free_distance_mm", "lens: from its lowest edge to the focus, mm",
+     kJumpLens},
     {"mounted_lens", "mounted lens", kPoints},
     {"laser_line.device", "line of the laser controller", kPoints},
     {"motion_line.device", "line of the motion controller", kPoints},
     {"scan_head.field_mm", "width of the field, mm", kField},
     {"scan_head.jump_mm_s", "speed of jumps, mm/s", kHead},
     {"scan_head.correction_file", "correction file", kField},
+    {"scan_head.laser_on_delay_s", "laser on: delay, s", kMarkBoard},
+    {"scan_head.laser_off_delay_s", "laser off: delay, s", kMarkBoard},
+    {"scan_head.jump_delay_s", "rest behind a jump, s", kMarkBoard},
+    {"scan_head.mark_delay_s", "rest behind a mark, s", kMarkBoard},
+    {"scan_head.polygon_delay_s", "rest at a corner, s", kMarkBoard},
     {"z.steps_per_mm", "z: steps of the board's axis for 1 mm", kPointBoard},
     {"head_over_block.jump_and_dwell.z_step_mm", "z rests at multiples of, mm", kJumps},
     {"head_over_block.jump_and_dwell.jump_mm_s", "speed of jumps, mm/s", kJumps},
+    {"head_over_block.jump_and_dwell.jump_delay_s", "rest behind a jump, s", kJumps},
     {"head_over_block.jump_and_dwell.dwell_s", "time of a point, s", kJumps},
+    {"head_over_block.jump_and_dwell.z_settle_s", "rest behind a move of z, s", kJumps},
     {"head_over_block.pupil_x_mm", "lens: distance of its pupil along x, mm", kJumps},
     {"head_over_block.pupil_y_mm", "lens: distance of its pupil along y, mm", kJumps},
     {"bjjcz_board.laser", "laser: fibre, co2 or uv", kBoard},
+    {"laser.wavelength_nm", "laser: wavelength, nm", kPointBoard},
+    {"bjjcz_board.point_frequency_hz", "laser: pulses a second at a point, Hz",
+     kPointBoard},
     {"bjjcz_board.door_input", "input of key, door and stop button", kBoard},
     {"bjjcz_board.gate_output", "output that gates the laser", kBoard},
     {"mark_line.device", "line of the controller", kMarks}};
@@ -77,21 +95,29 @@ bool IsAskedOf(Question::For machines, const MachineSpec& machine) {
       return !machine.has_mark_line() && machine.has_bjjcz_board();
     case kJumps:
       return machine.head_over_block().has_jump_and_dwell();
+    case kJumpLens:
+      return machine.head_over_block().has_jump_and_dwell() && machine.lenses_size() > 0;
     case kBoard:
       return machine.has_bjjcz_board();
+    case kMarkBoard:
+      return machine.has_mark_line() && machine.has_bjjcz_board();
     default:
       return true;
   }
 }
 
+/// The field at the end of a path; a step into a list takes its first element.
 const google::protobuf::FieldDescriptor* FieldOf(const google::protobuf::Message*& at,
                                                  std::string_view path) {
   for (;;) {
     const auto dot = path.find('.');
+    const std::string_view step = path.substr(0, dot);
     const auto* field =
-        at->GetDescriptor()->FindFieldByName(std::string(path.substr(0, dot)));
+        at->GetDescriptor()->FindFieldByName(std::string(step.substr(0, step.find('['))));
     if (dot == std::string_view::npos) return field;
-    at = &at->GetReflection()->GetMessage(*at, field);
+    const auto& reflection = *at->GetReflection();
+    at = field->is_repeated() ? &reflection.GetRepeatedMessage(*at, field, 0)
+                              : &reflection.GetMessage(*at, field);
     path.remove_prefix(dot + 1);
   }
 }

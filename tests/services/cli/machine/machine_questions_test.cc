@@ -58,7 +58,10 @@ TEST(MachineQuestions, AnswersReachTheirFields) {
 
 TEST(MachineQuestions, ABoardIsAskedAboutItsFieldAndItsLaser) {
   MachineSpec machine = Family("bjjcz");
-  std::istringstream in("desk\n150\n4000\n\nfibre\n99\n2\n\ntcp:192.168.7.20:5000\n");
+  // name, field, jumps, correction, five delays, laser, inputs, line.
+  std::istringstream in(
+      "desk\n150\n4000\n\n-0.0001\n0.00005\n0.00015\n0.001\n0.0004\n0.00002\n"
+      "fibre\n99\n2\n\ntcp:192.168.7.20:5000\n");
   std::ostringstream out;
   AskAboutMachine(in, out, machine);
   EXPECT_THAT(out.str(), HasSubstr("width of the field, mm [110]: "));
@@ -66,6 +69,12 @@ TEST(MachineQuestions, ABoardIsAskedAboutItsFieldAndItsLaser) {
   EXPECT_THAT(out.str(), Not(HasSubstr("travel")));
   EXPECT_EQ(machine.scan_head().field_mm(), 150);
   EXPECT_EQ(machine.scan_head().jump_mm_s(), 4000);
+  EXPECT_THAT(out.str(), HasSubstr("scan_head.laser_on_delay_s: -0.0001"));
+  EXPECT_EQ(machine.scan_head().laser_on_delay_s(), 0.00005);
+  EXPECT_EQ(machine.scan_head().laser_off_delay_s(), 0.00015);
+  EXPECT_EQ(machine.scan_head().jump_delay_s(), 0.001);
+  EXPECT_EQ(machine.scan_head().mark_delay_s(), 0.0004);
+  EXPECT_EQ(machine.scan_head().polygon_delay_s(), 0.00002);
   EXPECT_EQ(machine.bjjcz_board().laser(), BJJCZ_LASER_FIBRE);
   EXPECT_EQ(machine.bjjcz_board().door_input(), 2U);
   EXPECT_EQ(machine.bjjcz_board().gate_output(), 0U);
@@ -76,7 +85,8 @@ TEST(MachineQuestions, ABoardOverABlockIsAskedAboutLensAndStepsOfZ) {
   MachineSpec machine = Family("bjjcz-glass");
   // name, travels, origin, lens, both lines, field, correction, z, jumps, pupils, board.
   std::istringstream in(
-      "desk\n\n\n\n\n0\n90\n\n\n\n\n140\n\n800\n0.1\n4000\n0.001\n200\n210\n");
+      "desk\n\n\n\n\n0\n90\n\nf100\n100\n0.05\n110\nf100\n\n\n140\n\n800\n0.1\n4000\n"
+      "0.0003\n0.001\n0.2\n200\n210\nfibre\n1064\n20000\n");
   std::ostringstream out;
   AskAboutMachine(in, out, machine);
   EXPECT_THAT(out.str(), HasSubstr("z rests at multiples of, mm [0.066]: "));
@@ -87,7 +97,18 @@ TEST(MachineQuestions, ABoardOverABlockIsAskedAboutLensAndStepsOfZ) {
   const HeadOverBlockKinematics& head = machine.head_over_block();
   EXPECT_EQ(head.jump_and_dwell().z_step_mm(), 0.1);
   EXPECT_EQ(head.jump_and_dwell().jump_mm_s(), 4000);
+  EXPECT_EQ(head.jump_and_dwell().jump_delay_s(), 0.0003);
   EXPECT_EQ(head.jump_and_dwell().dwell_s(), 0.001);
+  EXPECT_EQ(head.jump_and_dwell().z_settle_s(), 0.2);
+  EXPECT_THAT(out.str(), HasSubstr("lens: focal length, mm [160]: "));
+  EXPECT_EQ(machine.lenses(0).name(), "f100");
+  EXPECT_EQ(machine.lenses(0).focal_length_mm(), 100);
+  EXPECT_EQ(machine.lenses(0).numerical_aperture(), 0.05);
+  EXPECT_EQ(machine.lenses(0).free_distance_mm(), 110);
+  EXPECT_EQ(machine.mounted_lens(), "f100");
+  EXPECT_EQ(machine.bjjcz_board().laser(), BJJCZ_LASER_FIBRE);
+  EXPECT_EQ(machine.laser().wavelength_nm(), 1064);
+  EXPECT_EQ(machine.bjjcz_board().point_frequency_hz(), 20000);
   EXPECT_EQ(head.pupil_x_mm(), 200);
   EXPECT_EQ(head.pupil_y_mm(), 210);
   EXPECT_TRUE(machine.kinematics_case() == MachineSpec::kHeadOverBlock);
