@@ -55,10 +55,13 @@ std::vector<std::pair<std::string, std::string>> OtherLines(bool slow) {
 
 class BoardPoints : public ::testing::Test {
  protected:
-  explicit BoardPoints(bool on_usb = false)
-      : shop_({.controller = "bjjcz",
+  explicit BoardPoints(bool on_usb = false, std::vector<std::string> new_options = {},
+                       double field_mm = kFieldMm)
+      : field_mm_(field_mm),
+        shop_({.controller = "bjjcz",
                .profile = "bjjcz-glass",
                .controller_options = {"--axis", "400"},
+               .new_options = std::move(new_options),
                .other_lines = OtherLines(on_usb),
                .on_usb = on_usb,
                .has_panel = true,
@@ -81,7 +84,7 @@ class BoardPoints : public ::testing::Test {
       std::string kind;
       double x = 0, y = 0, axis = 0;
       if (!(in >> kind >> x >> y >> axis) || kind != "flash") continue;
-      made_mm.push_back(FocusInGlass(Vec2(x - 32768, y - 32768) * kFieldMm / 65536,
+      made_mm.push_back(FocusInGlass(Vec2(x - 32768, y - 32768) * field_mm_ / 65536,
                                      kBlockHeightMm - (axis / kAxisStepsPerMm - 1)));
     }
     return made_mm;
@@ -94,6 +97,7 @@ class BoardPoints : public ::testing::Test {
   };
   Judgement Judge() const;
 
+  double field_mm_;
   testing::PointShop shop_;
 };
 
@@ -141,6 +145,27 @@ TEST_F(BoardPoints, EachIsMadeOnceAndInItsPlace) {
             1000 * (kZStepMm / 2 + 0.5 / kAxisStepsPerMm) * kIndex + 10);
   std::cout << "  " << judgement.points << " points, " << judgement.beside_um
             << " um beside, " << judgement.above_um << " um above or below\n";
+}
+
+// A profile that `intaglio machine new` made from a device of LightBurn. At that device a
+// mm is 65536 / 110 * 0.98 units of the board.
+class BoardPointsOfADevice : public BoardPoints {
+ protected:
+  BoardPointsOfADevice()
+      : BoardPoints(false,
+                    {"--from", INTAGLIO_SOURCE_DIR "/tests/data/devices/galvo.lbzip"},
+                    kFieldMm / 0.98) {}
+};
+
+TEST_F(BoardPointsOfADevice, EachIsMadeOnceAndInItsPlace) {
+  ASSERT_TRUE(shop_.AwaitDone(240s, false)) << shop_.shown();
+  const Judgement judgement = Judge();
+  EXPECT_GT(judgement.points, 300U);
+  EXPECT_EQ(judgement.flashes, judgement.points);
+  EXPECT_EQ(judgement.doubled + judgement.stray + judgement.missing +
+                judgement.uncertain + judgement.made_unknown,
+            0U);
+  EXPECT_LT(judgement.beside_um, 2.5);
 }
 
 // On USB, behind tests/services/platform/link/fake_libusb.cc as the programs' library. A

@@ -44,7 +44,11 @@ PointShop::PointShop(const Options& options)
   }
   fs::create_directory(socket_);
   fs::permissions(socket_, fs::perms::owner_all);
-  WriteProfile(options, device);
+  if (options.new_options.empty()) {
+    WriteProfile(options, device);
+  } else {
+    MakeProfile(options, device);
+  }
   std::ofstream(folder_ / "job.textproto")
       << "name: \"job\"\nglass: \"N-BK7\"\nblock { size_mm { x: 50 y: 50 z: 30 } }\n"
       << options.job << "machine_file: \"shop/machine.textproto\"\n";
@@ -103,6 +107,21 @@ void PointShop::WriteProfile(const Options& options, const std::string& device) 
     }
     out << line << '\n';
   }
+}
+
+// As a person makes it, with the same lines and lamp.
+void PointShop::MakeProfile(const Options& options, const std::string& device) const {
+  std::vector<std::string> words = {
+      "machine", "new",
+      INTAGLIO_SOURCE_DIR "/deploy/machines/" + options.profile + ".textproto"};
+  words.insert(words.end(), options.new_options.begin(), options.new_options.end());
+  words.insert(words.end(),
+               {"--out", profile().string(), "--no-questions", "--set",
+                "motion_line.device=" + device,
+                "laser_line.device=unix:" + socket_ + "/laser", "laser.warm_up_s=0"});
+  Running run(Program("intaglio"), words, folder_ / "new.txt");
+  const Ended ended = run.WaitForEnd(60s);
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
 }
 
 std::string PointShop::Type(std::vector<std::string> words) const {

@@ -25,6 +25,9 @@ class PointShop {
     std::string more_of_motion_line = {};  ///< fields behind the protocol and the device
     std::string line = {};  ///< of the controller; empty: a pseudo-terminal
     std::vector<std::string> controller_options = {};
+    /// More options of `intaglio machine new`, which makes the profile then; other_lines
+    /// are not used.
+    std::vector<std::string> new_options = {};
     /// The profile's line that begins with the first is the second.
     std::vector<std::pair<std::string, std::string>> other_lines = {};
     /// The controller is a BJJCZ board on the bus of fake_libusb.cc, which is the
@@ -68,6 +71,7 @@ class PointShop {
   /// The device that a host opens.
   std::string StartController(const Options& options);
   void WriteProfile(const Options& options, const std::string& device) const;
+  void MakeProfile(const Options& options, const std::string& device) const;
 
   std::filesystem::path folder_;
   std::string tag_, shown_;

@@ -131,6 +131,13 @@ bool ZipArchive::TakeZip64(std::string_view extra, Entry& entry) {
   return true;
 }
 
+std::vector<ZipArchive::File> ZipArchive::Files() const {
+  std::vector<File> files;
+  files.reserve(entries_.size());
+  for (const auto& [name, entry] : entries_) files.push_back({name, entry.size});
+  return files;
+}
+
 bool ZipArchive::Contains(std::string_view name) const {
   return entries_.contains(KeyOf(name));
 }

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engrave/core/result.h"
 
@@ -16,11 +17,18 @@ namespace intaglio::mesh {
 
 class ZipArchive {
  public:
+  struct File {
+    std::string name;        ///< as Read takes it, in lower case
+    std::uint64_t size = 0;  ///< as the directory declares it, bytes
+  };
+
   /// Nothing when it is no whole archive. The bytes must outlive it.
   static std::optional<ZipArchive> Open(std::string_view bytes);
 
   /// The sum of the sizes that the directory declares, bytes.
   std::uint64_t unpacked_size() const { return unpacked_size_; }
+  /// By their names.
+  std::vector<File> Files() const;
   /// A name without a slash at its beginning, in any case.
   bool Contains(std::string_view name) const;
   /// kNotFound; kUnsupported: encrypted or packed in another way; kUnreadable: it is not

@@ -12,12 +12,14 @@
 #include <vector>
 
 #include "engrave/core/try.h"
+#include "engrave/io/whole_file.h"
 #include "services/cli/complain.h"
 #include "services/cli/machine/machine_command.h"
 #include "services/cli/machine/machine_questions.h"
 #include "services/client/exit_codes.h"
 #include "services/job/checks/job_check.h"
 #include "services/job/files/job_file.h"
+#include "services/job/files/lightburn_profile.h"
 #include "services/platform/command_line/supplied_files.h"
 
 namespace intaglio::cli {
@@ -26,7 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct NewOptions {
-  std::string family, out, name;
+  std::string family, out, name, from, device;
   std::vector<std::string> changes;
   bool ask = false, no_questions = false;
 };
@@ -65,12 +67,41 @@ int PrintFamilies() {
   return client::kExitGood;
 }
 
+void PrintNotRead(const std::vector<DeviceSetting>& settings, const char* what) {
+  if (settings.empty()) return;
+  std::cerr << what << "\n";
+  for (const DeviceSetting& setting : settings) {
+    std::cerr << "    " << setting.key << " " << setting.value << "\n";
+  }
+}
+
+/// The settings that another program has of the machine; prints what was read and what
+/// was not.
+Status Import(const NewOptions& options, MachineSpec& machine) {
+  const std::string bytes =
+      INTAGLIO_TRY(io::ReadWholeFile(options.from, kMaxLightBurnFileBytes));
+  const LightBurnDevice device =
+      INTAGLIO_TRY(ReadLightBurnDevice(bytes, options.from, options.device));
+  const auto applied = ApplyDevice(device, machine);
+  if (!applied) return tl::unexpected(io::AboutFile(applied.error(), options.from));
+  std::cerr << fmt::format("{}: the device \"{}\"\n", options.from, device.name);
+  for (const std::string& sentence : *applied) std::cerr << "  " << sentence << "\n";
+  PrintNotRead(device.field_not_read,
+               "  not read, though it moves the beam; make a correction file, and check "
+               "the directions of x and y at the machine:");
+  PrintNotRead(device.not_read,
+               "  not read, since nothing public explains it or no profile has it; give "
+               "the delays of your machine by --set or the questions:");
+  return {};
+}
+
 Result<MachineSpec> MakeProfile(const NewOptions& options) {
   const fs::path file = INTAGLIO_TRY(
       command_line::FindSupplied(options.family, command_line::kSuppliedProfiles));
   MachineSpec machine = INTAGLIO_TRY(ReadUncheckedMachine(file));
   machine.set_name(options.name.empty() ? fs::path(options.out).stem().string()
                                         : options.name);
+  if (!options.from.empty()) INTAGLIO_TRY(Import(options, machine));
   for (const std::string& change : options.changes) {
     INTAGLIO_TRY(ChangeField(machine, change));
   }
@@ -85,7 +116,18 @@ Result<MachineSpec> MakeProfile(const NewOptions& options) {
 }
 
 int New(const NewOptions& options) {
-  if (options.family.empty()) return PrintFamilies();
+  if (options.family.empty() && options.from.empty()) return PrintFamilies();
+  if (options.family.empty()) {
+    return Complain({ErrorCode::kMissing,
+                     "--from: needs the family of the machine as well: bjjcz (marks) or "
+                     "bjjcz-glass (points in glass)",
+                     options.from});
+  }
+  if (options.from.empty() && !options.device.empty()) {
+    return Complain({ErrorCode::kMissing,
+                     "--device: names a device in the file of --from; give it, too",
+                     options.device});
+  }
   if (options.out.empty()) {
     return Complain({ErrorCode::kMissing,
                      "--out: is missing; name the file of the new profile, e.g. "
@@ -121,6 +163,11 @@ void AddMachineNewCommand(command_line::Command machine) {
   create.AddOption("--out", options->out, "the new profile, .textproto or .json");
   create.AddOption("--name", options->name,
                    "name of the machine; default that of the file");
+  create.AddOption("--from", options->from,
+                   "settings of the machine from LightBurn: a device that it exported, "
+                   ".lbdev or .lbzip");
+  create.AddOption("--device", options->device,
+                   "the device of --from, where it has several");
   create.AddOption("--set", options->changes,
                    "fields that differ, field=value, e.g. x.travel_max_mm=300");
   const auto ask = create.AddFlag("--ask", options->ask,

@@ -45,6 +45,55 @@ TEST_F(MachineCommand, NewMakesAProfileOfAFamily) {
   EXPECT_THAT(errors_, HasSubstr("exists already"));
 }
 
+// LightBurn's 110 mm at a scale of 0.98 are a field of 112.245 mm.
+TEST_F(MachineCommand, NewTakesTheSettingsOfALightBurnDevice) {
+  const std::string data = INTAGLIO_SOURCE_DIR "/tests/data/devices/";
+  for (const char* file : {"galvo.lbdev", "galvo.lbzip"}) {
+    fs::remove(profile());
+    ASSERT_EQ(Run({"machine", "new", Supplied("bjjcz-glass"), "--from", data + file,
+                   "--out", profile().string(), "--no-questions", "--set",
+                   "z.steps_per_mm=800", "lenses[0].focal_length_mm=163"}),
+              0)
+        << errors_;
+    EXPECT_THAT(errors_, AllOf(HasSubstr(std::string(file) + ": the device \"UV 110\""),
+                               HasSubstr("scan_head.field_mm = 112.245: 110 x 110 mm"),
+                               HasSubstr("    Galvo_1_Bulge 1.0360000133514404\n"),
+                               HasSubstr("    Laser_OpenMODelay 8\n")));
+    const auto machine = ReadMachineFile(profile());
+    ASSERT_TRUE(machine) << machine.error().message;
+    EXPECT_NEAR(machine->scan_head().field_mm(), 110 / 0.98, 1e-5);
+    EXPECT_EQ(machine->head_over_block().jump_and_dwell().jump_mm_s(), 4000);
+    EXPECT_EQ(machine->z().steps_per_mm(), 800);
+    EXPECT_EQ(machine->lenses(0).focal_length_mm(), 163);
+    EXPECT_EQ(Run({"machine", "check", profile().string(), "--offline"}), 0) << output_;
+  }
+}
+
+// Nothing is written of what was refused.
+TEST_F(MachineCommand, NewRefusesADeviceThatIsNone) {
+  const fs::path device = folder_ / "diode.lbdev";
+  std::ofstream(device)
+      << R"({"DeviceList": [{"Name": "GRBL", "DisplayName": "Diode"}]})";
+  const auto from = [&](const std::vector<std::string>& words) {
+    std::vector<std::string> all = {"machine", "new"};
+    all.insert(all.end(), words.begin(), words.end());
+    all.insert(all.end(), {"--out", profile().string(), "--no-questions"});
+    EXPECT_EQ(Run(all), 2);
+    EXPECT_FALSE(fs::exists(profile()));
+    return errors_;
+  };
+  const std::string galvo = INTAGLIO_SOURCE_DIR "/tests/data/devices/galvo.lbdev";
+  EXPECT_THAT(from({Supplied("bjjcz"), "--from", device.string()}),
+              HasSubstr("diode.lbdev: has no device of a BJJCZ board (JCZFiber) but"));
+  EXPECT_THAT(from({Supplied("bjjcz"), "--from", device.string() + ".gone"}),
+              HasSubstr("diode.lbdev.gone"));
+  EXPECT_THAT(from({Supplied("els-03"), "--from", galvo}),
+              HasSubstr("galvo.lbdev: the family has no bjjcz_board"));
+  EXPECT_THAT(from({"--from", galvo}), HasSubstr("--from: needs the family"));
+  EXPECT_THAT(from({Supplied("bjjcz"), "--device", "UV 110"}),
+              HasSubstr("--device: names a device in the file of --from"));
+}
+
 TEST_F(MachineCommand, NewListsTheFamilies) {
   setenv("INTAGLIO_SHARE", INTAGLIO_SOURCE_DIR "/deploy", 1);
   EXPECT_EQ(Run({"machine", "new"}), 0);
