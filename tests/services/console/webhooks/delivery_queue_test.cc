@@ -26,7 +26,7 @@ class Deliveries : public ::testing::Test {
     EXPECT_TRUE(next);
     if (!next) return "nothing";
     now_ = std::max(now_, *next);
-    const std::string id = queue_.Begin().id;
+    std::string id = queue_.Begin().id;
     EXPECT_FALSE(queue_.NextAttempt()) << "one attempt at a time";
     queue_.End(outcome, now_);
     return id;
