@@ -1,7 +1,8 @@
 #pragma once
 
 // Waiting with an end, on hosts that are noisy: a virtual computer may be given a quarter
-// of its processors' time only, and a bound is meant for what the tested code needs.
+// of its processors' time only, other tests run beside this one, and a bound is meant for
+// what the tested code needs.
 
 #include <algorithm>
 #include <chrono>
@@ -13,9 +14,11 @@
 namespace intaglio::test {
 
 /// Jiffies of all processors so far: those they worked, and those that the host of this
-/// computer gave to others. Zeros where the system does not report them.
+/// computer gave to others; and the seconds in which something that could have run waited
+/// for a processor (the kernel's pressure stall information). Zeros where the system does
+/// not report them.
 struct HostTime {
-  double all = 0, worked = 0, stolen = 0;
+  double all = 0, worked = 0, stolen = 0, contended_s = 0;
 
   static HostTime Now() {
     enum Field { kIdle = 3, kWaiting = 4, kStolen = 7, kFields = 8 };
@@ -32,19 +35,34 @@ struct HostTime {
         time.worked += jiffies;
       }
     }
+    time.contended_s = ContendedSeconds();
     return time;
   }
   double StolenPercentSince(const HostTime& before) const {
     return 100 * (stolen - before.stolen) / std::max(1.0, all - before.all);
   }
+
+ private:
+  /// The first line of the file is "some avg10=… avg60=… avg300=… total=MICROSECONDS".
+  static double ContendedSeconds() {
+    std::ifstream in("/proc/pressure/cpu");
+    const std::string name = "total=";
+    for (std::string word; in >> word;) {
+      if (word.starts_with(name)) return 1e-6 * std::stod(word.substr(name.size()));
+    }
+    return 0;
+  }
 };
 
-/// A bound in time that was given: the share that the host took away does not count, for
-/// up to kMaxTimes the bound.
+/// A bound in time that was given: what others took does not count, for up to kMaxTimes
+/// the bound. That is the share of the host of this computer; and for a bound of
+/// kEndsAHang or longer, which no test means as the time that something takes, also the
+/// time in which something waited for a processor.
 class Patience {
  public:
   using Clock = std::chrono::steady_clock;
   static constexpr double kMaxTimes = 4;
+  static constexpr Clock::duration kEndsAHang = std::chrono::seconds(10);
 
   explicit Patience(Clock::duration bound)
       : bound_(bound), began_(Clock::now()), before_(HostTime::Now()) {}
@@ -56,7 +74,12 @@ class Patience {
     const HostTime now = HostTime::Now();
     const double worked = now.worked - before_.worked;
     const double stolen = now.stolen - before_.stolen;
-    return worked + stolen <= 0 || waited * (worked / (worked + stolen)) > bound_;
+    std::chrono::duration<double> alone = waited;
+    if (bound_ >= kEndsAHang) {
+      alone -= std::chrono::duration<double>(now.contended_s - before_.contended_s);
+    }
+    if (worked + stolen > 0) alone *= worked / (worked + stolen);
+    return alone > bound_;
   }
 
  private:
