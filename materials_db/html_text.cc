@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "engrave/io/lower_case.h"
 #include "materials_db/utf8.h"
 
 namespace intaglio::materials_db {
@@ -25,9 +26,7 @@ constexpr std::array kEntities = {
     Entity{"micro", 0xB5},   Entity{"times", 0xD7},   Entity{"middot", 0xB7},
 };
 
-bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
-
-bool IsLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+bool IsHtmlSpace(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
 /// The character of an entity, given without its & and ;.
 std::optional<char32_t> EntityCharacter(std::string_view name) {
@@ -79,7 +78,7 @@ class PlainText {
 bool BreaksLine(std::string_view tag) {
   std::string name;
   for (const char c : tag) {
-    if (!IsLetter(c)) break;
+    if (!io::IsLetter(c)) break;
     name += static_cast<char>(c | 0x20);
   }
   return name == "br" || name == "p";
@@ -92,7 +91,7 @@ std::string TextFromHtml(std::string_view html) {
   for (std::size_t i = 0; i < html.size(); ++i) {
     const char c = html[i];
     const std::string_view rest = html.substr(i + 1);
-    if (c == '<' && !rest.empty() && (IsLetter(rest[0]) || rest[0] == '/')) {
+    if (c == '<' && !rest.empty() && (io::IsLetter(rest[0]) || rest[0] == '/')) {
       const std::size_t end = rest.find('>');
       if (end != std::string_view::npos) {
         if (BreaksLine(rest.substr(0, end))) text.Line();
@@ -110,7 +109,7 @@ std::string TextFromHtml(std::string_view html) {
         }
       }
     }
-    if (IsSpace(c)) {
+    if (IsHtmlSpace(c)) {
       text.Space();
     } else {
       text.Byte(c);
@@ -123,8 +122,8 @@ std::string HtmlFromText(std::string_view text) {
   std::string html;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
-    const bool at_end =
-        i == 0 || i + 1 == text.size() || IsSpace(text[i - 1]) || IsSpace(text[i + 1]);
+    const bool at_end = i == 0 || i + 1 == text.size() || IsHtmlSpace(text[i - 1]) ||
+                        IsHtmlSpace(text[i + 1]);
     if (c == '\n') {
       html += "<br>";
     } else if (c == '&') {

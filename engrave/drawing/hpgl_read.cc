@@ -14,6 +14,7 @@
 #include "engrave/drawing/hpgl_encoded.h"
 #include "engrave/drawing/hpgl_pen.h"
 #include "engrave/drawing/pieces.h"
+#include "engrave/io/lower_case.h"
 
 namespace intaglio::drawing {
 namespace {
@@ -22,8 +23,6 @@ using std::numbers::pi;
 constexpr double kPlotterUnit_mm = 0.025;
 constexpr char kEndOfText = '\x03';
 constexpr char kEscape = '\x1B';
-
-bool IsLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 bool IsNumberPart(char c) {
   return (c >= '0' && c <= '9') || c == '+' || c == '-' || c == '.';
 }
@@ -65,14 +64,15 @@ class HpglReader {
 
   /// False after an error.
   bool ReadInstruction() {
-    while (at_ < text_.size() && !IsLetter(text_[at_]) && text_[at_] != kEscape) ++at_;
+    while (at_ < text_.size() && !io::IsLetter(text_[at_]) && text_[at_] != kEscape)
+      ++at_;
     if (at_ == text_.size()) return true;
     begin_ = at_;
     if (text_[at_] == kEscape) {
       SkipEscape();
       return true;
     }
-    if (at_ + 1 >= text_.size() || !IsLetter(text_[at_ + 1])) {
+    if (at_ + 1 >= text_.size() || !io::IsLetter(text_[at_ + 1])) {
       name_ = Shown(text_.substr(at_, 2));
       pen_.SetPlace(begin_, name_);
       return Refuse(
@@ -97,7 +97,7 @@ class HpglReader {
     const bool dotted = at_ < text_.size() && text_[at_] == '.';
     if (dotted) ++at_;
     if (!dotted) {
-      while (at_ < text_.size() && !IsLetter(text_[at_])) ++at_;
+      while (at_ < text_.size() && !io::IsLetter(text_[at_])) ++at_;
     }
     at_ = std::min(at_ + 1, text_.size());
     if (!dotted) return;
@@ -169,7 +169,7 @@ class HpglReader {
 
   bool LeaveOutInstruction() {
     const bool has_numbers = at_ < text_.size() && text_[at_] != ';' &&
-                             (name_ == "SM" || !IsLetter(text_[at_]));
+                             (name_ == "SM" || !io::IsLetter(text_[at_]));
     if (name_ == "LB" || name_ == "BL" || name_ == "WD") {
       LeaveOut(name_);
       at_ = std::min(text_.find(end_of_text_, at_), text_.size() - 1) + 1;
@@ -179,7 +179,7 @@ class HpglReader {
     if (has_numbers || EffectOfHpgl(name_) != Effect::kChanged) LeaveOut(name_);
     if (name_ == "SM" && at_ < text_.size() && text_[at_] != ';') ++at_;  // a symbol
     // HP-GL/2 needs no semicolon before the next letters; a text in quotes has letters.
-    while (at_ < text_.size() && !IsLetter(text_[at_]) && text_[at_] != kEscape &&
+    while (at_ < text_.size() && !io::IsLetter(text_[at_]) && text_[at_] != kEscape &&
            text_[at_] != ';' && text_[at_] != '\n') {
       const auto close = text_[at_] == '"' ? text_.find('"', at_ + 1) : text_.npos;
       at_ = close == text_.npos ? at_ + 1 : close + 1;

@@ -10,6 +10,12 @@ constexpr char LowerCase(char c) {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
 }
 
+/// An ASCII letter, independent of the locale.
+constexpr bool IsLetter(char c) {
+  const char lower = LowerCase(c);
+  return lower >= 'a' && lower <= 'z';
+}
+
 inline std::string LowerCase(std::string_view text) {
   std::string lower(text);
   for (char& c : lower) c = LowerCase(c);

@@ -110,7 +110,7 @@ class Program {
 };
 
 /// The knots of every arc cut into `pieces` equal pieces.
-std::vector<std::uint64_t> Knots(const Timing& timing, std::uint64_t pieces) {
+std::vector<std::uint64_t> PieceKnots(const Timing& timing, std::uint64_t pieces) {
   std::vector<std::uint64_t> knots;
   std::uint64_t start = 0;
   for (const std::uint64_t length : {timing.ramp, timing.cruise, timing.ramp}) {
@@ -150,7 +150,7 @@ std::vector<Segment> Pieces(const Arc& arc, const Vec3& to_mm, const Timing& tim
   for (std::uint64_t count = 1; count <= kMaxPieces; count *= 2) {
     pieces.clear();
     AppendThroughKnots(
-        Knots(timing, count),
+        PieceKnots(timing, count),
         [&](std::uint64_t at) { return program.At(static_cast<double>(at)); }, pieces);
     EndAtRest(to_mm, pieces.back());
     if (Deviation(program, start, pieces, rate_hz) <= kMaxDeviationMm) break;

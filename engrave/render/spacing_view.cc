@@ -17,12 +17,12 @@
 namespace intaglio::render {
 namespace {
 
-constexpr float kNothing = std::numeric_limits<float>::infinity();
+constexpr float kNoDepth = std::numeric_limits<float>::infinity();
 constexpr Margins kPanelMargins = {.left = 54, .right = 22, .top = 64, .bottom = 50};
 // Rounding of a lattice of exactly the minimum spacing is not a fault.
 constexpr double kTooNear = 1 - 1e-8;
 
-struct Spot {
+struct SpacingSpot {
   float x_px, y_px, depth_mm;
   std::uint32_t point;
 };
@@ -55,7 +55,7 @@ class Picture {
         px_per_mm_(static_cast<float>(px_per_mm)),
         radius_px_(std::clamp(static_cast<float>(0.45 * map.min_spacing_mm * px_per_mm),
                               0.7F, 9.0F)),
-        front_(window.width, window.height, kNothing) {
+        front_(window.width, window.height, kNoDepth) {
     spots_.reserve(map.points_mm.size());
     for (std::uint32_t i = 0; i < map.points_mm.size(); ++i) {
       const Projected p = projection(map.points_mm[i]);
@@ -75,7 +75,7 @@ class Picture {
   void FindFront() {
     // So wide that the points of a square lattice cover every pixel.
     const float radius_px = std::max(1.1F, 1.7F * radius_px_);
-    for (const Spot& spot : spots_) {
+    for (const SpacingSpot& spot : spots_) {
       OverDisc(spot.x_px, spot.y_px, radius_px, front_, [&](int x, int y, float) {
         front_.at(x, y) = std::min(front_.at(x, y), spot.depth_mm);
       });
@@ -84,7 +84,7 @@ class Picture {
     }
   }
 
-  bool IsSeen(const Spot& spot) const {
+  bool IsSeen(const SpacingSpot& spot) const {
     const int x = static_cast<int>(spot.x_px), y = static_cast<int>(spot.y_px);
     const float behind_mm =
         std::max(3 * static_cast<float>(map_.min_spacing_mm), 8 / px_per_mm_);
@@ -97,7 +97,7 @@ class Picture {
       float weight = 0;
     };
     std::vector<Sum> sums(front_.values.size());
-    for (const Spot& spot : spots_) {
+    for (const SpacingSpot& spot : spots_) {
       if (!IsSeen(spot)) continue;
       const Color color = SpacingColor(map_.nearest_mm[spot.point] / map_.min_spacing_mm);
       OverDisc(spot.x_px, spot.y_px, radius_px_, front_, [&](int x, int y, float share) {
@@ -121,7 +121,7 @@ class Picture {
   Plane Shading() const {
     Plane depth(front_.width, front_.height, 0), there(front_.width, front_.height, 0);
     for (std::size_t i = 0; i < front_.values.size(); ++i) {
-      if (front_.values[i] == kNothing) continue;
+      if (front_.values[i] == kNoDepth) continue;
       depth.values[i] = front_.values[i] - min_mm_;
       there.values[i] = 1;
     }
@@ -153,7 +153,7 @@ class Picture {
   /// On top of everything, faint where something is in front: a fault must not be hidden.
   void DrawTooNear(Canvas& canvas) const {
     const Color color = SpacingColor(0);
-    for (const Spot& spot : spots_) {
+    for (const SpacingSpot& spot : spots_) {
       if (map_.nearest_mm[spot.point] >= kTooNear * map_.min_spacing_mm) continue;
       const Vec2 at(window_.x + spot.x_px, window_.y + spot.y_px);
       const float alpha = IsSeen(spot) ? 0.95F : 0.25F;
@@ -166,8 +166,8 @@ class Picture {
   float px_per_mm_;
   float radius_px_;
   Plane front_;
-  std::vector<Spot> spots_;
-  float min_mm_ = kNothing, max_mm_ = -kNothing;
+  std::vector<SpacingSpot> spots_;
+  float min_mm_ = kNoDepth, max_mm_ = -kNoDepth;
 };
 
 /// The part of the cell that the cloud takes.

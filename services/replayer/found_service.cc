@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kStart = 30s;
-constexpr auto kTurn = 5ms;
+constexpr auto kSearchTurn = 5ms;
 
 }  // namespace
 
@@ -30,7 +30,7 @@ Result<FoundService> AwaitService(bus::Reader<intaglio_ServiceHealth>& health,
       found = {std::string(bus::View(sample.instance)),
                std::string(bus::View(sample.version))};
     });
-    (void)wait.Wait(kTurn);
+    (void)wait.Wait(kSearchTurn);
   }
   return found;
 }

@@ -9,6 +9,9 @@
 
 namespace intaglio::replayer {
 
+/// Under which a replay acts on the bus.
+inline constexpr char kOwnName[] = "intaglio-replay";
+
 struct FoundService {
   std::string instance, version;
 };

@@ -16,7 +16,6 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr char kOwnName[] = "intaglio-replay";
 constexpr std::uint32_t kPointWindowBatches = 32;
 // A service that computes publishes its progress ten times a second.
 constexpr auto kPatience = 60s;

@@ -10,7 +10,7 @@
 namespace intaglio::discretize {
 namespace {
 
-int CountOf(double length_mm, double step_mm) {
+int CellCount(double length_mm, double step_mm) {
   return std::max(1, static_cast<int>(std::lround(length_mm / step_mm)));
 }
 
@@ -21,8 +21,8 @@ HalftoneGrid::HalftoneGrid(double width, double height, double distance_mm,
     : width_mm(width), height_mm(height), triangular(is_triangular) {
   step_x_mm = distance_mm * kRoundingAllowance;
   step_y_mm = step_x_mm * (triangular ? std::numbers::sqrt3 / 2 : 1);
-  columns = CountOf(width, step_x_mm) + 2;
-  rows = CountOf(height, step_y_mm) + 2;
+  columns = CellCount(width, step_x_mm) + 2;
+  rows = CellCount(height, step_y_mm) + 2;
 }
 
 /// Layer i is shifted by the fractions (i p / n, i q / n) of the grid's two steps: a

@@ -71,7 +71,7 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-int CountOf(double length_mm, double side_mm) {
+int SquareCount(double length_mm, double side_mm) {
   return std::max(1, static_cast<int>(std::ceil(length_mm / side_mm)));
 }
 
@@ -84,8 +84,8 @@ constexpr int kRounds = 16;
 }  // namespace
 
 std::vector<float> SurfaceAreas(const ReliefSurface& surface, double side_mm) {
-  const int columns = CountOf(surface.width_mm, side_mm);
-  const int rows = CountOf(surface.height_mm, side_mm);
+  const int columns = SquareCount(surface.width_mm, side_mm);
+  const int rows = SquareCount(surface.height_mm, side_mm);
   std::vector<float> areas;
   areas.reserve(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
   for (int row = 0; row < rows; ++row) {
@@ -106,7 +106,7 @@ std::vector<PointList> SpreadPoints(const ReliefSurface& surface, double distanc
                                     std::uint64_t seed) {
   const double side_mm = kSquareRatio * distance_mm;
   const std::vector<float> areas = SurfaceAreas(surface, side_mm);
-  const int columns = CountOf(surface.width_mm, side_mm);
+  const int columns = SquareCount(surface.width_mm, side_mm);
   Box3 bounds;
   bounds.Extend(Vec3::Zero());
   bounds.Extend(Vec3(surface.width_mm, surface.height_mm, 0));

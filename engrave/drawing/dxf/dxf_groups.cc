@@ -9,7 +9,7 @@
 namespace intaglio::drawing {
 namespace {
 
-std::string_view Trimmed(std::string_view line) {
+std::string_view TrimmedLine(std::string_view line) {
   const auto first = line.find_first_not_of(" \t\r");
   if (first == line.npos) return {};
   return line.substr(first, line.find_last_not_of(" \t\r") - first + 1);
@@ -31,7 +31,7 @@ std::string_view DxfGroups::NextLine() {
 bool DxfGroups::Next(DxfGroup& group) {
   if (!good_ || position_ == text_.size()) return false;
   group.line = line_;
-  const std::string_view code = Trimmed(NextLine());
+  const std::string_view code = TrimmedLine(NextLine());
   if (position_ == text_.size()) {
     if (code.empty()) return false;
     good_ = builder_.Refuse(
@@ -49,7 +49,7 @@ bool DxfGroups::Next(DxfGroup& group) {
     return false;
   }
   group.raw = NextLine();
-  group.value = Trimmed(group.raw);
+  group.value = TrimmedLine(group.raw);
   return true;
 }
 

@@ -16,8 +16,6 @@ namespace {
 
 using std::numbers::pi;
 
-bool IsLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-
 /// How many numbers a command takes; -1: no command.
 int NumberCountOf(char command) {
   switch (io::LowerCase(command)) {
@@ -61,7 +59,7 @@ class PathParser {
       if (NumberCountOf(next) >= 0) {
         command = next;
         numbers_.Skip();
-      } else if (command == 0 || IsLetter(next) || io::LowerCase(command) == 'z') {
+      } else if (command == 0 || io::IsLetter(next) || io::LowerCase(command) == 'z') {
         return Wrong("expected a path command, one of MLHVCSQTAZ");
       }
       if (first_ && io::LowerCase(command) != 'm')

@@ -24,7 +24,7 @@ const std::map<std::string, IdlKind, std::less<>> kBuiltIn = {
 constexpr std::uint32_t kMaxDimension = 1u << 20;
 
 /// What is not understood; caught in ParseIdl.
-struct Stop {
+struct SchemaStop {
   ErrorCode code;
   std::string word;
 };
@@ -50,13 +50,13 @@ class Tokens {
     return true;
   }
   void Expect(std::string_view word) {
-    if (!Accept(word)) throw Stop{ErrorCode::kUnreadable, word_};
+    if (!Accept(word)) throw SchemaStop{ErrorCode::kUnreadable, word_};
   }
   std::string Name() {
     const bool name =
         !word_.empty() &&
         (std::isalpha(static_cast<unsigned char>(word_[0])) != 0 || word_[0] == '_');
-    if (!name) throw Stop{ErrorCode::kUnreadable, word_};
+    if (!name) throw SchemaStop{ErrorCode::kUnreadable, word_};
     return Take();
   }
   std::int64_t Number() {
@@ -65,7 +65,7 @@ class Tokens {
     const auto [end, error] =
         std::from_chars(word_.data(), word_.data() + word_.size(), value);
     if (error != std::errc() || end != word_.data() + word_.size()) {
-      throw Stop{ErrorCode::kUnreadable, word_};
+      throw SchemaStop{ErrorCode::kUnreadable, word_};
     }
     Take();
     return minus ? -value : value;
@@ -127,7 +127,7 @@ class Parser {
     if (words_.Accept("module")) {
       const std::string inner = scope + words_.Name() + "::";
       // A module in a module, each a level of this recursion.
-      if (++depth_ > 32) throw Stop{ErrorCode::kUnsupported, inner};
+      if (++depth_ > 32) throw SchemaStop{ErrorCode::kUnsupported, inner};
       words_.Expect("{");
       while (!words_.Accept("}")) Definition(inner);
       --depth_;
@@ -136,7 +136,7 @@ class Parser {
     } else if (words_.Accept("enum")) {
       Enum(scope, annotations);
     } else {
-      throw Stop{ErrorCode::kUnsupported, words_.now()};
+      throw SchemaStop{ErrorCode::kUnsupported, words_.now()};
     }
     words_.Expect(";");
   }
@@ -150,7 +150,7 @@ class Parser {
         number = words_.Number();
         words_.Expect(")");
       }
-      if (name == "@mutable") throw Stop{ErrorCode::kUnsupported, name};
+      if (name == "@mutable") throw SchemaStop{ErrorCode::kUnsupported, name};
       found.appendable = found.appendable || name == "@appendable";
       found.optional = found.optional || name == "@optional";
       if (name == "@value") found.value = number;
@@ -162,7 +162,7 @@ class Parser {
   void Struct(const std::string& scope, const Annotations& annotations) {
     const std::string name = scope + words_.Name();
     if (words_.now() == ":")
-      throw Stop{ErrorCode::kUnsupported, "inheritance of " + name};
+      throw SchemaStop{ErrorCode::kUnsupported, "inheritance of " + name};
     IdlStruct made;
     made.appendable = annotations.appendable;
     words_.Expect("{");
@@ -183,14 +183,14 @@ class Parser {
       words_.Expect(";");
     }
     if (!types_.structs.emplace(name, std::move(made)).second) {
-      throw Stop{ErrorCode::kUnreadable, name};
+      throw SchemaStop{ErrorCode::kUnreadable, name};
     }
   }
 
   std::uint32_t Size() {
     const std::int64_t size = words_.Number();
     if (size < 0 || size > kMaxDimension) {
-      throw Stop{ErrorCode::kUnsupported, std::to_string(size)};
+      throw SchemaStop{ErrorCode::kUnsupported, std::to_string(size)};
     }
     return static_cast<std::uint32_t>(size);
   }
@@ -200,7 +200,7 @@ class Parser {
       words_.Expect("<");
       // Before going into it: otherwise the text would decide the depth of the stack.
       if (words_.now() == "sequence")
-        throw Stop{ErrorCode::kUnsupported, "sequence of sequences"};
+        throw SchemaStop{ErrorCode::kUnsupported, "sequence of sequences"};
       IdlMember element = Type(scope);
       if (words_.Accept(",")) (void)words_.Number();
       words_.Expect(">");
@@ -223,7 +223,7 @@ class Parser {
       member.kind = types_.enums.contains(full) ? IdlKind::kEnum : IdlKind::kStruct;
       if (member.kind == IdlKind::kEnum || types_.structs.contains(full)) return member;
     }
-    throw Stop{ErrorCode::kUnsupported, name};
+    throw SchemaStop{ErrorCode::kUnsupported, name};
   }
 
   void Enum(const std::string& scope, const Annotations& annotations) {
@@ -240,7 +240,7 @@ class Parser {
     } while (words_.Accept(","));
     words_.Expect("}");
     if (!types_.enums.emplace(name, std::move(made)).second) {
-      throw Stop{ErrorCode::kUnreadable, name};
+      throw SchemaStop{ErrorCode::kUnreadable, name};
     }
   }
 
@@ -254,7 +254,7 @@ class Parser {
 Result<IdlTypes> ParseIdl(std::string_view text) {
   try {
     return Parser(text).Parse();
-  } catch (const Stop& stop) {
+  } catch (const SchemaStop& stop) {
     return Fail(stop.code,
                 fmt::format("the schema's IDL cannot be parsed at \"{}\"", stop.word),
                 stop.word);

@@ -14,13 +14,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr char kOwnName[] = "intaglio-replay";
-constexpr auto kTurn = 1ms;
+constexpr auto kCellTurn = 1ms;
 // Messages have been received by then, and acted upon: a synchronizer turns every 5 ms.
 constexpr auto kReceiveDelay = 50ms;
 constexpr auto kPermissionPeriod = 20ms;
 // Nothing moves any more.
-constexpr auto kPatience = 10s;
+constexpr auto kCellPatience = 10s;
 constexpr auto kDrainTime = 100ms;
 
 }  // namespace
@@ -150,7 +149,7 @@ Status CellBench::Turn(Performance& performance) {
     performance.moved_at = now;
     BeginRun(performance);
   }
-  (void)wait_.Wait(kTurn);
+  (void)wait_.Wait(kCellTurn);
   return {};
 }
 
@@ -340,7 +339,7 @@ CellBench::Stillness CellBench::WhyNothingMore(const Performance& performance) c
     return {performance.session.ends_early.empty() ? "the recording ends there"
                                                    : performance.session.ends_early,
             true};
-  if (still < kPatience) return {};
+  if (still < kCellPatience) return {};
   if (run != nullptr && !run->undisturbed() && all_ended)
     return {fmt::format("the cause of the end of run {} is not in the recording",
                         run->number),
@@ -356,7 +355,7 @@ Status CellBench::Finish(Performance& performance, const KeepOn& keep_on) {
   if (!ended) {
     if (auto given = Give(performance, true, false); !given) return given;
   }
-  const auto until = Clock::now() + (ended ? kDrainTime : kPatience);
+  const auto until = Clock::now() + (ended ? kDrainTime : kCellPatience);
   auto end = until;
   while (Clock::now() < end) {
     INTAGLIO_TRY(keep_on());

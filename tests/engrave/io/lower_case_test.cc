@@ -15,6 +15,14 @@ TEST(LowerCase, ChangesTheLettersOfAsciiAlone) {
   EXPECT_EQ(LowerCase("Box-Ä.STL"), "box-Ä.stl");
 }
 
+TEST(LowerCase, KnowsTheLettersOfAsciiAlone) {
+  const std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
+  for (int code = 0; code < 256; ++code) {
+    const char c = static_cast<char>(code);
+    EXPECT_EQ(IsLetter(c), letters.find(c) != std::string_view::npos) << code;
+  }
+}
+
 TEST(LowerCase, AnExtensionHasNoDot) {
   EXPECT_EQ(LowerCaseExtension(".STL"), "stl");
   EXPECT_EQ(LowerCaseExtension("Dxf"), "dxf");
