@@ -5,6 +5,8 @@
 #include <future>
 #include <thread>
 
+#include "tests/patience.h"
+
 namespace intaglio::job_service {
 namespace {
 
@@ -26,8 +28,7 @@ class SubmissionReaderTest : public testing::Test {
   /// What it answers by this time; waits for so many that do not hang.
   std::vector<SubmissionReader::Answer> Answers(std::size_t count) {
     std::vector<SubmissionReader::Answer> all;
-    for (const auto end = std::chrono::steady_clock::now() + 10s;
-         all.size() < count && std::chrono::steady_clock::now() < end;
+    for (const test::Patience patience(10s); all.size() < count && !patience.over();
          std::this_thread::sleep_for(1ms)) {
       for (auto& answer : reader_.Take(now_)) all.push_back(std::move(answer));
     }

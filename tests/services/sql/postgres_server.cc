@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "services/sql/postgres_connection.h"
+#include "tests/patience.h"
 
 namespace intaglio::test {
 namespace {
@@ -124,9 +125,9 @@ void PostgresServer::Start() {
              {"-D", (folder_ / "data").string(), "-h", "127.0.0.1", "-p",
               std::to_string(port_), "-k", "", "-F"},
              false);
-  const auto end = std::chrono::steady_clock::now() + kPatience;
+  const test::Patience patience(kPatience);
   while (!Answers()) {
-    if (std::chrono::steady_clock::now() > end) {
+    if (patience.over()) {
       error_ = "the server does not answer";
       return;
     }

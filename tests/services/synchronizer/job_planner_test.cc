@@ -7,6 +7,7 @@
 
 #include "services/job/plan/predicted_errors.h"
 #include "services/synchronizer/job_folder.h"
+#include "tests/patience.h"
 #include "tests/sanitizers.h"
 #include "tests/services/synchronizer/good_task.h"
 #include "tests/test_folder.h"
@@ -57,8 +58,8 @@ class JobPlannerTest : public testing::Test {
   /// Calls `done` as a loop does, until it is true; false after two minutes.
   template <typename Done>
   bool TurnUntil(const Done& done) {
-    const auto end = std::chrono::steady_clock::now() + 120s;
-    while (std::chrono::steady_clock::now() < end) {
+    const test::Patience patience(120s);
+    while (!patience.over()) {
       const auto before = ProcessorTime();
       const bool is_done = done();
       longest_turn_ = std::max(longest_turn_, ProcessorTime() - before);

@@ -16,6 +16,7 @@
 #include "services/platform/bus/samples.h"
 #include "services/synchronizer/cell_names.h"
 #include "services/synchronizer/job_folder.h"
+#include "tests/patience.h"
 #include "tests/services/platform/bus/private_bus.h"
 #include "tests/services/platform/host/stage/stage_shop.h"
 #include "tests/services/virtual_engraver/engraver_process.h"
@@ -255,8 +256,8 @@ class TwoCells : public ::testing::Test {
   /// The permissions are repeated until the condition holds; false when the time is up
   /// first.
   bool Until(std::chrono::milliseconds bound, const std::function<bool()>& condition) {
-    const auto end = std::chrono::steady_clock::now() + bound;
-    for (int turn = 0; std::chrono::steady_clock::now() < end; ++turn) {
+    const test::Patience patience(bound);
+    for (int turn = 0; !patience.over(); ++turn) {
       a_.Permit(), b_.Permit();
       a_.Listen(), b_.Listen();
       std::this_thread::sleep_for(20ms);

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "services/drivers/motion_drivers.h"
+#include "tests/patience.h"
 #include "tests/services/drivers/bjjcz/board_at_socket.h"
 #include "tests/services/drivers/bjjcz/point_rig.h"
 #include "tests/test_folder.h"
@@ -52,9 +53,9 @@ class UsbBoard : public ::testing::Test {
   }
   bool Until(const std::function<bool()>& condition,
              std::chrono::seconds bound = std::chrono::seconds(20)) {
-    const auto end = std::chrono::steady_clock::now() + bound;
+    const test::Patience patience(bound);
     while (!condition()) {
-      if (std::chrono::steady_clock::now() > end) return false;
+      if (patience.over()) return false;
       driver_->laser()->Poll([](const link::PulseReport&) {},
                              [](const link::PastReport&) {});
       (void)driver_->TakePositions();

@@ -6,6 +6,7 @@
 
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/stage/flow.h"
+#include "tests/patience.h"
 #include "tests/services/platform/bus/private_bus.h"
 
 namespace intaglio::host {
@@ -33,8 +34,8 @@ class PointFlowTest : public testing::Test {
     if (auto opened = intake.Open(job_uid, 1); !opened)
       return tl::unexpected(opened.error());
     Result<bool> taken = false, sent = false;
-    const auto end = Clock::now() + 10s;
-    while ((!taken.value() || !sent.value()) && Clock::now() < end) {
+    const test::Patience patience(10s);
+    while ((!taken.value() || !sent.value()) && !patience.over()) {
       sent = sender.Advance(Clock::now());
       taken = intake.Poll();
       if (!sent) return tl::unexpected(sent.error());
