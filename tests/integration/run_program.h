@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/own_network.h"
 #include "tests/patience.h"
 
 namespace intaglio::testing {

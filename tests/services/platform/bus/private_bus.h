@@ -8,6 +8,7 @@
 #include <string>
 
 #include "services/platform/bus/bus.h"
+#include "tests/own_network.h"
 #include "tests/patience.h"
 
 namespace intaglio::test {
