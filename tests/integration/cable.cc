@@ -1,10 +1,8 @@
 #include "tests/integration/cable.h"
 
-#include <arpa/inet.h>
 #include <fcntl.h>
 #include <linux/if_tun.h>
 #include <net/if.h>
-#include <netinet/in.h>
 #include <poll.h>
 #include <sched.h>
 #include <sys/ioctl.h>
@@ -16,6 +14,8 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "tests/own_network.h"
+
 namespace intaglio::testing {
 namespace {
 
@@ -25,23 +25,8 @@ constexpr char kHere[] = "/proc/thread-self/ns/net";
   throw std::runtime_error(what + ": " + std::strerror(errno));
 }
 
-void RaiseInterface(const char* name, const char* address) {
-  const int control = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  ifreq request{};
-  std::strncpy(request.ifr_name, name, IFNAMSIZ - 1);
-  auto* internet = reinterpret_cast<sockaddr_in*>(&request.ifr_addr);
-  internet->sin_family = AF_INET;
-  bool good = control >= 0;
-  if (address != nullptr) {
-    inet_pton(AF_INET, address, &internet->sin_addr);
-    good = good && ioctl(control, SIOCSIFADDR, &request) == 0;
-    inet_pton(AF_INET, "255.255.255.0", &internet->sin_addr);
-    good = good && ioctl(control, SIOCSIFNETMASK, &request) == 0;
-  }
-  request.ifr_flags = IFF_UP | IFF_RUNNING | IFF_MULTICAST;
-  good = good && ioctl(control, SIOCSIFFLAGS, &request) == 0;
-  if (control >= 0) close(control);
-  if (!good) GiveUp(std::string("cannot raise ") + name);
+void Raise(const char* name, const char* address) {
+  if (!test::RaiseInterface(name, address)) GiveUp(std::string("cannot raise ") + name);
 }
 
 int OpenTap() {
@@ -69,9 +54,9 @@ TestHost::TestHost(const char* address) {
   std::string fault;
   try {
     network_ = open(kHere, O_RDONLY | O_CLOEXEC);
-    RaiseInterface("lo", nullptr);
+    Raise("lo", nullptr);
     tap_ = OpenTap();
-    RaiseInterface("eth0", address);
+    Raise("eth0", address);
   } catch (const std::runtime_error& error) {
     fault = error.what();
   }
