@@ -165,12 +165,8 @@ tl::unexpected<Error> About(Error error, const fs::path& file, int index,
 }  // namespace
 
 Result<WebhookReceivers> ParseReceivers(std::string_view text, const std::string& name) {
-  if (text.size() > kMaxFileBytes) {
-    return Fail(ErrorCode::kTooLarge,
-                fmt::format("{}: is larger than {} bytes; give receivers of webhooks "
-                            "(proto/webhook.proto)",
-                            name, kMaxFileBytes));
-  }
+  INTAGLIO_TRY(CheckTextSize(text, name, kMaxFileBytes,
+                             "receivers of webhooks (proto/webhook.proto)"));
   WebhookReceivers receivers;
   INTAGLIO_TRY(ParseTextFormat(text, name, kMaxDepth, receivers));
   std::string faults;

@@ -56,12 +56,8 @@ std::vector<Error> CheckDriveProfile(const DriveProfile& profile) {
 }
 
 Result<DriveProfile> ParseDriveProfile(std::string_view text, const std::string& name) {
-  if (text.size() > kMaxDriveProfileBytes) {
-    return Fail(ErrorCode::kTooLarge,
-                fmt::format("{}: is larger than {} bytes; give a drive profile "
-                            "(proto/drive.proto)",
-                            name, kMaxDriveProfileBytes));
-  }
+  INTAGLIO_TRY(CheckTextSize(text, name, kMaxDriveProfileBytes,
+                             "a drive profile (proto/drive.proto)"));
   DriveProfile profile;
   INTAGLIO_TRY(ParseTextFormat(text, name, kMaxDepth, profile));
   std::string wrong;

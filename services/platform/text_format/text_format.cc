@@ -29,6 +29,13 @@ class FirstError : public pb::io::ErrorCollector {
 
 }  // namespace
 
+Status CheckTextSize(std::string_view text, const std::string& name,
+                     std::size_t max_bytes, const char* what) {
+  if (text.size() <= max_bytes) return {};
+  return Fail(ErrorCode::kTooLarge,
+              fmt::format("{}: is larger than {} bytes; give {}", name, max_bytes, what));
+}
+
 Status ParseTextFormat(std::string_view text, const std::string& name, int max_depth,
                        pb::Message& message) {
   FirstError first;

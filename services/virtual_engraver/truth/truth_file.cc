@@ -20,11 +20,8 @@ constexpr int kMaxDepth = 8;
 }  // namespace
 
 Result<MachineTruth> ParseTruth(std::string_view text, const std::string& name) {
-  if (text.size() > kMaxTruthFileBytes) {
-    return Fail(ErrorCode::kTooLarge, fmt::format("{}: is larger than {} bytes; give a "
-                                                  "truth file (proto/truth.proto)",
-                                                  name, kMaxTruthFileBytes));
-  }
+  INTAGLIO_TRY(
+      CheckTextSize(text, name, kMaxTruthFileBytes, "a truth file (proto/truth.proto)"));
   MachineTruth truth;
   INTAGLIO_TRY(ParseTextFormat(text, name, kMaxDepth, truth));
   std::string wrong;
