@@ -39,8 +39,9 @@ std::string KindOf(const std::string& line) {
   return is_read ? event.event() : std::string();
 }
 
-struct Line {
-  explicit Line(Receiver given) : receiver(std::move(given)), transfer(receiver) {}
+/// A receiver, and what waits for it.
+struct Subscriber {
+  explicit Subscriber(Receiver given) : receiver(std::move(given)), transfer(receiver) {}
   const Receiver receiver;
   Transfer transfer;    // of the thread alone
   DeliveryQueue queue;  // of the mutex
@@ -49,8 +50,9 @@ struct Line {
 };
 
 /// What changed by an attempt, for the log; empty: nothing that it does not have.
-std::string NewsOf(Line& line, const WebhookAnswer& answer, std::uint64_t failed_before) {
-  const DeliveryQueue& queue = line.queue;
+std::string NewsOf(Subscriber& subscriber, const WebhookAnswer& answer,
+                   std::uint64_t failed_before) {
+  const DeliveryQueue& queue = subscriber.queue;
   std::string news;
   if (queue.has_ended())
     news = "answered 410: it gets nothing any more until the console is started again";
@@ -59,14 +61,15 @@ std::string NewsOf(Line& line, const WebhookAnswer& answer, std::uint64_t failed
         fmt::format("delivers again after {}", Counted(failed_before, "failed attempt"));
   else if (answer.outcome() == DeliveryOutcome::kFailed && failed_before == 0)
     news = fmt::format("{}; it is tried again", answer.Sentence());
-  const std::uint64_t dropped = queue.counts().dropped - line.dropped_in_log;
-  if (dropped > 0 && (!news.empty() || !line.has_logged_drops)) {
-    line.dropped_in_log = queue.counts().dropped;
-    line.has_logged_drops = true;
+  const std::uint64_t dropped = queue.counts().dropped - subscriber.dropped_in_log;
+  if (dropped > 0 && (!news.empty() || !subscriber.has_logged_drops)) {
+    subscriber.dropped_in_log = queue.counts().dropped;
+    subscriber.has_logged_drops = true;
     news +=
         fmt::format("{}{} dropped", news.empty() ? "" : "; ", Counted(dropped, "event"));
   }
-  if (answer.outcome() == DeliveryOutcome::kDelivered) line.has_logged_drops = false;
+  if (answer.outcome() == DeliveryOutcome::kDelivered)
+    subscriber.has_logged_drops = false;
   return news;
 }
 
@@ -75,7 +78,7 @@ std::string NewsOf(Line& line, const WebhookAnswer& answer, std::uint64_t failed
 struct Webhooks::Impl {
   explicit Impl(std::vector<Receiver> receivers) {
     for (Receiver& receiver : receivers)
-      lines.push_back(std::make_unique<Line>(std::move(receiver)));
+      subscribers.push_back(std::make_unique<Subscriber>(std::move(receiver)));
     multi.reset(curl_multi_init());
     Require(multi != nullptr, "no memory for transfers");
     thread = std::jthread([this](const std::stop_token& stop) { Run(stop); });
@@ -84,53 +87,54 @@ struct Webhooks::Impl {
     thread.request_stop();
     curl_multi_wakeup(multi.get());
     thread.join();
-    for (const auto& line : lines)
-      curl_multi_remove_handle(multi.get(), line->transfer.handle());
+    for (const auto& subscriber : subscribers)
+      curl_multi_remove_handle(multi.get(), subscriber->transfer.handle());
   }
 
   /// Begins what is due; when the next attempt is.
   std::chrono::milliseconds BeginDue() {
     auto wait = kMaxPoll;
     const auto now = Clock::now();
-    for (const auto& line : lines) {
+    for (const auto& subscriber : subscribers) {
       Delivery delivery;
       std::uint64_t dropped = 0;
       {
         const std::lock_guard lock(mutex);
-        const auto next = line->queue.NextAttempt();
+        const auto next = subscriber->queue.NextAttempt();
         if (!next) continue;
         if (*next > now) {
           wait =
               std::min(wait, std::chrono::ceil<std::chrono::milliseconds>(*next - now));
           continue;
         }
-        delivery = line->queue.Begin();
-        dropped = line->queue.counts().dropped;
+        delivery = subscriber->queue.Begin();
+        dropped = subscriber->queue.counts().dropped;
       }
-      line->transfer.Prepare(HeadersOf(delivery, line->receiver.secret, dropped,
-                                       std::chrono::system_clock::now()),
-                             delivery.body);
-      curl_multi_add_handle(multi.get(), line->transfer.handle());
+      subscriber->transfer.Prepare(HeadersOf(delivery, subscriber->receiver.secret,
+                                             dropped, std::chrono::system_clock::now()),
+                                   delivery.body);
+      curl_multi_add_handle(multi.get(), subscriber->transfer.handle());
     }
     return wait;
   }
 
   void EndAttempt(CURL* handle, CURLcode code) {
     curl_multi_remove_handle(multi.get(), handle);
-    const auto found = std::ranges::find_if(
-        lines, [&](const auto& line) { return line->transfer.handle() == handle; });
-    Line& line = **found;
-    const WebhookAnswer answer = line.transfer.Finish(code);
+    const auto found = std::ranges::find_if(subscribers, [&](const auto& subscriber) {
+      return subscriber->transfer.handle() == handle;
+    });
+    Subscriber& subscriber = **found;
+    const WebhookAnswer answer = subscriber.transfer.Finish(code);
     std::string news;
     {
       const std::lock_guard lock(mutex);
-      const std::uint64_t failed_before = line.queue.failed_in_a_row();
-      line.queue.End(answer.outcome(), Clock::now());
-      news = NewsOf(line, answer, failed_before);
+      const std::uint64_t failed_before = subscriber.queue.failed_in_a_row();
+      subscriber.queue.End(answer.outcome(), Clock::now());
+      news = NewsOf(subscriber, answer, failed_before);
     }
     if (!news.empty()) {
-      std::cerr << fmt::format("webhook {} ({}): {}\n", line.receiver.name,
-                               line.receiver.place, news);
+      std::cerr << fmt::format("webhook {} ({}): {}\n", subscriber.receiver.name,
+                               subscriber.receiver.place, news);
     }
   }
 
@@ -149,7 +153,7 @@ struct Webhooks::Impl {
 
   const std::string run = access::NewKey().substr(0, 16);  ///< of this console
   std::unique_ptr<CURLM, CURLMcode (*)(CURLM*)> multi{nullptr, curl_multi_cleanup};
-  std::vector<std::unique_ptr<Line>> lines;
+  std::vector<std::unique_ptr<Subscriber>> subscribers;
   mutable std::mutex mutex;  // of every queue, and of what follows
   std::uint64_t published = 0;
   std::jthread thread;
@@ -168,7 +172,7 @@ void Webhooks::Publish(const std::string& line) {
   {
     const std::lock_guard lock(impl_->mutex);
     delivery.id = fmt::format("{}-{}", impl_->run, ++impl_->published);
-    for (const auto& to : impl_->lines) {
+    for (const auto& to : impl_->subscribers) {
       if (to->receiver.Wants(delivery.event)) to->queue.Add(delivery, Clock::now());
     }
   }
@@ -184,9 +188,9 @@ std::string Webhooks::Metrics() const {
     text +=
         fmt::format("# HELP intaglio_webhook_{0} {2}\n# TYPE intaglio_webhook_{0} {1}\n",
                     name, kind, help);
-    for (const auto& line : impl_->lines) {
+    for (const auto& subscriber : impl_->subscribers) {
       text += fmt::format("intaglio_webhook_{}{{receiver=\"{}\"}} {}\n", name,
-                          line->receiver.name, value(line->queue));
+                          subscriber->receiver.name, value(subscriber->queue));
     }
   };
   add("delivered_total", "counter", "events that were delivered",
