@@ -13,6 +13,7 @@
 #include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/drawing/drawing_builder.h"
+#include "engrave/io/whole_file.h"
 #include "engrave/mesh/files/zip_archive.h"
 #include "services/job/files/json_position.h"
 
@@ -344,9 +345,7 @@ Result<LightBurnDevice> ReadLightBurnDevice(std::string_view bytes,
                                             const std::string& name) {
   auto device = DeviceIn(bytes, name);
   if (device) return device;
-  Error error = device.error();
-  error.message = file + ": " + error.message;
-  return tl::unexpected(error);
+  return tl::unexpected(io::AboutFile(device.error(), file));
 }
 
 }  // namespace intaglio

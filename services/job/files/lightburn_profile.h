@@ -11,16 +11,14 @@
 namespace intaglio {
 
 /// Sets of a profile with a BJJCZ board:
-///   scan_head.field_mm       the workspace over its scale, since a mm is 65536 /
-///   field_mm
-///                            units of the board; the mean of both axes
+///   scan_head.field_mm       the workspace over its scale, the mean of both axes
 ///   x, y travel              over a block: the workspace, as far as the field has it
 ///   scan_head.jump_mm_s, head_over_block.jump_and_dwell.jump_mm_s
 ///   bjjcz_board.point_frequency_hz   moved into the laser's range
-/// A sentence for each, "field = value: of what". The profile is not checked.
-/// kInvalidValue: the profile has no BJJCZ board, which is not changed then;
-/// kUnsupported: the fields of both axes differ by more than 2 %, which one field_mm
-/// cannot hold.
+/// A board has 65536 units for field_mm. A sentence for each, "field = value: of what".
+/// The profile is not checked. kInvalidValue: the profile has no BJJCZ board, which is
+/// not changed then; kUnsupported: the fields of both axes differ by more than 2 %, which
+/// one field_mm cannot hold.
 Result<std::vector<std::string>> ApplyDevice(const LightBurnDevice& device,
                                              MachineSpec& machine);
 
