@@ -28,7 +28,7 @@ namespace {
 
 constexpr double kMinMovingRatio = 0.6;
 constexpr double kMaxUpRatio = 100;
-constexpr std::size_t kPlacesPerReport = 1 << 16;
+constexpr std::size_t kPointsPerKdzReport = 1 << 16;
 
 }  // namespace
 
@@ -55,7 +55,7 @@ Result<Order> OrderByKdz(const PointList& points_mm, const OrderOptions& options
   const Vec3& lowest_mm = points_mm[LowestPoint(points_mm)];
   RemainingPoints::Taken now{0, lowest_mm.x(), lowest_mm.y()};
   for (std::size_t made = 0; made < order.size(); ++made) {
-    if (progress && made % kPlacesPerReport == 0 && !progress(made, order.size())) {
+    if (progress && made % kPointsPerKdzReport == 0 && !progress(made, order.size())) {
       return Fail(ErrorCode::kCancelled, "the sort was cancelled");
     }
     now = remaining.TakeNearest(now.x_mm, now.y_mm);
