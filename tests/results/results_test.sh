@@ -192,6 +192,67 @@ ReportOfASanitizerFails() {
   expect_end "1 passed, 1 failed, 0 skipped"
   expect_status 1
 }
+# A line of GoogleTest for each case "NAME=RESULT" of a program; a case without an end is at
+# work when the program ends.
+cases() {
+  local each name
+  echo "[==========] Running $# tests from 1 test suite."
+  for each in "$@"; do
+    name=${each%=*}
+    echo "[ RUN      ] $name"
+    case ${each#*=} in
+      passed) echo "it counts to 3[       OK ] $name (1500 ms)" ;;
+      skipped) printf '%s\n' "a_test.cc:1: Skipped" "no network" "" "[  SKIPPED ] $name (0 ms)" ;;
+      failed) echo "[  FAILED  ] $name, where GetParam() = 7 (20 ms)" ;;
+      crashed) return ;;
+      unheard) ;;
+    esac
+  done
+  echo "[==========] $# tests from 1 test suite ran. (3 ms total)"
+}
+CasesOfAProgramAreResults() {
+  first=("All of a_test=Failed" "All of b_test=passed" C.D=passed)
+  second=("All of a_test=Failed")
+  prints=(["All of a_test"]="$(cases A.1=passed Each/A.2/0=failed A.3=skipped A.4=failed)"
+    ["All of b_test"]="$(cases B.1=passed B.2=unheard B.3=passed)")
+  ctest() {
+    if [[ " $* " != *" --rerun-failed "* ]]; then ctest_log "${first[@]}"; return; fi
+    prints["All of a_test"]=$(cases A.1=passed Each/A.2/0=passed A.3=skipped A.4=failed)
+    ctest_log "${second[@]}"
+  }
+  run
+  expect_lines "flaky: Each/A.2/0 failed, then passed alone
+failed twice: A.4 failed, then failed alone
+2 tests were run again: 1 flaky, 1 failed twice
+skipped: 1 because: no network
+slowest: A.1 1.50 s, B.1 1.50 s, B.3 1.50 s, Each/A.2/0 0.02 s, A.4 0.02 s, C.D 0.02 s, B.2 0.00 s"
+  expect_end "5 passed, 1 failed, 1 skipped, 1 flaky"
+  expect_status 8
+}
+CaseAtWorkWhenAProgramCrashesFails() {
+  first=("All of a_test=Exception: SegFault")
+  second=("All of a_test=passed")
+  prints=(["All of a_test"]="$(cases A.1=passed A.2=crashed A.3=passed)")
+  ctest() {
+    if [[ " $* " != *" --rerun-failed "* ]]; then ctest_log "${first[@]}"; return; fi
+    prints["All of a_test"]=$(cases A.1=passed A.2=passed A.3=passed)
+    ctest_log "${second[@]}"
+  }
+  run
+  expect_lines "flaky: A.2 failed, then passed alone
+flaky: All of a_test failed, then passed alone"
+  expect_end "1 passed, 0 failed, 0 skipped, 2 flaky"
+  expect_status 0
+}
+ProgramThatFailsBehindItsCasesFails() {
+  first=("All of a_test=Timeout" C.D=passed)
+  second=("All of a_test=Timeout")
+  prints=(["All of a_test"]="$(cases A.1=passed A.2=passed)")
+  run
+  expect_lines "failed twice: All of a_test failed, then failed alone"
+  expect_end "3 passed, 1 failed, 0 skipped"
+  expect_status 8
+}
 NoTestsFail() {
   ctest() { echo "No tests were found!!!"; return 8; }
   host_took=9000
