@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# Sourced by tests/run and tests/sanitizers.
+# Sourced by tests/run.
 
 # Runs a command while this computer gives out memory in large pages, where that may be set.
 # A compilation touches 100 000 pages of 4 KiB for the first time; where a hypervisor keeps the
