@@ -85,14 +85,15 @@ std::array<std::byte, kJournalRecordSize> EncodeJournalRecord(
 
 namespace {
 
-/// A journal from its bytes in pieces of whole records, the first with the header.
+/// The records of a journal from its bytes in pieces of whole records, the first with the
+/// header.
 class JournalReader {
  public:
-  /// `size`: of all pieces.
-  Status Take(std::span<const std::byte> bytes, std::uint64_t size) {
+  explicit JournalReader(const TakeJournalRecord& take) : take_(take) {}
+
+  Status Take(std::span<const std::byte> bytes) {
     if (taken_ == 0) {
       INTAGLIO_TRY(TakeHeader(bytes));
-      journal_.records.reserve((size - kJournalHeaderSize) / kJournalRecordSize);
       taken_ = behind_last_ = kJournalHeaderSize;
       bytes = bytes.subspan(kJournalHeaderSize);
     }
@@ -101,43 +102,67 @@ class JournalReader {
     taken_ += bytes.size();
     return {};
   }
-  Journal Finish() {
-    journal_.torn_bytes = taken_ - behind_last_;
-    return std::move(journal_);
-  }
+  const JournalHeader& header() const { return header_; }
+  std::uint64_t torn_bytes() const { return taken_ - behind_last_; }
+  std::uint64_t damaged_records() const { return damaged_records_; }
 
  private:
   Status TakeHeader(std::span<const std::byte> bytes) {
     INTAGLIO_TRY(CheckRecordHeader(kJournal, bytes));
-    JournalHeader& header = journal_.header;
-    header.point_count = NumberAt<std::uint64_t>(bytes.data() + 16);
-    header.epoch = NumberAt<std::uint64_t>(bytes.data() + 24);
-    header.path_crc = NumberAt<std::uint32_t>(bytes.data() + 32);
-    header.station = NumberAt<std::uint32_t>(bytes.data() + 36);
-    if (header.point_count <= kMaxPoints) return {};
+    header_.point_count = NumberAt<std::uint64_t>(bytes.data() + 16);
+    header_.epoch = NumberAt<std::uint64_t>(bytes.data() + 24);
+    header_.path_crc = NumberAt<std::uint32_t>(bytes.data() + 32);
+    header_.station = NumberAt<std::uint32_t>(bytes.data() + 36);
+    if (header_.point_count <= kMaxPoints) return {};
     return Fail(ErrorCode::kTooLarge, "the journal has too many points",
-                fmt::format("{}", header.point_count));
+                fmt::format("{}", header_.point_count));
   }
   void TakeRecord(std::span<const std::byte> bytes) {
-    const auto record = DecodeRecord(bytes, journal_.header);
+    const auto record = DecodeRecord(bytes, header_);
     if (record) {
-      journal_.damaged_records += (taken_ - behind_last_) / kJournalRecordSize;
+      damaged_records_ += (taken_ - behind_last_) / kJournalRecordSize;
       behind_last_ = taken_ + kJournalRecordSize;
-      journal_.records.push_back(*record);
+      take_(header_, *record);
     }
     taken_ += kJournalRecordSize;
   }
 
-  Journal journal_;
-  std::uint64_t taken_ = 0, behind_last_ = 0;
+  const TakeJournalRecord& take_;
+  JournalHeader header_;
+  std::uint64_t taken_ = 0, behind_last_ = 0, damaged_records_ = 0;
 };
+
+Status ReadPieces(const std::filesystem::path& file, JournalReader& reader) {
+  // Whole records behind the header, whose size is two of them.
+  constexpr std::size_t kPieceBytes = 32768 * kJournalRecordSize;
+  static_assert(kJournalHeaderSize % kJournalRecordSize == 0);
+  return io::ReadInPieces(file, kMaxJournalFile, kPieceBytes,
+                          [&](std::span<const std::byte> piece, std::uint64_t) {
+                            return reader.Take(piece);
+                          });
+}
+
+/// What `read` gives a reader, as a journal whose file has `size` bytes.
+template <typename Read>
+Result<Journal> Collected(std::uint64_t size, Read&& read) {
+  Journal journal;
+  const TakeJournalRecord keep = [&](const JournalHeader&, const JournalRecord& record) {
+    if (journal.records.empty()) journal.records.reserve(size / kJournalRecordSize);
+    journal.records.push_back(record);
+  };
+  JournalReader reader(keep);
+  INTAGLIO_TRY(read(reader));
+  journal.header = reader.header();
+  journal.torn_bytes = reader.torn_bytes();
+  journal.damaged_records = reader.damaged_records();
+  return journal;
+}
 
 }  // namespace
 
 Result<Journal> ParseJournal(std::span<const std::byte> bytes) {
-  JournalReader reader;
-  INTAGLIO_TRY(reader.Take(bytes, bytes.size()));
-  return reader.Finish();
+  return Collected(bytes.size(),
+                   [&](JournalReader& reader) { return reader.Take(bytes); });
 }
 
 std::uint32_t PathCrc(const PointList& path_mm) {
@@ -149,16 +174,17 @@ std::uint32_t PathCrc(const PointList& path_mm) {
 }
 
 Result<Journal> ReadJournal(const std::filesystem::path& file) {
-  // Whole records behind the header, whose size is two of them.
-  constexpr std::size_t kPieceBytes = 32768 * kJournalRecordSize;
-  static_assert(kJournalHeaderSize % kJournalRecordSize == 0);
-  JournalReader reader;
-  INTAGLIO_TRY(
-      io::ReadInPieces(file, kMaxJournalFile, kPieceBytes,
-                       [&](std::span<const std::byte> piece, std::uint64_t size) {
-                         return reader.Take(piece, size);
-                       }));
-  return reader.Finish();
+  std::error_code no_size;  // Reading it gives the error.
+  const std::uintmax_t size = std::filesystem::file_size(file, no_size);
+  return Collected(no_size ? 0 : size,
+                   [&](JournalReader& reader) { return ReadPieces(file, reader); });
+}
+
+Result<JournalHeader> ReadJournalRecords(const std::filesystem::path& file,
+                                         const TakeJournalRecord& take) {
+  JournalReader reader(take);
+  INTAGLIO_TRY(ReadPieces(file, reader));
+  return reader.header();
 }
 
 std::uint32_t PowerUpOfText(std::string_view text) {
@@ -167,33 +193,41 @@ std::uint32_t PowerUpOfText(std::string_view text) {
 }
 
 std::vector<PointHistory> HistoryOf(const Journal& journal) {
-  std::vector<PointHistory> history(journal.header.point_count);
-  std::uint32_t power_up = 0;
-  for (const JournalRecord& record : journal.records) {
-    if (record.kind == JournalKind::kSession) power_up = record.point;
-    if (!IsOfPoint(record.kind)) continue;
-    PointHistory& point = history[record.point];
-    if (record.kind == JournalKind::kReopened) {
-      // It does not apply to any other state: an outcome may be missing in the file.
-      if (point.outcome != PointOutcome::kUncertain || point.open_intent) continue;
-      point.outcome = PointOutcome::kNone;
-      point.reopened = true;
-      continue;
-    }
-    point.tick = record.tick;
-    point.power_up = power_up;
-    if (record.kind == JournalKind::kIntent) {
-      point.open_intent = true;
-      continue;
-    }
-    point.open_intent = false;
-    point.outcome = record.outcome;
-    point.reason = record.reason;
-    point.missed_channels = record.missed_channels;
-    point.measured_mj = record.measured_mj;
-    if (IsFired(record.outcome)) ++point.fired_count;
+  PointHistories histories;
+  for (const JournalRecord& record : journal.records)
+    histories.Take(journal.header, record);
+  return histories.Finish(journal.header);
+}
+
+void PointHistories::Take(const JournalHeader& header, const JournalRecord& record) {
+  if (record.kind == JournalKind::kSession) power_up_ = record.point;
+  if (!IsOfPoint(record.kind)) return;
+  if (of_points_.empty()) of_points_.resize(header.point_count);
+  PointHistory& point = of_points_[record.point];
+  if (record.kind == JournalKind::kReopened) {
+    // It does not apply to any other state: an outcome may be missing in the file.
+    if (point.outcome != PointOutcome::kUncertain || point.open_intent) return;
+    point.outcome = PointOutcome::kNone;
+    point.reopened = true;
+    return;
   }
-  return history;
+  point.tick = record.tick;
+  point.power_up = power_up_;
+  if (record.kind == JournalKind::kIntent) {
+    point.open_intent = true;
+    return;
+  }
+  point.open_intent = false;
+  point.outcome = record.outcome;
+  point.reason = record.reason;
+  point.missed_channels = record.missed_channels;
+  point.measured_mj = record.measured_mj;
+  if (IsFired(record.outcome)) ++point.fired_count;
+}
+
+std::vector<PointHistory> PointHistories::Finish(const JournalHeader& header) {
+  of_points_.resize(header.point_count);
+  return std::move(of_points_);
 }
 
 }  // namespace intaglio::formats

@@ -37,6 +37,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -129,20 +130,42 @@ struct Journal {
 Result<Journal> ParseJournal(std::span<const std::byte> bytes);
 Result<Journal> ReadJournal(const std::filesystem::path& file);
 
-/// What the journal records of each point, by place in the order.
+/// Receives the records of a journal in their order. The header is the same each time.
+using TakeJournalRecord =
+    std::function<void(const JournalHeader& header, const JournalRecord& record)>;
+
+/// The records of ReadJournal() one after another, without all of them at once. Returns
+/// the header. Errors as ReadJournal().
+Result<JournalHeader> ReadJournalRecords(const std::filesystem::path& file,
+                                         const TakeJournalRecord& take);
+
+/// What the journal records of each point, by place in the order. A proof holds one a
+/// point, so it is kept small: 24 bytes.
 struct PointHistory {
-  PointOutcome outcome = PointOutcome::kNone;
-  std::uint8_t reason = 0;
   std::uint64_t tick = 0;
   std::uint32_t power_up = 0;     ///< to which the tick belongs; 0: not known
   std::uint32_t fired_count = 0;  ///< outcomes made or missed
-  bool open_intent = false;       ///< an intent without an outcome: uncertain
+  float measured_mj = 0;
+  PointOutcome outcome = PointOutcome::kNone;
+  std::uint8_t reason = 0;
+  std::uint8_t missed_channels = 0;  ///< of its last pulse, as in JournalRecord
+  bool open_intent : 1 = false;      ///< an intent without an outcome: uncertain
   /// It was uncertain and has been reopened by a person's consent. Until it is fired it
   /// is unknown whether it holds a crack.
-  bool reopened = false;
-  std::uint8_t missed_channels = 0;  ///< of its last pulse, as in JournalRecord
-  float measured_mj = 0;
+  bool reopened : 1 = false;
 };
 std::vector<PointHistory> HistoryOf(const Journal& journal);
+
+/// The same from records one after another.
+class PointHistories {
+ public:
+  void Take(const JournalHeader& header, const JournalRecord& record);
+  /// By place in the order, as many as the header has points; it ends the collection.
+  std::vector<PointHistory> Finish(const JournalHeader& header);
+
+ private:
+  std::vector<PointHistory> of_points_;
+  std::uint32_t power_up_ = 0;
+};
 
 }  // namespace intaglio::formats

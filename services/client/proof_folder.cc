@@ -99,15 +99,17 @@ Status CompleteGlass(const FolderToComplete& which) {
   const bool marks = HasMarks(which.folder);
   const fs::path file = which.folder / (marks ? kBurntFile : kGlassFile);
   if (!which.renew && fs::exists(file)) return {};
-  const auto journal = INTAGLIO_TRY(formats::ReadJournal(which.folder / "journal.bin"));
+  const fs::path journal_file = which.folder / "journal.bin";
   const fs::path records = RecordFolderOf(which);
   if (marks) {
+    const auto journal = INTAGLIO_TRY(formats::ReadJournal(journal_file));
     const auto job = INTAGLIO_TRY(ReadFrozenJob(which.folder / "job.json"));
     const std::string& number = job.machine().mark_line().serial_number();
     const auto burnt = INTAGLIO_TRY(FindBurnt(journal, MarkRecordsIn(records, number)));
     return burnt ? formats::WriteMarkRecord(file, *burnt) : Status();
   }
-  const auto glass = INTAGLIO_TRY(FindGlass(journal, records));
+  const auto spans = INTAGLIO_TRY(ReadTickSpans(journal_file));
+  const auto glass = INTAGLIO_TRY(FindGlass(spans, records));
   return glass ? WriteGlass(*glass, file) : Status();
 }
 

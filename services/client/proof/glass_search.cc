@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <string>
+#include <utility>
 
 #include "engrave/core/try.h"
 #include "engrave/formats/mark_record.h"
@@ -45,41 +46,48 @@ void AddOfSpan(const std::vector<Record>& all, const TickSpan& span, std::uint64
 
 }  // namespace
 
-std::vector<TickSpan> TickSpansOf(const formats::Journal& journal) {
-  std::vector<TickSpan> spans;
-  TickSpan session;
-  bool tried = false;
-  const auto end_session = [&] {
-    const bool goes_on = !spans.empty() && spans.back().power_up == session.power_up;
-    // An armed tick may lie behind the beginning of the next session.
-    if (tried && goes_on) {
-      spans.back().last_tick = std::max(spans.back().last_tick, session.last_tick);
-    } else if (tried) {
-      spans.push_back(session);
-    }
-    tried = false;
-  };
-  for (const formats::JournalRecord& record : journal.records) {
-    if (record.kind == formats::JournalKind::kSession) {
-      end_session();
-      session = {record.point, record.tick, record.tick};
-    } else if (record.kind == formats::JournalKind::kIntent) {
-      tried = true;
-      session.last_tick = std::max(session.last_tick, record.tick);
-    }
+void TickSpans::Take(const formats::JournalRecord& record) {
+  if (record.kind == formats::JournalKind::kSession) {
+    EndSession();
+    session_ = {record.point, record.tick, record.tick};
+  } else if (record.kind == formats::JournalKind::kIntent) {
+    tried_ = true;
+    session_.last_tick = std::max(session_.last_tick, record.tick);
   }
-  end_session();
-  return spans;
 }
 
-Result<std::optional<JobGlass>> FindGlass(const formats::Journal& journal,
+void TickSpans::EndSession() {
+  if (!std::exchange(tried_, false)) return;
+  if (spans_.empty() || spans_.back().power_up != session_.power_up) {
+    spans_.push_back(session_);
+    return;
+  }
+  // An armed tick may lie behind the beginning of the next session.
+  spans_.back().last_tick = std::max(spans_.back().last_tick, session_.last_tick);
+}
+
+std::vector<TickSpan> TickSpans::Finish() {
+  EndSession();
+  return std::move(spans_);
+}
+
+Result<std::vector<TickSpan>> ReadTickSpans(const fs::path& journal) {
+  TickSpans spans;
+  INTAGLIO_TRY(formats::ReadJournalRecords(
+      journal, [&](const formats::JournalHeader&, const formats::JournalRecord& record) {
+        spans.Take(record);
+      }));
+  return spans.Finish();
+}
+
+Result<std::optional<JobGlass>> FindGlass(const std::vector<TickSpan>& spans,
                                           const fs::path& folder) {
   const auto records = RecordsIn(folder);
   std::map<std::uint32_t, formats::GlassRecord> read;
   JobGlass glass;
   std::uint64_t offset = 0, last_tick = 0;
   std::uint32_t power_up = 0;
-  for (const TickSpan& span : TickSpansOf(journal)) {
+  for (const TickSpan& span : spans) {
     const auto file = records.find(span.power_up);
     if (file == records.end()) return std::optional<JobGlass>();
     if (!read.contains(span.power_up)) {

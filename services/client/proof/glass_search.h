@@ -27,9 +27,24 @@ struct TickSpan {
   std::uint64_t first_tick = 0, last_tick = 0;
 };
 
-/// One for each power-up, in the order of the journal; those without a tried point are
-/// left out.
-std::vector<TickSpan> TickSpansOf(const formats::Journal& journal);
+/// Collects the spans of a journal from its records one after another.
+class TickSpans {
+ public:
+  void Take(const formats::JournalRecord& record);
+  /// One for each power-up, in the order of the journal; those without a tried point are
+  /// left out. It ends the collection.
+  std::vector<TickSpan> Finish();
+
+ private:
+  void EndSession();
+
+  std::vector<TickSpan> spans_;
+  TickSpan session_;
+  bool tried_ = false;  ///< in the session
+};
+
+/// Errors as formats::ReadJournal().
+Result<std::vector<TickSpan>> ReadTickSpans(const std::filesystem::path& journal);
 
 /// What happened to the glass while a job had the laser.
 struct JobGlass {
@@ -40,7 +55,7 @@ struct JobGlass {
 /// From the records in the folder, in the order of the spans. The ticks of a later
 /// power-up follow those of the one before. Nullopt when a power-up has no record there:
 /// it was a real machine's, or the record is lost. kUnreadable, kIo.
-Result<std::optional<JobGlass>> FindGlass(const formats::Journal& journal,
+Result<std::optional<JobGlass>> FindGlass(const std::vector<TickSpan>& spans,
                                           const std::filesystem::path& folder);
 
 /// Gives the record of an earlier engraver its own name, so that another one can begin.

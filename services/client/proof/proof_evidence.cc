@@ -70,6 +70,21 @@ Status ReadPlan(const fs::path& file, Evidence& evidence) {
   return {};
 }
 
+/// What the journal has of the plan's points, and its power-ups.
+Status ReadPulses(const fs::path& file, Evidence& evidence) {
+  formats::PointHistories histories;
+  TickSpans spans;
+  const auto header = INTAGLIO_TRY(formats::ReadJournalRecords(
+      file, [&](const formats::JournalHeader& of, const formats::JournalRecord& record) {
+        histories.Take(of, record);
+        spans.Take(record);
+      }));
+  evidence.history = histories.Finish(header);
+  evidence.history.resize(evidence.plan_mm.size());
+  for (const TickSpan& span : spans.Finish()) evidence.power_ups.push_back(span.power_up);
+  return {};
+}
+
 }  // namespace
 
 Result<FrozenJob> ReadFrozenJob(const fs::path& file) {
@@ -95,12 +110,7 @@ Result<Evidence> ReadEvidence(const fs::path& folder) {
     auto collisions = INTAGLIO_TRY(ReadCollisions(folder));
     evidence.collisions = std::move(collisions);
   }
-  const auto journal = INTAGLIO_TRY(formats::ReadJournal(folder / "journal.bin"));
-  evidence.history = formats::HistoryOf(journal);
-  evidence.history.resize(evidence.plan_mm.size());
-  for (const TickSpan& span : TickSpansOf(journal)) {
-    evidence.power_ups.push_back(span.power_up);
-  }
+  INTAGLIO_TRY(ReadPulses(folder / "journal.bin", evidence));
   return evidence;
 }
 

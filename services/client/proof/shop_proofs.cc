@@ -173,10 +173,9 @@ void ShopProofs::RemoveOldGlass(const ShopView& shop, Clock::time_point now) {
   std::set<std::uint32_t> needed;
   for (const auto& [uid, job] : shop.jobs) {
     if (job.ended() || job.cell != options_.cell) continue;
-    const auto journal =
-        formats::ReadJournal(fs::path(job.result_directory) / "journal.bin");
-    if (!journal) continue;
-    for (const TickSpan& span : TickSpansOf(*journal)) needed.insert(span.power_up);
+    const auto spans = ReadTickSpans(fs::path(job.result_directory) / "journal.bin");
+    if (!spans) continue;
+    for (const TickSpan& span : *spans) needed.insert(span.power_up);
   }
   RemoveGlassRecords(options_.folder, needed);
   RemoveMarkRecords(options_.folder, needed);

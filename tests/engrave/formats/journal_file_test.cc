@@ -188,6 +188,15 @@ TEST(JournalFile, AFileOfSeveralPiecesIsReadAsItsBytes) {
   EXPECT_EQ(read->records.size(), records.size() - 4);
   EXPECT_EQ(read->damaged_records, 3u);
   EXPECT_EQ(read->torn_bytes, kJournalRecordSize - 7);
+  std::vector<JournalRecord> taken;
+  const auto header =
+      ReadJournalRecords(file, [&](const JournalHeader& of, const JournalRecord& record) {
+        EXPECT_EQ(of, whole->header);
+        taken.push_back(record);
+      });
+  ASSERT_TRUE(header);
+  EXPECT_EQ(*header, whole->header);
+  EXPECT_EQ(taken, whole->records);
   std::ofstream(file) << "";
   EXPECT_EQ(ReadJournal(file).error().code, ErrorCode::kUnreadable);
 }

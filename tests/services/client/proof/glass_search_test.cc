@@ -39,8 +39,13 @@ class GlassSearchTest : public ::testing::Test {
     record.tick = tick;
     journal_.records.push_back(record);
   }
+  std::vector<TickSpan> Spans() const {
+    TickSpans spans;
+    for (const JournalRecord& record : journal_.records) spans.Take(record);
+    return spans.Finish();
+  }
   std::vector<std::uint64_t> Ticks() const {
-    const auto glass = FindGlass(journal_, folder_);
+    const auto glass = FindGlass(Spans(), folder_);
     EXPECT_TRUE(glass && *glass);
     std::vector<std::uint64_t> ticks;
     if (glass && *glass) {
@@ -89,7 +94,7 @@ TEST_F(GlassSearchTest, WithoutARecordTheGlassIsNotKnown) {
   Record("glass.rec", 4, {5, 8});
   Session(9, 1);
   Intent(5);
-  const auto glass = FindGlass(journal_, folder_);
+  const auto glass = FindGlass(Spans(), folder_);
   ASSERT_TRUE(glass);
   EXPECT_FALSE(glass->has_value());
   // A power-up in which nothing was tried does not matter.
