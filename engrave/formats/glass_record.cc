@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "engrave/core/try.h"
 #include "engrave/formats/record_file.h"
@@ -12,6 +13,7 @@ namespace {
 constexpr RecordKind kGlass{"INTGLAS1", "glass record",   1,
                             2,          kGlassHeaderSize, kGlassRecordSize};
 constexpr std::uint64_t kMaxGlassFile = std::uint64_t{1} << 36;
+constexpr std::size_t kGlassPieceBytes = 1 << 20;
 constexpr std::uint8_t kCollision = 2;  // byte 41
 
 void PutPlace(std::byte* at, const Vec3& place_mm) {
@@ -79,29 +81,84 @@ void AppendGlassCollision(const GlassCollision& collision, std::vector<std::byte
   Seal(record);
 }
 
-Result<GlassRecord> ParseGlassRecord(std::span<const std::byte> bytes) {
-  INTAGLIO_TRY(CheckRecordHeader(kGlass, bytes));
-  GlassRecord record;
-  for (int axis = 0; axis < 3; ++axis) {
-    record.header.block_size_mm[axis] = NumberAt<double>(bytes.data() + 16 + 8 * axis);
-  }
-  record.header.refractive_index = NumberAt<double>(bytes.data() + 40);
-  record.header.numerical_aperture = NumberAt<double>(bytes.data() + 48);
-  record.header.power_up = NumberAt<std::uint32_t>(bytes.data() + 56);
-  record.cracks.reserve(RecordRoom(kGlass, bytes));
-  record.torn_bytes = ReadRecords(kGlass, bytes, [&](const std::byte* at) {
-    if (NumberAt<std::uint8_t>(at + 41) == kCollision) {
-      record.collisions.push_back(CollisionAt(at));
-    } else {
-      record.cracks.push_back(CrackAt(at));
-    }
-    return true;
-  });
-  return record;
+namespace {
+
+GlassHeader HeaderAt(const std::byte* at) {
+  GlassHeader header;
+  for (int axis = 0; axis < 3; ++axis)
+    header.block_size_mm[axis] = NumberAt<double>(at + 16 + 8 * axis);
+  header.refractive_index = NumberAt<double>(at + 40);
+  header.numerical_aperture = NumberAt<double>(at + 48);
+  header.power_up = NumberAt<std::uint32_t>(at + 56);
+  return header;
 }
 
-Result<GlassRecord> ReadGlassRecord(const std::filesystem::path& file) {
-  return ReadRecordFile(file, kMaxGlassFile, ParseGlassRecord);
+/// A record from its bytes in pieces, the first with the header.
+class GlassReader {
+ public:
+  explicit GlassReader(const std::function<void(const GlassCrack&)>& take_crack)
+      : take_crack_(take_crack) {}
+
+  /// `size`: of all pieces.
+  Status Take(std::span<const std::byte> bytes, std::uint64_t size) {
+    if (!has_header_) {
+      INTAGLIO_TRY(CheckRecordHeader(kGlass, bytes));
+      has_header_ = true;
+      record_.header = HeaderAt(bytes.data());
+      record_.torn_bytes = size - kGlassHeaderSize;
+      if (!take_crack_) record_.cracks.reserve(record_.torn_bytes / kGlassRecordSize);
+      bytes = bytes.subspan(kGlassHeaderSize);
+    }
+    if (is_torn_) return {};
+    begun_.insert(begun_.end(), bytes.begin(), bytes.end());
+    std::span<const std::byte> rest = begun_;
+    for (; rest.size() >= kGlassRecordSize; rest = rest.subspan(kGlassRecordSize)) {
+      is_torn_ = !IsSealed(rest.first(kGlassRecordSize));
+      if (is_torn_) return {};
+      TakeRecord(rest.data());
+      record_.torn_bytes -= kGlassRecordSize;
+    }
+    begun_.erase(begun_.begin(), begun_.end() - static_cast<std::ptrdiff_t>(rest.size()));
+    return {};
+  }
+  GlassRecord Finish() { return std::move(record_); }
+
+ private:
+  void TakeRecord(const std::byte* at) {
+    if (NumberAt<std::uint8_t>(at + 41) == kCollision) {
+      record_.collisions.push_back(CollisionAt(at));
+    } else if (take_crack_) {
+      take_crack_(CrackAt(at));
+    } else {
+      record_.cracks.push_back(CrackAt(at));
+    }
+  }
+
+  const std::function<void(const GlassCrack&)>& take_crack_;
+  GlassRecord record_;
+  std::vector<std::byte> begun_;  // bytes that are not records yet
+  bool has_header_ = false, is_torn_ = false;
+};
+
+}  // namespace
+
+Result<GlassRecord> ParseGlassRecord(std::span<const std::byte> bytes) {
+  const std::function<void(const GlassCrack&)> keep;
+  GlassReader reader(keep);
+  INTAGLIO_TRY(reader.Take(bytes, bytes.size()));
+  return reader.Finish();
+}
+
+Result<GlassRecord> ReadGlassRecord(
+    const std::filesystem::path& file,
+    const std::function<void(const GlassCrack&)>& take_crack) {
+  GlassReader reader(take_crack);
+  INTAGLIO_TRY(
+      io::ReadInPieces(file, kMaxGlassFile, kGlassPieceBytes,
+                       [&](std::span<const std::byte> piece, std::uint64_t size) {
+                         return reader.Take(piece, size);
+                       }));
+  return reader.Finish();
 }
 
 Result<GlassHeader> ReadGlassHeader(const std::filesystem::path& file) {

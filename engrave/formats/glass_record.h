@@ -26,6 +26,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -80,7 +81,11 @@ void AppendGlassCollision(const GlassCollision& collision, std::vector<std::byte
 
 /// kUnreadable when the header is not a glass record's.
 Result<GlassRecord> ParseGlassRecord(std::span<const std::byte> bytes);
-Result<GlassRecord> ReadGlassRecord(const std::filesystem::path& file);
+/// With `take_crack` each crack is given to it when it is read, without all of them at
+/// once, and the record has none.
+Result<GlassRecord> ReadGlassRecord(
+    const std::filesystem::path& file,
+    const std::function<void(const GlassCrack&)>& take_crack = {});
 /// The header alone, of a file of any size.
 Result<GlassHeader> ReadGlassHeader(const std::filesystem::path& file);
 

@@ -28,15 +28,9 @@ tl::unexpected<Error> Named(const std::string& file, const Error& error) {
 }
 
 /// 0: its rows have no fixed size.
-std::uint64_t RowSize(const io::PlyHeader& header) {
-  if (header.encoding == io::PlyEncoding::kAscii || header.elements.empty()) return 0;
-  const io::PlyElement& first = header.elements.front();
-  std::uint64_t size = 0;
-  for (const io::PlyProperty& property : first.properties) {
-    if (property.is_list) return 0;
-    size += io::SizeOf(property.type);
-  }
-  return first.name == "vertex" ? size : 0;
+std::uint64_t RowSizeOf(const io::PlyHeader& header) {
+  if (header.elements.empty() || header.elements.front().name != "vertex") return 0;
+  return RowSize(header.encoding, header.elements.front());
 }
 
 }  // namespace
@@ -53,7 +47,7 @@ Result<PlyPoints> PlyPoints::Open(const std::filesystem::path& file,
   }
   const auto header = io::ParsePlyHeader(ReadBytes(points.in_, 0, kMaxHeaderSize));
   if (!header) return Named(points.name_, header.error());
-  points.row_size_ = RowSize(*header);
+  points.row_size_ = RowSizeOf(*header);
   if (points.row_size_ == 0) {
     return Fail(ErrorCode::kUnsupported,
                 fmt::format("{} is no binary PLY file of points alone; write it again",

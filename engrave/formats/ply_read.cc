@@ -4,6 +4,9 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <span>
+#include <type_traits>
+#include <utility>
 
 #include "engrave/core/try.h"
 #include "engrave/formats/ply_vertices.h"
@@ -11,6 +14,7 @@
 #include "engrave/formats/point_table_rules.h"
 #include "engrave/io/ply_header.h"
 #include "engrave/io/ply_values.h"
+#include "engrave/io/whole_file.h"
 
 namespace intaglio::formats {
 namespace {
@@ -61,24 +65,33 @@ Status PassOver(const PlyElement& element, PlyValues& values) {
   return {};
 }
 
-template <typename T>
-NamedColumn::Values Converted(const std::vector<double>& values) {
-  return std::vector<T>(values.begin(), values.end());
-}
-
-NamedColumn ColumnOf(const PlyProperty& property, std::vector<double>& values) {
+/// Of the type in which a property's values are kept, with room for them.
+NamedColumn ColumnOf(const PlyProperty& property, std::uint64_t count) {
+  const auto with_room = [&](auto values) -> NamedColumn {
+    values.reserve(count);
+    return {property.name, std::move(values)};
+  };
   switch (property.type) {
     case PlyType::kUint8:
-      return {property.name, Converted<std::uint8_t>(values)};
+      return with_room(std::vector<std::uint8_t>());
     case PlyType::kUint32:
-      return {property.name, Converted<std::uint32_t>(values)};
+      return with_room(std::vector<std::uint32_t>());
     case PlyType::kFloat:
-      return {property.name, Converted<float>(values)};
+      return with_room(std::vector<float>());
     case PlyType::kDouble:
-      return {property.name, std::move(values)};
+      return with_room(std::vector<double>());
     default:
-      return {property.name, Converted<std::int32_t>(values)};
+      return with_room(std::vector<std::int32_t>());
   }
+}
+
+void Append(double value, NamedColumn& column) {
+  std::visit(
+      [&](auto& values) {
+        using Value = typename std::decay_t<decltype(values)>::value_type;
+        values.push_back(static_cast<Value>(value));
+      },
+      column.values);
 }
 
 /// Index of the one scalar property of that name.
@@ -111,50 +124,128 @@ Result<std::array<std::size_t, 3>> CoordinatesOf(const PlyElement& vertices) {
 
 }  // namespace
 
-Result<PointTable> ReadVertices(const PlyElement& vertices, std::size_t rest_size,
-                                PlyValues& values, const PointFileLimits& limits) {
+Result<PlyVertices> PlyVertices::Begin(const PlyElement& vertices, std::size_t rest_size,
+                                       const PointFileLimits& limits) {
   if (vertices.count > limits.max_points) {
     return Fail(ErrorCode::kTooLarge,
                 fmt::format("it has {} points, more than the {} allowed; thin it out or "
                             "raise the limit",
                             vertices.count, limits.max_points));
   }
-  const auto coordinates = INTAGLIO_TRY(CoordinatesOf(vertices));
+  PlyVertices reader(vertices);
+  reader.coordinates_ = INTAGLIO_TRY(CoordinatesOf(vertices));
   // A row has at least three values of at least a byte, so no more rows are allocated
   // than the file can hold.
   if (vertices.count > rest_size / 3) return CutOff(vertices, rest_size / 3);
-  std::vector<std::vector<double>> columns(vertices.properties.size());
-  for (std::size_t p = 0; p < columns.size(); ++p) {
-    if (!vertices.properties[p].is_list) columns[p].reserve(vertices.count);
+  reader.points_mm_.reserve(vertices.count);
+  for (std::size_t p = 0; p < vertices.properties.size(); ++p) {
+    const PlyProperty& property = vertices.properties[p];
+    const bool is_column =
+        !property.is_list && std::ranges::count(reader.coordinates_, p) == 0;
+    reader.columns_.push_back(is_column ? ColumnOf(property, vertices.count)
+                                        : NamedColumn());
   }
-  for (std::uint64_t row = 0; row < vertices.count; ++row) {
-    const bool complete = ReadRow(vertices, values, [&](std::size_t p, double value) {
-      columns[p].push_back(value);
-    });
-    if (!complete) return CutOff(vertices, row);
-  }
-  PointTable table;
-  table.points_mm.reserve(vertices.count);
-  for (std::uint64_t row = 0; row < vertices.count; ++row) {
-    const Vec3 p(columns[coordinates[0]][row], columns[coordinates[1]][row],
-                 columns[coordinates[2]][row]);
-    if (!p.allFinite()) {
-      return Fail(
-          ErrorCode::kInvalidValue,
-          fmt::format(
-              "point {} is at ({}, {}, {}), which is not finite; remove it from the file",
-              row + 1, p.x(), p.y(), p.z()));
-    }
-    table.points_mm.push_back(p);
-  }
-  for (std::size_t p = 0; p < columns.size(); ++p) {
-    const bool is_coordinate =
-        std::find(coordinates.begin(), coordinates.end(), p) != coordinates.end();
-    if (is_coordinate || vertices.properties[p].is_list) continue;
-    table.columns.push_back(ColumnOf(vertices.properties[p], columns[p]));
-  }
-  return table;
+  return reader;
 }
+
+Status PlyVertices::Read(std::uint64_t row_count, PlyValues& values) {
+  std::vector<double> row(vertices_.properties.size());
+  for (; row_count > 0 && !complete(); --row_count) {
+    if (!ReadRow(vertices_, values, [&](std::size_t p, double value) { row[p] = value; }))
+      return CutOff(vertices_, read_count_);
+    ++read_count_;
+    points_mm_.emplace_back(row[coordinates_[0]], row[coordinates_[1]],
+                            row[coordinates_[2]]);
+    for (std::size_t p = 0; p < row.size(); ++p) {
+      if (!columns_[p].name.empty()) Append(row[p], columns_[p]);
+    }
+  }
+  return {};
+}
+
+Result<PointTable> PlyVertices::Finish() {
+  if (!complete()) return CutOff(vertices_, read_count_);
+  for (std::size_t row = 0; row < points_mm_.size(); ++row) {
+    const Vec3& p = points_mm_[row];
+    if (p.allFinite()) continue;
+    return Fail(
+        ErrorCode::kInvalidValue,
+        fmt::format(
+            "point {} is at ({}, {}, {}), which is not finite; remove it from the file",
+            row + 1, p.x(), p.y(), p.z()));
+  }
+  std::erase_if(columns_, [](const NamedColumn& column) { return column.name.empty(); });
+  return PointTable{std::move(points_mm_), std::move(columns_), {}};
+}
+
+Result<PointTable> ReadVertices(const PlyElement& vertices, std::size_t rest_size,
+                                PlyValues& values, const PointFileLimits& limits) {
+  PlyVertices reader = INTAGLIO_TRY(PlyVertices::Begin(vertices, rest_size, limits));
+  INTAGLIO_TRY(reader.Read(vertices.count, values));
+  return reader.Finish();
+}
+
+std::uint64_t RowSize(PlyEncoding encoding, const PlyElement& element) {
+  if (encoding == PlyEncoding::kAscii) return 0;
+  std::uint64_t size = 0;
+  for (const PlyProperty& property : element.properties) {
+    if (property.is_list) return 0;
+    size += io::SizeOf(property.type);
+  }
+  return size;
+}
+
+namespace {
+
+void AddComments(const PlyHeader& header, PointTable& table) {
+  for (const std::string& comment : header.comments)
+    table.comments.push_back(OneLine(comment));
+}
+
+/// A binary file whose first element is "vertex", without lists.
+bool HasRows(const PlyHeader& header) {
+  return !header.elements.empty() && header.elements.front().name == "vertex" &&
+         RowSize(header.encoding, header.elements.front()) > 0;
+}
+
+/// A file that HasRows() from its bytes in pieces, the first with the header.
+class PlyPieces {
+ public:
+  PlyPieces(const PlyHeader& header, const PointFileLimits& limits)
+      : header_(header),
+        limits_(limits),
+        row_size_(RowSize(header.encoding, header.elements.front())) {}
+
+  /// `size`: of all pieces.
+  Status Take(std::span<const std::byte> piece, std::uint64_t size) {
+    begun_.append(reinterpret_cast<const char*>(piece.data()), piece.size());
+    if (!vertices_) {
+      begun_.erase(0, header_.size);
+      auto vertices = INTAGLIO_TRY(
+          PlyVertices::Begin(header_.elements.front(), size - header_.size, limits_));
+      vertices_ = std::move(vertices);
+    }
+    const std::uint64_t rows = begun_.size() / row_size_;
+    const auto values = io::PlyValuesOf(header_.encoding, begun_);
+    INTAGLIO_TRY(vertices_->Read(rows, *values));
+    begun_.erase(0, rows * row_size_);
+    return {};
+  }
+  Result<PointTable> Finish() {
+    PointTable table = INTAGLIO_TRY(vertices_->Finish());
+    AddComments(header_, table);
+    return table;
+  }
+
+ private:
+  const PlyHeader& header_;
+  PointFileLimits limits_;
+  std::uint64_t row_size_;
+  std::optional<PlyVertices> vertices_;
+  std::string begun_;  // bytes that are not rows yet
+};
+
+}  // namespace
 
 Result<PointTable> ParsePly(std::string_view bytes, const PointFileLimits& limits) {
   const PlyHeader header = INTAGLIO_TRY(io::ParsePlyHeader(bytes));
@@ -163,10 +254,7 @@ Result<PointTable> ParsePly(std::string_view bytes, const PointFileLimits& limit
   for (const PlyElement& element : header.elements) {
     if (element.name == "vertex") {
       Result<PointTable> table = ReadVertices(element, rest.size(), *values, limits);
-      if (!table) return table;
-      for (const std::string& comment : header.comments) {
-        table->comments.push_back(OneLine(comment));
-      }
+      if (table) AddComments(header, *table);
       return table;
     }
     INTAGLIO_TRY(PassOver(element, *values));
@@ -177,7 +265,18 @@ Result<PointTable> ParsePly(std::string_view bytes, const PointFileLimits& limit
 
 Result<PointTable> ReadPly(const std::filesystem::path& file,
                            const PointFileLimits& limits) {
-  return ReadAndParse(file, limits, ParsePly);
+  constexpr std::uint64_t kPieceBytes = 1 << 20;
+  const std::string beginning = INTAGLIO_TRY(io::ReadBeginning(file, kPieceBytes));
+  const auto header = io::ParsePlyHeader(beginning);
+  if (!header || !HasRows(*header)) return ReadAndParse(file, limits, ParsePly);
+  PlyPieces pieces(*header, limits);
+  INTAGLIO_TRY(
+      io::ReadInPieces(file, limits.max_file_bytes, kPieceBytes,
+                       [&](std::span<const std::byte> piece, std::uint64_t size) {
+                         return pieces.Take(piece, size);
+                       }));
+  return pieces.Finish().map_error(
+      [&](Error error) { return io::AboutFile(std::move(error), file); });
 }
 
 }  // namespace intaglio::formats

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "engrave/core/try.h"
-#include "engrave/formats/glass_record.h"
 #include "engrave/formats/journal_file.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/io/atomic_file.h"
@@ -32,26 +31,16 @@ namespace fs = std::filesystem;
 constexpr const char* kGlassFile = "glass.ply";
 
 /// glass.ply, and beside it what the head ran into.
-Status WriteGlass(const JobGlass& glass, const fs::path& file) {
+Status WriteGlass(JobGlass glass, const fs::path& file) {
   INTAGLIO_TRY(WriteCollisions(glass.collisions, file.parent_path()));
   formats::PointTable table;
-  std::vector<double> tick;
-  std::vector<std::uint8_t> channel, station;
-  table.points_mm.reserve(glass.cracks.size());
-  tick.reserve(glass.cracks.size());
-  for (const formats::GlassCrack& crack : glass.cracks) {
-    if (!crack.in_glass) continue;
-    table.points_mm.push_back(crack.position_mm);
-    tick.push_back(static_cast<double>(crack.tick));
-    channel.push_back(static_cast<std::uint8_t>(crack.channel));
-    station.push_back(crack.station);
-  }
+  table.points_mm = std::move(glass.cracks_mm);
   table.comments = {
       "cracks as recorded by the virtual engraver's glass, glass frame, mm"};
   // Not by a list of initial values, which would copy them.
-  table.columns.push_back({"tick", std::move(tick)});
-  table.columns.push_back({"channel", std::move(channel)});
-  table.columns.push_back({"station", std::move(station)});
+  table.columns.push_back({"tick", std::move(glass.ticks)});
+  table.columns.push_back({"channel", std::move(glass.channels)});
+  table.columns.push_back({"station", std::move(glass.stations)});
   return formats::WritePly(file, table);
 }
 
@@ -109,8 +98,8 @@ Status CompleteGlass(const FolderToComplete& which) {
     return burnt ? formats::WriteMarkRecord(file, *burnt) : Status();
   }
   const auto spans = INTAGLIO_TRY(ReadTickSpans(journal_file));
-  const auto glass = INTAGLIO_TRY(FindGlass(spans, records));
-  return glass ? WriteGlass(*glass, file) : Status();
+  auto glass = INTAGLIO_TRY(FindGlass(spans, records));
+  return glass ? WriteGlass(*std::move(glass), file) : Status();
 }
 
 Status WriteViewsOf(const fs::path& folder, const ProvedFolder& proved) {
@@ -127,8 +116,8 @@ Result<ProvedFolder> ReadFolder(const fs::path& folder) {
   } else {
     proved.evidence = INTAGLIO_TRY(ReadEvidence(folder));
   }
-  proved.report = std::visit([](const auto& evidence) { return FiguresOf(evidence); },
-                             proved.evidence);
+  proved.report =
+      std::visit([](auto& evidence) { return FiguresOf(evidence); }, proved.evidence);
   return proved;
 }
 
@@ -168,9 +157,8 @@ Result<JobReport> MakeProof(const ProofInputs& inputs) {
         formats::WriteMarkRecord(inputs.folder / kBurntFile,
                                  INTAGLIO_TRY(AllBurnt(journal, inputs.glass_record))));
   } else {
-    auto record = INTAGLIO_TRY(formats::ReadGlassRecord(inputs.glass_record));
-    INTAGLIO_TRY(WriteGlass({std::move(record.cracks), std::move(record.collisions)},
-                            inputs.folder / kGlassFile));
+    auto glass = INTAGLIO_TRY(AllGlass(inputs.glass_record));
+    INTAGLIO_TRY(WriteGlass(std::move(glass), inputs.folder / kGlassFile));
   }
   ProvedFolder proved = INTAGLIO_TRY(ReadFolder(inputs.folder));
   AddStages(StagesOf(inputs), proved.report);

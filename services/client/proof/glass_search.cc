@@ -32,16 +32,33 @@ std::map<std::uint32_t, fs::path> RecordsIn(const fs::path& folder) {
   return records;
 }
 
+/// How many cracks a record may have.
+std::size_t MaxCracks(const fs::path& record) {
+  std::error_code no_size;  // Reading it gives the error.
+  const std::uintmax_t size = fs::file_size(record, no_size);
+  return no_size ? 0 : size / formats::kGlassRecordSize;
+}
+
 /// Those of the span, with ticks that are `offset` later. Unsigned: it may be negative,
 /// and the sum is not.
-template <typename Record>
-void AddOfSpan(const std::vector<Record>& all, const TickSpan& span, std::uint64_t offset,
-               std::vector<Record>& into) {
-  for (Record record : all) {
-    if (record.tick < span.first_tick || record.tick > span.last_tick) continue;
-    record.tick += offset;
-    into.push_back(record);
+Status AddOfSpan(const fs::path& record, const TickSpan& span, std::uint64_t offset,
+                 JobGlass& glass) {
+  const auto is_in = [&](std::uint64_t tick) {
+    return tick >= span.first_tick && tick <= span.last_tick;
+  };
+  glass.Reserve(glass.cracks_mm.size() + MaxCracks(record));
+  const auto read =
+      INTAGLIO_TRY(formats::ReadGlassRecord(record, [&](formats::GlassCrack crack) {
+        if (!is_in(crack.tick)) return;
+        crack.tick += offset;
+        glass.Add(crack);
+      }));
+  for (formats::GlassCollision collision : read.collisions) {
+    if (!is_in(collision.tick)) continue;
+    collision.tick += offset;
+    glass.collisions.push_back(collision);
   }
+  return {};
 }
 
 }  // namespace
@@ -80,26 +97,44 @@ Result<std::vector<TickSpan>> ReadTickSpans(const fs::path& journal) {
   return spans.Finish();
 }
 
+void JobGlass::Reserve(std::size_t count) {
+  cracks_mm.reserve(count);
+  ticks.reserve(count);
+  channels.reserve(count);
+  stations.reserve(count);
+}
+
+void JobGlass::Add(const formats::GlassCrack& crack) {
+  if (!crack.in_glass) return;
+  cracks_mm.push_back(crack.position_mm);
+  ticks.push_back(static_cast<double>(crack.tick));
+  channels.push_back(crack.channel);
+  stations.push_back(crack.station);
+}
+
+Result<JobGlass> AllGlass(const fs::path& record) {
+  JobGlass glass;
+  glass.Reserve(MaxCracks(record));
+  auto read = INTAGLIO_TRY(formats::ReadGlassRecord(
+      record, [&](const formats::GlassCrack& crack) { glass.Add(crack); }));
+  glass.collisions = std::move(read.collisions);
+  return glass;
+}
+
 Result<std::optional<JobGlass>> FindGlass(const std::vector<TickSpan>& spans,
                                           const fs::path& folder) {
   const auto records = RecordsIn(folder);
-  std::map<std::uint32_t, formats::GlassRecord> read;
   JobGlass glass;
   std::uint64_t offset = 0, last_tick = 0;
   std::uint32_t power_up = 0;
   for (const TickSpan& span : spans) {
     const auto file = records.find(span.power_up);
     if (file == records.end()) return std::optional<JobGlass>();
-    if (!read.contains(span.power_up)) {
-      auto record = INTAGLIO_TRY(formats::ReadGlassRecord(file->second));
-      read.emplace(span.power_up, std::move(record));
-    }
     if (power_up != 0 && power_up != span.power_up)
       offset = last_tick + 1 - span.first_tick;
     power_up = span.power_up;
     last_tick = span.last_tick + offset;
-    AddOfSpan(read.at(span.power_up).cracks, span, offset, glass.cracks);
-    AddOfSpan(read.at(span.power_up).collisions, span, offset, glass.collisions);
+    INTAGLIO_TRY(AddOfSpan(file->second, span, offset, glass));
   }
   return std::optional(std::move(glass));
 }

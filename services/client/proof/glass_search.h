@@ -46,11 +46,20 @@ class TickSpans {
 /// Errors as formats::ReadJournal().
 Result<std::vector<TickSpan>> ReadTickSpans(const std::filesystem::path& journal);
 
-/// What happened to the glass while a job had the laser.
+/// What happened to the glass while a job had the laser. The cracks are those in the
+/// glass, one value each in the columns that glass.ply has.
 struct JobGlass {
-  std::vector<formats::GlassCrack> cracks;
+  PointList cracks_mm;
+  std::vector<double> ticks;
+  std::vector<std::uint8_t> channels, stations;
   std::vector<formats::GlassCollision> collisions;
+
+  void Reserve(std::size_t count);
+  void Add(const formats::GlassCrack& crack);
 };
+
+/// All of an engraver's record. kNotFound, kUnreadable, kIo.
+Result<JobGlass> AllGlass(const std::filesystem::path& record);
 
 /// From the records in the folder, in the order of the spans. The ticks of a later
 /// power-up follow those of the one before. Nullopt when a power-up has no record there:

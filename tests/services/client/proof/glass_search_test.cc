@@ -44,21 +44,17 @@ class GlassSearchTest : public ::testing::Test {
     for (const JournalRecord& record : journal_.records) spans.Take(record);
     return spans.Finish();
   }
-  std::vector<std::uint64_t> Ticks() const {
+  std::vector<double> Ticks() const {
     const auto glass = FindGlass(Spans(), folder_);
     EXPECT_TRUE(glass && *glass);
-    std::vector<std::uint64_t> ticks;
-    if (glass && *glass) {
-      for (const auto& crack : (*glass)->cracks) ticks.push_back(crack.tick);
-    }
-    return ticks;
+    return glass && *glass ? (*glass)->ticks : std::vector<double>();
   }
 
   fs::path folder_ = test::FreshFolder();
   Journal journal_;
 };
 
-using Expected = std::vector<std::uint64_t>;
+using Expected = std::vector<double>;
 
 TEST_F(GlassSearchTest, AJobHasTheCracksOfItsTicksAlone) {
   Record("glass.rec", 5, {90, 100, 103, 107, 110, 111, 200});
