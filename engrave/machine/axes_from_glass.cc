@@ -34,17 +34,14 @@ Result<Box3> AxesOver(const AxesFromGlass& axes_from_glass, const Box3& glass_mm
   return needed;
 }
 
-Result<PointList> AxesAlong(const AxesFromGlass& axes_from_glass,
-                            const PointList& glass_mm, const Box3& travel) {
-  PointList axes_of_points;
-  axes_of_points.reserve(glass_mm.size());
+Result<PointList> AxesAlong(const AxesFromGlass& axes_from_glass, PointList glass_mm,
+                            const Box3& travel) {
   Vec3 near = BranchStart(travel);
-  for (const Vec3& point_mm : glass_mm) {
-    const auto axes = INTAGLIO_TRY(axes_from_glass.ToAxes(point_mm, near));
-    axes_of_points.push_back(axes);
-    near = axes;
+  for (Vec3& point : glass_mm) {
+    near = INTAGLIO_TRY(axes_from_glass.ToAxes(point, near));
+    point = near;
   }
-  return axes_of_points;
+  return glass_mm;
 }
 
 }  // namespace intaglio::machine

@@ -46,7 +46,7 @@ Result<Box3> AxesOver(const AxesFromGlass& axes_from_glass, const Box3& glass_mm
 
 /// The axes at each point of a path, each near the one before, the first near the middle
 /// of `travel`. Errors are those of ToAxes, for the first point that fails.
-Result<PointList> AxesAlong(const AxesFromGlass& axes_from_glass,
-                            const PointList& glass_mm, const Box3& travel);
+Result<PointList> AxesAlong(const AxesFromGlass& axes_from_glass, PointList glass_mm,
+                            const Box3& travel);
 
 }  // namespace intaglio::machine

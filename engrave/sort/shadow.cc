@@ -51,10 +51,22 @@ Across AcrossOf(double low_mm, double high_mm, double lean_ratio, double low_up_
   return {std::max({low_mm, -high_mm, 0.0}), std::max(high_mm, -low_mm)};
 }
 
+/// Points in the order in which they were made.
+struct MadePoints {
+  const PointList& points_mm;
+  std::span<const std::uint32_t> order;  ///< places in points_mm
+  bool all_in_order;                     ///< `order` is not needed: it is 0, 1, 2 ...
+
+  std::size_t size() const { return all_in_order ? points_mm.size() : order.size(); }
+  const Vec3& operator[](std::size_t rank) const {
+    return points_mm[all_in_order ? rank : order[rank]];
+  }
+};
+
 /// Inside the cone of the point made `rank`-th, is there a crack made before it?
 class CrackTree {
  public:
-  CrackTree(const PointList& made_mm, const BeamCone& cone)
+  CrackTree(const MadePoints& made_mm, const BeamCone& cone)
       : made_mm_(made_mm), cone_(cone), ranks_(made_mm.size()) {
     std::iota(ranks_.begin(), ranks_.end(), 0U);
     nodes_.reserve(made_mm.size() / 2 + 1);
@@ -124,53 +136,83 @@ class CrackTree {
                        });
   }
 
-  const PointList& made_mm_;
+  MadePoints made_mm_;
   BeamCone cone_;
   std::vector<std::uint32_t> ranks_;
   std::vector<Node> nodes_;
 };
 
-void RequireRanges(const PointList& made_mm, const BeamCone& cone) {
+/// Calls take(rank) for each violated point.
+template <typename Take>
+void ForEachViolated(const MadePoints& made_mm, const BeamCone& cone, Take&& take) {
   RequireUsable(cone);
   Require(made_mm.size() <= std::numeric_limits<std::uint32_t>::max(),
           "{} points are too many to check", made_mm.size());
+  const CrackTree tree(made_mm, cone);
+  for (std::uint32_t rank = 0; rank < made_mm.size(); ++rank) {
+    if (tree.IsViolated(rank)) take(rank);
+  }
+}
+
+std::uint64_t CountViolated(const MadePoints& made_mm, const BeamCone& cone) {
+  std::uint64_t violations = 0;
+  ForEachViolated(made_mm, cone, [&](std::uint32_t) { ++violations; });
+  return violations;
+}
+
+bool IsEachInTurn(std::span<const std::uint32_t> order) {
+  for (std::size_t rank = 0; rank < order.size(); ++rank) {
+    if (order[rank] != rank) return false;
+  }
+  return true;
+}
+
+/// Of points in several channels, by each channel that decides.
+std::uint64_t CountByChannel(const MadePoints& made_mm,
+                             std::span<const ChannelMask> masks, const BeamCone& cone) {
+  const auto place_at = [&](std::uint32_t rank) {
+    return made_mm.all_in_order ? rank : made_mm.order[rank];
+  };
+  std::vector<bool> violated(made_mm.points_mm.size(), false);
+  for (const ChannelMask channel : DistinctChannels(masks)) {
+    std::vector<std::uint32_t> in_channel;
+    for (std::uint32_t rank = 0; rank < made_mm.size(); ++rank) {
+      if (ShareChannel(masks[place_at(rank)], channel))
+        in_channel.push_back(place_at(rank));
+    }
+    ForEachViolated({made_mm.points_mm, in_channel, false}, cone,
+                    [&](std::uint32_t rank) { violated[in_channel[rank]] = true; });
+  }
+  return static_cast<std::uint64_t>(std::count(violated.begin(), violated.end(), true));
+}
+
+std::uint64_t CountWithMasks(const MadePoints& made_mm,
+                             std::span<const ChannelMask> masks, const BeamCone& cone) {
+  Require(masks.size() == made_mm.points_mm.size(), "{} points have {} masks",
+          made_mm.points_mm.size(), masks.size());
+  return HaveOneMask(masks) ? CountViolated(made_mm, cone)
+                            : CountByChannel(made_mm, masks, cone);
 }
 
 }  // namespace
 
 std::uint64_t CountShadowViolations(const PointList& made_mm, const BeamCone& cone) {
-  RequireRanges(made_mm, cone);
-  const CrackTree tree(made_mm, cone);
-  std::uint64_t violations = 0;
-  for (std::uint32_t rank = 0; rank < made_mm.size(); ++rank) {
-    if (tree.IsViolated(rank)) ++violations;
-  }
-  return violations;
+  return CountViolated({made_mm, {}, true}, cone);
 }
 
 std::uint64_t CountShadowViolations(const PointList& made_mm,
                                     std::span<const ChannelMask> masks,
                                     const BeamCone& cone) {
-  Require(masks.size() == made_mm.size(), "{} points have {} masks", made_mm.size(),
-          masks.size());
-  // No copy by channel is needed.
-  if (HaveOneMask(masks)) return CountShadowViolations(made_mm, cone);
-  std::vector<bool> violated(made_mm.size(), false);
-  for (const ChannelMask channel : DistinctChannels(masks)) {
-    PointList in_channel_mm;
-    std::vector<std::uint32_t> index_of;
-    for (std::uint32_t at = 0; at < made_mm.size(); ++at) {
-      if (!ShareChannel(masks[at], channel)) continue;
-      in_channel_mm.push_back(made_mm[at]);
-      index_of.push_back(at);
-    }
-    RequireRanges(in_channel_mm, cone);
-    const CrackTree tree(in_channel_mm, cone);
-    for (std::uint32_t rank = 0; rank < in_channel_mm.size(); ++rank) {
-      if (tree.IsViolated(rank)) violated[index_of[rank]] = true;
-    }
-  }
-  return static_cast<std::uint64_t>(std::count(violated.begin(), violated.end(), true));
+  return CountWithMasks({made_mm, {}, true}, masks, cone);
+}
+
+std::uint64_t CountShadowViolations(const PointList& points_mm,
+                                    std::span<const ChannelMask> masks,
+                                    std::span<const std::uint32_t> made_order,
+                                    const BeamCone& cone) {
+  const bool all_in_order =
+      made_order.size() == points_mm.size() && IsEachInTurn(made_order);
+  return CountWithMasks({points_mm, made_order, all_in_order}, masks, cone);
 }
 
 }  // namespace intaglio::sort

@@ -26,4 +26,11 @@ std::uint64_t CountShadowViolations(const PointList& made_mm,
                                     std::span<const ChannelMask> masks,
                                     const BeamCone& cone);
 
+/// Of points in any order, by the places of those that were made one after another; none
+/// is copied. `masks`: one a point.
+std::uint64_t CountShadowViolations(const PointList& points_mm,
+                                    std::span<const ChannelMask> masks,
+                                    std::span<const std::uint32_t> made_order,
+                                    const BeamCone& cone);
+
 }  // namespace intaglio::sort

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "engrave/core/check.h"
@@ -42,14 +43,11 @@ std::vector<Scaled> Rounded(const std::vector<Vec3>& points) {
   return rounded;
 }
 
-/// In units of A T^2.
-std::vector<Vec3> InUnits(const PointList& points_mm, const Vec3& unit_mm) {
-  std::vector<Vec3> points;
-  points.reserve(points_mm.size());
-  for (const Vec3& p : points_mm) {
-    points.emplace_back((p - points_mm.front()).cwiseQuotient(unit_mm));
-  }
-  return points;
+/// In units of A T^2, in the place of the given ones.
+std::vector<Vec3> InUnits(PointList points_mm, const Vec3& unit_mm) {
+  const Vec3 origin_mm = points_mm.front();
+  for (Vec3& p : points_mm) p = (p - origin_mm).cwiseQuotient(unit_mm);
+  return points_mm;
 }
 
 Vec3 UnitOf(const TicksBoundOptions& options) {
@@ -73,8 +71,8 @@ float CellOf(const std::vector<Vec3>& points) {
 
 class ShortestPasses {
  public:
-  ShortestPasses(const PointList& points_mm, const TicksBoundOptions& options)
-      : points_(InUnits(points_mm, UnitOf(options))),
+  ShortestPasses(PointList points_mm, const TicksBoundOptions& options)
+      : points_(InUnits(std::move(points_mm), UnitOf(options))),
         grid_(Rounded(points_), CellOf(points_)) {
     const motion::Limits& limits = options.limits;
     const Vec3 unit = UnitOf(options);
@@ -155,6 +153,16 @@ struct Sums {
 
   void Add(int sum) {
     all += static_cast<std::uint64_t>(sum);
+    AddExtreme(sum);
+  }
+  void Add(const Sums& part) {
+    all += part.all;
+    AddExtreme(part.largest);
+    AddExtreme(part.second);
+  }
+
+ private:
+  void AddExtreme(int sum) {
     second = std::max(second, std::min(sum, largest));
     largest = std::max(largest, sum);
   }
@@ -162,7 +170,7 @@ struct Sums {
 
 }  // namespace
 
-std::uint64_t TicksBound(const PointList& points_mm, const TicksBoundOptions& options) {
+std::uint64_t TicksBound(PointList points_mm, const TicksBoundOptions& options) {
   motion::RequireUsable(options.limits);
   Require(options.rate_hz > 0 && std::isfinite(options.rate_hz),
           "rate_hz must be positive, is {}", options.rate_hz);
@@ -170,17 +178,16 @@ std::uint64_t TicksBound(const PointList& points_mm, const TicksBoundOptions& op
           "tolerance_mm must not be negative, is {}", options.tolerance_mm);
   const std::size_t count = points_mm.size();
   if (count < 2) return 0;
-  const ShortestPasses passes(points_mm, options);
-  std::vector<int> sums(count);
-  RunEach(options.executor, (count + kPointsAtOnce - 1) / kPointsAtOnce,
-          [&](std::size_t part) {
-            const std::size_t end = std::min(count, (part + 1) * kPointsAtOnce);
-            for (std::size_t p = part * kPointsAtOnce; p < end; ++p) {
-              sums[p] = passes.SumAt(static_cast<std::uint32_t>(p));
-            }
-          });
+  const ShortestPasses passes(std::move(points_mm), options);
+  std::vector<Sums> parts((count + kPointsAtOnce - 1) / kPointsAtOnce);
+  RunEach(options.executor, parts.size(), [&](std::size_t part) {
+    const std::size_t end = std::min(count, (part + 1) * kPointsAtOnce);
+    for (std::size_t p = part * kPointsAtOnce; p < end; ++p) {
+      parts[part].Add(passes.SumAt(static_cast<std::uint32_t>(p)));
+    }
+  });
   Sums total;
-  for (const int sum : sums) total.Add(sum);
+  for (const Sums& part : parts) total.Add(part);
   const auto ends = static_cast<std::uint64_t>(total.largest + total.second);
   return (total.all - ends + 2 + 1) / 2;
 }

@@ -43,6 +43,6 @@ struct TicksBoundOptions {
 /// In ticks from the first point to the last; 0 for fewer than two points. Some
 /// microseconds a point where a step takes one tick, at the most 50; where c(p) would
 /// take longer, it is what was proved so far.
-std::uint64_t TicksBound(const PointList& points_mm, const TicksBoundOptions& options);
+std::uint64_t TicksBound(PointList points_mm, const TicksBoundOptions& options);
 
 }  // namespace intaglio::sort

@@ -99,7 +99,7 @@ Result<std::uint64_t> TicksOf(const FrozenJob& job, const CloudToTime& cloud,
     path_mm.push_back(points_mm[index]);
     plan.masks.push_back(masks[index]);
   }
-  auto axes = INTAGLIO_TRY(machine::AxesAlong(AxesFromGlassOf(job), path_mm,
+  auto axes = INTAGLIO_TRY(machine::AxesAlong(AxesFromGlassOf(job), std::move(path_mm),
                                               AxisLimitsOf(job.machine()).travel_mm));
   plan.machine_points_mm = std::move(axes);
   plan.options = MotionOptionsOf(job);
@@ -160,9 +160,10 @@ Result<TimePreview> JumpTimeOf(const FrozenJob& job, const CloudToTime& cloud,
 /// Bounds the ticks of all points, whatever was planned of them.
 Status AddBound(const FrozenJob& job, const PointList& points_mm,
                 const Executor& executor, TimePreview& time) {
-  const auto axes = INTAGLIO_TRY(machine::AxesAlong(
-      AxesFromGlassOf(job), points_mm, AxisLimitsOf(job.machine()).travel_mm));
-  const auto bound = JobTicksBound(job.machine(), axes, MotionOptionsOf(job), executor);
+  auto axes = INTAGLIO_TRY(machine::AxesAlong(AxesFromGlassOf(job), points_mm,
+                                              AxisLimitsOf(job.machine()).travel_mm));
+  const auto bound =
+      JobTicksBound(job.machine(), std::move(axes), MotionOptionsOf(job), executor);
   if (bound) time.set_ticks_bound(*bound);
   return {};
 }

@@ -1,14 +1,14 @@
 #include "services/job/machine/job_ticks_bound.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "engrave/sort/ticks_bound.h"
 #include "services/job/machine/machine_axes.h"
 
 namespace intaglio {
 
-std::optional<std::uint64_t> JobTicksBound(const MachineSpec& machine,
-                                           const PointList& axes,
+std::optional<std::uint64_t> JobTicksBound(const MachineSpec& machine, PointList axes,
                                            const motion::PlanOptions& plan,
                                            const Executor& executor) {
   const auto kinds = KinematicsOf(machine)->axes();
@@ -16,8 +16,9 @@ std::optional<std::uint64_t> JobTicksBound(const MachineSpec& machine,
     return axis.unit == machine::AxisUnit::kRad;
   });
   if (axes.empty() || turns) return std::nullopt;
-  return 1 + sort::TicksBound(axes, {plan.limits, plan.rate_hz,
-                                     plan.tolerance_mm + plan.sweep_mm, executor});
+  return 1 +
+         sort::TicksBound(std::move(axes), {plan.limits, plan.rate_hz,
+                                            plan.tolerance_mm + plan.sweep_mm, executor});
 }
 
 }  // namespace intaglio

@@ -15,8 +15,7 @@ namespace intaglio {
 /// From the first pulse's tick to the last's, both counted, as PlannedMotion.ticks.
 /// `axes`: at the points, in any order. None of no points, and where an axis turns: it
 /// may come to a place by more than one way.
-std::optional<std::uint64_t> JobTicksBound(const MachineSpec& machine,
-                                           const PointList& axes,
+std::optional<std::uint64_t> JobTicksBound(const MachineSpec& machine, PointList axes,
                                            const motion::PlanOptions& plan,
                                            const Executor& executor = {});
 

@@ -51,8 +51,8 @@ class Estimator {
     PointList path_mm;
     path_mm.reserve(order.size());
     for (const std::uint32_t index : order) path_mm.push_back(part_mm[index]);
-    const auto places =
-        INTAGLIO_TRY(machine::AxesAlong(axes_, path_mm, motion_.limits.travel_mm));
+    const auto places = INTAGLIO_TRY(
+        machine::AxesAlong(axes_, std::move(path_mm), motion_.limits.travel_mm));
     std::uint64_t subticks = 0, of_last_point = 0;
     motion::PointPlan plan(motion_, places.front(),
                            [&](std::span<const motion::Segment> segments) {

@@ -92,7 +92,15 @@ TEST(ChannelGroups, TheCheckerCountsByChannel) {
     const auto violations = CountShadowViolations(points_mm, masks, 0.2);
     EXPECT_EQ(violations, Violations(points_mm, masks, order, 0.2));
     EXPECT_GT(violations, 0u);
+    EXPECT_EQ(CountShadowViolations(points_mm, masks, order, 0.2), violations);
+    // Every third is not made, and the others in another order.
+    std::shuffle(order.begin(), order.end(), std::mt19937(seed));
+    order.resize(133);
+    EXPECT_EQ(CountShadowViolations(points_mm, masks, order, 0.2),
+              Violations(points_mm, masks, order, 0.2));
     const Masks equal(200, 3);
+    EXPECT_EQ(CountShadowViolations(points_mm, equal, order, 0.2),
+              CountShadowViolationsBruteForce(InOrder(points_mm, order), 0.2));
     EXPECT_EQ(CountShadowViolations(points_mm, equal, 0.2),
               CountShadowViolations(points_mm, 0.2));
   }
