@@ -20,11 +20,14 @@
 
 namespace intaglio::proof {
 
-/// One crack as the glass holds it.
-struct Crack {
-  Vec3 position_mm = Vec3::Zero();
-  std::uint64_t tick = 0;   ///< when it was made
-  ChannelMask channel = 1;  ///< in whose glass, a single one
+/// Cracks as the glass holds them. One value a crack: a proof keeps the positions longer
+/// than the rest.
+struct Cracks {
+  PointList positions_mm;
+  std::vector<std::uint64_t> ticks;   ///< when each was made
+  std::vector<ChannelMask> channels;  ///< in whose glass, a single one each
+
+  std::size_t size() const { return positions_mm.size(); }
 };
 
 /// The result for the points that have this channel, from the cracks of this channel
@@ -58,12 +61,12 @@ struct GlassComparison {
 
 /// match_radius_mm > 0. `cracks` in any order; of equal ticks the given order counts. All
 /// points are made in channel 1.
-GlassComparison CompareGlass(const PointList& plan_mm, const std::vector<Crack>& cracks,
+GlassComparison CompareGlass(const PointList& plan_mm, const Cracks& cracks,
                              double match_radius_mm);
 
 /// The same of points that are made in the channels of `masks`, one a point, not 0.
 GlassComparison CompareGlass(const PointList& plan_mm, std::span<const ChannelMask> masks,
-                             const std::vector<Crack>& cracks, double match_radius_mm);
+                             const Cracks& cracks, double match_radius_mm);
 
 /// Minimum distance between two of the points, mm; infinity for fewer than two.
 double MinSpacing(const PointList& points_mm);

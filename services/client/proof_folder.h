@@ -50,6 +50,7 @@ bool HasPlan(const std::filesystem::path& folder);
 Result<JobReport> MakeProof(const ProofInputs& inputs);
 
 struct ProvedFolder {
+  /// Where the glass is known, it has what the pictures need (FiguresOf).
   std::variant<Evidence, MarkEvidence> evidence;
   JobReport report;
   std::optional<Error> not_written;  ///< Why a file of the proof is missing.

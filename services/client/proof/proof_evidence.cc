@@ -4,6 +4,7 @@
 #include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "engrave/core/try.h"
 #include "engrave/formats/point_file.h"
@@ -12,6 +13,7 @@
 #include "services/client/proof/glass_search.h"
 #include "services/job/beams/energy_by_place.h"
 #include "services/job/fields/channels.h"
+#include "services/platform/host/process/freed_memory.h"
 
 namespace intaglio::client {
 namespace {
@@ -32,29 +34,46 @@ Result<const std::vector<Value>*> ColumnOf(const formats::PointTable& table,
   return column;
 }
 
+Status CheckChannels(const fs::path& file, const std::vector<std::uint8_t>& channels) {
+  const auto wrong = std::ranges::find_if(
+      channels, [](std::uint8_t number) { return number >= kMaxChannels; });
+  if (wrong == channels.end()) return {};
+  return Fail(ErrorCode::kInvalidValue,
+              fmt::format("{}: crack {} is in channel {}, of 0..{}", file.string(),
+                          wrong - channels.begin(), *wrong, kMaxChannels - 1));
+}
+
+/// Leaves those of the values whose crack is in the station, in their order.
+template <typename Value>
+void KeepOfStation(const std::vector<std::uint8_t>& stations, std::uint32_t own,
+                   std::vector<Value>& values) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (stations[i] == own) values[kept++] = values[i];
+  }
+  values.resize(kept);
+}
+
 /// Cracks and cracks_elsewhere_count of the evidence.
 Status ReadCracks(const fs::path& file, Evidence& evidence) {
-  const auto glass = INTAGLIO_TRY(formats::ReadPly(file));
+  auto glass = INTAGLIO_TRY(formats::ReadPly(file));
   const auto tick = INTAGLIO_TRY(ColumnOf<double>(glass, "tick", file));
   const auto channel = INTAGLIO_TRY(ColumnOf<std::uint8_t>(glass, "channel", file));
+  INTAGLIO_TRY(CheckChannels(file, *channel));
+  proof::Cracks& cracks = evidence.cracks;
+  cracks.positions_mm = std::move(glass.points_mm);
+  cracks.ticks.assign(tick->begin(), tick->end());
+  cracks.channels.reserve(channel->size());
+  for (const std::uint8_t number : *channel)
+    cracks.channels.push_back(MaskOfChannel(number + 1u));
   // A folder that was completed before there were stations has none.
   const auto* station = glass.Find<std::uint8_t>("station");
+  if (station == nullptr) return {};
   const std::uint32_t own = std::max(1u, evidence.job.job().station());
-  evidence.cracks.reserve(glass.points_mm.size());
-  for (std::size_t i = 0; i < glass.points_mm.size(); ++i) {
-    const std::uint8_t number = (*channel)[i];
-    if (number >= kMaxChannels) {
-      return Fail(ErrorCode::kInvalidValue,
-                  fmt::format("{}: crack {} is in channel {}, of 0..{}", file.string(), i,
-                              number, kMaxChannels - 1));
-    }
-    if (station != nullptr && (*station)[i] != own) {
-      ++evidence.cracks_elsewhere_count;
-      continue;
-    }
-    evidence.cracks.push_back({glass.points_mm[i], static_cast<std::uint64_t>((*tick)[i]),
-                               MaskOfChannel(number + 1u)});
-  }
+  KeepOfStation(*station, own, cracks.positions_mm);
+  KeepOfStation(*station, own, cracks.ticks);
+  KeepOfStation(*station, own, cracks.channels);
+  evidence.cracks_elsewhere_count = station->size() - cracks.size();
   return {};
 }
 
@@ -101,14 +120,17 @@ Result<FrozenJob> ReadFrozenJob(const fs::path& file) {
 
 Result<Evidence> ReadEvidence(const fs::path& folder) {
   Evidence evidence;
+  host::ReturnFreedMemory();
   auto job = INTAGLIO_TRY(ReadFrozenJob(folder / "job.json"));
   evidence.job = std::move(job);
   INTAGLIO_TRY(ReadPlan(folder / "path.ply", evidence));
+  host::ReturnFreedMemory();
   if (fs::exists(folder / "glass.ply")) {
     INTAGLIO_TRY(ReadCracks(folder / "glass.ply", evidence));
     evidence.has_glass = true;
     auto collisions = INTAGLIO_TRY(ReadCollisions(folder));
     evidence.collisions = std::move(collisions);
+    host::ReturnFreedMemory();
   }
   INTAGLIO_TRY(ReadPulses(folder / "journal.bin", evidence));
   return evidence;

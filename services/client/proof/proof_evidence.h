@@ -20,10 +20,10 @@ namespace intaglio::client {
 struct Evidence {
   FrozenJob job;
   PointList plan_mm;
-  std::vector<ChannelMask> masks;    ///< of the plan's points
-  PointEnergies energies;            ///< of the plan's points
-  bool has_glass = false;            ///< A real machine has no record of its glass.
-  std::vector<proof::Crack> cracks;  ///< in the block of the job's station
+  std::vector<ChannelMask> masks;  ///< of the plan's points
+  PointEnergies energies;          ///< of the plan's points
+  bool has_glass = false;          ///< A real machine has no record of its glass.
+  proof::Cracks cracks;            ///< in the block of the job's station
   /// In blocks at other stations, where none of the job's may be.
   std::uint64_t cracks_elsewhere_count = 0;
   CollisionRecord collisions;  ///< of the machine's head

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdint>
+#include <utility>
+#include <vector>
 
 #include "engrave/core/channels.h"
 #include "engrave/formats/journal_file.h"
@@ -15,6 +18,8 @@
 #include "services/job/machine/block_origin.h"
 #include "services/job/machine/job_ticks_bound.h"
 #include "services/job/machine/machine_axes.h"
+#include "services/platform/host/process/freed_memory.h"
+#include "services/platform/host/threads/worker_threads.h"
 
 namespace intaglio::client {
 namespace {
@@ -29,21 +34,35 @@ bool WasNeverTried(const PointHistory& point) {
          !point.open_intent && !point.reopened;
 }
 
-void Count(const Evidence& evidence, const proof::GlassComparison& glass,
+/// What the journal has of a point, beside its crack.
+enum class Journaled : std::uint8_t { kOther, kMade, kMissed, kNeverTried };
+
+/// By place in the order; the history is released.
+std::vector<Journaled> Condense(std::vector<PointHistory>& history) {
+  std::vector<Journaled> of_points;
+  of_points.reserve(history.size());
+  for (const PointHistory& point : std::exchange(history, {})) {
+    of_points.push_back(WasNeverTried(point)                     ? Journaled::kNeverTried
+                        : point.outcome == PointOutcome::kMade   ? Journaled::kMade
+                        : point.outcome == PointOutcome::kMissed ? Journaled::kMissed
+                                                                 : Journaled::kOther);
+  }
+  return of_points;
+}
+
+void Count(const std::vector<Journaled>& of_points, const proof::GlassComparison& glass,
            PointCounts& counts) {
   counts.set_planned(glass.planned_count);
   counts.set_made(glass.made_count);
   counts.set_doubled(glass.doubled_count);
-  counts.set_stray(glass.stray_count + evidence.cracks_elsewhere_count);
   std::uint64_t skipped = 0, missed = 0, unaccounted = 0;
-  for (std::size_t i = 0; i < evidence.plan_mm.size(); ++i) {
-    const PointHistory& journaled = evidence.history[i];
+  for (std::size_t i = 0; i < of_points.size(); ++i) {
+    const Journaled journaled = of_points[i];
     const bool crack = glass.cracks_of_point[i] > 0;
-    const bool made = journaled.outcome == PointOutcome::kMade;
-    if (crack && made) continue;
-    if (!crack && WasNeverTried(journaled)) {
+    if (crack && journaled == Journaled::kMade) continue;
+    if (!crack && journaled == Journaled::kNeverTried) {
       ++skipped;
-    } else if (!crack && journaled.outcome == PointOutcome::kMissed) {
+    } else if (!crack && journaled == Journaled::kMissed) {
       ++missed;
     } else {
       ++unaccounted;
@@ -77,36 +96,37 @@ struct MadeOrder {
   std::uint64_t ticks = 0;            ///< from the first to the last pulse; 0: none
 };
 
-void AddGlass(const Evidence& evidence, const proof::GlassComparison& glass,
-              JobReport& report) {
-  Count(evidence, glass, *report.mutable_points());
-  AddChannels(glass, evidence.masks, report);
-  PositionErrors& errors = *report.mutable_position_errors();
-  errors.set_rms_um(glass.errors.rms_um);
-  errors.set_max_um(glass.errors.max_um);
-  errors.set_rms_x_um(glass.errors.axis_rms_um.x());
-  errors.set_rms_y_um(glass.errors.axis_rms_um.y());
-  errors.set_rms_z_um(glass.errors.axis_rms_um.z());
-  PointList cracks_mm;
-  std::vector<ChannelMask> crack_channels;
-  cracks_mm.reserve(evidence.cracks.size());
-  crack_channels.reserve(evidence.cracks.size());
-  for (const proof::Crack& crack : evidence.cracks) {
-    cracks_mm.push_back(crack.position_mm);
-    crack_channels.push_back(crack.channel);
-  }
-  if (cracks_mm.size() > 1) {
-    report.set_measured_spacing_in_glass_mm(proof::MinSpacing(cracks_mm, crack_channels));
-  }
-  (*report.mutable_checksums())["glass"] = PointChecksum(cracks_mm);
+void AddErrors(const proof::AxisErrors& measured, PositionErrors& errors) {
+  errors.set_rms_um(measured.rms_um);
+  errors.set_max_um(measured.max_um);
+  errors.set_rms_x_um(measured.axis_rms_um.x());
+  errors.set_rms_y_um(measured.axis_rms_um.y());
+  errors.set_rms_z_um(measured.axis_rms_um.z());
 }
 
-MadeOrder MeasureGlass(const Evidence& evidence, JobReport& report) {
+void AddCracks(const proof::Cracks& cracks, JobReport& report) {
+  if (cracks.size() > 1) {
+    report.set_measured_spacing_in_glass_mm(
+        proof::MinSpacing(cracks.positions_mm, cracks.channels));
+    host::ReturnFreedMemory();
+  }
+  (*report.mutable_checksums())["glass"] = PointChecksum(cracks.positions_mm);
+}
+
+/// Releases the history and the ticks of the cracks.
+MadeOrder MeasureGlass(Evidence& evidence, JobReport& report) {
+  const std::vector<Journaled> of_points = Condense(evidence.history);
   auto glass = proof::CompareGlass(evidence.plan_mm, evidence.masks, evidence.cracks,
                                    report.min_spacing_mm() / 2);
-  AddGlass(evidence, glass, report);
+  evidence.cracks.ticks = {};
+  host::ReturnFreedMemory();
+  PointCounts& counts = *report.mutable_points();
+  Count(of_points, glass, counts);
+  counts.set_stray(glass.stray_count + evidence.cracks_elsewhere_count);
+  AddChannels(glass, evidence.masks, report);
+  AddErrors(glass.errors, *report.mutable_position_errors());
   return {std::move(glass.made_order),
-          evidence.cracks.empty() ? 0 : glass.last_tick - glass.first_tick + 1};
+          evidence.cracks.size() == 0 ? 0 : glass.last_tick - glass.first_tick + 1};
 }
 
 /// Ticks of one power-up; of several the sum of what each took.
@@ -172,35 +192,28 @@ bool HasBound(const Evidence& evidence, const JobReport& report) {
          BlockOriginsOf(job.machine(), job.job()).size() == 1;
 }
 
-/// At the machine's own limits, which a speed override may use.
-void AddBound(const Evidence& evidence, JobReport& report) {
-  if (!HasBound(evidence, report)) return;
+/// At the machine's own limits, which a speed override may use. The plan itself becomes
+/// what the bound is computed from.
+void AddBound(const Evidence& evidence, PointList plan_mm, JobReport& report) {
   const FrozenJob& job = evidence.job;
   motion::PlanOptions plan;
   plan.limits = AxisLimitsOf(job.machine());
   plan.rate_hz = job.job().laser().rate_hz();
   plan.tolerance_mm =
       AxisToleranceOf(job, 1e-3 * report.position_errors().allowed_move_um());
-  const auto axes =
-      machine::AxesAlong(AxesFromGlassOf(job), evidence.plan_mm, plan.limits.travel_mm);
+  auto axes =
+      machine::AxesAlong(AxesFromGlassOf(job), std::move(plan_mm), plan.limits.travel_mm);
   if (!axes) return;
-  const auto bound = JobTicksBound(job.machine(), *axes, plan);
+  const auto bound =
+      JobTicksBound(job.machine(), *std::move(axes), plan, host::AllCores());
   if (bound) report.set_ticks_bound(*bound);
 }
 
+/// The plan's own positions in the order in which they were made: the deviation of a
+/// crack does not depend on the order.
 void AddOrder(const Evidence& evidence, const MadeOrder& order, JobReport& report) {
-  // The plan's own positions in the order in which they were made: the deviation of a
-  // crack does not depend on the order.
-  PointList made_mm;
-  std::vector<ChannelMask> made_masks;
-  made_mm.reserve(order.points.size());
-  made_masks.reserve(order.points.size());
-  for (const std::uint32_t point : order.points) {
-    made_mm.push_back(evidence.plan_mm[point]);
-    made_masks.push_back(evidence.masks[point]);
-  }
-  report.set_shadow_violations(
-      sort::CountShadowViolations(made_mm, made_masks, PointConeOf(evidence.job)));
+  report.set_shadow_violations(sort::CountShadowViolations(
+      evidence.plan_mm, evidence.masks, order.points, PointConeOf(evidence.job)));
   if (order.ticks == 0) return;
   report.set_ticks(order.ticks);
   report.set_utilisation(static_cast<double>(order.points.size()) /
@@ -209,9 +222,26 @@ void AddOrder(const Evidence& evidence, const MadeOrder& order, JobReport& repor
                               report.job().laser().rate_hz());
 }
 
+/// Releases the plan with the glass: the pictures show the cracks.
+void AddPlan(Evidence& evidence, JobReport& report) {
+  const bool has_bound = HasBound(evidence, report);
+  if (evidence.plan_mm.size() > 1) {
+    report.set_measured_spacing_mm(proof::MinSpacing(evidence.plan_mm, evidence.masks));
+    host::ReturnFreedMemory();
+  }
+  (*report.mutable_checksums())["path"] = PointChecksum(evidence.plan_mm);
+  if (!evidence.has_glass) {
+    if (has_bound) AddBound(evidence, evidence.plan_mm, report);
+    return;
+  }
+  evidence.masks = {};
+  PointList plan_mm = std::exchange(evidence.plan_mm, {});
+  if (has_bound) AddBound(evidence, std::move(plan_mm), report);
+}
+
 }  // namespace
 
-JobReport FiguresOf(const Evidence& evidence) {
+JobReport FiguresOf(Evidence& evidence) {
   JobReport report;
   const FrozenJob& frozen = evidence.job;
   report.set_job_uid(frozen.job_uid());
@@ -230,18 +260,15 @@ JobReport FiguresOf(const Evidence& evidence) {
     errors.set_allowed_move_um(frozen.job().motion().tolerance_um() +
                                frozen.job().motion().depth_tolerance_um());
   }
+  *report.mutable_collisions() = evidence.collisions.collisions();
+  AddPulseEnergies(evidence.history, std::exchange(evidence.energies, {}), report);
+  AddMisses(evidence.history, report);
   AddOrder(evidence,
            evidence.has_glass ? MeasureGlass(evidence, report)
                               : CountByController(evidence, report),
            report);
-  AddBound(evidence, report);
-  *report.mutable_collisions() = evidence.collisions.collisions();
-  AddPulseEnergies(evidence.history, evidence.energies, report);
-  AddMisses(evidence.history, report);
-  if (evidence.plan_mm.size() > 1) {
-    report.set_measured_spacing_mm(proof::MinSpacing(evidence.plan_mm, evidence.masks));
-  }
-  (*report.mutable_checksums())["path"] = PointChecksum(evidence.plan_mm);
+  if (evidence.has_glass) AddCracks(evidence.cracks, report);
+  AddPlan(evidence, report);
   return report;
 }
 

@@ -114,9 +114,10 @@ Status WriteChannelViews(const fs::path& file, const Evidence& evidence,
   const bool good = counts.made() == counts.planned() && counts.stray() == 0;
   caption.verdict = good ? "COMPLETE" : "NOT GOOD";
   caption.verdict_tone = GoodIf(good);
+  const proof::Cracks& cracks = evidence.cracks;
   PointList cracks_mm;
-  for (const proof::Crack& crack : evidence.cracks) {
-    if (crack.channel == channel) cracks_mm.push_back(crack.position_mm);
+  for (std::size_t i = 0; i < cracks.size(); ++i) {
+    if (cracks.channels[i] == channel) cracks_mm.push_back(cracks.positions_mm[i]);
   }
   return render::WritePng(file,
                           render::RenderViews(cracks_mm, BlockOf(report.job()), caption));
@@ -161,25 +162,20 @@ render::ViewsCaption ViewsCaptionOf(const JobReport& report, const Box3& work_mm
   return caption;
 }
 
-PointList PicturePoints(const Evidence& evidence) {
-  PointList points_mm;
-  if (evidence.has_glass) {
-    points_mm.reserve(evidence.cracks.size());
-    for (const proof::Crack& crack : evidence.cracks)
-      points_mm.push_back(crack.position_mm);
-    return points_mm;
-  }
+const PointList& PicturePoints(const Evidence& evidence, PointList& made_mm) {
+  if (evidence.has_glass) return evidence.cracks.positions_mm;
   for (std::size_t i = 0; i < evidence.plan_mm.size(); ++i) {
     if (evidence.history[i].outcome == formats::PointOutcome::kMade) {
-      points_mm.push_back(evidence.plan_mm[i]);
+      made_mm.push_back(evidence.plan_mm[i]);
     }
   }
-  return points_mm;
+  return made_mm;
 }
 
 Status WriteViews(const fs::path& folder, const Evidence& evidence,
                   const JobReport& report) {
-  const PointList points_mm = PicturePoints(evidence);
+  PointList made_mm;
+  const PointList& points_mm = PicturePoints(evidence, made_mm);
   Box3 work_mm;
   for (const Vec3& p : points_mm) work_mm.Extend(p);
   INTAGLIO_TRY(render::WritePng(folder / "views.png",
@@ -195,7 +191,8 @@ Status WriteViews(const fs::path& folder, const Evidence& evidence,
 
 Status WriteCustomerPicture(const fs::path& file, const Evidence& evidence,
                             const render::CustomerPicture& picture) {
-  return render::WriteCustomerPicture(file, PicturePoints(evidence),
+  PointList made_mm;
+  return render::WriteCustomerPicture(file, PicturePoints(evidence, made_mm),
                                       BlockOf(evidence.job.job()), picture);
 }
 

@@ -24,8 +24,9 @@ std::vector<render::Note> NotesOf(const JobReport& report, const std::string& ev
 /// 2026-11-23T08:12:34Z -> 2026-11-23 08:12 UTC.
 std::string MinuteText(const std::string& utc);
 
-/// The cracks; where the glass is not known, the planned points that were made.
-PointList PicturePoints(const Evidence& evidence);
+/// The cracks; where the glass is not known, the planned points that were made, which are
+/// collected in `made_mm`.
+const PointList& PicturePoints(const Evidence& evidence, PointList& made_mm);
 
 /// views.png, and views-channel-N.png. kIo.
 Status WriteViews(const std::filesystem::path& folder, const Evidence& evidence,

@@ -18,6 +18,22 @@ PointList Grid(int n, double step_mm) {
   return points;
 }
 
+struct Crack {
+  Vec3 position_mm;
+  std::uint64_t tick;
+  ChannelMask channel = 1;
+};
+
+Cracks All(const std::vector<Crack>& cracks) {
+  Cracks all;
+  for (const auto& [position_mm, tick, channel] : cracks) {
+    all.positions_mm.push_back(position_mm);
+    all.ticks.push_back(tick);
+    all.channels.push_back(channel);
+  }
+  return all;
+}
+
 std::vector<Crack> Exactly(const PointList& plan) {
   std::vector<Crack> cracks;
   for (std::size_t i = 0; i < plan.size(); ++i) cracks.push_back({plan[i], 100 + 2 * i});
@@ -26,7 +42,7 @@ std::vector<Crack> Exactly(const PointList& plan) {
 
 TEST(GlassComparison, ExactGlassHasEveryPointOnce) {
   const PointList plan = Grid(6, 0.1);
-  const auto result = CompareGlass(plan, Exactly(plan), 0.05);
+  const auto result = CompareGlass(plan, All(Exactly(plan)), 0.05);
   EXPECT_EQ(result.made_count, plan.size());
   EXPECT_EQ(result.doubled_count + result.empty_count + result.stray_count, 0u);
   EXPECT_EQ(result.errors.max_um, 0.0);
@@ -40,7 +56,7 @@ TEST(GlassComparison, SeesWhatIsDoubledMissingAndStray) {
   cracks.erase(cracks.begin() + 5);
   cracks.push_back({plan[7] + Vec3(0.002, 0, 0), 9000});
   cracks.push_back({Vec3(5, 5, 5), 9001});
-  const auto result = CompareGlass(plan, cracks, 0.05);
+  const auto result = CompareGlass(plan, All(cracks), 0.05);
   EXPECT_EQ(result.empty_count, 1u);
   EXPECT_EQ(result.cracks_of_point[5], 0u);
   EXPECT_EQ(result.doubled_count, 1u);
@@ -61,7 +77,7 @@ TEST(GlassComparison, ErrorsAreThoseThatWerePutIn) {
     squares += error.squaredNorm();
     worst = std::max(worst, error.norm());
   }
-  const auto result = CompareGlass(plan, cracks, 0.05);
+  const auto result = CompareGlass(plan, All(cracks), 0.05);
   // Same sums in another order: equal to rounding.
   EXPECT_NEAR(result.errors.rms_um, 1000 * std::sqrt(squares / plan.size()), 1e-9);
   EXPECT_NEAR(result.errors.max_um, 1000 * worst, 1e-9);
@@ -70,12 +86,12 @@ TEST(GlassComparison, ErrorsAreThoseThatWerePutIn) {
 TEST(GlassComparison, OrderIsThatOfTheTicksNotOfTheFile) {
   const PointList plan = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(2, 0, 0)};
   const std::vector<Crack> cracks = {{plan[0], 30}, {plan[1], 10}, {plan[2], 20}};
-  const auto result = CompareGlass(plan, cracks, 0.4);
+  const auto result = CompareGlass(plan, All(cracks), 0.4);
   EXPECT_EQ(result.made_order, (std::vector<std::uint32_t>{1, 2, 0}));
 }
 
 TEST(GlassComparison, EmptyPlanAndEmptyGlass) {
-  EXPECT_EQ(CompareGlass({}, {{Vec3(1, 1, 1), 5}}, 0.1).stray_count, 1u);
+  EXPECT_EQ(CompareGlass({}, All({{Vec3(1, 1, 1), 5}}), 0.1).stray_count, 1u);
   EXPECT_EQ(CompareGlass(Grid(2, 1), {}, 0.1).empty_count, 8u);
 }
 
@@ -103,7 +119,7 @@ TEST(CompareGlass, EveryChannelIsMatchedToItsOwnPoints) {
   const std::vector<ChannelMask> masks = {1, 3, 2, 4};
   const std::vector<Crack> cracks = {{plan[0], 1, 1}, {plan[1], 2, 1}, {plan[1], 2, 2},
                                      {plan[2], 3, 2}, {plan[3], 4, 1}, {plan[2], 5, 2}};
-  const GlassComparison glass = CompareGlass(plan, masks, cracks, 0.1);
+  const GlassComparison glass = CompareGlass(plan, masks, All(cracks), 0.1);
   EXPECT_EQ(glass.made_count, 2u);
   EXPECT_EQ(glass.doubled_count, 1u);
   EXPECT_EQ(glass.empty_count, 1u);

@@ -113,11 +113,11 @@ TEST(ProofPictures, OfARealMachineThePicturesShowTheMadePoints) {
   evidence.plan_mm = {{1, 1, 1}, {2, 2, 2}, {3, 3, 3}};
   evidence.history.resize(3);
   evidence.history[1].outcome = formats::PointOutcome::kMade;
-  ASSERT_EQ(PicturePoints(evidence).size(), 1u);
-  EXPECT_EQ(PicturePoints(evidence)[0], Vec3(2, 2, 2));
+  PointList made_mm;
+  EXPECT_EQ(PicturePoints(evidence, made_mm), PointList{Vec3(2, 2, 2)});
   evidence.has_glass = true;
-  evidence.cracks = {{Vec3(9, 9, 9), 5, 1}, {Vec3(8, 8, 8), 6, 1}};
-  EXPECT_EQ(PicturePoints(evidence).size(), 2u);
+  evidence.cracks = {{Vec3(9, 9, 9), Vec3(8, 8, 8)}, {5, 6}, {1, 1}};
+  EXPECT_EQ(PicturePoints(evidence, made_mm).size(), 2u);
 }
 
 }  // namespace
