@@ -43,6 +43,8 @@ class Marker final : private cell::Maker {
   bool taken_over() const { return driver_->state().taken_over; }
   /// The controller answers: from now on openings of key and door are counted.
   bool watches() const { return line_up(); }
+  /// No job is here, and nothing moves by hand.
+  bool rests() const { return !task_.has_job() && !(desk_ && desk_->moves()); }
 
   int line_fd() const { return driver_->fd(); }
   int journal_fd() const { return journal_ ? journal_->event_fd() : -1; }

@@ -16,7 +16,8 @@ using bus::View;
 constexpr std::uint32_t kWindowBatches = 16;
 // A state is worth a sample when it is new, and at least this often: readers take its
 // absence for a dead bridge.
-constexpr std::chrono::milliseconds kStatePeriod{50};
+// A state in which only the time has passed; readers believe one for 500 ms.
+constexpr std::chrono::milliseconds kUnchangedPeriod{100};
 // Between two attempts to bring the stage to rest or to clear its fault.
 constexpr std::chrono::milliseconds kPreparationPeriod{20};
 
@@ -247,9 +248,13 @@ void Bridge::PublishPositions() {
 
 void Bridge::PublishState(std::chrono::nanoseconds now) {
   const drivers::DriverState& state = driver_->state();
-  if (state.number == published_number_ && now < next_state_) return;
-  published_number_ = state.number;
-  next_state_ = now + kStatePeriod;
+  PublishedState newest{state, std::max(run_, state.run), stop_.revision()};
+  // They grow with every report of a stage that rests without a run.
+  newest.driver.tick = newest.driver.number = 0;
+  if (state.run == 0) newest.driver.covered_through_tick = 0;
+  if (newest == published_ && now < next_state_) return;
+  published_ = std::move(newest);
+  next_state_ = now + kUnchangedPeriod;
   intaglio_MotionState sample{};
   sample.cell = Borrow(cell_);
   sample.tick = state.tick;
@@ -260,7 +265,7 @@ void Bridge::PublishState(std::chrono::nanoseconds now) {
   sample.vy_mm_s = SpeedOf(state.velocity_mm_s.y());
   sample.vz_mm_s = SpeedOf(state.velocity_mm_s.z());
   sample.run = state.run;
-  sample.highest_run = std::max(run_, state.run);
+  sample.highest_run = published_.run;
   sample.covered_through_tick = state.covered_through_tick;
   sample.at_rest = state.at_rest;
   sample.following_error_max_um = state.following_error_max_um;

@@ -97,8 +97,15 @@ class Bridge {
   std::string stream_;
   std::deque<Batch> queue_;
   std::chrono::nanoseconds next_preparation_{0};
+  /// What the newest MotionState was made of.
+  struct PublishedState {
+    drivers::DriverState driver;
+    std::uint32_t run = 0;
+    std::uint64_t stops = 0;
+    bool operator==(const PublishedState&) const = default;
+  };
+  PublishedState published_;
   std::chrono::nanoseconds next_state_{0};
-  std::uint64_t published_number_ = 0;
   std::uint64_t position_number_ = 0;
   host::StopLatch stop_;
   std::string alarmed_refusal_, tolerance_mismatch_;

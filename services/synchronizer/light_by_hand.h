@@ -38,6 +38,8 @@ class LightByHand {
   void Turn(bool free, std::chrono::nanoseconds now);
   /// An engraving has the laser: it closes the shutters itself.
   void Yield() { lamp_is_ours_ = shutters_are_ours_ = false; }
+  /// Lamp or shutters are commanded here, or are to be taken back.
+  bool holds() const { return lamp_is_ours_ || shutters_are_ours_; }
 
  private:
   bool MayLight(bool free, std::chrono::nanoseconds now) const;

@@ -12,6 +12,8 @@ using namespace std::chrono_literals;
 constexpr auto kPulsePeriod = 20ms;
 // Whoever moves the stage by hand stops when what it has is older than 150 ms.
 constexpr auto kInterlockPeriod = 50ms;
+// A status in which only the time has passed.
+constexpr auto kUnchangedPeriod = 100ms;
 constexpr std::size_t kPulseBatch = 1024;
 
 intaglio_PulseOutcome WireOutcome(PointOutcome outcome) {
@@ -67,9 +69,9 @@ void Publisher::Flush(std::chrono::nanoseconds now, bool all) {
 
 void Publisher::PublishLaser(const drivers::LaserController& laser,
                              const host::StopLatch& stop, std::chrono::nanoseconds now) {
-  if (laser.up() && laser.status_number() != published_status_) {
-    published_status_ = laser.status_number();
-    PublishLampSync(laser);
+  if (laser.up() && laser.status_number() != published_number_) {
+    published_number_ = laser.status_number();
+    PublishLampSync(laser, now);
   }
   const std::uint32_t interlocks =
       (laser.up()
@@ -86,8 +88,14 @@ void Publisher::PublishLaser(const drivers::LaserController& laser,
   PublishInterlock(laser, stop, now);
 }
 
-void Publisher::PublishLampSync(const drivers::LaserController& laser) {
+void Publisher::PublishLampSync(const drivers::LaserController& laser,
+                                std::chrono::nanoseconds now) {
   const link::LaserStatus& status = laser.status();
+  link::LaserStatus newest = status;
+  newest.tick = newest.machine_us = 0;
+  if (newest == published_status_ && now < next_status_) return;
+  published_status_ = newest;
+  next_status_ = now + kUnchangedPeriod;
   intaglio_LampSync sample{};
   sample.cell = Borrow(cell_);
   sample.tick = status.tick;

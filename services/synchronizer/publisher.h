@@ -24,13 +24,14 @@ class Publisher {
   void BeginJob(const std::string& job_uid);
   void Add(const PulseResult& result);
   void Flush(std::chrono::nanoseconds now, bool all);
-  /// The lamp's clock with every status of the controller; interlocks when they change
-  /// and once a second.
+  /// The lamp's clock with every status of the controller in which more than the time has
+  /// passed, and ten times a second; interlocks when they change and every 50 ms.
   void PublishLaser(const drivers::LaserController& laser, const host::StopLatch& stop,
                     std::chrono::nanoseconds now);
 
  private:
-  void PublishLampSync(const drivers::LaserController& laser);
+  void PublishLampSync(const drivers::LaserController& laser,
+                       std::chrono::nanoseconds now);
   void PublishInterlock(const drivers::LaserController& laser,
                         const host::StopLatch& stop, std::chrono::nanoseconds now);
 
@@ -45,7 +46,9 @@ class Publisher {
   std::vector<std::uint32_t> point_;
   std::vector<std::uint8_t> outcome_, reason_;
   std::chrono::nanoseconds next_pulses_{0};
-  std::uint64_t published_status_ = 0;
+  std::uint64_t published_number_ = 0;
+  link::LaserStatus published_status_;
+  std::chrono::nanoseconds next_status_{0};
   std::uint32_t published_interlocks_ = 0xffffffff;
   std::uint64_t published_stop_ = 0;
   std::chrono::nanoseconds next_interlock_{0};

@@ -46,6 +46,8 @@ class Synchronizer final : private Maker {
 
   /// The laser controller answers: from now on openings of key and door are counted.
   bool watches() const { return line_up(); }
+  /// No job is here, and nothing is lit by hand.
+  bool rests() const { return !task_.has_job() && !light_.holds(); }
 
   int line_fd() const { return laser_.fd(); }
   int journal_fd() const { return journal_ ? journal_->event_fd() : -1; }

@@ -38,6 +38,8 @@ struct DriverState {
   /// of one that has no switches: no run begins, and positions and limits mean little,
   /// before SetZero. Empty: it knows, or `homed` says it.
   std::string place_lost = {};
+
+  bool operator==(const DriverState&) const = default;
 };
 
 class HandMotion {

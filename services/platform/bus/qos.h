@@ -11,7 +11,7 @@
 // ms.
 //
 // The lease of state: a killed worker is noticed within 1.5 s; the library renews it
-// every 1.2 s and health is written every 200 ms, so that it holds while a build runs
+// every 1.2 s and health is written every 600 ms, so that it holds while a build runs
 // beside the services. Safety samples are written every 50 ms: five may be lost or late
 // before the permission is gone. Keep-all readers have no resource limits, because a full
 // one would stop its process; their producers stay within Credit.

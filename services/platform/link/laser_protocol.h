@@ -131,6 +131,8 @@ struct LaserStatus {
   /// How often key, door or the stop button let go since power-up: a person may have
   /// reached into the machine while no host listened, or between two statuses.
   std::uint32_t openings = 0;
+
+  bool operator==(const LaserStatus&) const = default;
 };
 // The pulse reports of every tick up to and with LaserStatus::tick are sent before it.
 

@@ -162,6 +162,20 @@ TEST_F(BridgeProcess, HandsARunToTheStageAndItsPositionsBack) {
   EXPECT_NEAR(state_->x_mm, 0.8, 1.1e-6);
 }
 
+// The stage reports every 20 ms that nothing has changed. A busy computer only makes the
+// samples come later.
+TEST_F(BridgeProcess, RepeatsTheStateOfAStageThatRestsTenTimesASecond) {
+  ASSERT_TRUE(UntilState([](const auto& state) { return state.at_rest; }));
+  int samples = 0;
+  const auto count = [&](const intaglio_MotionState&) { ++samples; };
+  const auto begin = std::chrono::steady_clock::now();
+  ASSERT_TRUE(Eventually([&] {
+    states_.Take(count);
+    return samples >= 11;
+  }));
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, 10 * 90ms);
+}
+
 TEST_F(BridgeProcess, KilledItLeavesAStageThatComesToRestByItself) {
   ASSERT_TRUE(StartLongRun(1));
   ASSERT_EQ(engraver_.StatusOf("running"), "true");

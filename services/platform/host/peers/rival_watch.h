@@ -33,7 +33,7 @@ class RivalWatch {
  public:
   using Nanoseconds = std::chrono::nanoseconds;
   enum class Verdict { kGoOn, kWait, kEnd };
-  /// Health comes every 200 ms, and the lease of a dead process lasts as long.
+  /// Health comes every 600 ms, and the lease of a dead process lasts as long.
   static constexpr std::chrono::milliseconds kStale{1500};
 
   enum class Starting { kIsRival, kWaits };

@@ -16,17 +16,20 @@ namespace intaglio::host {
 // A job that is armed before the controller answers has to be armed again, because key
 // and door were not watched. So the first jobs wait a moment for it.
 inline constexpr std::chrono::seconds kControllerTime{2};
+// The longest time between two turns, of a cell that works and of one that rests: both
+// turn at once for a message or a frame of the controller.
+inline constexpr std::chrono::milliseconds kTurnTime{5}, kRestingTurnTime{20};
 // Time for the shutters to close when the service is stopped.
 inline constexpr std::chrono::seconds kStopTime{3};
 
 /// Turns `cell` until the host stops or a newer host has taken the machine. Returns the
 /// exit code of the process. `name` is the kind of service, "synchronizer".
 ///
-/// Cell has AttachTo(PollLoop&), Turn(now), watches() (its controller answers), Stop(),
-/// stopped(), taken_over(), line_fd() of its controller and journal_fd().
+/// Cell has AttachTo(PollLoop&), Turn(now), watches() (its controller answers), rests()
+/// (it has no job, and nothing is moved or lit by hand), Stop(), stopped(), taken_over(),
+/// line_fd() of its controller and journal_fd().
 template <typename Cell>
 int RunCellService(ServiceHost& host, const std::string& name, Cell& cell) {
-  using namespace std::chrono_literals;
   const auto now = [] { return std::chrono::steady_clock::now().time_since_epoch(); };
   PollLoop loop(host.bus());
   cell.AttachTo(loop);
@@ -39,7 +42,8 @@ int RunCellService(ServiceHost& host, const std::string& name, Cell& cell) {
       host.SetHealth(intaglio_HEALTH_READY);
     }
     host.KeepAlive();
-    loop.Wait(std::array{cell.line_fd(), cell.journal_fd()}, 5ms);
+    loop.Wait(std::array{cell.line_fd(), cell.journal_fd()},
+              cell.watches() && cell.rests() ? kRestingTurnTime : kTurnTime);
   };
   while (!host.stopping() && !cell.taken_over()) turn();
   if (cell.taken_over()) return EndTakenOver(host, name);

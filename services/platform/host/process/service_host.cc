@@ -23,7 +23,7 @@ namespace {
 
 using bus::Borrow;
 using Clock = std::chrono::steady_clock;
-constexpr std::chrono::milliseconds kHealthPeriod{200};
+constexpr std::chrono::milliseconds kTurnPeriod{200}, kHealthPeriod{600};
 constexpr std::chrono::days kExpiryWarning{30};
 constexpr std::chrono::hours kExpiryPeriod{24};
 // From the last health to the end of the process; on a busy computer DDS needs seconds.
@@ -133,12 +133,17 @@ struct ServiceHost::Impl {
     sample.version = Borrow(version);
     sample.message = Borrow(message);
     sample.steady_ns = Clock::now().time_since_epoch().count();
-    LeaveWhoLostUs();
     if (auto written = health.Write(sample); !written) {
       LogWarning("health: {}", written.error().message);
     }
     next_publication = Clock::now() + kHealthPeriod;
+  }
+
+  void Turn(Clock::time_point now) {
+    next_turn = now + kTurnPeriod;
+    LeaveWhoLostUs();
     NotifyInitAlive();
+    if (now >= next_publication) Publish();
   }
 
   void LeaveWhoLostUs() {
@@ -158,7 +163,7 @@ struct ServiceHost::Impl {
   Presence presence;
   intaglio_HealthState state = intaglio_HEALTH_STARTING;
   std::string job_uid, message;
-  Clock::time_point next_publication{}, next_expiry_check{};
+  Clock::time_point next_turn{}, next_publication{}, next_expiry_check{};
   std::uint64_t alarm_number = 0;
   std::stop_source stop;
 };
@@ -202,8 +207,9 @@ void ServiceHost::AwaitHealthReceived() {
 
 void ServiceHost::KeepAlive() {
   (void)stop();  // hands a signal on to the code that waits on the stop token
-  if (Clock::now() >= impl_->next_publication) impl_->Publish();
-  if (Clock::now() >= impl_->next_expiry_check) WarnOfExpiry();
+  const Clock::time_point now = Clock::now();
+  if (now >= impl_->next_turn) impl_->Turn(now);
+  if (now >= impl_->next_expiry_check) WarnOfExpiry();
 }
 
 // The person who can renew it should know before the machine stops, without reading logs.

@@ -40,7 +40,7 @@ class ServiceHost {
   std::stop_token stop() const;
   bool stopping() const { return stop().stop_requested(); }
 
-  /// Published at once, and again every 200 ms by KeepAlive.
+  /// Published at once, and again every 600 ms by KeepAlive.
   void SetHealth(intaglio_HealthState state, const std::string& job_uid = {},
                  const std::string& message = {});
   /// Until whoever follows this service has its newest health; half a second at most.
