@@ -15,6 +15,7 @@ namespace intaglio::proof {
 namespace {
 
 constexpr double kUmPerMm = 1000;
+constexpr std::size_t kPointsPerSearch = 8192;
 
 // Sums over the matched cracks, in mm^2 until the end.
 struct ErrorSums {
@@ -182,9 +183,10 @@ GlassComparison CompareGlass(const PointList& plan_mm, std::span<const ChannelMa
   return result;
 }
 
-double MinSpacing(const PointList& points_mm, std::span<const ChannelMask> masks) {
+double MinSpacing(const PointList& points_mm, std::span<const ChannelMask> masks,
+                  const Executor& executor) {
   // No copy by channel is needed.
-  if (HaveOneMask(masks) && points_mm.size() > 1) return MinSpacing(points_mm);
+  if (HaveOneMask(masks) && points_mm.size() > 1) return MinSpacing(points_mm, executor);
   double min_mm = std::numeric_limits<double>::infinity();
   for (const ChannelMask channel : DistinctChannels(masks)) {
     PointList in_channel_mm;
@@ -192,19 +194,28 @@ double MinSpacing(const PointList& points_mm, std::span<const ChannelMask> masks
       if (ShareChannel(masks[i], channel)) in_channel_mm.push_back(points_mm[i]);
     }
     if (in_channel_mm.size() > 1) {
-      min_mm = std::min(min_mm, MinSpacing(in_channel_mm));
+      min_mm = std::min(min_mm, MinSpacing(in_channel_mm, executor));
     }
   }
   return min_mm;
 }
 
-double MinSpacing(const PointList& points_mm) {
+double MinSpacing(const PointList& points_mm, const Executor& executor) {
   const PointTree tree(points_mm);
-  double smallest = std::numeric_limits<double>::infinity();
-  for (std::uint32_t i = 0; i < points_mm.size(); ++i) {
-    smallest = std::min(smallest, tree.NearestOther(i).square);
-  }
-  return std::sqrt(smallest);
+  const std::size_t count = points_mm.size();
+  std::vector<double> smallest((count + kPointsPerSearch - 1) / kPointsPerSearch,
+                               std::numeric_limits<double>::infinity());
+  RunEach(executor, smallest.size(), [&](std::size_t task) {
+    const std::size_t end = std::min(count, (task + 1) * kPointsPerSearch);
+    double square = smallest[task];
+    for (std::size_t i = task * kPointsPerSearch; i < end; ++i) {
+      square = std::min(square, tree.NearestOther(static_cast<std::uint32_t>(i)).square);
+    }
+    smallest[task] = square;
+  });
+  double square = std::numeric_limits<double>::infinity();
+  for (const double of_task : smallest) square = std::min(square, of_task);
+  return std::sqrt(square);
 }
 
 }  // namespace intaglio::proof

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "engrave/core/channels.h"
+#include "engrave/core/executor.h"
 #include "engrave/core/geometry.h"
 
 namespace intaglio::proof {
@@ -68,9 +69,11 @@ GlassComparison CompareGlass(const PointList& plan_mm, const Cracks& cracks,
 GlassComparison CompareGlass(const PointList& plan_mm, std::span<const ChannelMask> masks,
                              const Cracks& cracks, double match_radius_mm);
 
-/// Minimum distance between two of the points, mm; infinity for fewer than two.
-double MinSpacing(const PointList& points_mm);
+/// Minimum distance between two of the points, mm; infinity for fewer than two. It does
+/// not depend on the executor.
+double MinSpacing(const PointList& points_mm, const Executor& executor = {});
 /// The same of points in different channels: two count only if they share one.
-double MinSpacing(const PointList& points_mm, std::span<const ChannelMask> masks);
+double MinSpacing(const PointList& points_mm, std::span<const ChannelMask> masks,
+                  const Executor& executor = {});
 
 }  // namespace intaglio::proof

@@ -107,7 +107,7 @@ void AddErrors(const proof::AxisErrors& measured, PositionErrors& errors) {
 void AddCracks(const proof::Cracks& cracks, JobReport& report) {
   if (cracks.size() > 1) {
     report.set_measured_spacing_in_glass_mm(
-        proof::MinSpacing(cracks.positions_mm, cracks.channels));
+        proof::MinSpacing(cracks.positions_mm, cracks.channels, host::AllCores()));
     host::ReturnFreedMemory();
   }
   (*report.mutable_checksums())["glass"] = PointChecksum(cracks.positions_mm);
@@ -226,7 +226,8 @@ void AddOrder(const Evidence& evidence, const MadeOrder& order, JobReport& repor
 void AddPlan(Evidence& evidence, JobReport& report) {
   const bool has_bound = HasBound(evidence, report);
   if (evidence.plan_mm.size() > 1) {
-    report.set_measured_spacing_mm(proof::MinSpacing(evidence.plan_mm, evidence.masks));
+    report.set_measured_spacing_mm(
+        proof::MinSpacing(evidence.plan_mm, evidence.masks, host::AllCores()));
     host::ReturnFreedMemory();
   }
   (*report.mutable_checksums())["path"] = PointChecksum(evidence.plan_mm);

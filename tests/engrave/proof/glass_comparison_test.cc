@@ -113,6 +113,17 @@ TEST(MinSpacing, EqualsBruteForce) {
   EXPECT_EQ(MinSpacing({Vec3(1, 2, 3), Vec3(1, 2, 3)}), 0.0);
 }
 
+// The nearest two are in another task than the first points.
+TEST(MinSpacing, DoesNotDependOnTheExecutor) {
+  PointList points = Grid(30, 0.1);
+  points.back() = points[points.size() - 3] + Vec3(0.01, 0, 0);
+  const Executor backwards = [](std::size_t count, const auto& work) {
+    while (count > 0) work(--count);
+  };
+  EXPECT_EQ(MinSpacing(points, backwards), MinSpacing(points));
+  EXPECT_NEAR(MinSpacing(points, backwards), 0.01, 1e-12);
+}
+
 // The same places in three blocks, each with some points of its own.
 TEST(CompareGlass, EveryChannelIsMatchedToItsOwnPoints) {
   const PointList plan = {{0, 0, 0}, {1, 0, 0}, {0, 0, 0}, {2, 0, 0}};
