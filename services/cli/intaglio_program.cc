@@ -19,6 +19,7 @@
 #include "services/cli/offline/offline_command.h"
 #include "services/cli/offline/plan_command.h"
 #include "services/cli/offline/post_command.h"
+#include "services/cli/offline/tiles_command.h"
 #include "services/cli/preview/preview_command.h"
 #include "services/cli/proofs/proofs_command.h"
 #include "services/cli/recordings/record_command.h"
@@ -70,6 +71,7 @@ std::unique_ptr<command_line::Program> IntaglioProgram() {
   AddOfflineCommands(root);
   AddMeasureCommand(root);
   AddPathCommands(root);
+  AddTilesCommand(root);
   AddPostCommand(root);
   AddContourCommand(root);
   AddSheetCommand(root);
