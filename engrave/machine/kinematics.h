@@ -127,6 +127,9 @@ struct ScanHeadOptions {
   /// corrections (files of galvo/files, or galvo::CommandGrid). nullptr: the controller
   /// of the mirrors corrects.
   std::shared_ptr<const galvo::CorrectionTable> corrections = nullptr;
+  /// What the corrections leave: the moves of the focus in the focal plane, mm, for 1 mm
+  /// of x and of y of the field (its columns; FieldMatrix of scan_head.h). Not singular.
+  Eigen::Matrix2d place_per_field = Eigen::Matrix2d::Identity();
   /// > 0: the axis z rests at multiples of this, and a place is met in x and y alone, in
   /// z within half of it (of the focus: times the refractive index). So K1 and K3 hold in
   /// x and y alone. 0: z meets it, too.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -14,7 +15,8 @@
 // its axis at n (top - z), which is less by the spherical aberration; the oblique pencil
 // is the thin one with this depth, so that upright beams move as under a stage. Above the
 // face the beam is in air, and nothing bends it.
-//   axes = (field + correction(field), (top - h) / m),  m: move for a unit of z
+//   f = M^-1 place in the focal plane,  M: place_per_field
+//   axes = (f + correction(f), (top - h) / m),  m: move for a unit of z
 // With steps of z the height h is the nearest step's, and the field is solved again for
 // x and y at that height (Newton, the slopes of x and y alone).
 // A correction is added to a place, so its inverse is CommandFor of correction_table.h.
@@ -27,6 +29,8 @@ class ScanHead final : public Kinematics {
   explicit ScanHead(const ScanHeadOptions& options)
       : lens_(options.lens),
         corrections_(options.corrections),
+        place_per_field_(options.place_per_field),
+        field_per_place_(options.place_per_field.inverse()),
         z_mm_(options.z.per_unit_mm()),
         z_step_mm_(options.z_step_mm),
         n_(options.refractive_index),
@@ -34,6 +38,7 @@ class ScanHead final : public Kinematics {
     Require((lens_.pupil_mm.array() > 0).all(), "pupil_mm must be positive, is {} and {}",
             lens_.pupil_mm.x(), lens_.pupil_mm.y());
     Require(n_ >= 1, "refractive_index must be 1 or more, is {}", n_);
+    Require(field_per_place_.allFinite(), "place_per_field must have an inverse");
     Require(z_step_mm_ >= 0, "z_step_mm must not be negative, is {}", z_step_mm_);
   }
 
@@ -71,7 +76,7 @@ class ScanHead final : public Kinematics {
       scale.row(2) /= n_;
       scale.bottomLeftCorner<1, 2>() *= -1;
     }
-    scale.leftCols<2>() = scale.leftCols<2>() * FieldPerCommand(head.field_mm);
+    scale.leftCols<2>() = scale.leftCols<2>() * PlacePerCommand(head.field_mm);
     scale.col(2) *= z_mm_;
     return scale;
   }
@@ -125,7 +130,8 @@ class ScanHead final : public Kinematics {
     return head;
   }
 
-  Result<Vec3> AxesOf(const Vec2& field_mm, double height_mm) const {
+  Result<Vec3> AxesOf(const Vec2& place_mm, double height_mm) const {
+    const Vec2 field_mm = field_per_place_ * place_mm;
     const Vec2 command_mm =
         corrections_ ? Vec2(field_mm + corrections_->At(field_mm)) : field_mm;
     return Vec3(command_mm.x(), command_mm.y(), OnStep(height_mm / z_mm_));
@@ -134,16 +140,20 @@ class ScanHead final : public Kinematics {
   optics::HeadPosition HeadAt(const Vec3& axes) const {
     const Vec2 command_mm = axes.head<2>();
     const double below_mm = top_mm_ - z_mm_ * axes.z();
-    if (!corrections_) return {command_mm, below_mm};
+    if (!corrections_) return {place_per_field_ * command_mm, below_mm};
     // A table whose corrections change as fast as the place has no inverse; profiles
     // cannot give one.
-    return {galvo::CommandFor(command_mm, *corrections_).value_or(command_mm), below_mm};
+    const Vec2 field_mm =
+        galvo::CommandFor(command_mm, *corrections_).value_or(command_mm);
+    return {place_per_field_ * field_mm, below_mm};
   }
 
-  /// Inverse of the derivative of field + correction(field), by differences.
-  Eigen::Matrix2d FieldPerCommand(const Vec2& field_mm) const {
+  /// The place in the focal plane for a command: M times the inverse of the derivative of
+  /// f + correction(f), by differences.
+  Eigen::Matrix2d PlacePerCommand(const Vec2& place_mm) const {
+    if (!corrections_) return place_per_field_;
+    const Vec2 field_mm = field_per_place_ * place_mm;
     Eigen::Matrix2d command = Eigen::Matrix2d::Identity();
-    if (!corrections_) return command;
     constexpr double kStepMm = 1e-3;
     for (int axis = 0; axis < 2; ++axis) {
       const Vec2 step_mm = kStepMm * Vec2::Unit(axis);
@@ -151,7 +161,7 @@ class ScanHead final : public Kinematics {
           (corrections_->At(field_mm + step_mm) - corrections_->At(field_mm - step_mm)) /
           (2 * kStepMm);
     }
-    return command.inverse();
+    return place_per_field_ * command.inverse();
   }
 
   tl::unexpected<Error> TooSteep(const Vec3& place_mm) const {
@@ -165,10 +175,19 @@ class ScanHead final : public Kinematics {
 
   optics::ScanLens lens_;
   std::shared_ptr<const galvo::CorrectionTable> corrections_;
+  Eigen::Matrix2d place_per_field_, field_per_place_;
   double z_mm_, z_step_mm_, n_, top_mm_;
 };
 
 }  // namespace
+
+Eigen::Matrix2d FieldMatrix(double x_ratio, double y_ratio, double squareness_rad,
+                            double rotation_rad) {
+  Eigen::Matrix2d skewed;
+  skewed << x_ratio, y_ratio * std::sin(squareness_rad), 0,
+      y_ratio * std::cos(squareness_rad);
+  return Eigen::Rotation2Dd(rotation_rad).toRotationMatrix() * skewed;
+}
 
 std::shared_ptr<const Kinematics> MakeScanHead(const ScanHeadOptions& options) {
   return std::make_shared<ScanHead>(options);

@@ -11,6 +11,12 @@
 
 namespace intaglio::machine {
 
+/// The matrix of a field with these scales, whose + of y encloses less than a right angle
+/// with + of x by `squareness_rad`, and that is turned counterclockwise by
+/// `rotation_rad`.
+Eigen::Matrix2d FieldMatrix(double x_ratio, double y_ratio, double squareness_rad,
+                            double rotation_rad);
+
 std::shared_ptr<const Kinematics> MakeScanHead(const ScanHeadOptions& options);
 
 }  // namespace intaglio::machine

@@ -47,6 +47,18 @@ void SetEqualFields(const google::protobuf::Message& from,
   }
 }
 
+/// The ways of the beam in the field: y is turned back from a right angle to x.
+void SetFieldShape(const FieldShape& field, TruthPositioner& positioner) {
+  if (field.has_x_scale_ratio())
+    positioner.mutable_x()->set_travel_ratio(field.x_scale_ratio());
+  if (field.has_y_scale_ratio())
+    positioner.mutable_y()->set_travel_ratio(field.y_scale_ratio());
+  if (field.rotation_rad() != 0)
+    positioner.mutable_x()->set_turn_rad(field.rotation_rad());
+  const double y_turn_rad = field.rotation_rad() - field.squareness_xy_rad();
+  if (y_turn_rad != 0) positioner.mutable_y()->set_turn_rad(y_turn_rad);
+}
+
 /// What the axes carry.
 TruthPositioner PositionerOf(const MachineSpec& machine) {
   TruthPositioner positioner;
@@ -66,6 +78,7 @@ TruthPositioner PositionerOf(const MachineSpec& machine) {
     mirrors.set_wavelength_nm(machine.laser().wavelength_nm());
     mirrors.set_crack_energy_mj(CrackEnergyMj(machine));
     *positioner.mutable_z() = GuideOf(head->z);
+    SetFieldShape(machine.head_over_block().field(), positioner);
     return positioner;
   }
   const auto& linear = std::get<machine::CartesianOptions>(kinematics);

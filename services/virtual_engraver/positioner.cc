@@ -25,7 +25,9 @@ Motion Turn(double angle_rad, const Vec3& pivot_mm) {
 }
 
 Vec2 OfField(const PositionerOptions& positioner, const Vec3& axes) {
-  const Vec2 commanded_mm = axes.head<2>();
+  const Vec2 commanded_mm = (Travelled(positioner.guides[0], 0, axes[0]) +
+                             Travelled(positioner.guides[1], 1, axes[1]))
+                                .head<2>();
   const double share = 1e-4 * commanded_mm.squaredNorm();
   return (1 + positioner.distortion_ratio * share) * commanded_mm;
 }

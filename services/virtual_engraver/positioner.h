@@ -22,7 +22,8 @@ struct Guide {
 /// The machine frame is the laboratory's while all axes are at zero; the block is at
 /// BlockInMachine.origin_mm in it then, and goes with what carries it.
 struct PositionerOptions {
-  /// x, y, z. With an arm, only z.
+  /// x, y, z. With an arm, only z; with mirrors x and y have the ways of the beam in the
+  /// field in place of a carriage's, and carry nothing.
   std::array<Guide, 3> guides = {};
   /// Arm and turntable in the place of x and y. The turntable's pivot is at the origin of
   /// the laboratory, the arm's on +y. Angles in rad, counterclockwise seen from above;

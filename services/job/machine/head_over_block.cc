@@ -10,6 +10,7 @@
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
 #include "engrave/galvo/head_fit.h"
+#include "engrave/machine/scan_head.h"
 #include "services/job/fields/field_ranges.h"
 #include "services/job/machine/profile_errors.h"
 
@@ -59,6 +60,11 @@ machine::ScanHeadOptions HeadOptionsOf(const HeadOverBlockKinematics& head) {
   if (head.has_pupil_x_mm()) options.lens.pupil_mm.x() = head.pupil_x_mm();
   if (head.has_pupil_y_mm()) options.lens.pupil_mm.y() = head.pupil_y_mm();
   options.z_step_mm = head.jump_and_dwell().z_step_mm();
+  const FieldShape& field = head.field();
+  options.place_per_field =
+      machine::FieldMatrix(field.has_x_scale_ratio() ? field.x_scale_ratio() : 1,
+                           field.has_y_scale_ratio() ? field.y_scale_ratio() : 1,
+                           field.squareness_xy_rad(), field.rotation_rad());
   if (!head.has_correction()) return options;
   auto corrections = CorrectionsOf(head.correction());
   Require(corrections.has_value(), "head_over_block.correction: {}",

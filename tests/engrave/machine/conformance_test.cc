@@ -11,6 +11,7 @@
 #include <set>
 
 #include "engrave/machine/kinematics.h"
+#include "engrave/machine/scan_head.h"
 
 namespace intaglio::machine {
 namespace {
@@ -58,6 +59,8 @@ std::vector<Sample> HeadSamples() {
   head.z = {true, false, 0.98};
   head.corrections = AgainstPincushion();
   samples.push_back({"head_corrected", head, field, beyond, "block_origin_mm"});
+  head.place_per_field = FieldMatrix(1.04, 0.95, 0.02, -0.03);
+  samples.push_back({"head_skewed", head, field, beyond, "block_origin_mm"});
   return samples;
 }
 
