@@ -12,9 +12,29 @@ std::string TextOf(const MeasuredFigure& figure, double unit, int decimals) {
                      unit * figure.interval95(), decimals);
 }
 
+std::vector<std::string> HeadLinesOf(const MachineMeasurement& report) {
+  std::vector<std::string> lines = {
+      fmt::format("marks          {} measured, {} left out", report.measured_count(),
+                  report.measured_count() - report.matched_count()),
+      fmt::format("deviation      rms {:.1f} um, largest {:.1f} um; {:.1f} um in each "
+                  "coordinate would be left after correction",
+                  report.rms_deviation_um(), report.max_deviation_um(),
+                  report.rms_residual_um())};
+  for (const MeasuredHeadFigure& figure : report.head()) {
+    std::string text =
+        fmt::format("{:<14} {:.6f}", figure.name(), figure.figure().value());
+    if (figure.figure().interval95() > 0)
+      text += fmt::format(" +- {:.6f}", figure.figure().interval95());
+    if (!figure.unit().empty()) text += " " + figure.unit();
+    lines.push_back(text + ", " + figure.state());
+  }
+  return lines;
+}
+
 }  // namespace
 
 std::vector<std::string> FigureLinesOf(const MachineMeasurement& report) {
+  if (report.head_size() > 0) return HeadLinesOf(report);
   std::vector<std::string> lines = {
       fmt::format("marks          {} measured, {} of the {} of the pattern",
                   report.measured_count(), report.matched_count(),

@@ -8,7 +8,6 @@
 #include "engrave/core/try.h"
 #include "engrave/formats/point_file_kinds.h"
 #include "engrave/image/image_file.h"
-#include "engrave/io/csv.h"
 #include "engrave/io/lower_case.h"
 #include "engrave/io/number_text.h"
 #include "engrave/io/whole_file.h"
@@ -18,19 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr double kMaxMarks = 1e6;
-
-/// A field as a number; a comma is its decimal sign where semicolons separate fields.
-Result<double> NumberIn(const io::CsvTable& table, const io::CsvRow& row,
-                        const char* column, const fs::path& file) {
-  std::string text = *table.Find(row, column);
-  if (const auto comma = text.find(','); comma != std::string::npos) text[comma] = '.';
-  if (const auto number = io::ParseFinite(text)) return *number;
-  return Fail(ErrorCode::kUnreadable,
-              fmt::format("{}: line {}, {}: '{}' is not a number; correct it, or remove "
-                          "the line",
-                          file.string(), row.line_number, column, text),
-              text);
-}
 
 Result<MeasuredMarks> ReadTable(const fs::path& file) {
   const io::CsvTable table = INTAGLIO_TRY(io::ReadCsv(file));
@@ -84,6 +70,18 @@ Result<MeasuredMarks> ReadPicture(const MarksFile& asked) {
 }
 
 }  // namespace
+
+Result<double> NumberIn(const io::CsvTable& table, const io::CsvRow& row,
+                        const char* column, const fs::path& file) {
+  std::string text = *table.Find(row, column);
+  if (const auto comma = text.find(','); comma != std::string::npos) text[comma] = '.';
+  if (const auto number = io::ParseFinite(text)) return *number;
+  return Fail(ErrorCode::kUnreadable,
+              fmt::format("{}: line {}, {}: '{}' is not a number; correct it, or remove "
+                          "the line",
+                          file.string(), row.line_number, column, text),
+              text);
+}
 
 Result<MeasuredMarks> ReadMarks(const MarksFile& asked) {
   const std::string extension = io::LowerCaseExtension(asked.file.extension().string());

@@ -7,6 +7,7 @@
 
 #include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
+#include "engrave/io/csv.h"
 
 namespace intaglio::client {
 
@@ -21,6 +22,11 @@ struct MeasuredMarks {
   /// The number of each in the pattern, from 0; empty: they are not known.
   std::vector<int> numbers;
 };
+
+/// The field of a column that the table has, as a number; a comma is its decimal sign
+/// where semicolons separate fields. kUnreadable, with line and column.
+Result<double> NumberIn(const io::CsvTable& table, const io::CsvRow& row,
+                        const char* column, const std::filesystem::path& file);
 
 /// By the file's extension: a table .csv with columns x_mm and y_mm, and mark (from 1,
 /// the order of engraving) when it is known; a picture .png, .jpg, .jpeg or .bmp, taken

@@ -102,17 +102,14 @@ void FillReport(const Measurement& measurement, MachineMeasurement& report) {
 
 }  // namespace
 
-Result<Measurement> MeasureMachine(const std::filesystem::path& folder,
-                                   const MarksFile& asked) {
-  const Evidence evidence = INTAGLIO_TRY(ReadEvidence(folder));
+Result<Measurement> MeasureMachine(const Evidence& evidence, const MarksFile& asked) {
   const MachineSpec& machine = evidence.job.machine();
   if (machine.has_head_over_block()) {
     return Fail(
         ErrorCode::kUnsupported,
         machine.name() +
             ": its mirrors tilt the beam, and only three linear axes are measured "
-            "by the pattern; calibrate the field with intaglio galvo "
-            "(docs/machines/scan_head_glass.md)");
+            "by the pattern; measure its test cube, and give the table cube.csv");
   }
   if (machine.has_polar()) {
     return Fail(ErrorCode::kUnsupported,

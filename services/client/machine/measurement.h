@@ -3,13 +3,12 @@
 // What is wrong with a machine, from the folder of a job that made its test pattern and
 // from where the marks lie.
 
-#include <filesystem>
-
 #include "engrave/calibrate/machine_fit.h"
 #include "engrave/core/result.h"
 #include "proto/machine_report.pb.h"
 #include "services/client/machine/corrected_profile.h"
 #include "services/client/machine/measured_marks.h"
+#include "services/client/proof/proof_evidence.h"
 
 namespace intaglio::client {
 
@@ -20,10 +19,9 @@ struct Measurement {
   calibrate::MachineFit fit;                 ///< of these
 };
 
-/// `folder`: of a job, with its frozen job and its path; how the marks were passed
-/// follows from its plan. Errors: those of reading; kUnsupported for a machine whose axes
-/// turn; those of MatchMarks and FitMachine.
-Result<Measurement> MeasureMachine(const std::filesystem::path& folder,
-                                   const MarksFile& marks);
+/// `evidence`: of a job; how the marks were passed follows from its plan. Errors: those
+/// of ReadMarks; kUnsupported for a machine that has not three linear axes; those of
+/// MatchMarks and FitMachine.
+Result<Measurement> MeasureMachine(const Evidence& evidence, const MarksFile& marks);
 
 }  // namespace intaglio::client

@@ -64,7 +64,7 @@ Result<fs::path> WritePatternJob(const PatternJob& asked, const fs::path& folder
     return Fail(ErrorCode::kUnsupported,
                 machine.name() +
                     ": its mirrors tilt the beam, and the test pattern is for three "
-                    "linear axes");
+                    "linear axes; a test cube is for it");
   }
   if (machine.has_polar()) {
     return Fail(ErrorCode::kUnsupported,
