@@ -221,6 +221,7 @@ Corrected CorrectSpeeds(const Path& path, const Tracking& tracking,
     SpeedLaw law = PlanSpeeds(
         path, {speeds.node_mm_s, speeds.segment_mm_s, speeds.acceleration_mm_s2});
     law.begin_s = window.begin_s;
+    law.swings = speeds.swings;
     AlignBlocks(path, tracking.options().period_s, law);
     const bool same = AreSame(last.law, law);
     if (same && settling && best.holds) break;

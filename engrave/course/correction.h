@@ -5,6 +5,7 @@
 // passed.
 
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include "engrave/core/executor.h"
@@ -41,6 +42,7 @@ struct Speeds {
   std::vector<double> node_mm_s;           ///< for each node; the ends are kept
   std::vector<double> segment_mm_s;        ///< for each segment
   std::vector<double> acceleration_mm_s2;  ///< for each segment
+  std::shared_ptr<const Swings> swings;    ///< SpeedLaw::swings
 };
 
 struct Corrected {

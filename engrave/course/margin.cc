@@ -111,8 +111,10 @@ Margin CheckMargin(const Path& path, const CoursePlan& plan, const AxisPair& axe
   return margin;
 }
 
-Result<PlanWithMargin> PlanWithin(const Path& path, const AxisPair& axes,
-                                  const PlanOptions& options, const ModelError& error) {
+namespace {
+
+Result<PlanWithMargin> PlanByTrials(const Path& path, const AxisPair& axes,
+                                    const PlanOptions& options, const ModelError& error) {
   PlanWithMargin found;
   PlanOptions trial = options;
   for (int i = 0; i < kMarginTrials; ++i) {
@@ -126,6 +128,23 @@ Result<PlanWithMargin> PlanWithin(const Path& path, const AxisPair& axes,
     if (trial.planned_ratio < kMinPlannedRatio) return found;
   }
   return found;
+}
+
+}  // namespace
+
+Result<PlanWithMargin> PlanWithin(const Path& path, const AxisPair& axes,
+                                  const PlanOptions& options, const ModelError& error) {
+  auto found = INTAGLIO_TRY(PlanByTrials(path, axes, options, error));
+  if (!found.plan.law.swings && found.margin.holds) return found;
+  // A swing may need more of a reserve than it saves.
+  PlanOptions plain = options;
+  plain.swing = false;
+  auto other = INTAGLIO_TRY(PlanByTrials(path, axes, plain, error));
+  const auto holds = [](const PlanWithMargin& of) {
+    return of.plan.holds && of.margin.holds;
+  };
+  const bool faster = other.plan.law.duration_s < found.plan.law.duration_s;
+  return holds(other) && (!holds(found) || faster) ? other : found;
 }
 
 }  // namespace intaglio::course

@@ -49,7 +49,8 @@ struct PlanWithMargin {
 
 /// Plans for less than the tolerance, options.planned_ratio to begin with, until the
 /// margin holds, at most kMarginTrials times. When it never does, plan and margin of the
-/// last trial: margin.holds is false. Errors as of PlanCourse.
+/// last trial: margin.holds is false. A plan with swings is compared with one without.
+/// Errors as of PlanCourse.
 Result<PlanWithMargin> PlanWithin(const Path& path, const AxisPair& axes,
                                   const PlanOptions& options, const ModelError& error);
 

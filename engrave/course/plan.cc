@@ -9,6 +9,7 @@
 #include "engrave/core/try.h"
 #include "engrave/course/correction.h"
 #include "engrave/course/kernel_figures.h"
+#include "engrave/course/swing_table.h"
 
 namespace intaglio::course {
 namespace {
@@ -72,6 +73,14 @@ double KernelTime(const AxisPair& axes, const Allowed& allowed) {
   return time_s;
 }
 
+/// Of a course with swings: kernels in units of KernelTime.
+constexpr double kSwungKernelLengths[] = {4, 6};
+constexpr double kSwungAccelerationShare = 0.85;
+constexpr int kSwungTrials = 3;
+constexpr std::size_t kChoosingSegments = 1000;
+/// Longer contours are planned without swings, to keep their time of planning.
+constexpr std::size_t kMaxSwungSegments = 20'000;
+
 struct Choice {
   TrackingOptions tracking;
   double acceleration_mm_s2 = 0;
@@ -83,6 +92,19 @@ Choice DirectChoice(const PlanOptions& options) {
   if (options.jerk_mm_s3)
     tracking.smooth_s = 2 * options.acceleration_mm_s2 / *options.jerk_mm_s3;
   return {tracking, options.acceleration_mm_s2};
+}
+
+/// The acceleration along a straight line by which a change from it to its opposite, a
+/// step of twice its size, keeps motor and jerk.
+double Reach(const KernelFigures& figures, const PlanOptions& options) {
+  double reach_mm_s2 =
+      *options.motor_mm_s2 / (2 * std::max(figures.motor_per_acceleration[0],
+                                           figures.motor_per_acceleration[1]) -
+                              1);
+  if (options.jerk_mm_s3)
+    reach_mm_s2 =
+        std::min(reach_mm_s2, *options.jerk_mm_s3 / (2 * figures.jerk_per_acceleration));
+  return reach_mm_s2;
 }
 
 /// The kernel and the acceleration whose first guess of all corners takes the shortest
@@ -99,14 +121,7 @@ Choice CompensatedChoice(const Path& path, const AxisPair& axes,
   for (const double length_s : lengths_s) {
     const Tracking tracking(axes, {options.period_s, 0, length_s});
     const KernelFigures figures = FiguresOf(tracking.kernel(), axes);
-    // A change from full acceleration to full deceleration is a step of twice its size.
-    double reach_mm_s2 =
-        *options.motor_mm_s2 / (2 * std::max(figures.motor_per_acceleration[0],
-                                             figures.motor_per_acceleration[1]) -
-                                1);
-    if (options.jerk_mm_s3)
-      reach_mm_s2 = std::min(reach_mm_s2,
-                             *options.jerk_mm_s3 / (2 * figures.jerk_per_acceleration));
+    const double reach_mm_s2 = Reach(figures, options);
     for (const double share : kAccelerationShares) {
       const double a = std::min(options.acceleration_mm_s2, share * reach_mm_s2);
       const Speeds speeds = FirstSpeeds(path, tracking, allowed, a);
@@ -151,23 +166,111 @@ CoursePlan PlanOf(const Path& path, const Choice& choice, const Corrected& corre
   return plan;
 }
 
+Corrected CorrectBy(const Path& path, const AxisPair& axes, const PlanOptions& options,
+                    const Choice& choice) {
+  const Allowed allowed = AllowedBy(options);
+  const Tracking tracking(axes, choice.tracking);
+  return CorrectSpeeds(path, tracking, allowed,
+                       FirstSpeeds(path, tracking, allowed, choice.acceleration_mm_s2),
+                       options.rounds, {}, options.executor);
+}
+
+/// Corners that do not keep the limits lose their swings, and so do their neighbours.
+Corrected CorrectSwung(const Path& path, const AxisPair& axes, const PlanOptions& options,
+                       const Choice& choice, SwingTable& table) {
+  const Allowed allowed = AllowedBy(options);
+  const Tracking tracking(axes, choice.tracking);
+  const Speeds plain = FirstSpeeds(path, tracking, allowed, choice.acceleration_mm_s2);
+  Speeds speeds = plain;
+  // A reserve lowers the speeds of the same swings.
+  Allowed full = allowed;
+  full.error_mm = options.tolerance_mm;
+  table.AddTo(path, tracking, full, choice.acceleration_mm_s2, speeds);
+  Corrected corrected;
+  for (int trial = 0; trial < kSwungTrials; ++trial) {
+    corrected = CorrectSpeeds(path, tracking, allowed, speeds, options.rounds, {},
+                              options.executor);
+    if (corrected.holds) break;
+    auto fewer = std::make_shared<Swings>(*speeds.swings);
+    const std::vector<double>& load_ratio = corrected.evaluation.load_ratio;
+    for (std::size_t node = 0; node < path.node_count(); ++node) {
+      if (load_ratio[node] <= 1) continue;
+      const std::size_t last = std::min(node + 1, path.node_count() - 1);
+      for (std::size_t k = node == 0 ? 0 : node - 1; k <= last; ++k) {
+        fewer->of_node[k].shape = -1;
+        speeds.node_mm_s[k] = plain.node_mm_s[k];
+      }
+    }
+    speeds.swings = std::move(fewer);
+  }
+  return corrected;
+}
+
+Choice SwungChoice(const AxisPair& axes, const PlanOptions& options, double length_s) {
+  const Tracking tracking(axes, {options.period_s, 0, length_s});
+  const double reach_mm_s2 = Reach(FiguresOf(tracking.kernel(), axes), options);
+  return {tracking.options(),
+          std::min(options.acceleration_mm_s2, kSwungAccelerationShare * reach_mm_s2)};
+}
+
+CoursePlan PlainPlan(const Path& path, const AxisPair& axes, const PlanOptions& options) {
+  const Choice choice = CompensatedChoice(path, axes, options);
+  return PlanOf(path, choice, CorrectBy(path, axes, options, choice));
+}
+
+double TotalS(const CoursePlan& plan) {
+  return plan.law.duration_s + plan.tracking.kernel_s.value_or(0);
+}
+
+/// The plan without swings, or one with them that takes less time and holds.
+CoursePlan FastestOf(const Path& path, const AxisPair& axes, const PlanOptions& options,
+                     SwingTable& table) {
+  CoursePlan best = PlainPlan(path, axes, options);
+  for (const double length : kSwungKernelLengths) {
+    const double length_s =
+        options.kernel_s.value_or(length * KernelTime(axes, AllowedBy(options)));
+    const Choice choice = SwungChoice(axes, options, length_s);
+    CoursePlan plan =
+        PlanOf(path, choice, CorrectSwung(path, axes, options, choice, table));
+    if (plan.holds && (!best.holds || TotalS(plan) < TotalS(best)))
+      best = std::move(plan);
+    if (options.kernel_s) break;
+  }
+  return best;
+}
+
+CoursePlan CompensatedPlan(const Path& path, const AxisPair& axes,
+                           const PlanOptions& options) {
+  if (!options.swing || path.segment_count() > kMaxSwungSegments)
+    return PlainPlan(path, axes, options);
+  std::shared_ptr<SwingTable> table = options.swings;
+  if (!table) table = std::make_shared<SwingTable>();
+  if (path.segment_count() <= kChoosingSegments)
+    return FastestOf(path, axes, options, *table);
+  // The begin of a long contour chooses for the rest.
+  const CoursePlan begin =
+      FastestOf(path.Part(0, kChoosingSegments), axes, options, *table);
+  if (begin.holds && begin.law.swings) {
+    const Choice choice = SwungChoice(axes, options, *begin.tracking.kernel_s);
+    CoursePlan plan =
+        PlanOf(path, choice, CorrectSwung(path, axes, options, choice, *table));
+    if (plan.holds) return plan;
+  }
+  return PlainPlan(path, axes, options);
+}
+
 }  // namespace
 
 Result<CoursePlan> PlanCourse(const Path& path, const AxisPair& axes,
                               const PlanOptions& options) {
   INTAGLIO_TRY(CheckOptions(options));
-  const Choice choice =
-      options.compensate ? CompensatedChoice(path, axes, options) : DirectChoice(options);
-  const Allowed allowed = AllowedBy(options);
-  const Tracking tracking(axes, choice.tracking);
-  Corrected corrected =
-      CorrectSpeeds(path, tracking, allowed,
-                    FirstSpeeds(path, tracking, allowed, choice.acceleration_mm_s2),
-                    options.rounds, {}, options.executor);
+  if (options.compensate) return CompensatedPlan(path, axes, options);
+  const Choice choice = DirectChoice(options);
+  Corrected corrected = CorrectBy(path, axes, options, choice);
   // The rounds compute no motor that has no limit.
-  if (!options.compensate)
-    corrected.evaluation = Evaluate(path, corrected.law, tracking, allowed,
-                                    Exactness::kAxes, options.executor);
+  const Tracking tracking(axes, choice.tracking);
+  corrected.evaluation = Evaluate(path, corrected.law, tracking, AllowedBy(options),
+                                  Exactness::kAxes, options.executor);
   return PlanOf(path, choice, corrected);
 }
 

@@ -8,6 +8,7 @@
 //
 // Source of the task: Zarudnev 2007; its law (source_law.h) takes each corner alone.
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,6 +17,8 @@
 #include "engrave/course/tracking.h"
 
 namespace intaglio::course {
+
+class SwingTable;
 
 struct PlanOptions {
   double tolerance_mm = 0.1;         ///< 1e-4..10, of both errors
@@ -33,6 +36,12 @@ struct PlanOptions {
   /// model does not know (margin.h).
   double planned_ratio = 1;
   int rounds = 16;  ///< of correction, 1..100
+  /// Of a compensated course of at most 20 000 segments:
+  /// corners may be passed with swings (swing.h) where that is faster.
+  bool swing = true;
+  /// The swings of corners, kept for several contours with the same axes; null: each
+  /// contour makes its own. The plan does not depend on it.
+  std::shared_ptr<SwingTable> swings;
   /// For the parts of a long course; the plan does not depend on it.
   Executor executor;
 };

@@ -9,10 +9,12 @@
 // its feed has the peak sqrt((v0^2 + v1^2) / 2 + a L).
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "engrave/course/path.h"
+#include "engrave/course/swing.h"
 
 namespace intaglio::course {
 
@@ -32,6 +34,8 @@ struct SpeedLaw {
   /// On the clock of the setpoints, whose instants are whole periods: that of a part of a
   /// longer course.
   double begin_s = 0;
+  /// What the reference leaves the path by at its corners; null: nothing.
+  std::shared_ptr<const Swings> swings;
 };
 
 struct SpeedLimits {

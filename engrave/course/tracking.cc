@@ -218,6 +218,8 @@ Tracked Tracking::Reference(const Path& path, const SpeedLaw& law,
   PathCursor cursor(path);
   tracked.actual_mm.reserve(s_mm.size());
   for (const double s : s_mm) tracked.actual_mm.push_back(cursor.PointAt(s));
+  AddSwings(path, law, tracked.first_s - h * static_cast<double>(half), h,
+            tracked.actual_mm);
   tracked.commanded_s_mm.assign(s_mm.begin() + static_cast<std::ptrdiff_t>(half),
                                 s_mm.end() - static_cast<std::ptrdiff_t>(half));
   return tracked;

@@ -7,12 +7,14 @@
 #include <cmath>
 #include <ctime>
 #include <functional>
+#include <memory>
 #include <numbers>
 #include <string>
 
 #include "engrave/course/margin.h"
 #include "engrave/course/plan.h"
 #include "engrave/course/source_law.h"
+#include "engrave/course/swing_table.h"
 #include "tests/bench/junction_laws.h"
 #include "tests/engrave/course/cut_program.h"
 
@@ -55,8 +57,9 @@ Cut CutBy(const Program& program, const NodeSpeeds& law, double acceleration_mm_
   return cut;
 }
 
-Cut CutByPlan(const Program& program, const PlanOptions& options) {
+Cut CutByPlan(const Program& program, PlanOptions options) {
   Cut cut;
+  options.swings = std::make_shared<SwingTable>();
   for (const Path& path : program) cut.Add(PlanCourse(path, kMachine, options).value());
   return cut;
 }
@@ -168,7 +171,7 @@ struct BestCorner {
 /// A corner of 90 degrees, the worse of both orders of the axes.
 BestCorner WorseOrder(const PlanOptions& options) {
   constexpr double kLegMm = 30;
-  BestCorner worse{0, {}};
+  BestCorner worse{-1, {}};
   for (const double first : {0.0, std::numbers::pi / 2}) {
     const Path path = CornerPath(first, std::numbers::pi / 2, kLegMm, kFeedMmS);
     const CoursePlan plan = PlanCourse(path, kMachine, options).value();
@@ -281,8 +284,9 @@ void PrintMargins() {
   for (const bool reserve : {false, true}) {
     double duration_s = 0, worst_mm = 0;
     int over = 0;
+    PlanOptions options = CompensatedOptions(11000);
+    options.swings = std::make_shared<SwingTable>();
     for (const Path& path : program) {
-      const PlanOptions options = CompensatedOptions(11000);
       PlanWithMargin found;
       if (reserve) {
         found = PlanWithin(path, kMachine, options, {}).value();

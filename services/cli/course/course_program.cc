@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 #include "engrave/core/counted.h"
 #include "engrave/core/try.h"
+#include "engrave/course/swing_table.h"
 #include "engrave/io/atomic_file.h"
 #include "services/client/figure_text.h"
 #include "services/platform/host/threads/worker_threads.h"
@@ -127,6 +129,7 @@ Result<CourseProgram> PlanProgram(std::vector<course::Path> paths,
                                   const course::PlanOptions& options,
                                   const course::ModelError& error, bool reserve) {
   CourseProgram program{axes, options, error, {}, 0};
+  program.options.swings = std::make_shared<course::SwingTable>();
   for (course::Path& path : paths) {
     const std::vector<double> stops(path.node_count() - 2, 0);
     program.stopping_s +=
@@ -141,13 +144,13 @@ Result<CourseProgram> PlanProgram(std::vector<course::Path> paths,
       others.push_back(&contour);
       continue;
     }
-    course::PlanOptions on_all = options;
+    course::PlanOptions on_all = program.options;
     on_all.executor = cores;
     INTAGLIO_TRY(PlanContour(axes, on_all, error, reserve, contour));
   }
   std::vector<Status> planned(others.size());
   RunEach(cores, others.size(), [&](std::size_t i) {
-    planned[i] = PlanContour(axes, options, error, reserve, *others[i]);
+    planned[i] = PlanContour(axes, program.options, error, reserve, *others[i]);
   });
   for (Status& status : planned) INTAGLIO_TRY(std::move(status));
   return program;
