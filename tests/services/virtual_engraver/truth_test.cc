@@ -57,7 +57,7 @@ TEST(Truth, TheWaysOfItsPartsAreChecked) {
       "laser { channel_offset_mm { x: 2000 } channel_offset_mm {} channel_offset_mm {}\n"
       "  channel_offset_mm {} }");
   for (const char* part : {"stage.positioner.x.travel_ratio: 0 is outside 0.5..2",
-                           "stage.positioner.x.turn_rad: 1 is outside -0.1..0.1",
+                           "stage.positioner.x.turn_rad: 1 is outside -0.2..0.2",
                            "stage.backlash_um.y: -1 is outside 0..10000",
                            "laser.channel_offset_mm[0].x: 2000 is outside -1000..1000",
                            "laser.channel_offset_mm: 4 places are more than 3"}) {
