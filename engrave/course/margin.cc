@@ -135,6 +135,7 @@ Result<PlanWithMargin> PlanByTrials(const Path& path, const AxisPair& axes,
 Result<PlanWithMargin> PlanWithin(const Path& path, const AxisPair& axes,
                                   const PlanOptions& options, const ModelError& error) {
   auto found = INTAGLIO_TRY(PlanByTrials(path, axes, options, error));
+  if (!options.compensate || !options.swing) return found;
   if (!found.plan.law.swings && found.margin.holds) return found;
   // A swing may need more of a reserve than it saves.
   PlanOptions plain = options;

@@ -14,9 +14,8 @@ using bus::Borrow;
 using bus::View;
 
 constexpr std::uint32_t kWindowBatches = 16;
-// A state is worth a sample when it is new, and at least this often: readers take its
-// absence for a dead bridge.
-// A state in which only the time has passed; readers believe one for 500 ms.
+// A state is worth a sample when more than the time has changed, and at least this often:
+// readers take its absence for 500 ms for a dead bridge.
 constexpr std::chrono::milliseconds kUnchangedPeriod{100};
 // Between two attempts to bring the stage to rest or to clear its fault.
 constexpr std::chrono::milliseconds kPreparationPeriod{20};

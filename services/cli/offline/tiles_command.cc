@@ -28,7 +28,7 @@ constexpr double kProbeMm = 5;
 struct TilesOptions {
   JobFlags job;
   std::string cloud, out, materials_db;
-  double strip_mm = 0.3;
+  double strip_mm = sort::BlockTileOptions().strip_mm;
 };
 
 /// The job of the part under the head, as high as the block.

@@ -179,8 +179,9 @@ calibrate::HeadState KnownHeadOf(const FrozenJob& job) {
   known[calibrate::kOriginX] = frame.block_origin_mm.x();
   known[calibrate::kOriginY] = frame.block_origin_mm.y();
   known[calibrate::kTop] = frame.top_z_mm();
-  known[calibrate::kXScale] = field.has_x_scale_ratio() ? field.x_scale_ratio() : 1;
-  known[calibrate::kYScale] = field.has_y_scale_ratio() ? field.y_scale_ratio() : 1;
+  const Vec2 scale = FieldScaleOf(field);
+  known[calibrate::kXScale] = scale.x();
+  known[calibrate::kYScale] = scale.y();
   known[calibrate::kRotation] = field.rotation_rad();
   known[calibrate::kSquareness] = field.squareness_xy_rad();
   known[calibrate::kZRatio] = head.z.per_unit_mm();

@@ -1,7 +1,6 @@
 #include "services/client/machine/cube_job.h"
 
 #include <fmt/format.h>
-#include <google/protobuf/text_format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -114,10 +113,8 @@ Result<fs::path> WriteCubeJob(const CubeJob& asked, const fs::path& folder) {
   INTAGLIO_TRY(formats::WritePly(folder / "cube.ply", table));
   INTAGLIO_TRY(
       io::WriteFileAtomically(folder / "cube.csv", std::string_view(CubeTableOf(cube))));
-  std::string text;
-  google::protobuf::TextFormat::PrintToString(CubeJobOf(asked), &text);
   const fs::path file = folder / "cube.textproto";
-  INTAGLIO_TRY(io::WriteFileAtomically(file, std::string_view(text)));
+  INTAGLIO_TRY(WriteJobFile(file, CubeJobOf(asked)));
   return file;
 }
 

@@ -1,7 +1,6 @@
 #include "services/client/machine/grid_job.h"
 
 #include <fmt/format.h>
-#include <google/protobuf/text_format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -102,12 +101,10 @@ Result<WrittenGrid> WriteGridJob(const GridJob& asked, const fs::path& folder) {
   const std::string drawing =
       DrawingOf(DiscsOf(asked.nodes, grid.pitch_mm), field_mm, asked.mark_um / 1000);
   const std::string table = TableOf(galvo::CalibrationGrid(asked.nodes, grid.pitch_mm));
-  std::string job;
-  google::protobuf::TextFormat::PrintToString(JobOf(asked), &job);
   INTAGLIO_TRY(io::WriteFileAtomically(folder / "grid.svg", std::string_view(drawing)));
   INTAGLIO_TRY(io::WriteFileAtomically(folder / "grid.csv", std::string_view(table)));
   grid.job_file = folder / "grid.textproto";
-  INTAGLIO_TRY(io::WriteFileAtomically(grid.job_file, std::string_view(job)));
+  INTAGLIO_TRY(WriteJobFile(grid.job_file, JobOf(asked)));
   return grid;
 }
 

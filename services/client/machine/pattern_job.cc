@@ -1,7 +1,6 @@
 #include "services/client/machine/pattern_job.h"
 
 #include <fmt/format.h>
-#include <google/protobuf/text_format.h>
 
 #include <algorithm>
 #include <optional>
@@ -9,7 +8,6 @@
 #include "engrave/calibrate/test_pattern.h"
 #include "engrave/core/try.h"
 #include "engrave/formats/point_file.h"
-#include "engrave/io/atomic_file.h"
 #include "services/job/files/job_file.h"
 #include "services/job/machine/machine_axes.h"
 
@@ -88,11 +86,8 @@ Result<fs::path> WritePatternJob(const PatternJob& asked, const fs::path& folder
   formats::PointTable table;
   table.points_mm = pattern.marks_mm;
   INTAGLIO_TRY(formats::WritePly(folder / "pattern.ply", table));
-  std::string text;
-  google::protobuf::TextFormat::PrintToString(JobOf(asked, options, pattern, *rate_hz),
-                                              &text);
   const fs::path file = folder / "pattern.textproto";
-  INTAGLIO_TRY(io::WriteFileAtomically(file, std::string_view(text)));
+  INTAGLIO_TRY(WriteJobFile(file, JobOf(asked, options, pattern, *rate_hz)));
   return file;
 }
 

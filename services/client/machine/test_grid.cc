@@ -5,7 +5,6 @@
 #include "services/client/machine/test_grid.h"
 
 #include <fmt/format.h>
-#include <google/protobuf/text_format.h>
 
 #include <algorithm>
 #include <string_view>
@@ -174,10 +173,8 @@ Result<fs::path> WriteTestGrid(const TestGrid& asked, const fs::path& folder) {
       "viewBox=\"0 0 {0} {0}\">\n<rect width=\"{0}\" height=\"{0}\"/>\n</svg>\n",
       asked.patch_mm);
   INTAGLIO_TRY(io::WriteFileAtomically(folder / "patch.svg", std::string_view(patch)));
-  std::string job;
-  google::protobuf::TextFormat::PrintToString(JobOf(asked, grid, block_mm), &job);
   const fs::path file = folder / "test_grid.textproto";
-  INTAGLIO_TRY(io::WriteFileAtomically(file, std::string_view(job)));
+  INTAGLIO_TRY(WriteJobFile(file, JobOf(asked, grid, block_mm)));
   return file;
 }
 

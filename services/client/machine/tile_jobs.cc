@@ -1,7 +1,6 @@
 #include "services/client/machine/tile_jobs.h"
 
 #include <fmt/format.h>
-#include <google/protobuf/text_format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +14,7 @@
 #include "services/job/beams/job_beams.h"
 #include "services/job/convert/options.h"
 #include "services/job/fields/shapes.h"
+#include "services/job/files/job_file.h"
 #include "services/job/machine/block_origin.h"
 #include "services/job/machine/laser_setting.h"
 
@@ -128,9 +128,7 @@ Status WriteTile(const FrozenJob& job, const PointList& points_mm,
   model.set_file(stem.filename().string() + ".xyz");
   model.mutable_placement()->set_centre_in_block(false);
   spec.set_name(stem.filename().string());
-  std::string text;
-  google::protobuf::TextFormat::PrintToString(spec, &text);
-  return io::WriteFileAtomically(stem.string() + ".textproto", std::string_view(text));
+  return WriteJobFile(stem.string() + ".textproto", spec);
 }
 
 }  // namespace

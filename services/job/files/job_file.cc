@@ -133,20 +133,33 @@ Result<MachineSpec> ReadMachineFile(const fs::path& path) {
   return WithMachineDefaults(machine);
 }
 
-Status WriteMachineFile(const fs::path& path, const MachineSpec& machine) {
+namespace {
+
+/// In the format that the name says.
+Status WriteMessage(const fs::path& path, const pb::Message& message) {
   const auto format = INTAGLIO_TRY(FormatOf(path));
   std::string text;
   if (format == JobFileFormat::kJson) {
     pb::util::JsonPrintOptions options;
     options.add_whitespace = true;
     options.preserve_proto_field_names = true;
-    const auto status = pb::util::MessageToJsonString(machine, &text, options);
+    const auto status = pb::util::MessageToJsonString(message, &text, options);
     if (!status.ok())
       return Fail(ErrorCode::kInvalidValue, std::string(status.message()));
   } else {
-    pb::TextFormat::PrintToString(machine, &text);
+    pb::TextFormat::PrintToString(message, &text);
   }
   return io::WriteFileAtomically(path, std::string_view(text));
+}
+
+}  // namespace
+
+Status WriteMachineFile(const fs::path& path, const MachineSpec& machine) {
+  return WriteMessage(path, machine);
+}
+
+Status WriteJobFile(const fs::path& path, const JobSpec& job) {
+  return WriteMessage(path, job);
 }
 
 }  // namespace intaglio

@@ -47,5 +47,7 @@ Result<MachineSpec> ParseMachine(std::string_view text, JobFileFormat format,
 
 /// The format follows from the ending. The file is there whole or not at all.
 Status WriteMachineFile(const std::filesystem::path& path, const MachineSpec& machine);
+/// The same of a job.
+Status WriteJobFile(const std::filesystem::path& path, const JobSpec& job);
 
 }  // namespace intaglio

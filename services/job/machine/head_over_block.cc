@@ -55,16 +55,20 @@ void CheckJumps(const JumpAndDwell& jumps, std::vector<Error>& errors) {
 
 }  // namespace
 
+Vec2 FieldScaleOf(const FieldShape& field) {
+  return {field.has_x_scale_ratio() ? field.x_scale_ratio() : 1,
+          field.has_y_scale_ratio() ? field.y_scale_ratio() : 1};
+}
+
 machine::ScanHeadOptions HeadOptionsOf(const HeadOverBlockKinematics& head) {
   machine::ScanHeadOptions options;
   if (head.has_pupil_x_mm()) options.lens.pupil_mm.x() = head.pupil_x_mm();
   if (head.has_pupil_y_mm()) options.lens.pupil_mm.y() = head.pupil_y_mm();
   options.z_step_mm = head.jump_and_dwell().z_step_mm();
   const FieldShape& field = head.field();
-  options.place_per_field =
-      machine::FieldMatrix(field.has_x_scale_ratio() ? field.x_scale_ratio() : 1,
-                           field.has_y_scale_ratio() ? field.y_scale_ratio() : 1,
-                           field.squareness_xy_rad(), field.rotation_rad());
+  const Vec2 scale = FieldScaleOf(field);
+  options.place_per_field = machine::FieldMatrix(
+      scale.x(), scale.y(), field.squareness_xy_rad(), field.rotation_rad());
   if (!head.has_correction()) return options;
   auto corrections = CorrectionsOf(head.correction());
   Require(corrections.has_value(), "head_over_block.correction: {}",

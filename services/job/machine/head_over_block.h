@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
 #include "engrave/machine/kinematics.h"
 #include "engrave/sort/way/jump_layers.h"
@@ -15,6 +16,9 @@ namespace intaglio {
 /// Lens and correction; the axis z and the block are the caller's to set. Of a head that
 /// CheckHeadOverBlock passes.
 machine::ScanHeadOptions HeadOptionsOf(const HeadOverBlockKinematics& head);
+
+/// How far the focus goes in the focal plane for 1 mm of x, and of y.
+Vec2 FieldScaleOf(const FieldShape& field);
 
 /// Times of a head with jump_and_dwell; its z: the machine's axis.
 sort::JumpTimes JumpTimesOf(const MachineSpec& machine);

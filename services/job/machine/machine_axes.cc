@@ -127,9 +127,8 @@ FocusLimits FocusLimitsOf(const MachineSpec& machine) {
     scale_mm = Vec3(arm_mm, machine.polar().axis_distance_mm() + arm_mm, 1);
   } else if (machine.has_head_over_block()) {
     // A profile that is not checked yet may have a correction without an inverse.
-    const FieldShape& field = machine.head_over_block().field();
-    scale_mm = Vec3(field.has_x_scale_ratio() ? field.x_scale_ratio() : 1,
-                    field.has_y_scale_ratio() ? field.y_scale_ratio() : 1,
+    const Vec2 field = FieldScaleOf(machine.head_over_block().field());
+    scale_mm = Vec3(field.x(), field.y(),
                     LinearAxisOf(machine.head_over_block().z()).scale_ratio);
   } else {
     scale_mm = KinematicsOf(machine)->BoundsOver({Vec3::Zero(), Vec3::Zero()}).axis_mm;
