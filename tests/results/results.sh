@@ -193,6 +193,20 @@ run_ctest() { # BUILD RESULTS [ARGUMENTS OF CTEST]
   return "$status"
 }
 
+# Runs the command, which is ended when the script has taken that many seconds, and says then
+# that this part of the check was left out; its code is 124 then, else the command's own.
+run_until() { # SECONDS WHAT COMMAND...
+  local until=$1 what=$2 code=124
+  shift 2
+  if [[ $SECONDS -lt $until ]]; then
+    code=0
+    timeout --kill-after=20 $((until - SECONDS)) "$@" || code=$?
+    [[ $code -ne 137 ]] || code=124
+  fi
+  [[ $code -ne 124 ]] || echo "$what was left out after $((SECONDS / 60)) minutes: $*"
+  return "$code"
+}
+
 # Prints what run_tests kept of the given build directories, each line with its directory's
 # name, and one closing line with the sums. Fails when one of them has no results.
 sum_up() { # BUILD...

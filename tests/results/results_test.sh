@@ -280,4 +280,22 @@ BuildWithoutResultsFails() {
   expect_status 1
 }
 
+PartThatLastsTooLongIsLeftOut() {
+  SECONDS=4499
+  run_until 4500 "The part" sleep 30 > "$build/output" || status=$?
+  expect "the output" "$(cat "$build/output")" "The part was left out after 75 minutes: sleep 30"
+  expect_status 124
+  run_until 4500 "The next part" touch "$build/ran" > "$build/output" || status=$?
+  expect "the output" "$(cat "$build/output")" \
+    "The next part was left out after 75 minutes: touch $build/ran"
+  [[ ! -e $build/ran ]] || expect "what ran" touch nothing
+  expect_status 124
+}
+PartThatEndsInTimeHasItsOwnCode() {
+  SECONDS=100
+  run_until 200 "The part" sh -c 'echo it ran; exit 3' > "$build/output" || status=$?
+  expect "the output" "$(cat "$build/output")" "it ran"
+  expect_status 3
+}
+
 "${1:?which case}"
