@@ -20,7 +20,8 @@ using client::TeachOrder;
 using namespace std::chrono_literals;
 
 constexpr double kStepSpeedMmS = 10;
-// kInterlockTime of services/cell/manual.
+// kInterlockTime and kMaxSpeedMmS of services/cell/manual; a test holds the figures
+// equal.
 constexpr const char* kSpeedHelp =
     "mm/s, at most 50; when key, door and stop are no longer reported, the machine rests "
     "after 0.15 s of it and its braking distance: 7.5 mm and that at 50 mm/s";
