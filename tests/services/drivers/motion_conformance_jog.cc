@@ -39,12 +39,18 @@ void AJogGoesToItsPlaceAndRests(const MotionRigMaker& make) {
   if (!CanJog(bench)) return;
   const Vec3 target = bench.rig().actual_mm() + Vec3(kJogMm, -3, 2);
   JogAQuarter(bench, target);
+  struct Sample {
+    double time_ms = 0;
+    Vec3 place_mm;
+  };
   double fastest = 0;
-  std::deque<Vec3> newest;  // of the last 100 ms
+  std::deque<Sample> newest;  // of the last 100 ms
   Expect(bench.Until([&] {
-    newest.push_back(bench.rig().actual_mm());
-    if (newest.size() > 100) {
-      fastest = std::max(fastest, (newest.back() - newest.front()).norm() * 10);
+    newest.push_back({bench.rig().time_ms(), bench.rig().actual_mm()});
+    while (newest.back().time_ms - newest.front().time_ms >= 100) {
+      const double way_mm = (newest.back().place_mm - newest.front().place_mm).norm();
+      fastest = std::max(
+          fastest, way_mm / (newest.back().time_ms - newest.front().time_ms) * 1000);
       newest.pop_front();
     }
     return bench.state().at_rest;

@@ -4,6 +4,7 @@
 // that the test moves: what the conformance of a driver is checked on.
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -22,6 +23,7 @@ class MotionRig {
   void Step() {
     AdvanceController();
     driver->Poll();
+    ++steps_;
   }
   void StepFor(std::chrono::milliseconds time) {
     for (std::int64_t i = 0; i < time.count(); ++i) Step();
@@ -70,6 +72,8 @@ class MotionRig {
   // What the stage really does, whatever is reported.
   virtual Vec3 actual_mm() = 0;
   virtual bool moves() = 0;
+  /// The controller's time at actual_mm, ms.
+  virtual double time_ms() { return static_cast<double>(steps_); }
   /// The rate of the controller, Hz.
   virtual double rate_hz() const = 0;
   virtual Vec3 travel_min_mm() const = 0;
@@ -78,13 +82,14 @@ class MotionRig {
   virtual double tolerance_mm() const = 0;
   /// From 10 mm/s to rest, with all delays of the controller.
   virtual std::chrono::milliseconds braking_time() const = 0;
-  /// A speed over 100 steps seems so much higher at most; in real time steps are longer.
+  /// A speed over 100 ms seems so much higher at most.
   virtual double speed_margin() const { return 1.02; }
 
   std::unique_ptr<MotionDriver> driver;
 
  private:
   virtual void AdvanceController() = 0;
+  std::int64_t steps_ = 0;
 };
 
 /// Its profile names `serial_number`; empty: the one of the controller. Null for a driver

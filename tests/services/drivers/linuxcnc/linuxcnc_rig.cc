@@ -92,6 +92,8 @@ class Motion final : public drivers::MotionRig {
   Vec3 actual_mm() override { return rig_.tap.newest().actual_mm; }
   bool moves() override { return rig_.tap.moves(); }
   double rate_hz() const override { return kMotionRate_hz; }
+  // The simulated servo thread makes up for what a busy computer has delayed.
+  double time_ms() override { return rig_.tap.newest().tick * (1000 / kMotionRate_hz); }
   Vec3 travel_min_mm() const override { return Vec3::Constant(-kTravel_mm); }
   Vec3 travel_max_mm() const override { return Vec3::Constant(kTravel_mm); }
   // halsampler prints six decimals.
@@ -100,8 +102,8 @@ class Motion final : public drivers::MotionRig {
   std::chrono::milliseconds braking_time() const override {
     return std::chrono::milliseconds(100);
   }
-  // Samples come every 10 ms or so.
-  double speed_margin() const override { return 1.5; }
+  // Each end of 100 ms is known to a tick of 10 ms.
+  double speed_margin() const override { return 1.25; }
 
  private:
   /// By the axes' file.
