@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <limits>
 #include <random>
 #include <set>
 
@@ -116,10 +118,14 @@ double SecondsOfOutline(int corners) {
   return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
 }
 
-// Processor time of 4 x as many edges is about 4.5 x, and not 16 x.
+// Processor time of 4 x as many edges is about 4.5 x, and not 16 x. Neighbours on a busy
+// computer take some of a processor's caches, not in each of ten runs.
 TEST(Union, OfALargeOutlineGrowsAsItsEdges) {
-  const double small_s = SecondsOfOutline(1500);
-  EXPECT_LT(SecondsOfOutline(6000), 9 * small_s + 0.05);
+  double least_ratio = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 10 && least_ratio > 9; ++i)
+    least_ratio =
+        std::min(least_ratio, SecondsOfOutline(6000) / (SecondsOfOutline(1500) + 1e-9));
+  EXPECT_LE(least_ratio, 9);
 }
 
 // What is drawn again is one element: with 3000 of them pairs alone are 4.5 million.
