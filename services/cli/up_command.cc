@@ -8,6 +8,10 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "engrave/core/try.h"
 #include "materials_db/material_store.h"
@@ -27,7 +31,7 @@
 #include "services/client/fresh_paths.h"
 #include "services/client/job_client.h"
 #include "services/client/locks/folder_lock.h"
-#include "services/client/service_set.h"
+#include "services/client/shop/shop_cells.h"
 #include "services/client/virtual_truth.h"
 #include "services/history/job_database.h"
 #include "services/job/files/job_file.h"
@@ -51,6 +55,8 @@ struct UpOptions {
   std::string materials_db;
   std::vector<std::string> without;
   bool real_machine = false;
+  bool is_virtual = false;
+  int cells = 1;
   bool lockstep = false;
   bool record = false;
   std::string bulk;
@@ -75,12 +81,13 @@ Result<client::VirtualMachine> MachineOf(const UpOptions& options,
 /// A second job service would take every submission again, a second synchronizer would
 /// fire the same laser.
 std::optional<client::ServiceView> RivalOf(const client::ServiceSetOptions& set,
+                                           const std::set<std::string>& cells,
                                            const client::JobClient& client) {
   for (const client::ServiceView& service : client.services()) {
     const bool of_shop =
         service.role == intaglio_ROLE_JOB_SERVICE && !set.without.contains("job-service");
     const bool of_cell =
-        service.cell == set.bus.cell && ((service.role == intaglio_ROLE_SYNCHRONIZER &&
+        cells.contains(service.cell) && ((service.role == intaglio_ROLE_SYNCHRONIZER &&
                                           !set.without.contains("synchronizer")) ||
                                          (service.role == intaglio_ROLE_MOTION_BRIDGE &&
                                           !set.without.contains("motion-bridge")));
@@ -89,13 +96,14 @@ std::optional<client::ServiceView> RivalOf(const client::ServiceSetOptions& set,
   return std::nullopt;
 }
 
-Status AwaitNoRival(const client::ServiceSetOptions& set, client::JobClient& client,
+Status AwaitNoRival(const client::ServiceSetOptions& set,
+                    const std::set<std::string>& cells, client::JobClient& client,
                     std::chrono::milliseconds discovery_time) {
   client.PollUntil([] { return false; }, discovery_time);
   const auto checked_until = std::chrono::steady_clock::now();
   std::optional<client::ServiceView> rival;
   const auto is_decided = [&] {
-    rival = RivalOf(set, client);
+    rival = RivalOf(set, cells, client);
     return !rival || rival->reported_at > checked_until + kGoesOnTime;
   };
   client.PollUntil(is_decided, kLeaveTime);
@@ -150,34 +158,78 @@ Status ReportMounted(const UpOptions& options, client::JobClient& client,
   return client.Mount(cell, parts, intaglio_ARM_BY_PROGRAM, 15s);
 }
 
-void Welcome(client::ServiceSet& services, const MountedParts& mounted,
+void Welcome(client::ShopCells& shop, const MountedParts& mounted,
              const client::ServiceSetOptions& set) {
-  for (const std::string& process : services.Processes()) std::cout << process << "\n";
-  std::cout << MountedText(mounted) << "\n"
-            << "machine profile for jobs: " << services.machine_file().string() << "\n"
-            << "the shop is open (domain " << set.bus.control_domain << ", interface "
+  for (const std::string& process : shop.Processes()) std::cout << process << "\n";
+  std::cout << MountedText(mounted) << "\n";
+  for (const fs::path& file : shop.machine_files()) {
+    std::cout << "machine profile for jobs: " << file.string() << "\n";
+  }
+  std::cout << "the shop is open (domain " << set.bus.control_domain << ", interface "
             << set.bus.interface
             << "); from another terminal: intaglio submit JOB --arm --watch\n"
                "Ctrl-C closes it\n"
             << std::flush;
 }
 
-/// Until Ctrl-C, or until a service has died for good. `proofs`: null without a machine.
-int KeepOpen(client::ServiceSet& services, client::JobClient& client,
-             client::ShopProofs* proofs) {
+/// Until Ctrl-C, or until a service has died for good. `proofs`: empty without a machine.
+int KeepOpen(client::ShopCells& shop, client::JobClient& client,
+             std::vector<client::ShopProofs>& proofs) {
   while (Interrupts() == 0) {
     client.Poll(200ms);
-    if (proofs != nullptr) TurnProofs(*proofs, client);
-    const auto revived = services.Revive();
+    TurnProofs(proofs, client);
+    const auto revived = shop.Revive();
     if (!revived) {
-      services.Stop();
+      shop.Stop();
       return Complain(revived.error(), client::kExitMachine);
     }
     for (const std::string& sent : *revived) std::cerr << sent << "\n";
   }
-  services.Stop();
-  if (proofs != nullptr) FinishProofs(*proofs, client);
+  shop.Stop();
+  FinishProofs(proofs, client);
   return client::kExitGood;
+}
+
+/// What the shop has, and what its further cells have.
+Result<std::vector<client::ShopCells::Cell>> CellsOf(
+    const UpOptions& options, const client::ServiceSetOptions& set,
+    const std::vector<MachineSpec>& machines, const MountedParts& mounted) {
+  std::vector<client::ShopCells::Cell> cells;
+  for (const MachineSpec& machine : machines) {
+    const bool is_first = cells.empty();
+    cells.push_back({is_first ? set : client::OptionsOfCell(set, machine), {}});
+    if (options.real_machine) continue;
+    cells.back().virtual_machine = INTAGLIO_TRY(MachineOf(options, machine, mounted));
+  }
+  return cells;
+}
+
+/// Waits for all services, reports what is mounted, and opens the page.
+std::optional<int> Open(const UpOptions& options, client::ShopCells& shop,
+                        client::JobClient& client,
+                        const std::vector<client::ShopCells::Cell>& cells,
+                        const MountedParts& mounted) {
+  if (auto ready = shop.AwaitReady(client); !ready) {
+    shop.Stop();
+    const bool faulty = ready.error().code == ErrorCode::kFault;
+    return Complain(ready.error(), faulty ? client::kExitMachine : client::kExitInternal);
+  }
+  for (const client::ShopCells::Cell& cell : cells) {
+    if (cell.options.without.contains("synchronizer")) continue;
+    const Status reported =
+        ReportMounted(options, client, cell.options.bus.cell, mounted);
+    if (reported) continue;
+    shop.Stop();
+    return Complain(reported.error(), client::kExitMachine);
+  }
+  if (cells.front().options.console.port < 0) return std::nullopt;
+  const auto address = shop.AwaitConsole();
+  if (!address) {
+    shop.Stop();
+    return Complain(address.error(), client::kExitWrongInput);
+  }
+  std::cout << "web console: " << *address << "\n";
+  return std::nullopt;
 }
 
 int Up(const UpOptions& options) {
@@ -208,7 +260,10 @@ int Up(const UpOptions& options) {
     return Complain(locked.error(), client::kExitWrongInput);
   bus::Bus bus(set.bus);
   client::JobClient client(bus);
-  if (auto alone = AwaitNoRival(set, client, bus.discovery_time()); !alone) {
+  const auto machines = client::CopiesOf(*machine, options.cells);
+  std::set<std::string> names;
+  for (const MachineSpec& one : machines) names.insert(one.name());
+  if (auto alone = AwaitNoRival(set, names, client, bus.discovery_time()); !alone) {
     return Complain(alone.error(), client::kExitWrongInput);
   }
   const auto mounted =
@@ -220,39 +275,20 @@ int Up(const UpOptions& options) {
     set.recording = *recording;
     set.recording_bulk = options.bulk;
   }
-  std::optional<client::VirtualMachine> virtual_machine;
-  if (!options.real_machine) {
-    auto made = MachineOf(options, *machine, *mounted);
-    if (!made) return Complain(made.error(), client::kExitWrongInput);
-    virtual_machine = std::move(*made);
-  }
+  const auto cells = CellsOf(options, set, machines, *mounted);
+  if (!cells) return Complain(cells.error(), client::kExitWrongInput);
   fresh.Keep();
-  auto services =
-      client::ServiceSet::Start(set, virtual_machine ? &*virtual_machine : nullptr);
-  if (!services) return Complain(services.error(), client::kExitInternal);
-  if (auto ready = services->AwaitReady(client); !ready) {
-    services->Stop();
-    const bool faulty = ready.error().code == ErrorCode::kFault;
-    return Complain(ready.error(), faulty ? client::kExitMachine : client::kExitInternal);
+  auto shop = client::ShopCells::Start(*cells);
+  if (!shop) return Complain(shop.error(), client::kExitInternal);
+  if (const auto failed = Open(options, *shop, client, *cells, *mounted)) return *failed;
+  Welcome(*shop, *mounted, set);
+  std::vector<client::ShopProofs> proofs;
+  for (const client::ShopCells::Cell& cell : *cells) {
+    if (cell.options.without.contains("synchronizer")) continue;
+    proofs.push_back(
+        ProofsOf(cell.options.folder, cell.options.bus.cell, options.picture));
   }
-  const bool has_machine = !set.without.contains("synchronizer");
-  const Status reported =
-      has_machine ? ReportMounted(options, client, set.bus.cell, *mounted) : Status();
-  if (!reported) {
-    services->Stop();
-    return Complain(reported.error(), client::kExitMachine);
-  }
-  if (set.console.port >= 0) {
-    const auto address = services->AwaitConsole();
-    if (!address) {
-      services->Stop();
-      return Complain(address.error(), client::kExitWrongInput);
-    }
-    std::cout << "web console: " << *address << "\n";
-  }
-  Welcome(*services, *mounted, set);
-  client::ShopProofs proofs = ProofsOf(set.folder, set.bus.cell, options.picture);
-  return KeepOpen(*services, client, has_machine ? &proofs : nullptr);
+  return KeepOpen(*shop, client, proofs);
 }
 
 }  // namespace
@@ -271,8 +307,18 @@ void AddUpCommand(command_line::Command app) {
                                  "record all messages in the folder's recordings");
   AddBulkFlag(up, options->bulk).Need(record);
   AddConsoleFlags(up, options->console);
-  up.AddFlag("--real-machine", options->real_machine,
-             "no virtual engraver: the profile's serial devices are used");
+  const auto real =
+      up.AddFlag("--real-machine", options->real_machine,
+                 "no virtual engraver: the profile's serial devices are used");
+  const auto is_virtual = up.AddFlag("--virtual", options->is_virtual,
+                                     "a virtual engraver in the machine's place, as "
+                                     "without --real-machine")
+                              .Exclude(real);
+  up.AddOption("--cells", options->cells,
+               "so many machines: copies of the profile, named NAME, NAME-2, NAME-3 ...")
+      .Within(1, 100)
+      .Need(is_virtual)
+      .ShowDefault();
   const auto lockstep =
       up.AddFlag("--lockstep", options->lockstep,
                  "the virtual machine runs as fast as the points arrive");
@@ -286,6 +332,8 @@ void AddUpCommand(command_line::Command app) {
   up.SetFooter(
       "Example: intaglio up --folder shop --block 60 60 40, and from another terminal: "
       "intaglio submit job.textproto --arm --watch\n"
+      "Example: intaglio up --cells 3 --virtual --folder shop, for jobs with "
+      "--machine shop/cells/els-03-2/machine.textproto, too\n"
       "Ctrl-C closes the shop; the queue is kept in its folder.");
   up.SetAction([options] { return Up(*options); });
 }

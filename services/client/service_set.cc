@@ -300,6 +300,13 @@ Result<std::vector<std::string>> ServiceSet::Revive() {
   return revived;
 }
 
+// One that was started elsewhere, by hand, may name no cell.
+bool ServiceSet::IsOurs(const ServiceView& service) const {
+  const bool of_a_cell = service.role == intaglio_ROLE_SYNCHRONIZER ||
+                         service.role == intaglio_ROLE_MOTION_BRIDGE;
+  return !of_a_cell || service.cell.empty() || service.cell == machine_.name();
+}
+
 Status ServiceSet::AwaitReady(JobClient& client) {
   std::string missing;
   Status alive;
@@ -328,14 +335,14 @@ Status ServiceSet::AwaitReady(JobClient& client) {
       const bool there =
           std::any_of(services.begin(), services.end(), [&](const ServiceView& service) {
             // Busy: of a queue that was kept it has been given a job already.
-            return service.role == expected.role &&
+            return service.role == expected.role && IsOurs(service) &&
                    (service.state == intaglio_HEALTH_READY ||
                     service.state == intaglio_HEALTH_BUSY);
           });
       if (there) continue;
       missing += (missing.empty() ? "" : ", ") + std::string(name);
       for (const ServiceView& service : services) {
-        if (service.role == expected.role && !service.message.empty())
+        if (service.role == expected.role && IsOurs(service) && !service.message.empty())
           missing += " (" + service.message + ")";
       }
     }
@@ -347,8 +354,12 @@ Status ServiceSet::AwaitReady(JobClient& client) {
                           kReadyTimeout.count(), missing, machine_file_.string()));
 }
 
-void ServiceSet::EndMaking() {
+void ServiceSet::Terminate() {
   for (auto& service : services_) service->process().Terminate();
+}
+
+void ServiceSet::EndMaking() {
+  Terminate();
   for (auto& service : services_) {
     if (service->process().name() != "recorder") service->process().WaitForEnd(4s);
   }

@@ -78,6 +78,8 @@ class ServiceSet {
   /// with its last output when it was the machine, or a service that does so again and
   /// again.
   Result<std::vector<std::string>> Revive();
+  /// Asks all services to end, and waits for none.
+  void Terminate();
   /// Tells all services to end, and waits for those that make something, then for the
   /// machine, so that the glass has everything. The recorder still writes what the others
   /// reported at their end.
@@ -95,6 +97,8 @@ class ServiceSet {
   Status Keep(const ServiceSetOptions& options, const std::string& name,
               std::vector<std::string> arguments);
   Status AwaitLines();
+  /// The service is of the shop, or of this cell.
+  bool IsOurs(const ServiceView& service) const;
 
   MachineSpec machine_;
   std::filesystem::path machine_file_, glass_record_, panel_;

@@ -4,6 +4,7 @@
 // and `proofs` do it: what a person should know goes to the standard error stream.
 
 #include <filesystem>
+#include <span>
 #include <string>
 
 #include "services/cli/flags/customer_picture_flags.h"
@@ -16,11 +17,11 @@ namespace intaglio::cli {
 client::ShopProofs ProofsOf(const std::filesystem::path& folder, const std::string& cell,
                             const CustomerPictureFlags& picture);
 
-/// Never waits.
-void TurnProofs(client::ShopProofs& proofs, const client::JobClient& client);
+/// Turns those of all cells of this process, two at a time. Never waits.
+void TurnProofs(std::span<client::ShopProofs> cells, const client::JobClient& client);
 
 /// Completes the folders of the jobs that have just ended, for eight seconds at most;
 /// another Ctrl-C leaves them to the next start.
-void FinishProofs(client::ShopProofs& proofs, client::JobClient& client);
+void FinishProofs(std::span<client::ShopProofs> cells, client::JobClient& client);
 
 }  // namespace intaglio::cli

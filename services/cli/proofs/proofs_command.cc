@@ -1,5 +1,6 @@
 #include "services/cli/proofs/proofs_command.h"
 
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <iostream>
@@ -34,7 +35,7 @@ int CompleteFolders(const ProofsOptions& options) {
   if (!lock) return Complain(lock.error(), client::kExitWrongInput);
   bus::Bus bus(options.bus);
   client::JobClient client(bus);
-  client::ShopProofs proofs = ProofsOf(folder, options.cell, options.picture);
+  std::array proofs = {ProofsOf(folder, options.cell, options.picture)};
   host::NotifyInitReady("proofs of " + options.cell);
   std::cerr << "the folders of ended jobs of " << options.cell
             << " get report and pictures; Ctrl-C ends this\n";

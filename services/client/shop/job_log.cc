@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "engrave/core/try.h"
+#include "services/client/shop/shop_cells.h"
 #include "services/platform/host/times/utc_time.h"
 
 namespace intaglio::client {
@@ -101,14 +102,22 @@ Status AddFile(const fs::path& file, Chosen& chosen) {
   return {};
 }
 
+void AddLogsIn(const fs::path& folder, std::vector<fs::path>& files) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (entry.path().extension() == ".log") files.push_back(entry.path());
+  }
+}
+
 }  // namespace
 
 Result<std::vector<std::string>> ReadLog(const fs::path& folder,
                                          const LogSelection& selection) {
   std::vector<fs::path> files;
+  AddLogsIn(folder, files);
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    if (entry.path().extension() == ".log") files.push_back(entry.path());
+  for (const auto& cell : fs::directory_iterator(folder / kCellsFolder, error)) {
+    AddLogsIn(cell.path(), files);
   }
   if (files.empty()) {
     return Fail(ErrorCode::kNotFound,

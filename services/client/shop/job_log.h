@@ -2,7 +2,8 @@
 
 // What the services of a shop have logged about one job: entries of the *.log files that
 // `intaglio up` and `intaglio run` leave in their folder, each "TIME SERVICE LEVEL: TEXT"
-// (host/process/log.h), a line or several.
+// (host/process/log.h), a line or several. Further cells have their own folders below it
+// (shop_cells.h), which are read as well.
 
 #include <cstddef>
 #include <filesystem>

@@ -53,6 +53,14 @@ TEST_F(JobLog, IsInOrderOfTimeOverAllServices) {
   }
 }
 
+TEST_F(JobLog, HasThoseOfFurtherCells) {
+  std::filesystem::create_directories(folder_ / "cells/els-03-2");
+  Write("cells/els-03-2/synchronizer.log",
+        "2026-11-26T23:28:39.000 synchronizer info: job 1-6b08c0a52033 fires\n");
+  EXPECT_THAT(Read({.job = "1"}),
+              ElementsAre(HasSubstr("of anna"), HasSubstr("done"), HasSubstr("fires")));
+}
+
 TEST_F(JobLog, OfAnotherNumberWithTheSameDigitsIsNotShown) {
   EXPECT_THAT(Read({.job = "12"}), ElementsAre(HasSubstr("slow\n  a second line of it")));
   EXPECT_THAT(Read({.job = "6b08c0a52033"}), IsEmpty());

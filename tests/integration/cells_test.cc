@@ -1,0 +1,131 @@
+// A shop with several virtual machines by one command: all are found, a job on one of
+// them leaves the others alone, and nothing runs when the shop is closed.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <memory>
+
+#include "engrave/formats/glass_record.h"
+#include "tests/integration/run_program.h"
+#include "tests/test_folder.h"
+
+namespace intaglio {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using testing::Ended;
+using testing::Eventually;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::Program;
+using testing::Running;
+
+class Cells : public ::testing::Test {
+ protected:
+  std::vector<std::string> With(std::vector<std::string> words) const {
+    words.insert(words.end(), {"--domain", "43", "--tag", tag_});
+    return words;
+  }
+  Ended Type(const std::vector<std::string>& words) {
+    Running run(Program("intaglio"), With(words),
+                folder_ / ("typed" + std::to_string(++typed_) + ".txt"));
+    return run.WaitForEnd(60s);
+  }
+  void Open(const std::vector<std::string>& more) {
+    std::vector<std::string> words = {
+        "up",         "--folder",  shop_, "--materials", folder_ / "materials.db",
+        "--lockstep", "--warm-up", "0",   "--block",     "50",
+        "50",         "30"};
+    words.insert(words.end(), more.begin(), more.end());
+    up_ = std::make_unique<Running>(Program("intaglio"), With(words), folder_ / "up.txt");
+    ASSERT_TRUE(Eventually(
+        [this] {
+          return !up_->running() ||
+                 up_->Output().find("the shop is open") != std::string::npos;
+        },
+        60s));
+    ASSERT_TRUE(up_->running()) << up_->Output();
+  }
+  static std::size_t CracksOf(const fs::path& cell) {
+    const auto record = formats::ReadGlassRecord(cell / "glass.rec");
+    return record ? record->cracks.size() : 0;
+  }
+
+  const fs::path folder_ = test::FreshFolder(), shop_ = folder_ / "shop";
+  const std::string tag_ = "cells" + std::to_string(getpid());
+  std::unique_ptr<Running> up_;
+  int typed_ = 0;
+};
+
+TEST_F(Cells, ThreeAreFoundAndAJobOnOneLeavesTheOthersAlone) {
+  ASSERT_NO_FATAL_FAILURE(Open({"--cells", "3", "--virtual"}));
+  const auto services = testing::ProcessesWith({"intaglio-", tag_});
+  EXPECT_EQ(services.size(), 3u + 3 * 2);
+  EXPECT_EQ(testing::ProcessesWith({"virtual-engraver", shop_.string()}).size(), 3u);
+
+  const Ended status = Type({"status"});
+  EXPECT_EQ(status.exit_code, 0) << status.output;
+  EXPECT_THAT(status.output, HasSubstr("all is well"));
+  for (const char* cell : {"els-03 ", "els-03-2", "els-03-3"}) {
+    EXPECT_THAT(status.output, HasSubstr(std::string("machine    ") + cell));
+    EXPECT_THAT(status.output, HasSubstr(std::string("mounted    ") + cell));
+  }
+
+  const fs::path second = shop_ / "cells/els-03-2";
+  const Ended made =
+      Type({"submit", INTAGLIO_SOURCE_DIR "/deploy/jobs/sample.textproto", "--height",
+            "6", "--machine", second / "machine.textproto", "--arm", "--watch"});
+  EXPECT_EQ(made.exit_code, 0) << made.output;
+  EXPECT_THAT(Type({"show", "1"}).output, HasSubstr("els-03-2"));
+
+  // No other machine has fired a pulse.
+  for (const fs::path& other : {shop_, shop_ / "cells/els-03-3"}) {
+    EXPECT_THAT(testing::AskPanel(other, "status"), HasSubstr("\"pulses\": 0"));
+  }
+  // No service was lost or started again meanwhile.
+  EXPECT_EQ(testing::ProcessesWith({"intaglio-", tag_}), services);
+  EXPECT_THAT(Type({"status"}).output, HasSubstr("all is well"));
+
+  up_->Signal(SIGINT);
+  const Ended ended = up_->WaitForEnd(30s);
+  EXPECT_TRUE(ended.in_time);
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_EQ(testing::ProcessesWith({tag_}).size(), 0u);
+  EXPECT_EQ(testing::ProcessesWith({shop_.string()}).size(), 0u);
+  // The folder of the job is complete, with the glass of its machine.
+  const fs::path job = *fs::directory_iterator(shop_ / "jobs");
+  const std::string report = testing::TextIn(job / "report.json");
+  EXPECT_THAT(report, HasSubstr("\"evidence\": \"glass\""));
+  EXPECT_THAT(report, HasSubstr("\"kind\": \"good\""));
+  EXPECT_GT(CracksOf(second), 0u);
+  EXPECT_EQ(CracksOf(shop_), 0u);
+  EXPECT_EQ(CracksOf(shop_ / "cells/els-03-3"), 0u);
+}
+
+TEST_F(Cells, AShopWithOneOfTheirNamesIsRefused) {
+  ASSERT_NO_FATAL_FAILURE(Open({"--cells", "2", "--virtual"}));
+  const Ended second =
+      Type({"up", "--folder", folder_ / "other", "--materials", folder_ / "materials.db",
+            "--machine", shop_ / "cells/els-03-2/machine.textproto", "--without",
+            "job-service", "discretizer", "sorter"});
+  EXPECT_EQ(second.exit_code, 2) << second.output;
+  EXPECT_THAT(second.output, HasSubstr("already runs"));
+  EXPECT_FALSE(fs::exists(folder_ / "other"));
+  up_->Signal(SIGINT);
+  EXPECT_EQ(up_->WaitForEnd(30s).exit_code, 0);
+}
+
+TEST_F(Cells, OfARealMachineThereIsOneAProfile) {
+  const Ended refused = Type({"up", "--folder", shop_, "--cells", "2"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.output, HasSubstr("--virtual"));
+  EXPECT_EQ(Type({"up", "--folder", shop_, "--virtual", "--real-machine"}).exit_code, 2);
+  EXPECT_FALSE(fs::exists(shop_));
+}
+
+}  // namespace
+}  // namespace intaglio
