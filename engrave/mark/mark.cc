@@ -23,14 +23,15 @@ struct Way {
   }
 };
 
-std::vector<Way> WaysOf(const Mark& mark) {
-  std::vector<Way> ways;
+template <typename Visit>
+void ForEachWay(const Mark& mark, Visit visit) {
   const std::size_t count = mark.places.size();
-  for (std::size_t i = 0; i + (mark.closed ? 0 : 1) < count && count > 1; ++i) {
-    const Place& from = mark.places[i];
-    ways.push_back({from.at_mm, mark.places[(i + 1) % count].at_mm, from.bulge});
-  }
-  return ways;
+  if (count < 2) return;
+  for (std::size_t i = 0; i + 1 < count; ++i)
+    visit(Way{mark.places[i].at_mm, mark.places[i + 1].at_mm, mark.places[i].bulge});
+  if (mark.closed)
+    visit(Way{mark.places.back().at_mm, mark.places.front().at_mm,
+              mark.places.back().bulge});
 }
 
 void AppendChords(const Way& way, double tolerance_mm, std::vector<Vec2>& places) {
@@ -85,13 +86,14 @@ Status CheckMark(const Mark& mark, std::size_t pen_count, const std::string& nam
 
 double LengthOf(const Mark& mark) {
   double length_mm = 0;
-  for (const Way& way : WaysOf(mark)) length_mm += way.length_mm();
+  ForEachWay(mark, [&](const Way& way) { length_mm += way.length_mm(); });
   return length_mm;
 }
 
 std::vector<Vec2> PlacesOf(const Mark& mark, double tolerance_mm) {
   std::vector<Vec2> places;
-  for (const Way& way : WaysOf(mark)) AppendChords(way, tolerance_mm, places);
+  places.reserve(mark.places.size());
+  ForEachWay(mark, [&](const Way& way) { AppendChords(way, tolerance_mm, places); });
   if (!mark.closed && !mark.places.empty()) places.push_back(mark.places.back().at_mm);
   return places;
 }

@@ -17,6 +17,7 @@
 #include "services/cli/complain.h"
 #include "services/cli/flags/size_limits_flag.h"
 #include "services/cli/job_options.h"
+#include "services/cli/progress/late_meter.h"
 #include "services/client/exit_codes.h"
 #include "services/client/warning_text.h"
 #include "services/job/checks/job_check.h"
@@ -116,9 +117,16 @@ Result<OrderedMarks> OrderMarksOf(const MarksPreviewOptions& options) {
   const ReadLimits limits = mesh_reader::LimitsOfProgram(options.size_limits);
   auto files = INTAGLIO_TRY(ReadJobMarkFiles(built.job, limits));
   OrderedMarks ordered;
+  LateMeter meter;
+  const auto show = [&meter](const char* stage) -> ProgressSink {
+    return [&meter, stage](std::uint64_t done, std::uint64_t total) {
+      return meter.Show(stage, done, total);
+    };
+  };
   auto made = INTAGLIO_TRY(MakeJobMarks(built.job, built.machine, std::move(files),
-                                        limits, ordered.warnings, nullptr));
-  ordered.set = INTAGLIO_TRY(OrderJobMarks(built.job, built.machine, std::move(made)));
+                                        limits, ordered.warnings, show("marks")));
+  ordered.set = INTAGLIO_TRY(
+      OrderJobMarks(built.job, built.machine, std::move(made), show("order")));
   ordered.head = HeadFiguresOf(built.machine);
   ordered.job = std::move(built.job);
   if (ordered.job.marks().has_web())
@@ -164,7 +172,9 @@ std::vector<std::string> WebLines(const OrderedMarks& marks) {
 }
 
 std::vector<std::string> LinesOfMarks(const OrderedMarks& marks) {
-  const MarkTimes times = TimesOf(marks.set, marks.head);
+  const MarkTimes times = marks.job.marks().has_web() && marks.web
+                              ? marks.web->times
+                              : TimesOf(marks.set, marks.head);
   std::vector<std::string> lines = {
       fmt::format("job         {}", marks.job.name()),
       fmt::format("marks       {}, {:.4g} m long with all passes", marks.set.marks.size(),

@@ -1,10 +1,8 @@
 #include "services/cli/preview/preview_command.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cctype>
-#include <chrono>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -18,7 +16,7 @@
 #include "services/cli/job_glass.h"
 #include "services/cli/job_options.h"
 #include "services/cli/json/print_json.h"
-#include "services/cli/progress/progress_bar.h"
+#include "services/cli/progress/late_meter.h"
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
 #include "services/client/folder_name.h"
@@ -37,43 +35,11 @@ namespace intaglio::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
-
-// What is ready before this needs no bar.
-constexpr auto kPatient = std::chrono::seconds(1);
-constexpr auto kBarPeriod = std::chrono::milliseconds(100);
-
 struct PreviewCommandOptions {
   JobFlags job;
   std::string folder = "intaglio-shop", database, out, materials_db;
   bool json = false;
   AcceptFlag accept;
-};
-
-/// A progress bar that appears when the work takes more than a second.
-class LateMeter {
- public:
-  LateMeter() : bar_(std::cerr, isatty(STDERR_FILENO) != 0) {}
-  ~LateMeter() {
-    if (shown_) bar_.Finish();
-  }
-
-  bool Show(const char* stage, std::uint64_t done, std::uint64_t total) {
-    const auto now = Clock::now();
-    if (now - began_ < kPatient || (now - last_ < kBarPeriod && done != total)) {
-      return true;
-    }
-    last_ = now;
-    shown_ = true;
-    bar_.ShowShare(stage, done, total,
-                   std::chrono::duration<double>(now - began_).count());
-    return true;
-  }
-
- private:
-  ProgressBar bar_;
-  Clock::time_point began_ = Clock::now(), last_{};
-  bool shown_ = false;
 };
 
 /// A number as `list` shows it, or a uid, unless there is a file of that name.

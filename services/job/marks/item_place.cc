@@ -1,16 +1,11 @@
 #include "services/job/marks/item_place.h"
 
-#include <cmath>
+#include <limits>
 #include <numbers>
+#include <span>
 
 namespace intaglio {
 namespace {
-
-Box3 BoxOf(const std::vector<Vec2>& points_mm) {
-  Box3 box;
-  for (const Vec2& p : points_mm) box.Extend(Vec3(p.x(), p.y(), 0));
-  return box;
-}
 
 Eigen::Matrix2d Turn(double angle_rad) {
   return Eigen::Rotation2Dd(angle_rad).toRotationMatrix();
@@ -20,10 +15,30 @@ double AngleOf(const MarkPlacement& placement) {
   return placement.rotate_deg() * std::numbers::pi / 180;
 }
 
-std::vector<Vec2> Turned(std::vector<Vec2> points_mm, double angle_rad) {
-  const Eigen::Matrix2d turn = Turn(angle_rad);
-  for (Vec2& p : points_mm) p = turn * p;
-  return points_mm;
+/// Of the points as the placement turns them.
+struct TurnedBox {
+  TurnedBox(const MarkPlacement& placement, std::span<const Vec2> points_mm) {
+    const Eigen::Matrix2d turn = Turn(AngleOf(placement));
+    for (const Vec2& p : points_mm) {
+      const Vec2 turned = turn * p;
+      min_mm = min_mm.cwiseMin(turned);
+      max_mm = max_mm.cwiseMax(turned);
+    }
+  }
+  bool empty() const { return !(min_mm.x() <= max_mm.x()); }
+
+  Vec2 min_mm = Vec2::Constant(std::numeric_limits<double>::infinity());
+  Vec2 max_mm = -min_mm;
+};
+
+double ScaleFor(const MarkPlacement& placement, const TurnedBox& box) {
+  if (placement.fit_case() == MarkPlacement::FIT_NOT_SET || box.empty())
+    return placement.scale_ratio();
+  const Vec2 size_mm = box.max_mm - box.min_mm;
+  const bool by_width = placement.fit_case() == MarkPlacement::kFitWidthMm;
+  const double asked_mm = by_width ? placement.fit_width_mm() : placement.fit_height_mm();
+  const double is_mm = by_width ? size_mm.x() : size_mm.y();
+  return is_mm > 0 ? asked_mm / is_mm : placement.scale_ratio();
 }
 
 std::vector<Vec2> PointsOf(const MarkShapes& shapes) {
@@ -42,25 +57,18 @@ std::vector<Vec2> CornersOf(const Box3& box_mm) {
 }
 
 double ScaleOfItem(const MarkPlacement& placement, const std::vector<Vec2>& points_mm) {
-  const Vec3 size_mm = BoxOf(Turned(points_mm, AngleOf(placement))).size_mm();
-  const bool by_width = placement.fit_case() == MarkPlacement::kFitWidthMm;
-  const double asked_mm = by_width ? placement.fit_width_mm() : placement.fit_height_mm();
-  const double is_mm = by_width ? size_mm.x() : size_mm.y();
-  const bool fits = placement.fit_case() != MarkPlacement::FIT_NOT_SET && is_mm > 0;
-  return fits ? asked_mm / is_mm : placement.scale_ratio();
+  return ScaleFor(placement, TurnedBox(placement, points_mm));
 }
 
 ItemPlace PlaceOf(const MarkPlacement& placement, const MarkShapes& shapes) {
-  const std::vector<Vec2> points_mm = PointsOf(shapes);
+  const TurnedBox box(placement, PointsOf(shapes));
   ItemPlace place;
   place.angle_rad = AngleOf(placement);
-  place.scale = shapes.is_scaled ? 1 : ScaleOfItem(placement, points_mm);
+  place.scale = shapes.is_scaled ? 1 : ScaleFor(placement, box);
   place.linear = place.scale * Turn(place.angle_rad);
   place.offset_mm = {placement.move_x_mm(), placement.move_y_mm()};
-  if (placement.centre() && !points_mm.empty()) {
-    const Box3 box = BoxOf(Turned(points_mm, place.angle_rad));
-    place.offset_mm -= place.scale * box.center_mm().head<2>();
-  }
+  if (placement.centre() && !box.empty())
+    place.offset_mm -= place.scale * (0.5 * (box.min_mm + box.max_mm));
   return place;
 }
 

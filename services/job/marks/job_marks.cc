@@ -143,6 +143,7 @@ class JobMarks {
     std::vector<mark::Mark> outlines;
     for (const MarkShape& shape : shapes.shapes) {
       mark::Mark outline{pen, shape.closed, 0, {}};
+      outline.places.reserve(shape.places_mm.size());
       for (const Vec2& p : shape.places_mm) outline.places.push_back({place(p), 0});
       if (shape.closed) {
         closed.emplace_back();
@@ -249,14 +250,15 @@ HeadFigures HeadFiguresOf(const MachineSpec& machine) {
 }
 
 Result<mark::MarkSet> OrderJobMarks(const JobSpec& job, const MachineSpec& machine,
-                                    mark::MarkSet marks) {
+                                    mark::MarkSet marks, const ProgressSink& progress) {
   const HeadFigures head = HeadFiguresOf(machine);
   const bool may_reverse =
       std::ranges::none_of(job.marks().items(), [](const MarkItem& item) {
         return item.has_hatch() && item.hatch().has_bidirectional() &&
                !item.hatch().bidirectional();
       });
-  if (job.marks().has_web()) return OrderForWeb(std::move(marks), head, may_reverse);
+  if (job.marks().has_web())
+    return OrderForWeb(std::move(marks), head, may_reverse, progress);
   INTAGLIO_TRY(CheckField(marks, false, head));
   marks.marks = mark::OrderByJumps(std::move(marks.marks), {Vec2::Zero(), may_reverse});
   return marks;

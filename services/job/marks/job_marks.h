@@ -46,7 +46,9 @@ HeadFigures HeadFiguresOf(const MachineSpec& machine);
 /// The order in which they are made: on a piece at rest with short jumps, on a web so
 /// that it may run fast. Lines keep their direction where a fill is not bidirectional.
 /// kOutsideBlock: a mark that does not fit into the field of the machine, by its item.
+/// `progress`: of a web, in marks.
 Result<mark::MarkSet> OrderJobMarks(const JobSpec& job, const MachineSpec& machine,
-                                    mark::MarkSet marks);
+                                    mark::MarkSet marks,
+                                    const ProgressSink& progress = {});
 
 }  // namespace intaglio

@@ -26,7 +26,10 @@ struct MarkJobKind {
 
 constexpr std::array kMarkJobKinds = {
     MarkJobKind{[](const JobSpec& job) { return job.has_marks(); }, MakeJobMarks,
-                OrderJobMarks, JobMarkFilesOf},
+                [](const JobSpec& job, const MachineSpec& machine, mark::MarkSet marks) {
+                  return OrderJobMarks(job, machine, std::move(marks));
+                },
+                JobMarkFilesOf},
     MarkJobKind{[](const JobSpec& job) { return job.has_course(); }, MakeCourseMarks,
                 OrderCourseMarks, CourseMarkFilesOf},
 };

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <span>
 
 #include "engrave/core/try.h"
@@ -90,32 +92,55 @@ Timed TimeFrom(const Vec2& from_mm, const mark::Mark& mark, const mark::Pen& pen
   return {pen.pass_count * mark::LengthOf(mark) / pen.speed_mm_s, EndOnWeb(mark)};
 }
 
+/// Where a mark lies, and where it can be made.
+struct Extent {
+  Vec2 min_mm, max_mm;  ///< of the material, as it moves with the web
+  galvo::Span made_at;
+};
+
+Extent ExtentOnWeb(const mark::Mark& mark, const mark::Pen& pen,
+                   const HeadFigures& head) {
+  const std::vector<Vec2> places_mm = PlacesOnWeb(mark);
+  Extent extent{places_mm.front(), places_mm.front(),
+                head.window.Displacements(places_mm, kWebBorderMm + LeadMm(pen, head))};
+  for (const Vec2& place_mm : places_mm) {
+    extent.min_mm = extent.min_mm.cwiseMin(place_mm);
+    extent.max_mm = extent.max_mm.cwiseMax(place_mm);
+  }
+  return extent;
+}
+
 /// Marks made one behind the other.
 struct Unit {
   std::size_t first = 0, count = 0;
-  galvo::Span made_at;  // all of it
-  galvo::WebMark mark;
+  Extent extent;  ///< of all of them
 };
 
 class WebOrderer {
  public:
-  WebOrderer(mark::MarkSet set, const HeadFigures& head, bool may_reverse)
-      : set_(std::move(set)), head_(head), may_reverse_(may_reverse) {}
+  WebOrderer(mark::MarkSet set, const HeadFigures& head, bool may_reverse,
+             const ProgressSink& progress)
+      : set_(std::move(set)),
+        head_(head),
+        may_reverse_(may_reverse),
+        progress_(progress) {}
 
   Result<mark::MarkSet> Order() {
     if (set_.marks.empty()) return std::move(set_);
-    OrderRepeats();
+    INTAGLIO_TRY(OrderRepeats());
+    const std::vector<Extent> extents = Extents();
     for (double share = kUnitsPerField; share >= 2; share /= 2) {
-      DivideByExtent(head_.web_field_mm() / share);
+      DivideByExtent(extents, head_.web_field_mm() / share);
       if (units_.size() <= kMaxUnits) break;
     }
     std::vector<galvo::WebMark> marks;
-    for (const Unit& unit : units_) marks.push_back(unit.mark);
+    for (const Unit& unit : units_) marks.push_back(TimedUnit(unit));
     const galvo::WebHead head{head_.web_field_mm(), JumpSpeedOf(head_)};
     const auto order = units_.size() <= kMaxUnits
                            ? INTAGLIO_TRY(galvo::FastestOrder(marks, head))
                            : INTAGLIO_TRY(galvo::ArrivalOrder(marks, head));
     mark::MarkSet ordered;
+    ordered.marks.reserve(set_.marks.size());
     for (const std::size_t k : order.order) {
       const auto from = set_.marks.begin() + static_cast<std::ptrdiff_t>(units_[k].first);
       const auto to = from + static_cast<std::ptrdiff_t>(units_[k].count);
@@ -126,14 +151,18 @@ class WebOrderer {
   }
 
  private:
-  void OrderRepeats() {
+  Status OrderRepeats() {
     std::ranges::stable_sort(set_.marks, {}, &mark::Mark::web_mm);
     auto from = set_.marks.begin();
     while (from != set_.marks.end()) {
+      const auto done = static_cast<std::uint64_t>(from - set_.marks.begin());
+      if (progress_ && !progress_(done, set_.marks.size()))
+        return Fail(ErrorCode::kCancelled, "the ordering of marks was cancelled");
       const auto to = std::find_if(from, set_.marks.end(), [&](const mark::Mark& mark) {
         return mark.web_mm != from->web_mm;
       });
-      std::vector<mark::Mark> repeat(from, to);
+      std::vector<mark::Mark> repeat(std::make_move_iterator(from),
+                                     std::make_move_iterator(to));
       // What lies at the right arrives first.
       double right_mm = -std::numeric_limits<double>::infinity();
       for (const mark::Mark& mark : repeat)
@@ -143,50 +172,91 @@ class WebOrderer {
       std::move(repeat.begin(), repeat.end(), from);
       from = to;
     }
+    return {};
   }
 
-  void DivideByExtent(double limit_mm) {
+  std::vector<Extent> Extents() const {
+    std::vector<Extent> extents;
+    extents.reserve(set_.marks.size());
+    for (const mark::Mark& mark : set_.marks)
+      extents.push_back(ExtentOnWeb(mark, set_.pens[mark.pen], head_));
+    return extents;
+  }
+
+  void DivideByExtent(const std::vector<Extent>& extents, double limit_mm) {
     units_.clear();
-    Box3 box;
-    double web_mm = 0;
-    for (std::size_t i = 0; i < set_.marks.size(); ++i) {
-      const mark::Mark& mark = set_.marks[i];
-      const galvo::Span made_at = MadeAt(mark, set_.pens[mark.pen], head_);
-      Box3 with = box;
-      with.Extend(ExtentOf(mark));
-      const bool same = !units_.empty() && web_mm == mark.web_mm &&
-                        std::max(with.size_mm().x(), with.size_mm().y()) <= limit_mm &&
-                        !Both(units_.back().made_at, made_at).empty();
-      if (!same) {
-        with = ExtentOf(mark);
-        units_.push_back({i, 0, made_at, {}});
-        web_mm = mark.web_mm;
+    for (std::size_t i = 0; i < extents.size(); ++i) {
+      if (!units_.empty()) {
+        Unit& unit = units_.back();
+        const Extent with = Both(unit.extent, extents[i]);
+        if (set_.marks[unit.first].web_mm == set_.marks[i].web_mm &&
+            (with.max_mm - with.min_mm).maxCoeff() <= limit_mm && !with.made_at.empty()) {
+          unit.extent = with;
+          ++unit.count;
+          continue;
+        }
       }
-      box = with;
-      AddToUnit(mark, i, made_at, box.center_mm().y(), units_.back());
+      units_.push_back({i, 1, extents[i]});
     }
   }
 
-  static galvo::Span Both(const galvo::Span& a, const galvo::Span& b) {
-    return {std::max(a.from_mm, b.from_mm), std::min(a.to_mm, b.to_mm)};
+  static Extent Both(const Extent& a, const Extent& b) {
+    return {a.min_mm.cwiseMin(b.min_mm),
+            a.max_mm.cwiseMax(b.max_mm),
+            {std::max(a.made_at.from_mm, b.made_at.from_mm),
+             std::min(a.made_at.to_mm, b.made_at.to_mm)}};
   }
 
-  void AddToUnit(const mark::Mark& mark, std::size_t number, const galvo::Span& made_at,
-                 double middle_y_mm, Unit& unit) const {
-    const Vec2 from_mm =
-        unit.count > 0 ? EndOnWeb(set_.marks[number - 1]) : BeginOnWeb(mark);
-    ++unit.count;
-    unit.made_at = Both(unit.made_at, made_at);
-    unit.mark.mark_s += TimeFrom(from_mm, mark, set_.pens[mark.pen], head_).time_s;
-    const auto timed = TimedBy(unit.made_at, head_, unit.mark.mark_s);
-    unit.mark.centre_mm = {timed.along_mm, middle_y_mm};
-    unit.mark.extent_mm = timed.extent_mm;
+  galvo::WebMark TimedUnit(const Unit& unit) const {
+    double time_s = 0;
+    for (std::size_t i = unit.first; i < unit.first + unit.count; ++i) {
+      const mark::Mark& mark = set_.marks[i];
+      const Vec2 from_mm =
+          i > unit.first ? EndOnWeb(set_.marks[i - 1]) : BeginOnWeb(mark);
+      time_s += TimeFrom(from_mm, mark, set_.pens[mark.pen], head_).time_s;
+    }
+    const auto timed = TimedBy(unit.extent.made_at, head_, time_s);
+    const double middle_y_mm = (unit.extent.min_mm.y() + unit.extent.max_mm.y()) / 2;
+    return {{timed.along_mm, middle_y_mm}, timed.extent_mm, time_s};
   }
 
   mark::MarkSet set_;
   const HeadFigures head_;
   const bool may_reverse_;
+  const ProgressSink& progress_;
   std::vector<Unit> units_;
+};
+
+/// Calls `each(mark, pen, timed)` in their order.
+template <typename Each>
+void ForEachTimed(const mark::MarkSet& set, const HeadFigures& head, Each each) {
+  Vec2 at_mm = set.marks.empty() ? Vec2(Vec2::Zero()) : BeginOnWeb(set.marks.front());
+  for (const mark::Mark& mark : set.marks) {
+    const mark::Pen& pen = set.pens[mark.pen];
+    const Timed timed = TimeFrom(at_mm, mark, pen, head);
+    at_mm = timed.end_mm;
+    each(mark, pen, timed);
+  }
+}
+
+/// Adds marks up, in their order; they stay where they are.
+class TimesSum {
+ public:
+  explicit TimesSum(const HeadFigures& head) : head_(head) {}
+
+  void Add(const mark::Mark& mark, const mark::Pen& pen, const Timed& timed) {
+    times_.mark_mm += pen.pass_count * mark::LengthOf(mark);
+    const Vec2 from_mm = before_ == nullptr ? BeginOnWeb(mark) : EndOnWeb(*before_);
+    times_.jump_mm += std::min((BeginOnWeb(mark) - from_mm).norm(), head_.field_mm());
+    times_.time_s += timed.time_s;
+    before_ = &mark;
+  }
+  const MarkTimes& times() const { return times_; }
+
+ private:
+  const HeadFigures& head_;
+  MarkTimes times_;
+  const mark::Mark* before_ = nullptr;
 };
 
 }  // namespace
@@ -194,34 +264,26 @@ class WebOrderer {
 double HeadFigures::web_field_mm() const { return field_mm() - 2 * kWebBorderMm; }
 
 MarkTimes TimesOf(const mark::MarkSet& set, const HeadFigures& head) {
-  MarkTimes times;
-  const mark::Mark* before = nullptr;
-  Vec2 at_mm = Vec2::Zero();
-  for (const mark::Mark& mark : set.marks) {
-    const mark::Pen& pen = set.pens[mark.pen];
-    times.mark_mm += pen.pass_count * mark::LengthOf(mark);
-    const Vec2 from = before == nullptr ? BeginOnWeb(mark) : EndOnWeb(*before);
-    times.jump_mm += std::min((BeginOnWeb(mark) - from).norm(), head.field_mm());
-    const Timed timed =
-        TimeFrom(before == nullptr ? BeginOnWeb(mark) : at_mm, mark, pen, head);
-    times.time_s += timed.time_s;
-    at_mm = timed.end_mm;
-    before = &mark;
-  }
-  return times;
+  TimesSum sum(head);
+  ForEachTimed(set, head,
+               [&](const mark::Mark& mark, const mark::Pen& pen, const Timed& timed) {
+                 sum.Add(mark, pen, timed);
+               });
+  return sum.times();
 }
 
 std::vector<galvo::TimedMark> TimedMarksOf(const mark::MarkSet& set,
-                                           const HeadFigures& head) {
-  std::vector<galvo::TimedMark> timed;
-  Vec2 at_mm = set.marks.empty() ? Vec2(Vec2::Zero()) : BeginOnWeb(set.marks.front());
-  for (const mark::Mark& mark : set.marks) {
-    const mark::Pen& pen = set.pens[mark.pen];
-    const Timed made = TimeFrom(at_mm, mark, pen, head);
-    timed.push_back(TimedBy(MadeAt(mark, pen, head), head, made.time_s));
-    at_mm = made.end_mm;
-  }
-  return timed;
+                                           const HeadFigures& head, MarkTimes* times) {
+  TimesSum sum(head);
+  std::vector<galvo::TimedMark> marks;
+  marks.reserve(set.marks.size());
+  ForEachTimed(set, head,
+               [&](const mark::Mark& mark, const mark::Pen& pen, const Timed& timed) {
+                 marks.push_back(TimedBy(MadeAt(mark, pen, head), head, timed.time_s));
+                 if (times != nullptr) sum.Add(mark, pen, timed);
+               });
+  if (times != nullptr) *times = sum.times();
+  return marks;
 }
 
 Status CheckField(const mark::MarkSet& set, bool on_web, const HeadFigures& head) {
@@ -250,9 +312,9 @@ Status CheckField(const mark::MarkSet& set, bool on_web, const HeadFigures& head
 }
 
 Result<mark::MarkSet> OrderForWeb(mark::MarkSet set, const HeadFigures& head,
-                                  bool may_reverse) {
+                                  bool may_reverse, const ProgressSink& progress) {
   INTAGLIO_TRY(CheckField(set, true, head));
-  return WebOrderer(std::move(set), head, may_reverse).Order();
+  return WebOrderer(std::move(set), head, may_reverse, progress).Order();
 }
 
 }  // namespace intaglio

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "engrave/core/progress.h"
 #include "engrave/core/result.h"
 #include "engrave/galvo/field_window.h"
 #include "engrave/galvo/mark_ticks.h"
@@ -37,9 +38,10 @@ MarkTimes TimesOf(const mark::MarkSet& set, const HeadFigures& head);
 
 /// As marks of a web, in their order, with the jumps to them: of a field of web_field_mm.
 /// Where the window is narrower at the places of a mark, the mark counts as so much
-/// longer.
+/// longer. `times`, where it is wanted: those of TimesOf.
 std::vector<galvo::TimedMark> TimedMarksOf(const mark::MarkSet& set,
-                                           const HeadFigures& head);
+                                           const HeadFigures& head,
+                                           MarkTimes* times = nullptr);
 
 /// kOutsideBlock: a mark that no place of the web brings into the window wholly, by its
 /// number, place and size; on a piece at rest, one that lies outside the window.
@@ -47,8 +49,9 @@ Status CheckField(const mark::MarkSet& set, bool on_web, const HeadFigures& head
 
 /// The order in which the web may run fastest (engrave/galvo/web_order.h): of each repeat
 /// the marks are ordered by their jumps, parts of that order become units of a sixteenth
-/// of the field, and the units are ordered. Errors as of CheckField.
+/// of the field, and the units are ordered. `progress` counts marks. Errors as of
+/// CheckField; kCancelled when `progress` returns that.
 Result<mark::MarkSet> OrderForWeb(mark::MarkSet set, const HeadFigures& head,
-                                  bool may_reverse);
+                                  bool may_reverse, const ProgressSink& progress = {});
 
 }  // namespace intaglio

@@ -26,13 +26,14 @@ std::string RepeatsAMinute(const JobSpec& job, double speed_mm_s) {
 Result<WebRun> WebRunOf(const JobSpec& job, const MachineSpec& machine,
                         const mark::MarkSet& ordered) {
   const HeadFigures head = HeadFiguresOf(machine);
-  const auto timed = TimedMarksOf(ordered, head);
+  MarkTimes times;
+  const auto timed = TimedMarksOf(ordered, head, &times);
   auto max_mm_s = galvo::MaxSpeed(timed, head.web_field_mm());
   if (!max_mm_s) {
     max_mm_s.error().message = "marks.web: " + max_mm_s.error().message;
     return tl::unexpected(max_mm_s.error());
   }
-  WebRun run{*max_mm_s, {}};
+  WebRun run{*max_mm_s, {}, times};
   const double asked_mm_s = job.marks().web().speed_mm_s();
   if (asked_mm_s > 0)
     run.missed = galvo::MissedMarks(timed, head.web_field_mm(), asked_mm_s);

@@ -10,6 +10,7 @@
 #include "engrave/mark/mark.h"
 #include "proto/job.pb.h"
 #include "proto/machine.pb.h"
+#include "services/job/marks/mark_times.h"
 
 namespace intaglio {
 
@@ -17,6 +18,7 @@ struct WebRun {
   double max_mm_s = 0;
   /// At marks.web.speed_mm_s: places in the order, ascending.
   std::vector<std::size_t> missed;
+  MarkTimes times;
 };
 
 /// `ordered` as of OrderJobMarks, `job` with marks on a web. kInvalidValue: there is no

@@ -130,5 +130,23 @@ TEST(MarkTimes, WhatDoesNotFitIntoTheFieldIsNamed) {
   EXPECT_FALSE(CheckField(set, true, HeadOf(30)));
 }
 
+TEST(MarkTimes, AnOrderCountsMarksAndEndsWhenItIsAskedTo) {
+  std::mt19937 random(3);
+  const HeadFigures head = HeadOf(60);
+  const mark::MarkSet set = RandomSet(4, random);
+  std::vector<std::uint64_t> done;
+  const ProgressSink sink = [&](std::uint64_t marks, std::uint64_t total) {
+    done.push_back(marks);
+    EXPECT_EQ(total, set.marks.size());
+    return true;
+  };
+  ASSERT_TRUE(OrderForWeb(set, head, true, sink));
+  EXPECT_EQ(done, (std::vector<std::uint64_t>{0, 30, 60, 90}));
+  const auto ended = OrderForWeb(
+      set, head, true, [&](std::uint64_t marks, std::uint64_t) { return marks < 60; });
+  ASSERT_FALSE(ended);
+  EXPECT_EQ(ended.error().code, ErrorCode::kCancelled);
+}
+
 }  // namespace
 }  // namespace intaglio

@@ -1,0 +1,53 @@
+#pragma once
+
+// The progress of a command that is mostly over at once: a bar from the second that it
+// takes longer than this on.
+
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdint>
+#include <iostream>
+#include <string>
+
+#include "services/cli/progress/progress_bar.h"
+
+namespace intaglio::cli {
+
+class LateMeter {
+ public:
+  LateMeter() : bar_(std::cerr, isatty(STDERR_FILENO) != 0) {}
+  ~LateMeter() {
+    if (shown_) bar_.Finish();
+  }
+  LateMeter(const LateMeter&) = delete;
+  LateMeter& operator=(const LateMeter&) = delete;
+
+  /// As a ProgressSink of that stage; always true.
+  bool Show(const char* stage, std::uint64_t done, std::uint64_t total) {
+    const auto now = Clock::now();
+    if (stage != stage_) {
+      stage_ = stage;
+      stage_began_ = now;
+    }
+    if (now - began_ < kPatient || (now - last_ < kPeriod && done != total)) return true;
+    last_ = now;
+    shown_ = true;
+    bar_.ShowShare(stage, done, total,
+                   std::chrono::duration<double>(now - stage_began_).count());
+    return true;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  // What is ready before this needs no bar.
+  static constexpr auto kPatient = std::chrono::seconds(1);
+  static constexpr auto kPeriod = std::chrono::milliseconds(100);
+
+  ProgressBar bar_;
+  std::string stage_;
+  Clock::time_point began_ = Clock::now(), stage_began_ = began_, last_{};
+  bool shown_ = false;
+};
+
+}  // namespace intaglio::cli
