@@ -51,6 +51,8 @@ void BjjczPointDriver::TakeEndOfList() {
   const Vec2 at_mm = lists_.at_mm();
   state_.position_mm.head<2>() = at_mm;
   ++state_.number;
+  // By hand: the next run begins here.
+  if (jog_) listed_mm_.head<2>() = at_mm;
   for (const Step& step : std::exchange(steps_, {})) Execute(step);
 }
 
