@@ -73,6 +73,8 @@ intaglio_ManualCommand SampleOf(const SentOrder& sent) {
   sample.lens = Borrow(sent.order.lens);
   sample.sets = sent.order.sets;
   sample.forget = sent.order.forget;
+  Borrow(sample.outline_x_mm, sent.order.outline_x_mm);
+  Borrow(sample.outline_y_mm, sent.order.outline_y_mm);
   return sample;
 }
 
@@ -170,6 +172,11 @@ void TeachClient::LetGo() {
 bool TeachClient::IsAnswered(std::uint64_t number) const {
   return view_.answered_sender == sender_ && view_.answered_number == number &&
          view_.answer != intaglio_MANUAL_ACCEPTED;
+}
+
+bool TeachClient::IsHeld(std::uint64_t number) const {
+  return view_.held_by == sender_ && view_.answered_sender == sender_ &&
+         view_.answered_number == number && view_.answer == intaglio_MANUAL_ACCEPTED;
 }
 
 Result<std::string> TeachClient::Execute(const TeachOrder& order,

@@ -11,6 +11,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
@@ -52,6 +53,8 @@ struct TeachOrder {
   std::string lens = {};
   std::uint8_t sets = 7;
   bool forget = false;
+  /// Corners of an outline, by the first two axes, mm; as many of each.
+  std::vector<double> outline_x_mm = {}, outline_y_mm = {};
 };
 
 /// An order as it is sent, each time that it is repeated.
@@ -64,7 +67,7 @@ struct SentOrder {
   TeachOrder order = {};
 };
 
-/// The sample borrows the texts of `sent`.
+/// The sample borrows the texts and corners of `sent`.
 intaglio_ManualCommand SampleOf(const SentOrder& sent);
 
 class TeachClient {
@@ -91,6 +94,8 @@ class TeachClient {
   void LetGo();
   /// Once the order was answered, by its number.
   bool IsAnswered(std::uint64_t number) const;
+  /// It is executed, by the newest state.
+  bool IsHeld(std::uint64_t number) const;
 
   /// Holds the order until it is answered for good. The bridge's sentence, or kRefused
   /// with it; kCancelled when `cancelled` held; kTimedOut.

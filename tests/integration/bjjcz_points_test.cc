@@ -1,5 +1,5 @@
 // Points in glass through all processes at a virtual BJJCZ board, whose own record is the
-// judge. Its places become places in the glass by a ray trace of this test's own.
+// judge. Its places become places in the glass by a ray trace of the tests' own.
 
 #include <gtest/gtest.h>
 
@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/integration/bjjcz_glass.h"
 #include "tests/integration/point_shop.h"
 
 namespace intaglio {
@@ -22,31 +23,8 @@ namespace {
 using namespace std::chrono_literals;
 using testing::Eventually;
 
-// The supplied profile has these; N-BK7 at 355 nm (Schott's Sellmeier coefficients).
-constexpr double kFieldMm = 110, kPupilMm = 224, kAxisStepsPerMm = 400, kIndex = 1.538155;
-constexpr double kHalfBlockMm = 25, kBlockHeightMm = 30, kZStepMm = 0.066;
+constexpr double kAxisStepsPerMm = 400, kZStepMm = 0.066;
 constexpr std::size_t kListPoints = 32;
-
-/// Where a beam that is aimed at a place of the field, so far below the face, is in
-/// focus: in the middle between its sagittal and its tangential focus, which neighbouring
-/// rays have by Snell's law.
-Vec3 FocusInGlass(const Vec2& field_mm, double below_mm) {
-  const auto in_glass = [](double angle) { return std::asin(std::sin(angle) / kIndex); };
-  const double across_mm = field_mm.norm(), angle = std::atan(across_mm / kPupilMm);
-  constexpr double kNear = 1e-4;
-  const double tangential_mm =
-      below_mm * (std::tan(angle + kNear) - std::tan(angle - kNear)) /
-      (std::tan(in_glass(angle + kNear)) - std::tan(in_glass(angle - kNear)));
-  const double sagittal_mm = angle > 1e-6
-                                 ? below_mm * std::tan(angle) / std::tan(in_glass(angle))
-                                 : tangential_mm;
-  const double depth_mm = (sagittal_mm + tangential_mm) / 2;
-  const double aside_mm =
-      depth_mm * std::tan(in_glass(angle)) - below_mm * std::tan(angle);
-  const Vec2 at_mm =
-      across_mm > 0 ? Vec2(field_mm * (1 + aside_mm / across_mm)) : field_mm;
-  return {at_mm.x() + kHalfBlockMm, at_mm.y() + kHalfBlockMm, kBlockHeightMm - depth_mm};
-}
 
 std::vector<std::pair<std::string, std::string>> OtherLines(bool slow) {
   if (!slow) return {};
@@ -56,7 +34,7 @@ std::vector<std::pair<std::string, std::string>> OtherLines(bool slow) {
 class BoardPoints : public ::testing::Test {
  protected:
   explicit BoardPoints(bool on_usb = false, std::vector<std::string> new_options = {},
-                       double field_mm = kFieldMm)
+                       double field_mm = testing::kBoardFieldMm)
       : field_mm_(field_mm),
         shop_({.controller = "bjjcz",
                .profile = "bjjcz-glass",
@@ -84,8 +62,9 @@ class BoardPoints : public ::testing::Test {
       std::string kind;
       double x = 0, y = 0, axis = 0;
       if (!(in >> kind >> x >> y >> axis) || kind != "flash") continue;
-      made_mm.push_back(FocusInGlass(Vec2(x - 32768, y - 32768) * field_mm_ / 65536,
-                                     kBlockHeightMm - (axis / kAxisStepsPerMm - 1)));
+      made_mm.push_back(
+          testing::FocusInGlass(Vec2(x - 32768, y - 32768) * field_mm_ / 65536,
+                                testing::kBlockHeightMm - (axis / kAxisStepsPerMm - 1)));
     }
     return made_mm;
   }
@@ -142,7 +121,7 @@ TEST_F(BoardPoints, EachIsMadeOnceAndInItsPlace) {
   EXPECT_LT(judgement.beside_um, 2.5);
   // Half a step of z in the glass, its own steps, and the spherical aberration.
   EXPECT_LT(judgement.above_um,
-            1000 * (kZStepMm / 2 + 0.5 / kAxisStepsPerMm) * kIndex + 10);
+            1000 * (kZStepMm / 2 + 0.5 / kAxisStepsPerMm) * testing::kBoardIndex + 10);
   std::cout << "  " << judgement.points << " points, " << judgement.beside_um
             << " um beside, " << judgement.above_um << " um above or below\n";
 }
@@ -154,7 +133,7 @@ class BoardPointsOfADevice : public BoardPoints {
   BoardPointsOfADevice()
       : BoardPoints(false,
                     {"--from", INTAGLIO_SOURCE_DIR "/tests/data/devices/galvo.lbzip"},
-                    kFieldMm / 0.98) {}
+                    testing::kBoardFieldMm / 0.98) {}
 };
 
 TEST_F(BoardPointsOfADevice, EachIsMadeOnceAndInItsPlace) {

@@ -130,6 +130,11 @@ std::string PointShop::Type(std::vector<std::string> words) const {
   return run.WaitForEnd(60s).output;
 }
 
+std::unique_ptr<Running> PointShop::Start(std::vector<std::string> words) const {
+  words.insert(words.end(), {"--domain", kPointDomain, "--tag", tag_});
+  return std::make_unique<Running>(Program("intaglio"), words, folder_ / "started.txt");
+}
+
 bool PointShop::Open() {
   shop_.reset();
   shop_ = std::make_unique<Running>(

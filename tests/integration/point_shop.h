@@ -45,6 +45,8 @@ class PointShop {
   bool IsOpen() const { return shop_ && shop_->running(); }
   /// A command of `intaglio`, to its end; what it prints.
   std::string Type(std::vector<std::string> words) const;
+  /// The same, which runs until it ends, or its object goes.
+  std::unique_ptr<Running> Start(std::vector<std::string> words) const;
   /// Submits and arms the job. Whether it is accepted.
   bool Submit() const;
   /// `resuming`: a paused job is resumed, a closed shop opened again.
@@ -62,6 +64,7 @@ class PointShop {
   Points PointsOfJob() const;
 
   std::filesystem::path record() const { return folder_ / "record.txt"; }
+  std::filesystem::path job() const { return folder_ / "job.textproto"; }
   std::filesystem::path profile() const { return folder_ / "machine.textproto"; }
   const std::filesystem::path& folder() const { return folder_; }
   const std::string& shown() const { return shown_; }

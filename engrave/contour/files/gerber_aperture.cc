@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
+#include "engrave/core/convex_hull.h"
 #include "engrave/core/try.h"
 
 namespace intaglio::contour {
@@ -170,7 +172,7 @@ Shape Moved(const Shape& shape, const Vec2& by_mm) {
 }
 
 Outline SweptBox(const Vec2& sides_mm, const Vec2& from_mm, const Vec2& to_mm) {
-  // The corners of both boxes that lie outermost, by Andrew's monotone chain.
+  // The corners of both boxes that lie outermost.
   std::vector<Vec2> corners;
   for (const Vec2& center : {from_mm, to_mm}) {
     for (const double x : {-0.5, 0.5}) {
@@ -178,22 +180,7 @@ Outline SweptBox(const Vec2& sides_mm, const Vec2& from_mm, const Vec2& to_mm) {
         corners.push_back(center + Vec2(x * sides_mm.x(), y * sides_mm.y()));
     }
   }
-  std::sort(corners.begin(), corners.end(), [](const Vec2& a, const Vec2& b) {
-    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
-  });
-  std::vector<Vec2> hull;
-  for (int pass = 0; pass < 2; ++pass) {
-    const std::size_t first = hull.size();
-    for (const Vec2& p : corners) {
-      while (hull.size() >= first + 2 &&
-             Cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 1e-12)
-        hull.pop_back();
-      hull.push_back(p);
-    }
-    hull.pop_back();
-    std::reverse(corners.begin(), corners.end());
-  }
-  return {{Straight(hull)}};
+  return {{Straight(ConvexHull(std::move(corners)))}};
 }
 
 }  // namespace intaglio::contour

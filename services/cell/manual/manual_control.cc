@@ -169,6 +169,21 @@ Result<Vec3> ManualControl::TargetOf(const ManualOrder& order) const {
       .cwiseMin(limits.max_mm.cwiseMax(here));
 }
 
+Status ManualControl::CheckOutline(const ManualOrder& order) const {
+  const Box3 limits = LimitsNow();
+  for (const Vec2& corner : order.corners) {
+    for (int i = 0; i < 2; ++i) {
+      if (corner[i] >= limits.min_mm[i] && corner[i] <= limits.max_mm[i]) continue;
+      return Fail(ErrorCode::kInvalidValue,
+                  fmt::format("{} {:.6g} of the outline is outside the limits, {:g} to "
+                              "{:g}: check the zero, and where the job is in the block",
+                              names_[static_cast<std::size_t>(i)], corner[i],
+                              limits.min_mm[i], limits.max_mm[i]));
+    }
+  }
+  return {};
+}
+
 Status ManualControl::Start(const ManualOrder& order) {
   if (IsLight(order.kind) && channels_ == 0) {
     return Fail(ErrorCode::kUnsupported,
@@ -189,6 +204,10 @@ Status ManualControl::Start(const ManualOrder& order) {
   if (!(order.speed_mm_s > 0)) {
     return Fail(ErrorCode::kInvalidValue,
                 fmt::format("speed {} mm/s: give one above 0", order.speed_mm_s));
+  }
+  if (order.kind == intaglio_MANUAL_OUTLINE) {
+    const Status inside = CheckOutline(order);
+    return inside ? driver_.DrawOutline(order.corners, order.speed_mm_s) : inside;
   }
   const auto target = TargetOf(order);
   if (!target) return tl::unexpected(target.error());

@@ -18,6 +18,10 @@
 // the laser controller has done (Interlock). An order whose effect is not reported within
 // kLightTime, or ends, is ended. One order is executed at a time, of whichever kind.
 //
+// An outline of the guide laser is a motion by hand, too: the mirrors move until it is
+// let go. Its speed is not bounded by kMaxSpeedMmS, since nothing that a hand could meet
+// moves.
+//
 // Nothing restarts by itself: what ended, for whatever reason, is spent with its number;
 // only an order with a greater number moves again.
 //
@@ -40,6 +44,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "engrave/core/geometry.h"
 #include "idl/teach.h"
@@ -53,9 +58,10 @@ struct ManualOrder {
   intaglio_ManualCommandKind kind = intaglio_MANUAL_NONE;
   Vec3 place = Vec3::Zero();
   double speed_mm_s = 0;
-  bool by_cell = false;       ///< the synchronizer, for a job that is armed
-  std::uint32_t channel = 1;  ///< of a shutter
-  std::uint8_t sets = 7;      ///< of a zero: bit 0..2, x, y, z
+  bool by_cell = false;            ///< the synchronizer, for a job that is armed
+  std::uint32_t channel = 1;       ///< of a shutter
+  std::uint8_t sets = 7;           ///< of a zero: bit 0..2, x, y, z
+  std::vector<Vec2> corners = {};  ///< of an outline, by the first two axes
 };
 
 /// What the bridge knows of the rest of the machine.
@@ -150,6 +156,7 @@ class ManualControl {
   std::string WhyEnded(const ManualConditions& conditions, Nanoseconds now) const;
   Box3 LimitsNow() const;
   Result<Vec3> TargetOf(const ManualOrder& order) const;
+  Status CheckOutline(const ManualOrder& order) const;
   void Brake(std::string why);
   void TurnLight(std::string why, const ManualConditions& conditions, Nanoseconds now);
   bool Holds(intaglio_ManualCommandKind kind) const {

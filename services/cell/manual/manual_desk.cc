@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <random>
+#include <vector>
 
 #include "services/platform/bus/samples.h"
 
@@ -26,6 +27,17 @@ void Put(const Vec3& from, double (&to)[3]) {
   for (int i = 0; i < 3; ++i) to[i] = from[i];
 }
 
+/// None where the sample has more of x than of y, or of y than of x.
+std::vector<Vec2> CornersOf(const intaglio_ManualCommand& command) {
+  const auto x = View(command.outline_x_mm), y = View(command.outline_y_mm);
+  if (x.size() != y.size()) return {};
+  std::vector<Vec2> corners;
+  // One more than there may be is refused.
+  for (std::size_t i = 0; i < std::min(x.size(), drivers::kMaxOutlineCorners + 1); ++i)
+    corners.emplace_back(x[i], y[i]);
+  return corners;
+}
+
 ManualOrder OrderOf(const intaglio_ManualCommand& command, bool by_cell) {
   return {std::string(View(command.sender)),
           command.number,
@@ -35,7 +47,8 @@ ManualOrder OrderOf(const intaglio_ManualCommand& command, bool by_cell) {
           command.speed_mm_s,
           by_cell,
           command.channel,
-          command.sets};
+          command.sets,
+          CornersOf(command)};
 }
 
 bool IsTeaching(intaglio_ManualCommandKind kind) {
@@ -104,7 +117,8 @@ void ManualDesk::TakeCommands(bus::Reader<intaglio_ManualCommand>& reader, bool 
     const ManualOrder order = OrderOf(command, by_cell);
     const bool of_person =
         IsTeaching(command.kind) || command.kind == intaglio_MANUAL_LAMP ||
-        command.kind == intaglio_MANUAL_ZERO || command.kind == intaglio_MANUAL_SHUTTER;
+        command.kind == intaglio_MANUAL_ZERO || command.kind == intaglio_MANUAL_SHUTTER ||
+        command.kind == intaglio_MANUAL_OUTLINE;
     if (by_cell && of_person) return;
     if (command.kind == intaglio_MANUAL_ZERO) return TakeAtZero(order, command, now);
     if (command.kind == intaglio_TEACH_ZERO && !teacher_.zero_is_in_controller() &&

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cctype>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -16,6 +15,7 @@
 #include "services/cli/job_glass.h"
 #include "services/cli/job_options.h"
 #include "services/cli/json/print_json.h"
+#include "services/cli/preview/named_job.h"
 #include "services/cli/progress/late_meter.h"
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
@@ -24,7 +24,6 @@
 #include "services/client/preview/preview_text.h"
 #include "services/client/proof_folder.h"
 #include "services/client/warning_text.h"
-#include "services/history/job_history.h"
 #include "services/job/files/freeze.h"
 #include "services/job/models/program_limits.h"
 #include "services/job/verdict/warnings.h"
@@ -35,29 +34,14 @@ namespace intaglio::cli {
 namespace {
 
 namespace fs = std::filesystem;
+
 struct PreviewCommandOptions {
   JobFlags job;
-  std::string folder = "intaglio-shop", database, out, materials_db;
+  ShopOfJob shop;
+  std::string out, materials_db;
   bool json = false;
   AcceptFlag accept;
 };
-
-/// A number as `list` shows it, or a uid, unless there is a file of that name.
-bool IsJobOfShop(const std::string& text) {
-  return !text.empty() && std::isdigit(static_cast<unsigned char>(text.front())) != 0 &&
-         fs::path(text).extension().empty() && !fs::exists(text);
-}
-
-/// The job that was named: a job file or models, each with the options, or a job of a
-/// shop.
-Result<JobAndMachine> FindJob(const PreviewCommandOptions& options) {
-  const auto& what = options.job.what;
-  if (what.size() != 1 || !IsJobOfShop(what.front())) return BuildJob(options.job);
-  auto job = INTAGLIO_TRY(history::ReadJob(
-      options.database.empty() ? options.folder + "/jobs.db" : options.database,
-      what.front()));
-  return CompleteJob(options.job, std::move(job));
-}
 
 /// The job with everything resolved, and what was chosen for the user.
 struct JobToPreview {
@@ -67,7 +51,7 @@ struct JobToPreview {
 };
 
 Result<JobToPreview> FreezeNamed(const PreviewCommandOptions& options) {
-  auto job = INTAGLIO_TRY(FindJob(options));
+  auto job = INTAGLIO_TRY(FindNamedJob(options.job, options.shop));
   if (job.job.has_marks()) {
     return Fail(
         ErrorCode::kUnsupported,
@@ -146,16 +130,7 @@ void AddPreviewCommand(command_line::Command app) {
   preview.AddFlag("--json", options->json, "print the figures for programs");
   preview.AddOption("--materials", options->materials_db,
                     "material base, default the user's");
-  const auto folder =
-      preview
-          .AddOption("--folder", options->folder,
-                     "folder of the shop of a job's number, as for intaglio up")
-          .ShowDefault();
-  preview
-      .AddOption(
-          "--database", options->database,
-          "or the database of the job service, as for its --database: a file or a server")
-      .Exclude(folder);
+  AddShopOfJob(preview, options->shop);
   preview.SetFooter(
       "Example: intaglio preview horse.stl --height 40 --block 60 60 60\n"
       "Example: intaglio preview job.textproto; intaglio preview 12\n"

@@ -16,6 +16,7 @@
 #include "services/cli/teach/teach_light.h"
 #include "services/cli/teach/teach_move.h"
 #include "services/cli/teach/teach_options.h"
+#include "services/cli/teach/teach_outline.h"
 #include "services/cli/teach/teach_pulse.h"
 #include "services/client/exit_codes.h"
 #include "services/job/teach/profile_history.h"
@@ -294,6 +295,7 @@ void AddTeachCommand(command_line::Command app) {
   AddLimits(teach);
   AddTestPulseCommands(teach);
   AddLightCommands(teach);
+  AddOutlineCommand(teach);
   AddUndo(teach);
   AddHistory(teach);
   AddTeachMount(teach);

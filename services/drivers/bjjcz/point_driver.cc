@@ -224,11 +224,13 @@ std::uint64_t BjjczPointDriver::ForgetSent() {
   held_.reset();
   lists_.Drop();
   axis_.reset();
+  outline_.reset();
   listed_mm_ = state_.position_mm;
   return last;
 }
 
 void BjjczPointDriver::StopController() {
+  outline_.reset();
   if (!line_.up()) return;
   asked_outputs_ =
       static_cast<std::uint16_t>(WantedOutputs() & ~(1U << board_.gate_output()));

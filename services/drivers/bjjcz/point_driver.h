@@ -14,13 +14,21 @@
 // and moves between lists alone: where a piece has another z, the list before it is
 // played first. The end of a move is the board's (AXIS), its place is read and compared.
 //
+// An outline of the guide laser (guide_output) is a jog without an end: lists of jumps
+// alone, behind a dark one to its first corner. While it is drawn the gate output stays
+// off, whatever the laser's side wants, and a fibre laser's oscillator is off.
+//
 // What it shares with other controllers that have no clock: lockstep_driver.h.
 //
 // What this family does not keep by itself of the numbered guarantees, and what bounds
 // it:
 //  - M9, L7: there is no watchdog. A board whose host is gone plays its list to the end,
 //    kMaxListSeconds at most, and the gate output stays on: an external gate has to cut
-//    the laser for key, door and stop button.
+//    the laser for key, door and stop button. Of an outline the guide laser stays on, at
+//    rest, until the line is back (M19).
+//  - M2: behind a list that was stopped, or lost, position_mm has the place where it
+//  would
+//    have ended, until the next one ends.
 //  - L6: the points of the list that was executed when the line was lost, or when the
 //    shutter was closed, are uncertain.
 //  - L9: key, door and stop button are one chain at an input that is read every 5 ms;
@@ -32,7 +40,9 @@
 //    never rests there. What another program has done with the axis is not known: home it
 //    behind one.
 
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -53,6 +63,8 @@ class BjjczPointDriver final : public LockstepDriver {
   BjjczPointDriver(const MachineSpec& machine, std::vector<LmcCommand> set_up,
                    std::string broken, link::StreamOpener open, link::SteadyClock clock);
 
+  Status DrawOutline(std::span<const Vec2> corners_mm, double speed_mm_s) override;
+
  private:
   /// What has passed when the list has ended.
   struct Step {
@@ -66,6 +78,14 @@ class BjjczPointDriver final : public LockstepDriver {
     bool was_asked = false;  ///< its answer has come
     std::optional<std::chrono::nanoseconds> rests_at;
     bool asks_place = false;
+  };
+  /// What the guide laser draws, with jog_, which ends it.
+  struct Outline {
+    std::vector<Vec2> way_mm;  ///< in steps of a list; the last leads to the first
+    double speed_mm_s = 0;
+    std::size_t next = 0;
+    bool has_begun = false;  ///< a list leads to the first place
+    bool is_there = false;   ///< it was played
   };
 
   const ControllerLine& line() const override { return line_; }
@@ -108,12 +128,17 @@ class BjjczPointDriver final : public LockstepDriver {
   bool FeedAxis();
   void FeedHome();
   void FeedJog();
+  void FeedOutline();
   void FeedRun();
   void FeedAside();
   void FeedOutputs();
   /// Adds it to the list, or says that the list has to be played before.
   bool AddPiece(const Piece& piece);
   void Play();
+  void Send(const LmcList& list);
+  bool draws_outline() const {
+    return outline_ && jog_ && !jog_->cancelled && state_.fault == intaglio_MOTION_OK;
+  }
   void MoveAxis(std::int32_t to_steps, double speed_mm_s);
   void TakeEndOfList();
   void Execute(const Step& step);
@@ -140,6 +165,7 @@ class BjjczPointDriver final : public LockstepDriver {
   std::optional<PlayedList> playing_;
   bool is_list_uncertain_ = false;  ///< the gate was closed while it was in the board
   std::optional<AxisMove> axis_;
+  std::optional<Outline> outline_;
   bool stopping_ = false;  ///< until the board reports that it does nothing any more
   bool seen_since_stop_ = false;
   std::uint64_t session_ = 0;

@@ -13,6 +13,7 @@ using Outcome = link::TickOutcome;
 void BjjczPointDriver::Feed() {
   if (!broken_.empty() || !line_.is_idle() || !knows_inputs_ || !knows_axis_) return;
   if (stopping_) return;
+  if (!jog_) outline_.reset();
   FeedOutputs();
   if (!line_.is_idle()) return;
   if (FeedPlayed() || FeedAxis()) return;
@@ -29,6 +30,11 @@ void BjjczPointDriver::Feed() {
 // True: the board has a list.
 bool BjjczPointDriver::FeedPlayed() {
   if (!playing_) return false;
+  if (!playing_->was_sent() && outline_ && !draws_outline()) {
+    playing_.reset();
+    lists_.Drop();
+    return false;
+  }
   if (!playing_->was_sent()) {
     if (!busy_) playing_->Execute(line_);
     return true;
@@ -51,6 +57,7 @@ void BjjczPointDriver::TakeEndOfList() {
   const Vec2 at_mm = lists_.at_mm();
   state_.position_mm.head<2>() = at_mm;
   ++state_.number;
+  if (outline_) outline_->is_there = true;
   // By hand: the next run begins here.
   if (jog_) listed_mm_.head<2>() = at_mm;
   for (const Step& step : std::exchange(steps_, {})) Execute(step);
@@ -108,6 +115,7 @@ void BjjczPointDriver::FeedHome() {
 }
 
 void BjjczPointDriver::FeedJog() {
+  if (outline_) return FeedOutline();
   const auto piece = NextJogPiece();
   if (!piece) return;
   const Vec3 to_mm = pieces_.Snapped(piece->to_mm);
@@ -177,19 +185,25 @@ void BjjczPointDriver::Play() {
   Plan(std::max(planned_s, list.seconds));
   if (board_.laser() == BJJCZ_LASER_FIBRE && !std::exchange(oscillates_, true))
     line_.Send({LmcOperation::kFibreOscillator, {1}});
+  Send(list);
+}
+
+void BjjczPointDriver::Send(const LmcList& list) {
   SendList(list, line_);
   is_list_uncertain_ = false;
   playing_.emplace(list.seconds);
 }
 
 std::uint16_t BjjczPointDriver::WantedOutputs() const {
-  const bool permitted = wanted_open_ && closed_ && !halted_ && !homing_;
+  const bool permitted =
+      wanted_open_ && closed_ && !halted_ && !homing_ && !(outline_ && jog_);
+  const bool guides = draws_outline() && outline_->is_there && closed_;
   const auto bit = [](std::uint32_t output, bool on) {
     return static_cast<std::uint16_t>(on ? 1U << output : 0U);
   };
   std::uint16_t wanted = bit(board_.gate_output(), permitted);
   if (board_.has_lamp_output()) wanted |= bit(board_.lamp_output(), run_ != Run::kNone);
-  if (board_.has_guide_output()) wanted |= bit(board_.guide_output(), !permitted);
+  if (board_.has_guide_output()) wanted |= bit(board_.guide_output(), guides);
   return wanted;
 }
 

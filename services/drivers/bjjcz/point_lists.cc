@@ -10,6 +10,8 @@ namespace {
 using enum LmcOperation;
 
 constexpr double kMiddlePlace = 32768, kBoardPlaces = 65536;
+// A guide laser that has no way to go shows its place so long, 10 us.
+constexpr std::uint16_t kGuideRest = 100;
 
 }  // namespace
 
@@ -81,6 +83,39 @@ void PointLists::AddSlow(const Vec2& to_mm, double seconds) {
   const double jump_s = way / (1000 * places_ms), rest_s = seconds - jump_s;
   if (rest_s > 0) list_.commands.push_back({kDelay, {ToUint16(std::ceil(1e5 * rest_s))}});
   list_.seconds += std::max(jump_s, seconds) + jumps_.jump_delay_s();
+}
+
+double PointLists::GuidePlacesMs(double speed_mm_s) const {
+  const double mm_s = std::min(speed_mm_s, jumps_.jump_mm_s());
+  return std::max(1.0, std::floor(mm_s * places_per_mm_ / 1000));
+}
+
+double PointLists::GuideStepMm(double speed_mm_s) const {
+  const double seconds = std::max(0.0, kMaxListSeconds - jumps_.jump_delay_s()) / 2;
+  return 1000 * GuidePlacesMs(speed_mm_s) * seconds / places_per_mm_;
+}
+
+bool PointLists::AddGuide(const Vec2& to_mm, double speed_mm_s) {
+  const double places_ms = GuidePlacesMs(speed_mm_s);
+  const Place to = PlaceOf(to_mm);
+  const double way = std::hypot(to[0] - at_[0], to[1] - at_[1]);
+  const double seconds =
+      way > 0 ? way / (1000 * places_ms) + jumps_.jump_delay_s() : 1e-5 * kGuideRest;
+  if (empty()) {
+    BeginList(board_, false, list_);
+    list_.commands.push_back({kJumpSpeed, {ToUint16(places_ms)}});
+    list_.commands.push_back({kJumpDelay, {Microseconds(jumps_.jump_delay_s())}});
+    has_jump_ = true;
+  } else if (list_.seconds + seconds > kMaxListSeconds ||
+             list_.commands.size() + 2 > kMaxListCommands) {
+    return false;
+  }
+  if (way > 0)
+    AddJump(to);
+  else
+    list_.commands.push_back({kDelay, {kGuideRest}});
+  list_.seconds += seconds;
+  return true;
 }
 
 LmcList PointLists::Take() {

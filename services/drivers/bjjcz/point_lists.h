@@ -36,6 +36,12 @@ class PointLists {
   bool Add(const Vec2& to_mm, bool fires, double power_ratio = 1);
   /// Dark, in no less than `seconds`: by hand.
   void AddSlow(const Vec2& to_mm, double seconds);
+  /// A way that a guide laser shows: straight, dark, at most so fast. False: the list has
+  /// no time for it; an empty one has, up to GuideStepMm. Such a list has nothing else,
+  /// and sets neither power nor frequency of the laser.
+  bool AddGuide(const Vec2& to_mm, double speed_mm_s);
+  /// The longest way of AddGuide at this speed: half of a list's time.
+  double GuideStepMm(double speed_mm_s) const;
   /// What was added since the last call; it begins with a jump, wherever the mirrors are.
   LmcList Take();
   /// What was taken was played to its end.
@@ -49,6 +55,8 @@ class PointLists {
   using Place = std::array<int, 2>;
 
   Place PlaceOf(const Vec2& at_mm) const;
+  /// Whole places a millisecond, no faster than jumps.
+  double GuidePlacesMs(double speed_mm_s) const;
   void AddJump(const Place& to);
   void Begin(double places_ms, double power_ratio);
 

@@ -5,7 +5,9 @@
 // (services/cell/manual/manual_control.h). Axes in mm or rad.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "engrave/core/geometry.h"
@@ -42,6 +44,9 @@ struct DriverState {
   bool operator==(const DriverState&) const = default;
 };
 
+/// Corners of an outline, at most.
+inline constexpr std::size_t kMaxOutlineCorners = 64;
+
 class HandMotion {
  public:
   virtual ~HandMotion() = default;
@@ -59,7 +64,12 @@ class HandMotion {
   /// that `sets` has. Nothing moves; at_rest is false until it is done. kUnsupported:
   /// this family keeps no zero.
   virtual Status SetZero(const Vec3& here, const std::array<bool, 3>& sets);
-  /// Ends Jog and Home, braking to rest.
+  /// The guide laser draws the closed way over these corners (1 to kMaxOutlineCorners, by
+  /// the first two axes, within the travel, mm), again and again, at most at
+  /// `speed_mm_s`; the third axis rests, and the laser stays off. A person holds it: the
+  /// caller ends it with Hold. kUnsupported: this machine has no such laser.
+  virtual Status DrawOutline(std::span<const Vec2> corners_mm, double speed_mm_s);
+  /// Ends Jog, Home and DrawOutline, braking to rest.
   virtual Status Hold() = 0;
 };
 

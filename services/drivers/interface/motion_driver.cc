@@ -18,6 +18,13 @@ Status HandMotion::SetZero(const Vec3& /*here*/, const std::array<bool, 3>& /*se
   return Fail(ErrorCode::kUnsupported, "this controller keeps no zero of a person's");
 }
 
+Status HandMotion::DrawOutline(std::span<const Vec2> /*corners_mm*/,
+                               double /*speed_mm_s*/) {
+  return Fail(ErrorCode::kUnsupported,
+              "the driver of this machine has no guide laser that draws an outline: one "
+              "at a BJJCZ board does (docs/machines/bjjcz.md)");
+}
+
 Box3 TravelOf(const MachineSpec& machine) {
   Box3 travel;
   const AxisLimits* axes[] = {&machine.x(), &machine.y(), &machine.z()};

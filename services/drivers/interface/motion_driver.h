@@ -76,6 +76,14 @@ struct LatchedPositions {
 ///       that begins meanwhile is refused (M3).
 ///   M16 No pulse is possible while it is moved by hand: a controller that drives the
 ///       laser, too, has switched it off before it moves.
+/// And of one whose guide laser draws outlines (DrawOutline does not return
+/// kUnsupported):
+///   M19 An outline is begun as a jog is (M14), with corners that are in the travel, and
+///       ends as one: by Hold (M15), without a host (M9), and by a stop of the controller
+///       (M17). The guide laser is on from the first corner until the end, and at no
+///       other time; where it is on, the focus is on the closed way over the corners. As
+///       long as the outline is drawn no pulse is possible, whatever the laser's side is
+///       told: the gate of the laser stays closed.
 /// Not thread-safe.
 ///
 /// A controller that moves the stage and switches the laser has one driver object that is

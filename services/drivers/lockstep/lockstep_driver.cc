@@ -209,14 +209,17 @@ Status LockstepDriver::AbortRun() {
   return {};
 }
 
-Status LockstepDriver::Jog(const Vec3& axes, double speed_mm_s) {
+Status LockstepDriver::CheckByHand() const {
   if (!up()) return Down();
-  if (!state_.at_rest || state_.fault != intaglio_MOTION_OK || !state_.homed) {
-    return Fail(ErrorCode::kRefused, !state_.homed ? "the controller has no reference: "
-                                                     "home it (intaglio teach home)"
-                                     : state_.message.empty() ? "the stage is not at rest"
-                                                              : state_.message);
-  }
+  if (state_.at_rest && state_.fault == intaglio_MOTION_OK && state_.homed) return {};
+  return Fail(ErrorCode::kRefused, !state_.homed ? "the controller has no reference: "
+                                                   "home it (intaglio teach home)"
+                                   : state_.message.empty() ? "the stage is not at rest"
+                                                            : state_.message);
+}
+
+Status LockstepDriver::Jog(const Vec3& axes, double speed_mm_s) {
+  if (auto may = CheckByHand(); !may) return may;
   // What it counts is no place on the axes: a person watches how far it goes.
   const bool is_known = state_.place_lost.empty();
   if (auto good = pieces().Check(axes); is_known ? !good : !axes.allFinite()) return good;

@@ -162,6 +162,8 @@ class LockstepDriver : public MotionDriver, public LaserController {
   enum class StoppedBy { kChain, kController, kHost };
   void Halt(intaglio_MotionFault fault, std::string why,
             StoppedBy by = StoppedBy::kController);
+  /// Whether Jog may begin now, and what a family begins as one.
+  Status CheckByHand() const;
   std::optional<JogPiece> NextJogPiece() const;
   bool Fires(std::uint64_t tick);
   /// Ticks up to here may be sent.

@@ -4,6 +4,7 @@
 
 #include "tests/services/drivers/motion_bench.h"
 #include "tests/services/drivers/motion_conformance_jog.h"
+#include "tests/services/drivers/motion_conformance_outline.h"
 
 namespace intaglio::drivers {
 namespace {
@@ -233,6 +234,7 @@ std::vector<MotionCheck> AllMotionChecks() {
       {"M14_refusals", &AJogIsRefusedDuringARunAndAfterAFault},
       {"M9_cut_in_a_jog", &ACutLineEndsAJog},
   };
+  for (const MotionCheck& check : OutlineChecks()) all.push_back(check);
   for (const MotionCheck& check : MotionFaultChecks()) all.push_back(check);
   return all;
 }

@@ -74,6 +74,10 @@ class MotionRig {
   virtual bool moves() = 0;
   /// The controller's time at actual_mm, ms.
   virtual double time_ms() { return static_cast<double>(steps_); }
+  /// Of a machine that draws outlines: its guide laser is on; the gate of its laser is
+  /// open, or it emits.
+  virtual bool guide_is_on() { return false; }
+  virtual bool may_fire() { return false; }
   /// The rate of the controller, Hz.
   virtual double rate_hz() const = 0;
   virtual Vec3 travel_min_mm() const = 0;

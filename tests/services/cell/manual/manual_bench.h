@@ -40,7 +40,17 @@ class FakeDriver final : public drivers::HandMotion {
     return {};
   }
 
+  Status DrawOutline(std::span<const Vec2> corners_mm, double speed_mm_s) override {
+    ++outlines;
+    corners.assign(corners_mm.begin(), corners_mm.end());
+    speed = speed_mm_s;
+    now.at_rest = false;
+    return {};
+  }
+
   drivers::DriverState now;
+  int outlines = 0;
+  std::vector<Vec2> corners;
   std::array<bool, 3> set_axes{};
   int zeros = 0;
   int jogs = 0, holds = 0, clears = 0;

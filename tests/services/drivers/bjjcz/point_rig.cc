@@ -20,12 +20,17 @@ Vec3 PlaceOfBoard(const bjjcz::VirtualBjjcz& board) {
           kOriginMm + board.axis() / kBoardStepsPerMm};
 }
 
+/// Names this board; empty: the one of the rig.
+MachineSpec ProfileOf(const std::string& serial_number) {
+  MachineSpec profile = BjjczPointProfile();
+  if (!serial_number.empty())
+    profile.mutable_motion_line()->set_serial_number(serial_number);
+  return profile;
+}
+
 class BjjczMotionRig final : public MotionRig {
  public:
-  explicit BjjczMotionRig(const std::string& serial_number) : machine_(false, true) {
-    MachineSpec profile = BjjczPointProfile();
-    if (!serial_number.empty())
-      profile.mutable_motion_line()->set_serial_number(serial_number);
+  explicit BjjczMotionRig(const MachineSpec& profile) : machine_(false, true) {
     driver = MakeBjjczPointDriverAt(machine_, profile);
   }
   void CutLine(bool cut) override { machine_.Cut(cut); }
@@ -50,6 +55,12 @@ class BjjczMotionRig final : public MotionRig {
   }
   Vec3 actual_mm() override { return PlaceOfBoard(machine_.board); }
   bool moves() override { return machine_.board.moves(); }
+  bool guide_is_on() override {
+    return (machine_.board.outputs() >> kBoardGuideOutput & 1) != 0;
+  }
+  bool may_fire() override {
+    return (machine_.board.outputs() & 1) != 0 || machine_.board.lit();
+  }
   double rate_hz() const override { return kPointRate_hz; }
   Vec3 travel_min_mm() const override { return Vec3::Constant(-50); }
   Vec3 travel_max_mm() const override { return Vec3::Constant(50); }
@@ -67,9 +78,7 @@ class BjjczMotionRig final : public MotionRig {
 class BjjczLaserRig final : public LaserRig {
  public:
   explicit BjjczLaserRig(const std::string& serial_number) : machine_(false, true) {
-    MachineSpec profile = BjjczPointProfile();
-    if (!serial_number.empty())
-      profile.mutable_motion_line()->set_serial_number(serial_number);
+    const MachineSpec profile = ProfileOf(serial_number);
     driver.reset(MakeBjjczPointDriverAt(machine_, profile).release()->laser());
   }
   void CutLine(bool cut) override { machine_.Cut(cut); }
@@ -135,6 +144,7 @@ MachineSpec BjjczPointProfile() {
   jumps.set_dwell_s(0.0005);
   machine.mutable_bjjcz_board()->set_laser(BJJCZ_LASER_UV);
   machine.mutable_bjjcz_board()->set_door_input(kBjjczDoorInput);
+  machine.mutable_bjjcz_board()->set_guide_output(kBoardGuideOutput);
   machine.mutable_bjjcz_board()->set_point_frequency_hz(30000);
   machine.mutable_laser()->add_rates_hz(kPointRate_hz);
   machine.mutable_laser()->add_rates_hz(kFastPointRate_hz);
@@ -152,7 +162,11 @@ std::unique_ptr<MotionDriver> MakeBjjczPointDriverAt(BjjczMachine& machine,
 
 std::unique_ptr<MotionRig> MakeBjjczMotionRig(const std::string& /*name*/,
                                               const std::string& serial_number) {
-  return std::make_unique<BjjczMotionRig>(serial_number);
+  return MakeBjjczMotionRigOf(ProfileOf(serial_number));
+}
+
+std::unique_ptr<MotionRig> MakeBjjczMotionRigOf(const MachineSpec& profile) {
+  return std::make_unique<BjjczMotionRig>(profile);
 }
 
 std::unique_ptr<LaserRig> MakeBjjczLaserRig(const std::string& /*name*/,

@@ -20,6 +20,9 @@ inline constexpr double kBoardPlacesPerMm = 65536 / kBoardFieldMm;
 /// How many points a list has at most.
 inline constexpr std::uint32_t kBoardListPoints = 32;
 
+/// The guide laser's output.
+inline constexpr std::uint32_t kBoardGuideOutput = 8;
+
 /// A field of 110 mm, of which 100 mm are travelled; points of 0.5 ms.
 MachineSpec BjjczPointProfile();
 
@@ -29,6 +32,8 @@ std::unique_ptr<MotionDriver> MakeBjjczPointDriverAt(BjjczMachine& machine,
 
 std::unique_ptr<MotionRig> MakeBjjczMotionRig(const std::string& name,
                                               const std::string& serial_number);
+/// The same of another profile than BjjczPointProfile.
+std::unique_ptr<MotionRig> MakeBjjczMotionRigOf(const MachineSpec& profile);
 std::unique_ptr<LaserRig> MakeBjjczLaserRig(const std::string& name,
                                             const std::string& serial_number);
 

@@ -174,6 +174,7 @@ void VirtualBjjcz::BeginCommand(const Numbers& numbers) {
     stroke_.from = at_;
     stroke_.to = {static_cast<double>(numbers[1]), static_cast<double>(numbers[2])};
     stroke_.is_mark = is_mark;
+    stroke_.outputs = outputs_;
     stroke_.begin_us = now_us_;
     const double way = std::hypot(stroke_.to[0] - at_[0], stroke_.to[1] - at_[1]);
     total_us_ = left_us_ = 1000 * way / (is_mark ? mark_speed_ : jump_speed_);

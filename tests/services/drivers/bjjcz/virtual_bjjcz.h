@@ -40,6 +40,7 @@ struct Stroke {
   double begin_us = 0, end_us = 0;     ///< since the board was made
   double lit_us = 0;                   ///< of it with the beam on
   bool is_mark = false;
+  std::uint16_t outputs = 0;                       ///< at its beginning
   std::uint16_t current = 0, q_switch_period = 0;  ///< of a fibre source
   std::uint16_t mark_period = 0, power_ratio = 0;  ///< of CO2 and UV
 };
@@ -70,6 +71,8 @@ class VirtualBjjcz {
   /// A list is executed, or the axis moves.
   bool moves() const { return executes_ || axis_ != axis_to_; }
   bool lit() const { return lit_; }
+  /// The master oscillator of a fibre source is on.
+  bool oscillates() const { return oscillator_; }
   /// Grows with every step of the beam's time, and of the mirrors' way.
   std::uint64_t work_count() const { return work_count_; }
   std::uint16_t outputs() const { return outputs_; }

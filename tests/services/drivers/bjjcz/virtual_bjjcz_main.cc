@@ -1,14 +1,17 @@
 // The virtual BJJCZ board as a program, in real time:
 //
 //   virtual-bjjcz --line LINE --record FILE [--panel SOCKET] [--axis STEPS]
+//     [--guide OUTPUT]
 //
 // LINE: a path, for a symbolic link to a pseudo-terminal, or "tcp:127.0.0.1:0" for a TCP
 // port; "ready LINE" on the output has what a host opens. Each mark command that the beam
 // made something of is a line of the record when it has ended: "mark X0 Y0 X1 Y1 BEGIN_US
 // END_US LIT_US", in places of the board, 32768 the centre; each point that it lit at
 // rest is "flash X Y AXIS BEGIN_US LIT_US", AXIS in steps. With --axis its axis was
-// homed, and is there. The panel takes lines of text (services/virtual_engraver/panel.h):
-// door open|close, power off|on, unplug, plug. SIGTERM ends it.
+// homed, and is there. With --guide each way of the mirrors that began with this output
+// on is "guide X0 Y0 X1 Y1", and "gate" behind it, if the gate was on, too. The panel
+// takes lines of text (services/virtual_engraver/panel.h): door open|close, power off|on,
+// unplug, plug. SIGTERM ends it.
 
 #include <signal.h>
 
@@ -51,13 +54,17 @@ void RecordFlashes(const bjjcz::VirtualBjjcz& board, std::size_t& written,
   record.flush();
 }
 
-/// Writes what has ended since the last call.
-void Record(const bjjcz::VirtualBjjcz& board, std::size_t& written,
+/// Writes what has ended since the last call; `guide`: output of a guide laser, -1: none.
+void Record(const bjjcz::VirtualBjjcz& board, int guide, std::size_t& written,
             std::ofstream& record) {
   const auto& strokes = board.strokes();
   if (written == strokes.size()) return;
   for (; written < strokes.size(); ++written) {
     const bjjcz::Stroke& stroke = strokes[written];
+    if (guide >= 0 && (stroke.outputs >> guide & 1) != 0) {
+      record << "guide " << stroke.from[0] << ' ' << stroke.from[1] << ' ' << stroke.to[0]
+             << ' ' << stroke.to[1] << ((stroke.outputs & 1) != 0 ? " gate" : "") << '\n';
+    }
     if (!stroke.is_mark || stroke.lit_us <= 0) continue;
     record << "mark " << stroke.from[0] << ' ' << stroke.from[1] << ' ' << stroke.to[0]
            << ' ' << stroke.to[1] << ' ' << std::llround(stroke.begin_us) << ' '
@@ -83,7 +90,7 @@ std::string Act(const std::string& command, bjjcz::VirtualBjjcz& board, bool& un
 }
 
 void Serve(virtual_engraver::MachineLine& line, const std::string& record_file, int axis,
-           std::optional<virtual_engraver::Panel> panel) {
+           int guide, std::optional<virtual_engraver::Panel> panel) {
   using Clock = std::chrono::steady_clock;
   bjjcz::VirtualBjjczOptions options;
   options.needs_oscillator = false;
@@ -112,7 +119,7 @@ void Serve(virtual_engraver::MachineLine& line, const std::string& record_file, 
     last = now;
     const std::string sent = board.Read();
     if (!sent.empty() && !unplugged) (void)bytes->Write(std::as_bytes(std::span(sent)));
-    Record(board, written, record);
+    Record(board, guide, written, record);
     RecordFlashes(board, written_flashes, record);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
@@ -122,12 +129,13 @@ void Serve(virtual_engraver::MachineLine& line, const std::string& record_file, 
 
 int main(int argc, char** argv) {
   std::string device, record_file, panel_file;
-  int axis = 0;
+  int axis = 0, guide = -1;
   CLI::App app("A BJJCZ board for tests.");
   app.add_option("--line", device)->required();
   app.add_option("--record", record_file)->required();
   app.add_option("--panel", panel_file);
   app.add_option("--axis", axis);
+  app.add_option("--guide", guide);
   CLI11_PARSE(app, argc, argv);
   signal(SIGTERM, [](int) { ends = 1; });
   auto line = virtual_engraver::OpenMachineLine(device, "virtual bjjcz");
@@ -147,6 +155,6 @@ int main(int argc, char** argv) {
   // A machine of steel does not wait for a busy host.
   (void)link::AskForRealTime();
   std::cout << "ready " << (*line)->device() << std::endl;
-  Serve(**line, record_file, axis, std::move(panel));
+  Serve(**line, record_file, axis, guide, std::move(panel));
   return 0;
 }

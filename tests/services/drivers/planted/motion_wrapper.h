@@ -40,6 +40,9 @@ class MotionWrapper : public MotionDriver {
   Status SetZero(const Vec3& here_mm, const std::array<bool, 3>& sets) override {
     return inner_->SetZero(here_mm, sets);
   }
+  Status DrawOutline(std::span<const Vec2> corners_mm, double speed_mm_s) override {
+    return inner_->DrawOutline(corners_mm, speed_mm_s);
+  }
   Status Hold() override { return inner_->Hold(); }
 
  protected:

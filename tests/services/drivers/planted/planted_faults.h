@@ -17,6 +17,7 @@ struct MotionFault {
   const char* check;  ///< of MotionChecks, that finds it on every driver
   std::unique_ptr<MotionDriver> (*plant)(std::unique_ptr<MotionDriver> good);
   bool by_hand = false;  ///< only of drivers that jog
+  bool draws = false;    ///< only of drivers that draw outlines
 };
 std::span<const MotionFault> MotionFaults();
 

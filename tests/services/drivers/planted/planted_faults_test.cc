@@ -34,6 +34,8 @@ class MotionPlanted
 TEST_P(MotionPlanted, IsFound) {
   const auto& [protocol, fault] = GetParam();
   if (fault.by_hand && !Jogs(protocol)) GTEST_SKIP() << protocol << " does not jog";
+  if (fault.draws && !DrawsOutlines(protocol))
+    GTEST_SKIP() << protocol << " draws no outlines";
   const MotionRigMaker make = PlantedMotionRigs(protocol, fault.plant);
   std::string found;
   for (const MotionCheck& check : InOrder(MotionChecks(), fault.check)) {

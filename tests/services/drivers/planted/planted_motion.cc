@@ -87,6 +87,40 @@ struct JogsTwiceAsFast : MotionWrapper {
     return inner_->Jog(axes, 2 * speed_mm_s);
   }
 };
+struct DrawsAnOutlineElsewhere : MotionWrapper {
+  using MotionWrapper::MotionWrapper;
+  Status DrawOutline(std::span<const Vec2> corners_mm, double speed_mm_s) override {
+    std::vector<Vec2> others(corners_mm.begin(), corners_mm.end());
+    if (others.size() <= kMaxOutlineCorners)
+      for (Vec2& corner : others) corner.x() += 0.01;
+    return inner_->DrawOutline(others, speed_mm_s);
+  }
+};
+struct DrawsACornerLess : MotionWrapper {
+  using MotionWrapper::MotionWrapper;
+  Status DrawOutline(std::span<const Vec2> corners_mm, double speed_mm_s) override {
+    const bool has_more =
+        corners_mm.size() > 1 && corners_mm.size() <= kMaxOutlineCorners;
+    return inner_->DrawOutline(corners_mm.first(corners_mm.size() - has_more),
+                               speed_mm_s);
+  }
+};
+struct DrawsTwiceAsFast : MotionWrapper {
+  using MotionWrapper::MotionWrapper;
+  Status DrawOutline(std::span<const Vec2> corners_mm, double speed_mm_s) override {
+    return inner_->DrawOutline(corners_mm, 2 * speed_mm_s);
+  }
+};
+struct EndsNoOutline : MotionWrapper {
+  using MotionWrapper::MotionWrapper;
+  Status DrawOutline(std::span<const Vec2> corners_mm, double speed_mm_s) override {
+    auto drawn = inner_->DrawOutline(corners_mm, speed_mm_s);
+    draws_ = drawn.has_value();
+    return drawn;
+  }
+  Status Hold() override { return draws_ ? Status{} : inner_->Hold(); }
+  bool draws_ = false;
+};
 struct ClearsNoFault : MotionWrapper {
   using MotionWrapper::MotionWrapper;
   Status ClearFault() override { return {}; }
@@ -142,7 +176,7 @@ std::unique_ptr<MotionDriver> PlantMotion(std::unique_ptr<MotionDriver> good) {
   return std::make_unique<Fault>(std::move(good));
 }
 
-constexpr char kRuns[] = "M2M3M4M12_runs";
+constexpr char kRuns[] = "M2M3M4M12_runs", kOutline[] = "M19_outline";
 
 constexpr std::array kMotionFaults = {
     MotionFault{"BeginsATickLate", kRuns, PlantMotion<BeginsATickLate>},
@@ -156,6 +190,11 @@ constexpr std::array kMotionFaults = {
     MotionFault{"IgnoresAbort", "M5_abort", PlantMotion<IgnoresAbort>},
     MotionFault{"IgnoresHold", "M15_hold", PlantMotion<IgnoresHold>, true},
     MotionFault{"JogsTwiceAsFast", "M14_jog", PlantMotion<JogsTwiceAsFast>, true},
+    MotionFault{"DrawsAnOutlineElsewhere", kOutline, PlantMotion<DrawsAnOutlineElsewhere>,
+                false, true},
+    MotionFault{"DrawsACornerLess", kOutline, PlantMotion<DrawsACornerLess>, false, true},
+    MotionFault{"DrawsTwiceAsFast", kOutline, PlantMotion<DrawsTwiceAsFast>, false, true},
+    MotionFault{"EndsNoOutline", kOutline, PlantMotion<EndsNoOutline>, false, true},
     MotionFault{"ClearsNoFault", "M3_late", PlantMotion<ClearsNoFault>},
     MotionFault{"PromisesRoom", "M2M9M10_cut", PlantMotion<PromisesRoom>},
     MotionFault{"MirrorsX", kRuns, PlantMotion<MirrorsX>},

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "tests/services/drivers/laser_conformance.h"
 #include "tests/services/drivers/motion_conformance.h"
@@ -17,6 +18,13 @@ inline bool Jogs(const std::string& protocol) {
   const auto rig = MakeMotionRig(protocol);
   const auto jogged = rig->driver->Jog(Vec3::Zero(), 1);
   return jogged || jogged.error().code != ErrorCode::kUnsupported;
+}
+
+/// Whether this protocol's driver draws outlines with a guide laser.
+inline bool DrawsOutlines(const std::string& protocol) {
+  const auto rig = MakeMotionRig(protocol);
+  const auto drawn = rig->driver->DrawOutline(std::vector{Vec2(0, 0)}, 1);
+  return drawn || drawn.error().code != ErrorCode::kUnsupported;
 }
 
 inline MotionRigMaker PlantedMotionRigs(

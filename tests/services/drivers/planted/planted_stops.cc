@@ -80,6 +80,9 @@ struct WithLaser : MotionWrapper {
   Status Jog(const Vec3& axes, double speed_mm_s) override {
     return Begun(inner_->Jog(axes, speed_mm_s));
   }
+  Status DrawOutline(std::span<const Vec2> corners_mm, double speed_mm_s) override {
+    return Begun(inner_->DrawOutline(corners_mm, speed_mm_s));
+  }
   /// Whether the stage is at rest changes with the command, not with the next poll.
   Status Begun(Status begun) {
     state_.at_rest = inner_->state().at_rest;
