@@ -21,7 +21,7 @@ constexpr std::chrono::milliseconds kSecureDiscoveryTime{4000};
 // late joiner, is asked for within milliseconds: with the default delays the hand-shake
 // of a task took 200 ms. A writer that is deleted waits for readers that have not
 // acknowledged, maybe dead ones: 200 ms at most, because a service has several.
-// {4} watermarks.
+// {4} watermarks, {5} heartbeat.
 constexpr char kConfiguration[] = R"(<CycloneDDS><Domain id="any">
   <General><Interfaces><NetworkInterface name="{0}"{1}/></Interfaces></General>
   <Discovery>{2}
@@ -33,7 +33,7 @@ constexpr char kConfiguration[] = R"(<CycloneDDS><Domain id="any">
     <MultipleReceiveThreads>false</MultipleReceiveThreads>
     <NackDelay>1ms</NackDelay>
     <AutoReschedNackDelay>10ms</AutoReschedNackDelay>
-    <HeartbeatInterval min="2ms" minsched="5ms">10ms</HeartbeatInterval>
+    <HeartbeatInterval min="2ms" minsched="5ms">{5}</HeartbeatInterval>
     <WriterLingerDuration>200ms</WriterLingerDuration>{4}
   </Internal>{3}
 </Domain></CycloneDDS>)";
@@ -44,13 +44,20 @@ constexpr char kConfiguration[] = R"(<CycloneDDS><Domain id="any">
 constexpr char kControlWatermarks[] =
     "<Watermarks><WhcAdaptive>false</WhcAdaptive><WhcHigh>16 MB</WhcHigh></Watermarks>";
 
+// What a writer sends is acknowledged by every participant at each heartbeat, and who
+// joins has one for each that it meets: on one computer, where nothing is lost on the
+// way, they come less often (docs/decisions.md). On a network a lost sample, as of a
+// stop, is asked for as soon as ever.
+constexpr char kHeartbeatOnLoopback[] = "50ms", kHeartbeat[] = "10ms";
+
 std::string ConfigurationOf(int domain, const BusOptions& options,
                             const std::string& security) {
   const std::string multicast = options.interface == "lo" ? " multicast=\"true\"" : "";
   const std::string tag =
       options.tag.empty() ? "" : fmt::format("<Tag>{}</Tag>", options.tag);
   return fmt::format(kConfiguration, options.interface, multicast, tag, security,
-                     domain == options.control_domain ? kControlWatermarks : "");
+                     domain == options.control_domain ? kControlWatermarks : "",
+                     options.interface == "lo" ? kHeartbeatOnLoopback : kHeartbeat);
 }
 
 /// The identity's part of the configuration; empty without one, on loopback.
