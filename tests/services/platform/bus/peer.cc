@@ -1,7 +1,7 @@
 // The other process of the tests: joins with the given tag, announces itself, takes part
 // in one flow if asked to, and waits to be killed.
 //
-//   bus_peer TAG health INSTANCE
+//   bus_peer TAG health INSTANCE [ROLE]
 //   bus_peer TAG consume STREAM WINDOW DELAY_US   opens the stream, takes slowly,
 //                                                 and announces itself every 2 ms
 //   bus_peer TAG count INSTANCE   its health's pid is how many PulseEventBatches came
@@ -90,6 +90,7 @@ int main(int argc, char** argv) {
   if (argc < 4) return 2;
   BusOptions options;
   options.tag = argv[1];
+  if (argv[2] == std::string("health") && argc == 5) options.roles = {argv[4]};
   Bus bus(options);
   if (argv[2] == std::string("health")) Announce(bus, argv[3], 200ms);
   if (argv[2] == std::string("count")) Count(bus, argv[3]);
