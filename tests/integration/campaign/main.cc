@@ -4,12 +4,15 @@
 //   campaign FAULT [--runs N] [--seed S] [--speed N] [--keep]
 //   campaign soak [--hours H] [--seed S]
 //   campaign machine NAME [FAULT] [--runs N] [--seed S] [--keep]
+//   campaign scale [CELLS]...
 //
 // soak: job after job in one shop, with faults, over so many hours of engraving at 1 Hz;
 // memory, descriptors and threads of the services are not to grow.
 //
 // machine: grbl-points, grbl-laser, mill, scan-head; the record of their controllers'
 // true places is the judge (machine_campaign.h).
+//
+// scale: no faults, but what shops of so many idle machines cost (scale.h).
 //
 // Ends with 0 when no run doubled a point, lost one, or did not come to its end.
 
@@ -29,6 +32,7 @@
 
 #include "tests/integration/campaign/cell_under_fire.h"
 #include "tests/integration/campaign/machine_campaign.h"
+#include "tests/integration/campaign/scale.h"
 #include "tests/integration/campaign/stop_button.h"
 #include "tests/test_folder.h"
 
@@ -463,7 +467,9 @@ int Usage() {
   std::cerr << "\nor campaign machine NAME [FAULT] [--runs N] [--seed S] [--keep], a row "
                "of\n| machine | runs | ended | without a grant | made | doubled | stray "
                "| unknown | uncertain |\nNAME:"
-            << MachineNames() << '\n';
+            << MachineNames()
+            << "\nor campaign scale [CELLS]..., the cost of shops of so many idle "
+               "machines\n";
   return 2;
 }
 
@@ -489,6 +495,10 @@ int main(int argc, char** argv) {
   if (words.size() >= 2 && words[0] == "machine") {
     const int code = RunMachineCampaign({words[1], words.size() > 2 ? words[2] : "",
                                          options.runs, options.seed, options.keep});
+    return code == 2 ? Usage() : code;
+  }
+  if (!words.empty() && words[0] == "scale") {
+    const int code = RunScale({words.begin() + 1, words.end()});
     return code == 2 ? Usage() : code;
   }
   if (!words.empty()) options.fault = words.front();
