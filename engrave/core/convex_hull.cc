@@ -56,11 +56,11 @@ std::vector<Vec2> ConvexHull(std::vector<Vec2> points) {
 std::vector<Vec2> WithFewerCorners(std::vector<Vec2> corners, std::size_t max_count) {
   Require(max_count > 0, "{} corners are left", max_count);
   while (corners.size() > max_count) {
-    std::size_t least = 0;
+    std::size_t flattest = 0;
     for (std::size_t at = 1; at < corners.size(); ++at) {
-      if (HeightOf(corners, at) < HeightOf(corners, least)) least = at;
+      if (HeightOf(corners, at) < HeightOf(corners, flattest)) flattest = at;
     }
-    corners.erase(corners.begin() + static_cast<std::ptrdiff_t>(least));
+    corners.erase(corners.begin() + static_cast<std::ptrdiff_t>(flattest));
   }
   return corners;
 }

@@ -169,7 +169,7 @@ TEST_F(BoardOutline, EndsWithItsPersonAndWithTheMachinesState) {
   struct Ending {
     std::string name;
     std::function<void(Running&)> inflict, relieve;
-    std::string says = {};  ///< what the client prints, if it lives
+    std::string answer = {};  ///< what the client prints, if it lives
   };
   const auto nothing = [](Running&) {};
   const std::vector<Ending> endings = {
@@ -191,10 +191,10 @@ TEST_F(BoardOutline, EndsWithItsPersonAndWithTheMachinesState) {
     std::cout << "  " << ending.name << std::endl;
     ending.inflict(*client);
     EXPECT_TRUE(Rests()) << ending.name;
-    if (!ending.says.empty()) {
+    if (!ending.answer.empty()) {
       const Ended ended = client->WaitForEnd(20s);
       EXPECT_EQ(ended.exit_code, 4) << ending.name << ": " << ended.output;
-      EXPECT_THAT(ended.output, HasSubstr(ending.says)) << ending.name;
+      EXPECT_THAT(ended.output, HasSubstr(ending.answer)) << ending.name;
     }
     ending.relieve(*client);
     EXPECT_TRUE(Rests()) << ending.name << ": it begins again by itself";

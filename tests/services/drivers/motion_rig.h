@@ -74,9 +74,9 @@ class MotionRig {
   virtual bool moves() = 0;
   /// The controller's time at actual_mm, ms.
   virtual double time_ms() { return static_cast<double>(steps_); }
-  /// Of a machine that draws outlines: its guide laser is on; the gate of its laser is
-  /// open, or it emits.
+  /// The guide laser of a machine that draws outlines is on.
   virtual bool guide_is_on() { return false; }
+  /// The gate of its laser is open, or it emits.
   virtual bool may_fire() { return false; }
   /// The rate of the controller, Hz.
   virtual double rate_hz() const = 0;

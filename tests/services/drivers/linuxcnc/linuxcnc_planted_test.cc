@@ -31,6 +31,7 @@ std::string FindInTries(const std::function<std::string()>& check) {
 class LinuxcncMotionPlanted : public ::testing::TestWithParam<drivers::MotionFault> {};
 
 TEST_P(LinuxcncMotionPlanted, IsFound) {
+  if (GetParam().draws) GTEST_SKIP() << "LinuxCNC draws no outlines";
   if (const auto why = EnterNamespace(); !why.empty()) GTEST_SKIP() << why;
   const auto found = FindInTries([] {
     return drivers::ViolationOf(Named(drivers::MotionChecks(), GetParam().check),
