@@ -37,7 +37,7 @@ TEST(TeachHelp, StatesTheWayThatAMotionGoesOnWithoutReportsAsTheCellBoundsIt) {
   }
 }
 
-TEST(TeachHelp, IsWhatTheDocumentSays) {
+TEST(TeachHelp, IsWhatTheDocumentHas) {
   std::ifstream file(INTAGLIO_SOURCE_DIR "/docs/cli.md");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   EXPECT_THAT(text, HasSubstr(fmt::format("[after {:g} s of it](machines/teach.md"
