@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "services/job/machine/block_fit.h"
 #include "services/platform/access/new_key.h"
 #include "services/platform/web/request_rules.h"
 
@@ -55,9 +56,9 @@ Obstacle ObstacleOf(const client::ShopSnapshot& shop, const std::string& cell) {
   if (!machine.door_closed) return {"door_open", cell + ": the door is open: close it"};
   if (BlockIn(shop, cell).empty()) {
     return {"not_mounted",
-            fmt::format("{0}: nobody has reported what is mounted: intaglio mount "
-                        "--machine {0} --block X Y Z --glass NAME",
-                        cell)};
+            fmt::format("{}: nobody has reported what is mounted: {} --block X Y Z "
+                        "--glass NAME",
+                        cell, MountCommand(cell))};
   }
   return {};
 }

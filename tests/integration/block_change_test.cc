@@ -204,7 +204,8 @@ TEST_F(MountShop, AMountIsReportedWithoutClosingTheShopAndEndsTheArm) {
   const Ended other = Type({"arm", "1"});
   EXPECT_EQ(other.exit_code, 4) << other.output;
   EXPECT_THAT(other.output, HasSubstr("refused, not_mounted"));
-  EXPECT_THAT(other.output, HasSubstr("intaglio mount --block 60 55 20"));
+  EXPECT_THAT(other.output,
+              HasSubstr("intaglio mount --machine els-03 --block 60 55 20"));
 
   const Ended mounted = Type({"mount", "--block", "60", "55", "20"});
   EXPECT_EQ(mounted.exit_code, 0) << mounted.output;

@@ -106,6 +106,33 @@ TEST_F(Cells, ThreeAreFoundAndAJobOnOneLeavesTheOthersAlone) {
   EXPECT_EQ(CracksOf(shop_ / "cells/els-03-3"), 0u);
 }
 
+// The remedy of a refused arm is a command for this machine, and not for another one.
+TEST_F(Cells, ABlockIsReportedAtTheMachineThatTheRemedyNames) {
+  ASSERT_NO_FATAL_FAILURE(Open({"--cells", "2", "--virtual"}));
+  const Ended submitted =
+      Type({"submit", INTAGLIO_SOURCE_DIR "/deploy/jobs/sample.textproto", "--height",
+            "6", "--block", "60", "55", "20", "--machine",
+            shop_ / "cells/els-03-2/machine.textproto"});
+  ASSERT_EQ(submitted.exit_code, 0) << submitted.output;
+  const Ended refused = Type({"arm", "1"});
+  EXPECT_EQ(refused.exit_code, 4) << refused.output;
+  EXPECT_THAT(refused.output,
+              HasSubstr("`intaglio mount --machine els-03-2 --block 60 55 20`"));
+  const Ended mounted =
+      Type({"mount", "--machine", "els-03-2", "--block", "60", "55", "20"});
+  EXPECT_EQ(mounted.exit_code, 0) << mounted.output;
+  EXPECT_THAT(mounted.output, HasSubstr("els-03-2: 60 x 55 x 20"));
+  EXPECT_THAT(Type({"status"}).output,
+              AllOf(HasSubstr("mounted    els-03     50 x 50 x 30"),
+                    HasSubstr("mounted    els-03-2   60 x 55 x 20")));
+  EXPECT_EQ(Type({"arm", "1"}).exit_code, 0);
+  // A name that no machine of the shop has is refused.
+  EXPECT_EQ(
+      Type({"mount", "--machine", "els-03-9", "--block", "60", "55", "20"}).exit_code, 2);
+  up_->Signal(SIGINT);
+  EXPECT_EQ(up_->WaitForEnd(30s).exit_code, 0);
+}
+
 TEST_F(Cells, AShopWithOneOfTheirNamesIsRefused) {
   ASSERT_NO_FATAL_FAILURE(Open({"--cells", "2", "--virtual"}));
   const Ended second =

@@ -167,7 +167,7 @@ TEST_F(Shop, AJobForAnotherBlockIsNotFiredAndKeptForTheRightOne) {
   ASSERT_TRUE(Reaches(job, "waiting for arm")) << last_;
   EXPECT_THAT(last_, HasSubstr("for a block of 60 x 55 x 20 mm"));
   EXPECT_THAT(last_, HasSubstr("the one in the machine has 50 x 50 x 30 mm"));
-  EXPECT_THAT(last_, HasSubstr("`intaglio mount --block 60 55 20`"));
+  EXPECT_THAT(last_, HasSubstr("`intaglio mount --machine els-03 --block 60 55 20`"));
   const Ended refused = Type({"arm", job});
   EXPECT_EQ(refused.exit_code, 4) << refused.output;
   EXPECT_THAT(refused.output, HasSubstr("refused, not_mounted"));

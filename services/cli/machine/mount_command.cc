@@ -71,8 +71,10 @@ int Mount(const MountOptions& options, const std::string& cell,
     if (!mounted) return Complain(mounted.error());
     named = std::move(*mounted);
   } else if (IsNamed(options.parts)) {
-    named.piece = options.parts.piece;
-    if (named.piece.empty()) return Complain(machine.error());
+    // A block, an index and a piece are said without a profile.
+    if (!options.parts.lens.empty() || !options.parts.glass.empty())
+      return Complain(machine.error());
+    named = NamedParts(options.parts, MachineSpec(), {}).value();
   }
   bus::Bus bus(options.bus);
   client::JobClient client(bus);
@@ -86,6 +88,18 @@ int Mount(const MountOptions& options, const std::string& cell,
     return Complain(taken.error(), client::kExitMachine);
   std::cout << cell << ": " << TextOf(parts) << "\n";
   return client::kExitGood;
+}
+
+/// At a machine of the shop, whose own profile counts where it is on this computer.
+int MountAtCell(const MountOptions& options) {
+  std::string cell, profile;
+  const int found = WithMachine(options, [&](client::TeachClient& client) {
+    cell = client.view().cell;
+    profile = client.view().profile;
+    return static_cast<int>(client::kExitGood);
+  });
+  if (found != client::kExitGood) return found;
+  return Mount(options, cell, ReadMachineFile(profile));
 }
 
 void AddParts(command_line::Command command, MountOptions& options) {
@@ -127,7 +141,9 @@ void AddMountCommand(command_line::Command app) {
   auto options = std::make_shared<MountOptions>();
   command_line::Command command = app.AddCommand(
       "mount", "say what is mounted in a machine; it ends every arm there");
-  command.AddOption("--machine", options->machine, "machine profile, by name or file")
+  command
+      .AddOption("--machine", options->machine,
+                 "machine profile, by name or file, or a machine of the shop by its name")
       .ShowDefault();
   AddParts(command, *options);
   AddBusFlags(command, options->bus);
@@ -139,6 +155,10 @@ void AddMountCommand(command_line::Command app) {
       "known.");
   command.SetAction([options] {
     const auto file = FindMachineFile(options->machine);
+    if (!file && options->machine.find_first_of("/.") == std::string::npos) {
+      options->cell = options->machine;
+      return MountAtCell(*options);
+    }
     if (!file) return Complain(Prefixed(file.error(), "--machine: "));
     const auto machine = ReadMachineFile(*file);
     if (!machine) return Complain(machine.error());
@@ -154,16 +174,7 @@ void AddTeachMount(command_line::Command teach) {
   AddParts(command, *options);
   command.SetFooter(
       "Example: intaglio teach mount --block 60 30 20 --glass N-BK7 --lens f70");
-  command.SetAction([options] {
-    std::string cell, profile;
-    const int found = WithMachine(*options, [&](client::TeachClient& client) {
-      cell = client.view().cell;
-      profile = client.view().profile;
-      return static_cast<int>(client::kExitGood);
-    });
-    if (found != client::kExitGood) return found;
-    return Mount(*options, cell, ReadMachineFile(profile));
-  });
+  command.SetAction([options] { return MountAtCell(*options); });
 }
 
 }  // namespace intaglio::cli

@@ -66,10 +66,10 @@ std::string LensMisfit(const FrozenJob& job, const optics::Lens& mounted) {
   return fmt::format(
       "the job is for {}, but {} is mounted: no pulse is fired; {}", text(wanted),
       text(mounted),
-      name.empty()
-          ? "this machine does not have the job's lens: cancel the job and "
-            "submit it again with the mounted lens"
-          : fmt::format("mount it and report it: `intaglio mount --lens {}`", name));
+      name.empty() ? "this machine does not have the job's lens: cancel the job and "
+                     "submit it again with the mounted lens"
+                   : fmt::format("mount it and report it: `{} --lens {}`",
+                                 MountCommand(job.machine().name()), name));
 }
 
 std::string GlassMisfit(const FrozenJob& job, double mounted_index) {
@@ -81,9 +81,9 @@ std::string GlassMisfit(const FrozenJob& job, double mounted_index) {
       "the job is for {} (refractive index {:.6g}), the block in the machine has the "
       "index {:.6g}: the deepest points would be off by {:.3f} mm, {:.3f} mm are "
       "allowed: no pulse is fired; insert a block of the job's glass and report it: "
-      "`intaglio mount --glass {}`",
+      "`{} --glass {}`",
       job.job().glass(), job.optics().refractive_index(), mounted_index, error_mm,
-      allowed_mm, job.job().glass());
+      allowed_mm, MountCommand(job.machine().name()), job.job().glass());
 }
 
 }  // namespace
@@ -124,7 +124,9 @@ std::string MountMisfit(const FrozenJob& job, const MountedParts& mounted) {
   const auto add = [&misfits](std::string text) {
     if (!text.empty()) misfits.push_back(std::move(text));
   };
-  if (mounted.block_mm) add(BlockMisfit(BlockSizeOf(job.job()), *mounted.block_mm));
+  if (mounted.block_mm) {
+    add(BlockMisfit(BlockSizeOf(job.job()), *mounted.block_mm, job.machine().name()));
+  }
   if (mounted.lens) add(LensMisfit(job, *mounted.lens));
   if (mounted.refractive_index) add(GlassMisfit(job, *mounted.refractive_index));
   return fmt::format("{}", fmt::join(misfits, "; and "));
@@ -173,7 +175,7 @@ MountedParts PartsOf(const FrozenJob& job) {
 }
 
 std::string MountCommandFor(const FrozenJob& job) {
-  const std::string command = "intaglio mount --machine " + job.machine().name();
+  const std::string command = MountCommand(job.machine().name());
   if (ConcernsMarks(job.job(), job.machine())) return command + " --piece TEXT";
   const MountedParts parts = PartsOf(job);
   return fmt::format("{} --block {:g} {:g} {:g} --glass {}{}", command,

@@ -24,11 +24,11 @@ TEST(MountedParts, TheJobsOwnBlockGlassAndLensFit) {
 }
 
 TEST(MountedParts, AJobForAnotherLensIsNamedWithBothAndTheRemedy) {
-  EXPECT_THAT(
-      MountMisfit(GoodTask(), {.lens = kF70}),
-      AllOf(HasSubstr("for the lens f43 (f 43 mm, NA 0.0581)"),
-            HasSubstr("the lens f70 (f 70 mm, NA 0.0357) is mounted"),
-            HasSubstr("no pulse is fired"), HasSubstr("`intaglio mount --lens f43`")));
+  EXPECT_THAT(MountMisfit(GoodTask(), {.lens = kF70}),
+              AllOf(HasSubstr("for the lens f43 (f 43 mm, NA 0.0581)"),
+                    HasSubstr("the lens f70 (f 70 mm, NA 0.0357) is mounted"),
+                    HasSubstr("no pulse is fired"),
+                    HasSubstr("`intaglio mount --machine els-03 --lens f43`")));
 }
 
 TEST(MountedParts, AnotherApertureIsAnotherLens) {
@@ -48,7 +48,7 @@ TEST(MountedParts, AJobForAnotherGlassIsNamedWithTheDepthErrorAndTheRemedy) {
   EXPECT_THAT(MountMisfit(GoodTask(), {.refractive_index = 1.46}),
               AllOf(HasSubstr("the job is for N-BK7 (refractive index 1.519"),
                     HasSubstr("has the index 1.46"), HasSubstr("0.034 mm are allowed"),
-                    HasSubstr("`intaglio mount --glass N-BK7`")));
+                    HasSubstr("`intaglio mount --machine els-03 --glass N-BK7`")));
 }
 
 // What matters is where the focus is: the same glasses, in a block that is low.
