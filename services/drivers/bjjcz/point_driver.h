@@ -27,8 +27,7 @@
 //    the laser for key, door and stop button. Of an outline the guide laser stays on, at
 //    rest, until the line is back (M19).
 //  - M2: behind a list that was stopped, or lost, position_mm has the place where it
-//  would
-//    have ended, until the next one ends.
+//    would have ended, until the next one ends.
 //  - L6: the points of the list that was executed when the line was lost, or when the
 //    shutter was closed, are uncertain.
 //  - L9: key, door and stop button are one chain at an input that is read every 5 ms;
