@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "engrave/core/try.h"
+#include "services/job/files/freeze.h"
+#include "services/platform/host/process/service_host.h"
 
 namespace intaglio::cli {
 
@@ -36,6 +38,11 @@ Result<materials_db::OpticalValues> FindOptics(JobAndMachine& job,
   const auto material = INTAGLIO_TRY(FindGlass(job, materials_db));
   return materials_db::ComputeOptics(material, job.job.laser().wavelength_nm(),
                                      job.job.lens().numerical_aperture());
+}
+
+Result<FrozenJob> FreezeWithGlass(JobAndMachine& job, const std::string& materials_db) {
+  const auto material = INTAGLIO_TRY(FindGlass(job, materials_db));
+  return FreezeJob(job.job, job.machine, material, {"", 0, "", host::SoftwareVersion()});
 }
 
 }  // namespace intaglio::cli

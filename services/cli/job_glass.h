@@ -7,6 +7,7 @@
 #include "engrave/core/result.h"
 #include "materials_db/material.h"
 #include "materials_db/material_store.h"
+#include "proto/task.pb.h"
 #include "services/cli/job_options.h"
 
 namespace intaglio::cli {
@@ -24,5 +25,9 @@ Result<materials_db::Material> FindGlass(JobAndMachine& job,
 /// and of ComputeOptics.
 Result<materials_db::OpticalValues> FindOptics(JobAndMachine& job,
                                                const std::string& materials_db);
+
+/// The job with everything resolved, in no shop: without a uid, an attempt and a folder.
+/// Errors as of FindGlass and of FreezeJob.
+Result<FrozenJob> FreezeWithGlass(JobAndMachine& job, const std::string& materials_db);
 
 }  // namespace intaglio::cli

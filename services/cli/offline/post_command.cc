@@ -35,13 +35,11 @@
 #include "services/job/convert/mark_defaults.h"
 #include "services/job/course/course_work.h"
 #include "services/job/fields/channels.h"
-#include "services/job/files/freeze.h"
 #include "services/job/machine/laser_setting.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/models/program_limits.h"
 #include "services/job/plan/ordering.h"
 #include "services/platform/command_line/supplied_files.h"
-#include "services/platform/host/process/service_host.h"
 
 namespace intaglio::cli {
 namespace {
@@ -80,11 +78,8 @@ Status RequireOneChannel(const JobSpec& job, std::span<const std::uint32_t> sour
 
 Result<OrderedJob> OrderNamedJob(const PostOptions& options) {
   auto built = INTAGLIO_TRY(BuildJob(options.job));
-  const auto glass = INTAGLIO_TRY(FindGlass(built, options.materials_db));
   OrderedJob ordered;
-  auto frozen = INTAGLIO_TRY(
-      FreezeJob(built.job, built.machine, glass, {"", 0, "", host::SoftwareVersion()}));
-  ordered.job = std::move(frozen);
+  ordered.job = INTAGLIO_TRY(FreezeWithGlass(built, options.materials_db));
   const auto made = INTAGLIO_TRY(MakeMeteredCloud(
       ordered.job.job(), mesh_reader::LimitsOfProgram(options.job.size_limits)));
   INTAGLIO_TRY(RequireOneChannel(ordered.job.job(), made.cloud.source));

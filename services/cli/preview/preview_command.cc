@@ -24,10 +24,8 @@
 #include "services/client/preview/preview_text.h"
 #include "services/client/proof_folder.h"
 #include "services/client/warning_text.h"
-#include "services/job/files/freeze.h"
 #include "services/job/models/program_limits.h"
 #include "services/job/verdict/warnings.h"
-#include "services/platform/host/process/service_host.h"
 #include "services/platform/host/threads/worker_threads.h"
 
 namespace intaglio::cli {
@@ -58,9 +56,7 @@ Result<JobToPreview> FreezeNamed(const PreviewCommandOptions& options) {
         fmt::format("{}: is a job of marks; use intaglio marks preview", job.job.name()),
         job.job.name());
   }
-  const auto material = INTAGLIO_TRY(FindGlass(job, options.materials_db));
-  auto frozen = INTAGLIO_TRY(
-      FreezeJob(job.job, job.machine, material, {"", 0, "", host::SoftwareVersion()}));
+  auto frozen = INTAGLIO_TRY(FreezeWithGlass(job, options.materials_db));
   return JobToPreview{std::move(frozen), std::move(job.notes),
                       std::move(job.of_arrangement)};
 }

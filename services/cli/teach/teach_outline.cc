@@ -20,10 +20,8 @@
 #include "services/cli/teach/teach_options.h"
 #include "services/client/exit_codes.h"
 #include "services/client/teach/job_outline.h"
-#include "services/job/files/freeze.h"
 #include "services/job/models/job_cloud.h"
 #include "services/job/models/program_limits.h"
-#include "services/platform/host/process/service_host.h"
 #include "services/platform/host/threads/worker_threads.h"
 
 namespace intaglio::cli {
@@ -57,9 +55,7 @@ Result<std::vector<Vec2>> CornersOf(const OutlineOptions& options,
                             job.job.name()),
                 job.job.name());
   }
-  const auto material = INTAGLIO_TRY(FindGlass(job, options.materials_db));
-  const auto frozen = INTAGLIO_TRY(
-      FreezeJob(job.job, job.machine, material, {"", 0, "", host::SoftwareVersion()}));
+  const auto frozen = INTAGLIO_TRY(FreezeWithGlass(job, options.materials_db));
   const auto made =
       INTAGLIO_TRY(MakeJobCloud(frozen.job(), mesh_reader::LimitsOfProgram(1),
                                 host::AllCores(), JobCloudProgress{}));
@@ -82,9 +78,8 @@ std::string DrawnText(const std::vector<Vec2>& corners) {
   const std::vector<Vec2> around = client::RectangleAround(corners);
   const Vec2 size = around[2] - around[0];
   return fmt::format(
-      "the guide laser draws {}, {:.1f} x {:.1f} mm, from x {:.1f}, y {:.1f}; Ctrl-C "
-      "ends "
-      "it",
+      "the guide laser draws {}, {:.1f} x {:.1f} mm, from x {:.1f}, y {:.1f}; "
+      "Ctrl-C ends it",
       Counted(corners.size(), "corner"), size.x(), size.y(), around[0].x(),
       around[0].y());
 }

@@ -31,12 +31,6 @@ std::vector<Vec2> PlacesOnWeb(const mark::Mark& mark) {
   return places_mm;
 }
 
-Box3 ExtentOf(const mark::Mark& mark) {
-  Box3 box;
-  for (const Vec2& p : PlacesOnWeb(mark)) box.Extend(Vec3(p.x(), p.y(), 0));
-  return box;
-}
-
 /// The place of the material, as it moves with the web.
 Vec2 OnWeb(const mark::Mark& mark, const mark::Place& place) {
   return place.at_mm - Vec2(mark.web_mm, 0);
@@ -52,10 +46,10 @@ double LeadMm(const mark::Pen& pen, const HeadFigures& head) {
   return head.ticks.lead_servo ? head.ticks.lag_s * pen.speed_mm_s : 0;
 }
 
-/// Displacements of the web at which the mark can be made.
-galvo::Span MadeAt(const mark::Mark& mark, const mark::Pen& pen,
+/// Displacements of the web at which a mark of these places on it can be made.
+galvo::Span MadeAt(std::span<const Vec2> places_mm, const mark::Pen& pen,
                    const HeadFigures& head) {
-  return head.window.Displacements(PlacesOnWeb(mark), kWebBorderMm + LeadMm(pen, head));
+  return head.window.Displacements(places_mm, kWebBorderMm + LeadMm(pen, head));
 }
 
 /// In the middle of its displacements, and as long as they leave of the field.
@@ -279,7 +273,8 @@ std::vector<galvo::TimedMark> TimedMarksOf(const mark::MarkSet& set,
   marks.reserve(set.marks.size());
   ForEachTimed(set, head,
                [&](const mark::Mark& mark, const mark::Pen& pen, const Timed& timed) {
-                 marks.push_back(TimedBy(MadeAt(mark, pen, head), head, timed.time_s));
+                 marks.push_back(
+                     TimedBy(MadeAt(PlacesOnWeb(mark), pen, head), head, timed.time_s));
                  if (times != nullptr) sum.Add(mark, pen, timed);
                });
   if (times != nullptr) *times = sum.times();
@@ -292,18 +287,18 @@ Status CheckField(const mark::MarkSet& set, bool on_web, const HeadFigures& head
     const mark::Pen& pen = set.pens[mark.pen];
     const auto has = [&](const Vec2& place_mm) { return head.window.Has(place_mm); };
     const bool fits =
-        on_web ? MadeAt(mark, pen, head).width_mm() > 0
+        on_web ? MadeAt(PlacesOnWeb(mark), pen, head).width_mm() > 0
                : std::ranges::all_of(mark::PlacesOf(mark, kArcToleranceMm), has);
     if (fits) continue;
-    const Box3 box = ExtentOf(mark);
+    const Extent extent = ExtentOnWeb(mark, pen, head);
     return Fail(
         ErrorCode::kOutsideBlock,
         fmt::format(
             "marks.{}: mark {} lies in x {:.4g}..{:.4g}, y {:.4g}..{:.4g} "
             "mm and does not fit into the field of {:.4g} mm{}; move it, "
             "make it smaller or use a larger field",
-            pen.name, i + 1, box.min_mm.x() + mark.web_mm, box.max_mm.x() + mark.web_mm,
-            box.min_mm.y(), box.max_mm.y(),
+            pen.name, i + 1, extent.min_mm.x() + mark.web_mm,
+            extent.max_mm.x() + mark.web_mm, extent.min_mm.y(), extent.max_mm.y(),
             on_web ? head.web_field_mm() - 2 * LeadMm(pen, head) : head.field_mm(),
             NarrowedText(head.window)),
         fmt::format("{}", head.field_mm()));
