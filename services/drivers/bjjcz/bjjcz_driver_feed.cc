@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "services/drivers/bjjcz/bjjcz_driver.h"
+#include "services/drivers/bjjcz/board_outputs.h"
 
 namespace intaglio::drivers {
 void BjjczDriver::Feed() {
@@ -84,13 +85,7 @@ void BjjczDriver::EndRun() {
 std::uint16_t BjjczDriver::WantedOutputs() const {
   const bool permitted =
       is_permitted_for(0) && closed_ && !stopping_ && state_.fault.empty();
-  const auto bit = [](std::uint32_t output, bool on) {
-    return static_cast<std::uint16_t>(on ? 1U << output : 0U);
-  };
-  std::uint16_t wanted = bit(board_.gate_output(), permitted);
-  if (board_.has_lamp_output()) wanted |= bit(board_.lamp_output(), run_.has_value());
-  if (board_.has_guide_output()) wanted |= bit(board_.guide_output(), !permitted);
-  return wanted;
+  return OutputBits(board_, {.permitted = permitted, .runs = run_.has_value()});
 }
 
 bool BjjczDriver::gate_is_open() const {

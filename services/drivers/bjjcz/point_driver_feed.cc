@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "services/drivers/bjjcz/board_outputs.h"
 #include "services/drivers/bjjcz/point_driver.h"
 
 namespace intaglio::drivers {
@@ -195,16 +196,13 @@ void BjjczPointDriver::Send(const LmcList& list) {
 }
 
 std::uint16_t BjjczPointDriver::WantedOutputs() const {
-  const bool permitted =
-      wanted_open_ && closed_ && !halted_ && !homing_ && !(outline_ && jog_);
-  const bool guides = draws_outline() && outline_->is_there && closed_;
-  const auto bit = [](std::uint32_t output, bool on) {
-    return static_cast<std::uint16_t>(on ? 1U << output : 0U);
-  };
-  std::uint16_t wanted = bit(board_.gate_output(), permitted);
-  if (board_.has_lamp_output()) wanted |= bit(board_.lamp_output(), run_ != Run::kNone);
-  if (board_.has_guide_output()) wanted |= bit(board_.guide_output(), guides);
-  return wanted;
+  return OutputBits(board_,
+                    {
+                        .permitted = wanted_open_ && closed_ && !halted_ && !homing_,
+                        .runs = run_ != Run::kNone,
+                        .in_outline = outline_ && jog_,
+                        .shows = draws_outline() && outline_->is_there && closed_,
+                    });
 }
 
 void BjjczPointDriver::FeedOutputs() {

@@ -43,6 +43,8 @@
 //       of motion: its tool goes on turning, and the mark in hand neither ends nor
 //       breaks. The next Permit(true) goes on with it, and all else of K2 to K10 holds
 //       meanwhile. Every other machine refuses Hold, and nothing of it is done.
+//   K12 A guide laser is dark, whatever is permitted, made, lost or at rest: nothing
+//       lights before a person asks for it.
 // Not thread-safe.
 
 #include <chrono>

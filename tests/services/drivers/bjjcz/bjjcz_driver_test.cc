@@ -19,6 +19,7 @@
 #include "services/drivers/bjjcz/board_profile.h"
 #include "services/drivers/bjjcz/mark_lists.h"
 #include "tests/services/drivers/bjjcz/bjjcz_rig.h"
+#include "tests/services/drivers/marks/mark_conformance.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::drivers {
@@ -256,7 +257,7 @@ TEST(BjjczDriver, SetsOutputsByPermissionAndRun) {
   host.permits = false;
   ASSERT_TRUE(host.Connect());
   host.StepFor(50ms);
-  EXPECT_EQ(host.board().outputs(), 1U << board.guide_output());
+  EXPECT_EQ(host.board().outputs(), 0);
   host.permits = true;
   host.StepFor(50ms);
   EXPECT_EQ(host.board().outputs(), 1U << board.gate_output());
@@ -266,7 +267,23 @@ TEST(BjjczDriver, SetsOutputsByPermissionAndRun) {
             1U << board.gate_output() | 1U << board.lamp_output());
   host.board().SetInput(kBjjczDoorInput, false);
   host.StepFor(60ms);
-  EXPECT_EQ(host.board().outputs(), 1U << board.guide_output());
+  EXPECT_EQ(host.board().outputs(), 0);
+}
+
+// Planted: another output switches the guide laser, in a run or while it is permitted.
+TEST(BjjczDriver, AGuideLaserThatShinesByItselfIsFoundByTheSuite) {
+  const auto& checks = MarkChecks();
+  const auto guide = std::ranges::find(checks, "K12_guide", &MarkCheck::name);
+  ASSERT_NE(guide, checks.end());
+  const BjjczBoard board = BjjczProfile(BJJCZ_LASER_UV).bjjcz_board();
+  for (const std::uint32_t output : {board.lamp_output(), board.gate_output()}) {
+    MachineSpec profile = BjjczProfile(BJJCZ_LASER_UV);
+    profile.mutable_bjjcz_board()->set_guide_output(output);
+    const MarkRigMaker make = [&](const std::string&) {
+      return MakeBjjczMarkRigOf(profile);
+    };
+    EXPECT_EQ(ViolationOf(*guide, make), "K12: the guide laser is on") << output;
+  }
 }
 
 // The field has 65 nodes: version 2 of the files, with a step at two nodes.

@@ -11,8 +11,8 @@ using namespace std::chrono_literals;
 
 class BjjczMarkRig final : public MarkRig {
  public:
-  BjjczMarkRig(BjjczLaser laser, const std::string& serial_number)
-      : laser_(laser), machine_(laser == BJJCZ_LASER_FIBRE) {
+  BjjczMarkRig(const MachineSpec& profile, const std::string& serial_number)
+      : profile_(profile), machine_(profile.bjjcz_board().laser() == BJJCZ_LASER_FIBRE) {
     driver = MakeDriver(serial_number);
   }
 
@@ -38,13 +38,16 @@ class BjjczMarkRig final : public MarkRig {
   bool knows_power_ups() const override { return false; }
   void SetDoor(bool closed) override { machine_.board.SetInput(kBjjczDoorInput, closed); }
   std::unique_ptr<MarkDriver> MakeDriver(const std::string& serial_number) override {
-    MachineSpec profile = BjjczProfile(laser_);
+    MachineSpec profile = profile_;
     if (!serial_number.empty())
       profile.mutable_mark_line()->set_serial_number(serial_number);
     return MakeBjjczDriverAt(machine_, profile);
   }
   std::uint64_t work_count() override { return machine_.board.work_count(); }
   bool is_on() override { return machine_.board.lit(); }
+  bool guide_is_on() override {
+    return (machine_.board.outputs() >> profile_.bjjcz_board().guide_output() & 1) != 0;
+  }
   mark::MarkSet MarksFor(int count) override {
     mark::Pen pen;
     pen.name = "mark";
@@ -65,7 +68,7 @@ class BjjczMarkRig final : public MarkRig {
  private:
   void AdvanceController() override { machine_.Advance(); }
 
-  BjjczLaser laser_;
+  MachineSpec profile_;
   BjjczMachine machine_;
 };
 
@@ -96,10 +99,15 @@ std::unique_ptr<MarkDriver> MakeBjjczDriverAt(BjjczMachine& machine,
   return kind->make(profile, machine.Opener(), machine.clock());
 }
 
+std::unique_ptr<MarkRig> MakeBjjczMarkRigOf(const MachineSpec& profile) {
+  return std::make_unique<BjjczMarkRig>(profile, "");
+}
+
 std::unique_ptr<MarkRig> MakeBjjczMarkRig(const std::string& name,
                                           const std::string& serial_number) {
   return std::make_unique<BjjczMarkRig>(
-      name == "bjjcz_fibre" ? BJJCZ_LASER_FIBRE : BJJCZ_LASER_UV, serial_number);
+      BjjczProfile(name == "bjjcz_fibre" ? BJJCZ_LASER_FIBRE : BJJCZ_LASER_UV),
+      serial_number);
 }
 
 }  // namespace intaglio::drivers

@@ -18,6 +18,7 @@ MachineSpec BjjczProfile(BjjczLaser laser);
 std::unique_ptr<MarkDriver> MakeBjjczDriverAt(BjjczMachine& machine,
                                               const MachineSpec& profile);
 
+std::unique_ptr<MarkRig> MakeBjjczMarkRigOf(const MachineSpec& profile);
 std::unique_ptr<MarkRig> MakeBjjczMarkRig(const std::string& name,
                                           const std::string& serial_number);
 

@@ -23,12 +23,17 @@ class MarkBench {
   MarkDriver& driver() { return *rig_->driver; }
   const MarkDeviceState& state() { return driver().state(); }
 
+  /// In each of all checks the guide laser is dark.
+  void Step() {
+    rig_->Step();
+    Expect(!rig_->guide_is_on(), "K12: the guide laser is on");
+  }
   void StepFor(milliseconds time) {
-    for (std::int64_t i = 0; i < time.count(); ++i) rig_->Step();
+    for (std::int64_t i = 0; i < time.count(); ++i) Step();
   }
   bool Until(const std::function<bool()>& condition,
              milliseconds limit = std::chrono::seconds(5)) {
-    for (std::int64_t i = 0; i < limit.count() && !condition(); ++i) rig_->Step();
+    for (std::int64_t i = 0; i < limit.count() && !condition(); ++i) Step();
     return condition();
   }
   void Connect() {
@@ -73,7 +78,7 @@ class MarkBench {
   void ExpectStill(milliseconds time, const std::string& violation) {
     const std::uint64_t before = rig_->work_count();
     for (std::int64_t i = 0; i < time.count(); ++i) {
-      rig_->Step();
+      Step();
       Expect(!rig_->is_on(), violation + ": the tool is on");
       Expect(rig_->work_count() == before, violation + ": it works");
     }

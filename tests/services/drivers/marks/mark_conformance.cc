@@ -88,7 +88,7 @@ void AHoldRestsWithinTheMarkInHand(const MarkRigMaker& make) {
     bench.StepFor(kHoldTime);
     const std::uint64_t worked = bench.rig().work_count();
     for (int i = 0; i < 1000; ++i) {
-      bench.rig().Step();
+      bench.Step();
       Expect(bench.rig().work_count() == worked, "K11: it works in a hold");
       Expect(bench.rig().is_on() == turns, "K11: the tool is ended in a hold");
     }
@@ -212,6 +212,28 @@ void AnotherControllerIsRefused(const MarkRigMaker& make) {
   bench.ExpectStill(500ms, "K8");
 }
 
+// The bench finds it, in whatever state.
+void TheGuideLaserIsDark(const MarkRigMaker& make) {
+  MarkBench bench(make);
+  bench.rig().permits = false;
+  bench.Connect();
+  bench.StepFor(500ms);
+  bench.rig().permits = true;
+  bench.StepFor(500ms);
+  bench.RunIntoTheSecond(1);
+  bench.rig().SetDoor(false);
+  bench.StepFor(500ms);
+  bench.rig().SetDoor(true);
+  bench.StepFor(500ms);
+  Expect(bench.driver().Reset(), "Reset");
+  Expect(bench.Until([&] { return !bench.state().safe_state; }),
+         "K7: the safe state stays");
+  bench.ExpectGoodRun(2);
+  Expect(bench.driver().Permit(false), "Permit");
+  bench.rig().permits = false;
+  bench.StepFor(500ms);
+}
+
 /// What a host compares, so that no grant of before counts any more.
 struct Known {
   std::string power_up;
@@ -275,6 +297,7 @@ std::vector<MarkCheck> AllChecks() {
       {"K7_door", &AnOpenDoorEndsItAndIsCounted},
       {"K11_hold", &AHoldRestsWithinTheMarkInHand},
       {"K8_another_controller", &AnotherControllerIsRefused},
+      {"K12_guide", &TheGuideLaserIsDark},
   };
   for (const ControllerFault fault : kControllerFaults) {
     for (const FaultInstant instant : kFaultInstants) {

@@ -41,6 +41,8 @@ class MarkRig {
   virtual std::uint64_t work_count() = 0;
   /// The beam is on, or the spindle turns.
   virtual bool is_on() = 0;
+  /// The guide laser is on; a machine without one has it off.
+  virtual bool guide_is_on() { return false; }
 
   /// Marks for a tool as it is here, each some tenths of a second.
   virtual mark::MarkSet MarksFor(int count) = 0;
