@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <charconv>
+#include <functional>
 #include <iostream>
 #include <memory>
 #include <optional>
 
 #include "services/cli/complain.h"
+#include "services/cli/flags/bus_flags.h"
 #include "services/cli/flags/event_flag.h"
 #include "services/cli/flags/same_block_flag.h"
 #include "services/cli/json/print_json.h"
@@ -27,6 +29,8 @@ namespace intaglio::cli {
 namespace {
 
 using namespace std::chrono_literals;
+
+using Act = std::function<int(client::JobClient&, const client::JobView&)>;
 
 void PrintWarnings(const client::JobView& job, std::ostream& out) {
   for (const Warning& warning : job.warnings) out << client::WarningLine(warning) << "\n";
@@ -73,7 +77,7 @@ int PrintJobs(const client::JobClient& client, bool json) {
 /// All jobs, or none and the reason.
 int List(const JobsOptions& options) {
   const client::BusTurn turn;
-  bus::Bus bus(options.bus);
+  bus::Bus bus(WithoutCells(options.bus));
   client::JobClient client(bus);
   const auto known = client::PollUntilJobsAreKnown(client, bus.discovery_time());
   if (known) return PrintJobs(client, options.json);
@@ -92,12 +96,25 @@ int List(const JobsOptions& options) {
 }
 
 /// Runs `act` on the job the options name.
-int WithJob(const JobsOptions& options,
-            const std::function<int(client::JobClient&, const client::JobView&)>& act) {
-  bus::Bus bus(options.bus);
+int WithJobOn(const bus::BusOptions& shop, const JobsOptions& options, const Act& act) {
+  bus::Bus bus(shop);
   client::JobClient client(bus);
   const auto job = client::AwaitJob(client, options.uid, bus.discovery_time());
   return job ? act(client, *job) : ComplainOfShop(job.error());
+}
+
+/// The same of what the job service alone answers.
+int WithJob(const JobsOptions& options, const Act& act) {
+  return WithJobOn(WithoutCells(options.bus), options, act);
+}
+
+/// The job's machine is received as well: it reports what it made before the job service
+/// has settled it.
+int FollowJob(const JobsOptions& options) {
+  return WithJobOn(options.bus, options,
+                   [&](client::JobClient& client, const client::JobView& job) {
+                     return Watch(client, job.uid, options);
+                   });
 }
 
 int SetSpeed(client::JobClient& client, const client::JobView& job,
@@ -245,26 +262,26 @@ void AddJobsCommands(command_line::Command app) {
   list.SetFooter("Example: intaglio list; then intaglio show 1");
   list.SetAction([options] { return List(*options); });
 
-  const auto add =
-      [&](const char* name, const char* purpose,
-          const std::function<int(client::JobClient&, const client::JobView&)>& act) {
-        command_line::Command command = app.AddCommand(name, purpose);
-        command.AddOption("JOB", options->uid, "number or uid (intaglio list)").Require();
-        AddBusFlags(command, options->bus);
-        command.SetFooter(fmt::format("Example: intaglio {} 1", name));
-        command.SetAction([options, act] { return WithJob(*options, act); });
-        return command;
-      };
+  const auto describe = [&](const char* name, const char* purpose) {
+    command_line::Command command = app.AddCommand(name, purpose);
+    command.AddOption("JOB", options->uid, "number or uid (intaglio list)").Require();
+    AddBusFlags(command, options->bus);
+    command.SetFooter(fmt::format("Example: intaglio {} 1", name));
+    return command;
+  };
+  const auto add = [&](const char* name, const char* purpose, const Act& act) {
+    command_line::Command command = describe(name, purpose);
+    command.SetAction([options, act] { return WithJob(*options, act); });
+    return command;
+  };
   add("show", "show all about one job",
       [options](client::JobClient& client, const client::JobView& job) {
         return ShowJob(client, job, options->json);
       })
       .AddFlag("--json", options->json, "for programs");
-  AddEventsFlag(add("watch", "follow a job to its end",
-                    [options](client::JobClient& client, const client::JobView& job) {
-                      return Watch(client, job.uid, *options);
-                    }),
-                options->events);
+  command_line::Command watch = describe("watch", "follow a job to its end");
+  AddEventsFlag(watch, options->events);
+  watch.SetAction([options] { return FollowJob(*options); });
   const auto command = [options](intaglio_JobCommandKind kind) {
     return [kind, options](client::JobClient& client, const client::JobView& job) {
       return CommandJob(client, job,

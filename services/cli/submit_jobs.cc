@@ -8,6 +8,7 @@
 #include "engrave/core/counted.h"
 #include "services/cli/batch/station_jobs.h"
 #include "services/cli/complain.h"
+#include "services/cli/flags/bus_flags.h"
 #include "services/cli/job_series.h"
 #include "services/cli/machine/mount_command.h"
 #include "services/cli/status/command_effect.h"
@@ -70,7 +71,7 @@ int SubmitSeries(const JobsOptions& options) {
   const auto series = BuildSeries(options.job, options.series, options.materials_db);
   if (!series) return Complain(series.error(), client::kExitWrongInput);
   client::BusTurn turn;
-  bus::Bus bus(options.bus);
+  bus::Bus bus(WithoutCells(options.bus));
   client::JobClient client(bus);
   const auto submitted = SubmitAll(client, bus, *series, options);
   return submitted ? client::kExitGood : ComplainOfShop(submitted.error());
@@ -131,7 +132,9 @@ int SubmitAtStations(const JobsOptions& options) {
 
 int SubmitJob(const JobSpec& spec, const JobsOptions& options) {
   client::BusTurn turn;
-  bus::Bus bus(options.bus);
+  // Who follows a job receives from its machine what it made, before the job service has
+  // settled it.
+  bus::Bus bus(options.watch ? options.bus : WithoutCells(options.bus));
   client::JobClient client(bus);
   client::PollUntilServed(client, bus.discovery_time());
   const auto submitted = SubmitOne(client, spec, options, options.id);

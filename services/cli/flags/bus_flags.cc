@@ -21,4 +21,9 @@ void AddBusFlags(command_line::Command command, bus::BusOptions& options) {
   options.roles = {"operator", "submitter", "observer"};
 }
 
+bus::BusOptions WithoutCells(bus::BusOptions options) {
+  options.meets_cells = false;
+  return options;
+}
+
 }  // namespace intaglio::cli

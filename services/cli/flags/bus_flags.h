@@ -13,4 +13,8 @@ void AddBusFlags(command_line::Command command, bus::BusOptions& options);
 /// the environment names is not joined.
 void AddPrivateBusFlags(command_line::Command command, bus::BusOptions& options);
 
+/// For a command that the job service alone answers: it meets no machine, so that its
+/// time does not grow with their number.
+bus::BusOptions WithoutCells(bus::BusOptions options);
+
 }  // namespace intaglio::cli

@@ -76,7 +76,7 @@ int Mount(const MountOptions& options, const std::string& cell,
       return Complain(machine.error());
     named = NamedParts(options.parts, MachineSpec(), {}).value();
   }
-  bus::Bus bus(options.bus);
+  bus::Bus bus(WithoutCells(options.bus));
   client::JobClient client(bus);
   if (auto connected = Connect(client, bus, cell); !connected)
     return Complain(connected.error());

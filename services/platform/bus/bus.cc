@@ -141,8 +141,9 @@ DomainHold::DomainHold(int domain, const BusOptions& options, const std::string&
     held.settings = settings;
     // One process has one role; where tests have several, the first one's ports count.
     const std::string role = options.roles.empty() ? "" : options.roles.front();
-    const std::string configuration = ConfigurationOf(
-        domain, options, security, internal::DiscoveryPorts(domain, role));
+    const std::string configuration =
+        ConfigurationOf(domain, options, security,
+                        internal::DiscoveryPorts(domain, role, options.meets_cells));
     held.handle = Must(
         dds_create_domain(static_cast<dds_domainid_t>(domain), configuration.c_str()),
         fmt::format("cannot set up DDS domain {} on interface {}: check that the "

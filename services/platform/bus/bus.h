@@ -45,6 +45,9 @@ struct BusOptions {
   std::string interface = "lo";  ///< network interface; "lo" stays on this machine
   std::string tag;   ///< participants of another tag are not seen; empty: none
   std::string cell;  ///< partition of the cell topics; empty: sees every cell
+  /// False: a job client, which the job service alone answers; cells and this process do
+  /// not discover each other (discovery_ports.h). A cell meets its own services always.
+  bool meets_cells = true;
   /// Folder of this process's identity (identity.h), or of several: then the first of
   /// `roles` that is there. Empty: nothing is protected, and the interface has to be lo.
   /// Then the first of `roles` is that of this process all the same.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstdint>
+#include <initializer_list>
 
 #include "services/platform/bus/role_names.h"
 
@@ -12,7 +13,7 @@ namespace {
 // The group is the library's own.
 constexpr char kGroup[] = "239.255.0.1";
 constexpr int kBase = 7400, kDomainGain = 250;
-constexpr int kToCells = 2, kFirstOfCells = 20;
+constexpr int kToCells = 2, kToJobClients = 4, kFirstOfCells = 20;
 constexpr std::uint32_t kPortsOfCells = 200;
 
 // FNV-1a, 32 bits: the same on every computer.
@@ -22,19 +23,30 @@ int PortOfCell(const std::string& role) {
   return kFirstOfCells + static_cast<int>(hash % kPortsOfCells);
 }
 
-std::string Peer(int domain, int offset) {
-  return fmt::format("<Peers><Peer Address=\"{}:{}\"/></Peers>", kGroup,
-                     kBase + kDomainGain * domain + offset);
+std::string Peers(int domain, std::initializer_list<int> offsets) {
+  std::string peers;
+  for (const int offset : offsets)
+    peers += fmt::format("<Peer Address=\"{}:{}\"/>", kGroup,
+                         kBase + kDomainGain * domain + offset);
+  return "<Peers>" + peers + "</Peers>";
+}
+
+/// Where it receives announcements, and all else that is sent to many.
+std::string Receiving(int announcements, int others) {
+  return fmt::format(
+      "<Ports><MulticastMetaOffset>{}</MulticastMetaOffset>"
+      "<MulticastDataOffset>{}</MulticastDataOffset></Ports>",
+      announcements, others);
 }
 
 }  // namespace
 
-std::string DiscoveryPorts(int domain, const std::string& role) {
-  if (!role.starts_with(kCellPrefix)) return Peer(domain, kToCells);
-  return fmt::format(
-      "<Ports><MulticastMetaOffset>{}</MulticastMetaOffset>"
-      "<MulticastDataOffset>{}</MulticastDataOffset></Ports>{}",
-      PortOfCell(role), kToCells, Peer(domain, 0));
+std::string DiscoveryPorts(int domain, const std::string& role, bool meets_cells) {
+  if (role.starts_with(kCellPrefix))
+    return Receiving(PortOfCell(role), kToCells) + Peers(domain, {0});
+  if (!meets_cells)
+    return Receiving(kToJobClients, kToJobClients + 1) + Peers(domain, {0});
+  return Peers(domain, {kToCells, kToJobClients});
 }
 
 }  // namespace intaglio::bus::internal

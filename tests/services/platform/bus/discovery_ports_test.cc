@@ -28,6 +28,12 @@ TEST(DiscoveryPorts, AreThoseOfTheDomain) {
   EXPECT_THAT(internal::DiscoveryPorts(41, "cell-els-03"),
               AllOf(HasSubstr("239.255.0.1:17650\""),
                     HasSubstr("<MulticastDataOffset>2</MulticastDataOffset>")));
+  EXPECT_THAT(internal::DiscoveryPorts(40, "operator", false),
+              AllOf(HasSubstr("239.255.0.1:17400\""), Not(HasSubstr(":17402")),
+                    HasSubstr("<MulticastMetaOffset>4</MulticastMetaOffset>")));
+  // Only what meets no cell by itself.
+  EXPECT_EQ(internal::DiscoveryPorts(40, "cell-els-03", false),
+            internal::DiscoveryPorts(40, "cell-els-03"));
 }
 
 TEST(DiscoveryPorts, OfACellStayInTheDomainAndAreAlikeInItsServicesAlone) {
@@ -50,8 +56,11 @@ TEST(DiscoveryPorts, OfACellStayInTheDomainAndAreAlikeInItsServicesAlone) {
 /// is its role.
 class Discovery : public ::testing::Test {
  protected:
-  std::set<std::string> Found(const std::string& role, std::size_t expected) {
-    Bus bus(test::PrivateBusOptions("", role));
+  std::set<std::string> Found(const std::string& role, std::size_t expected,
+                              bool meets_cells = true) {
+    BusOptions options = test::PrivateBusOptions("", role);
+    options.meets_cells = meets_cells;
+    Bus bus(options);
     Reader<intaglio_ServiceHealth> reader(bus, kServiceHealth);
     std::set<std::string> found;
     const auto take = [&] {
@@ -77,6 +86,11 @@ class Discovery : public ::testing::Test {
 TEST_F(Discovery, OfAClientHasEverybody) {
   EXPECT_THAT(Found("observer", 4),
               UnorderedElementsAre("cell-left", "cell-right", "job-service", "operator"));
+}
+
+TEST_F(Discovery, OfAJobClientHasAllWithoutACell) {
+  EXPECT_THAT(Found("submitter", 2, false),
+              UnorderedElementsAre("job-service", "operator"));
 }
 
 TEST_F(Discovery, OfACellHasItsOwnServicesAndAllWithoutACell) {
