@@ -21,7 +21,8 @@ double ShareOfOneProcess() {
 
 Patience::Patience(std::chrono::milliseconds time, std::function<double()> share,
                    std::function<Clock::time_point()> now)
-    : left_(time),
+    : time_(time),
+      left_(time),
       longest_(std::max<std::chrono::duration<double>>(time, kLongest)),
       share_(std::move(share)),
       now_(std::move(now)),
@@ -33,6 +34,15 @@ bool Patience::IsUp() {
   left_ -= share_() * std::chrono::duration<double>(now - last_);
   last_ = now;
   return left_.count() <= 0 || now - began_ >= longest_;
+}
+
+bool Patience::IsUp(std::ptrdiff_t progress) {
+  if (progress > progress_) {
+    progress_ = progress;
+    left_ = time_;
+    began_ = last_ = now_();
+  }
+  return IsUp();
 }
 
 }  // namespace intaglio::client

@@ -5,6 +5,7 @@
 // can have.
 
 #include <chrono>
+#include <cstddef>
 #include <functional>
 
 namespace intaglio::client {
@@ -26,11 +27,15 @@ class Patience {
 
   /// To be asked now and then, at least every second.
   bool IsUp();
-  /// By the clock of the wall.
+  /// The same of a wait for many: the time begins anew whenever `progress`, of anything,
+  /// is greater than it ever was.
+  bool IsUp(std::ptrdiff_t progress);
+  /// By the clock of the wall, since it began.
   std::chrono::duration<double> waited() const { return last_ - began_; }
 
  private:
-  std::chrono::duration<double> left_, longest_;
+  std::chrono::duration<double> time_, left_, longest_;
+  std::ptrdiff_t progress_ = 0;
   std::function<double()> share_;
   std::function<Clock::time_point()> now_;
   Clock::time_point began_, last_;

@@ -76,6 +76,11 @@ Status CheckVirtual(const MachineSpec& spec, const VirtualMachine& machine) {
       protocol);
 }
 
+/// Busy: of a queue that was kept it has been given a job already.
+bool IsReady(const ServiceView& service) {
+  return service.state == intaglio_HEALTH_READY || service.state == intaglio_HEALTH_BUSY;
+}
+
 /// Changes when the file is written; empty: there is none.
 std::string ConsoleStamp(const fs::path& file) {
   std::error_code error;
@@ -311,6 +316,7 @@ Status ServiceSet::AwaitReady(JobClient& client) {
   std::string missing;
   Status alive;
   std::optional<std::chrono::steady_clock::time_point> faulty_since;
+  std::ptrdiff_t ready_count = 0;  // of the whole shop
   const auto ready = [&] {
     if (const auto revived = Revive(); !revived) {
       alive = tl::unexpected(revived.error());
@@ -328,16 +334,14 @@ Status ServiceSet::AwaitReady(JobClient& client) {
     }
     missing.clear();
     const auto services = client.services();
+    ready_count = std::count_if(services.begin(), services.end(), IsReady);
     for (const Expected& expected : kExpected) {
       const char* name = NameIn(machine_, expected);
       if (name == nullptr || (expected.role == intaglio_ROLE_RECORDER && !records_))
         continue;
       const bool there =
           std::any_of(services.begin(), services.end(), [&](const ServiceView& service) {
-            // Busy: of a queue that was kept it has been given a job already.
-            return service.role == expected.role && IsOurs(service) &&
-                   (service.state == intaglio_HEALTH_READY ||
-                    service.state == intaglio_HEALTH_BUSY);
+            return service.role == expected.role && IsOurs(service) && IsReady(service);
           });
       if (there) continue;
       missing += (missing.empty() ? "" : ", ") + std::string(name);
@@ -348,10 +352,14 @@ Status ServiceSet::AwaitReady(JobClient& client) {
     }
     return missing.empty();
   };
-  if (client.PollUntil(ready, kReadyTimeout)) return alive;
-  return Fail(ErrorCode::kTimedOut,
-              fmt::format("not ready after {} s: {}; see the logs beside {}",
-                          kReadyTimeout.count(), missing, machine_file_.string()));
+  for (Patience patience(kReadyTimeout); !ready(); client.Poll(50ms)) {
+    if (!patience.IsUp(ready_count)) continue;
+    return Fail(ErrorCode::kTimedOut,
+                fmt::format("not ready, and for {:.0f} s no other service became so: {}; "
+                            "see the logs beside {}",
+                            patience.waited().count(), missing, machine_file_.string()));
+  }
+  return alive;
 }
 
 void ServiceSet::Terminate() {

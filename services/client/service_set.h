@@ -67,9 +67,10 @@ class ServiceSet {
   const std::filesystem::path& machine_file() const { return machine_file_; }
   const std::filesystem::path& glass_record() const { return glass_record_; }
   const std::filesystem::path& panel() const { return panel_; }
-  /// Waits until every service has reported that it is ready or at work, or kTimedOut
-  /// with the names of those that have not; kFault with the last output of one that has
-  /// died.
+  /// Waits until every service has reported that it is ready or at work. While services
+  /// of the shop become ready one after the other, it waits on; when none has for 30 s
+  /// (patience.h), kTimedOut with the names of those of this set that have not. kFault
+  /// with the last output of one that has died.
   Status AwaitReady(JobClient& client);
   /// The address of the web console, once pages can be opened. kFault with its last
   /// output when it has ended, kTimedOut.

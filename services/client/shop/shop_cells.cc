@@ -29,9 +29,16 @@ ServiceSetOptions OptionsOfCell(const ServiceSetOptions& shop,
   return cell;
 }
 
-Error ShopCells::NamedIn(std::size_t cell, Error error) const {
-  if (cell > 0) error.message = sets_[cell].machine().name() + ": " + error.message;
+Error NamedAt(const std::string& cell, Error error) {
+  const bool is_named = error.message.starts_with(cell) &&
+                        (error.message.compare(cell.size(), 1, " ") == 0 ||
+                         error.message.compare(cell.size(), 1, ":") == 0);
+  if (!is_named) error.message = cell + ": " + error.message;
   return error;
+}
+
+Error ShopCells::NamedIn(std::size_t cell, Error error) const {
+  return cell == 0 ? error : NamedAt(sets_[cell].machine().name(), std::move(error));
 }
 
 Result<ShopCells> ShopCells::Start(const std::vector<Cell>& cells) {
@@ -42,7 +49,7 @@ Result<ShopCells> ShopCells::Start(const std::vector<Cell>& cells) {
     if (!set) {
       Error error = std::move(set.error());
       if (!shop.sets_.empty())
-        error.message = cell.options.machine.name() + ": " + error.message;
+        error = NamedAt(cell.options.machine.name(), std::move(error));
       shop.Stop();
       return tl::unexpected(std::move(error));
     }

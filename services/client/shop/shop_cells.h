@@ -27,6 +27,10 @@ std::vector<MachineSpec> CopiesOf(const MachineSpec& machine, int count);
 ServiceSetOptions OptionsOfCell(const ServiceSetOptions& shop,
                                 const MachineSpec& machine);
 
+/// `error` with the name of its machine at the beginning, once: an error that begins with
+/// the name of the machine stays as it is.
+Error NamedAt(const std::string& cell, Error error);
+
 class ShopCells {
  public:
   struct Cell {

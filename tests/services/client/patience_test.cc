@@ -41,6 +41,29 @@ TEST_F(PatienceTest, LastsLongerWhileTheComputerIsBusy) {
   EXPECT_TRUE(patience.IsUp());
 }
 
+// Thirty machines that become ready one after the other are awaited as one is.
+TEST_F(PatienceTest, BeginsAnewWhenThereIsProgress) {
+  Patience patience = Of(1500ms);
+  for (int found = 1; found <= 30; ++found) {
+    now_ += 1s;
+    EXPECT_FALSE(patience.IsUp(found)) << found;
+  }
+  now_ += 1499ms;
+  EXPECT_FALSE(patience.IsUp(30));
+  now_ += 1ms;
+  EXPECT_TRUE(patience.IsUp(30));
+}
+
+// One that falls back and comes again is none.
+TEST_F(PatienceTest, CountsProgressOnce) {
+  Patience patience = Of(1500ms);
+  EXPECT_FALSE(patience.IsUp(2));
+  now_ += 1s;
+  EXPECT_FALSE(patience.IsUp(1));
+  now_ += 500ms;
+  EXPECT_TRUE(patience.IsUp(2));
+}
+
 TEST_F(PatienceTest, HasAnEndOnAComputerWithoutAnyTime) {
   Patience patience = Of(1500ms);
   share_ = 0;
