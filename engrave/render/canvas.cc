@@ -94,12 +94,18 @@ void FillConvex(Canvas& canvas, const std::vector<Vec2>& corners_px, const Paint
   Vec2 low = corners_px.front();
   Vec2 high = low;
   double twice_area = 0.0;
+  struct Edge {
+    Vec2 from, along;
+    double length;
+  };
+  std::vector<Edge> edges;
   for (std::size_t i = 0; i < corners_px.size(); ++i) {
     const Vec2& a = corners_px[i];
     const Vec2& b = corners_px[(i + 1) % corners_px.size()];
     low = low.cwiseMin(a);
     high = high.cwiseMax(a);
     twice_area += a.x() * b.y() - a.y() * b.x();
+    edges.push_back({a, b - a, std::max((b - a).norm(), 1e-9)});
   }
   const double sense = twice_area < 0.0 ? -1.0 : 1.0;
   const auto xs = Covering(low.x() - 1.0, high.x() + 1.0, canvas.width());
@@ -107,11 +113,9 @@ void FillConvex(Canvas& canvas, const std::vector<Vec2>& corners_px, const Paint
   for (int y = ys.first; y <= ys.last; ++y) {
     for (int x = xs.first; x <= xs.last; ++x) {
       double inside = 1.0;
-      for (std::size_t i = 0; i < corners_px.size() && inside > -0.5; ++i) {
-        const Vec2& a = corners_px[i];
-        const Vec2 edge = corners_px[(i + 1) % corners_px.size()] - a;
+      for (std::size_t i = 0; i < edges.size() && inside > -0.5; ++i) {
+        const auto& [a, edge, length] = edges[i];
         const Vec2 to = CenterOf(x, y) - a;
-        const double length = std::max(edge.norm(), 1e-9);
         inside =
             std::min(inside, sense * (edge.x() * to.y() - edge.y() * to.x()) / length);
       }

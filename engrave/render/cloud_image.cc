@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "engrave/render/plane.h"
@@ -31,6 +32,7 @@ struct Spot {
 struct Scene {
   int width = 0;
   int height = 0;
+  Rect lit;  ///< The pixels that points lie in.
   std::vector<Spot> spots;
   float near_mm = kNothing;
   float far_mm = -kNothing;
@@ -38,7 +40,26 @@ struct Scene {
   float mm_per_px = 1.0F;
 
   float range_mm() const { return std::max(far_mm - near_mm, 1e-3F); }
+  float sigma_px(const CloudStyle& style) const {
+    return std::clamp(0.40F * spacing_px, 0.55F, style.max_sigma_px);
+  }
+  int wide_px() const { return std::max(8, height / 60); }
+  int halo_px() const { return std::max(2, height / 180); }
 };
+
+/// How many pixels around its middle a point gives light to.
+int LightReach(float sigma_px) { return static_cast<int>(std::ceil(2.2F * sigma_px)); }
+
+/// The part of the window that the steps below compute: nothing is seen outside it. A
+/// blur's last two passes look twice its radius beyond the pixel that is wanted.
+Rect PartOf(const Scene& scene, const CloudStyle& style) {
+  const int around = LightReach(scene.sigma_px(style)) + 1 +
+                     std::max(2 * scene.wide_px(), 3 * scene.halo_px());
+  const Rect wanted = scene.lit.Inset(-around);
+  const int left = std::max(0, wanted.x), top = std::max(0, wanted.y);
+  return {left, top, std::min(scene.width, wanted.right()) - left,
+          std::min(scene.height, wanted.bottom()) - top};
+}
 
 /// Mean spacing: from the covered area per point, counted in cells of 6 pixels.
 float SpacingOf(const Scene& scene) {
@@ -59,6 +80,18 @@ float SpacingOf(const Scene& scene) {
       area_px2 / static_cast<double>(std::max<std::size_t>(1, scene.spots.size()))));
 }
 
+Rect LitPart(const std::vector<Spot>& spots) {
+  float left = kNothing, right = -kNothing, top = kNothing, bottom = -kNothing;
+  for (const Spot& spot : spots) {
+    left = std::min(left, spot.x);
+    right = std::max(right, spot.x);
+    top = std::min(top, spot.y);
+    bottom = std::max(bottom, spot.y);
+  }
+  const int x = static_cast<int>(left), y = static_cast<int>(top);
+  return {x, y, static_cast<int>(right) + 1 - x, static_cast<int>(bottom) + 1 - y};
+}
+
 Scene SceneOf(const Rect& window, const Projection& projection,
               const PointList& points_mm, const CloudStyle& style) {
   Scene scene;
@@ -77,14 +110,15 @@ Scene SceneOf(const Rect& window, const Projection& projection,
     scene.far_mm = std::max(scene.far_mm, depth_mm);
   }
   if (scene.spots.empty()) return scene;
+  scene.lit = LitPart(scene.spots);
   scene.spacing_px = SpacingOf(scene);
   scene.mm_per_px = static_cast<float>(
       1.0 / projection.px_per_mm(0.5 * (scene.near_mm + scene.far_mm)));
   return scene;
 }
 
-Plane FrontOf(const Scene& scene, float radius_px) {
-  Plane front(scene.width, scene.height, kNothing);
+Plane FrontOf(const Scene& scene, const Rect& part, float radius_px) {
+  Plane front(part, kNothing);
   const int reach = static_cast<int>(std::ceil(radius_px));
   std::vector<std::array<int, 2>> disc;
   for (int dy = -reach; dy <= reach; ++dy) {
@@ -108,9 +142,9 @@ Plane FrontOf(const Scene& scene, float radius_px) {
 Plane LightOf(const Scene& scene, const Plane& front, float radius_px,
               const CloudStyle& style) {
   constexpr float kBehind = 0.10F;  // what still shines through of the farther sides
-  Plane light(scene.width, scene.height, 0.0F);
-  const float sigma_px = std::clamp(0.40F * scene.spacing_px, 0.55F, style.max_sigma_px);
-  const int reach = static_cast<int>(std::ceil(2.2F * sigma_px));
+  Plane light(front.area(), 0.0F);
+  const float sigma_px = scene.sigma_px(style);
+  const int reach = LightReach(sigma_px);
   const float depth_scale_mm = 2.5F * (radius_px + 0.5F) * scene.mm_per_px;
   std::vector<float> across(2 * static_cast<std::size_t>(reach) + 1);
   std::vector<float> down(across.size());
@@ -139,15 +173,15 @@ Plane LightOf(const Scene& scene, const Plane& front, float radius_px,
 
 /// The blur of the depths that are known; kNothing where none is near.
 Plane SmoothDepth(const Plane& front, int radius_px) {
-  Plane known = front;
-  Plane weight = front;
+  Plane depth(front.area(), 0.0F);
+  Plane share(front.area(), 0.0F);
   for (std::size_t i = 0; i < front.values.size(); ++i) {
-    const bool is_known = front.values[i] < kNothing;
-    weight.values[i] = is_known ? 1.0F : 0.0F;
-    if (!is_known) known.values[i] = 0.0F;
+    if (front.values[i] == kNothing) continue;
+    depth.values[i] = front.values[i];
+    share.values[i] = 1.0F;
   }
-  Plane depth = Blurred(known, radius_px);
-  const Plane share = Blurred(weight, radius_px);
+  depth = Blurred(std::move(depth), radius_px);
+  share = Blurred(std::move(share), radius_px);
   for (std::size_t i = 0; i < depth.values.size(); ++i) {
     depth.values[i] =
         share.values[i] > 1e-3F ? depth.values[i] / share.values[i] : kNothing;
@@ -158,13 +192,12 @@ Plane SmoothDepth(const Plane& front, int radius_px) {
 /// Brightness of the front side by its form, about 0.2 .. 1.5.
 Plane ReliefOf(const Scene& scene, const Plane& front, float radius_px) {
   const int fine_px = std::max(1, static_cast<int>(std::lround(0.6F * radius_px)));
-  const int wide_px = std::max(8, scene.height / 60);
   const Plane fine = SmoothDepth(front, fine_px);
-  const Plane wide = SmoothDepth(front, wide_px);
-  Plane relief(scene.width, scene.height, 1.0F);
+  const Plane wide = SmoothDepth(front, scene.wide_px());
+  Plane relief(front.area(), 1.0F);
   const Vec3 light = Vec3(-0.50, -0.62, 0.60).normalized();  // x right, y down, z to us
-  for (int y = 1; y + 1 < scene.height; ++y) {
-    for (int x = 1; x + 1 < scene.width; ++x) {
+  for (int y = front.top + 1; y + 1 < front.bottom(); ++y) {
+    for (int x = front.left + 1; x + 1 < front.right(); ++x) {
       const float here_mm = fine.at(x, y);
       const float dx_mm = fine.at(x + 1, y) - fine.at(x - 1, y);
       const float dy_mm = fine.at(x, y + 1) - fine.at(x, y - 1);
@@ -209,20 +242,20 @@ void DrawCloud(Canvas& canvas, const Rect& window, const Projection& projection,
   const Scene scene = SceneOf(window, projection, points_mm, style);
   if (scene.spots.empty()) return;
   const float radius_px = std::clamp(1.6F * scene.spacing_px + 0.6F, 1.5F, 8.0F);
-  const Plane front = FrontOf(scene, radius_px);
+  const Plane front = FrontOf(scene, PartOf(scene, style), radius_px);
   const Plane light = LightOf(scene, front, radius_px, style);
   const Plane relief = ReliefOf(scene, front, radius_px);
   const float typical = TypicalLight(light);
-  Plane tone(scene.width, scene.height, 0.0F);
+  Plane tone(front.area(), 0.0F);
   for (std::size_t i = 0; i < tone.values.size(); ++i) {
     if (light.values[i] <= 0.0F) continue;
     const float power = std::pow(light.values[i] / typical, 0.7F);
     tone.values[i] = 1.0F - std::exp(-1.15F * power * relief.values[i]);
   }
-  const Plane halo = Blurred(tone, std::max(2, scene.height / 180));
+  const Plane halo = Blurred(tone, scene.halo_px());
   static const Color kHalo = Srgb(0x3C8CFF);
-  for (int y = 0; y < scene.height; ++y) {
-    for (int x = 0; x < scene.width; ++x) {
+  for (int y = tone.top; y < tone.bottom(); ++y) {
+    for (int x = tone.left; x < tone.right(); ++x) {
       const Color add = Glow(tone.at(x, y)) + 0.16F * halo.at(x, y) * kHalo;
       if (canvas.Has(window.x + x, window.y + y)) {
         Color& pixel = canvas.at(window.x + x, window.y + y);

@@ -51,13 +51,16 @@ std::vector<std::uint8_t> EncodePng(const Canvas& canvas, Opacity opacity) {
       const Color& color = canvas.at(x, y);
       const std::array<std::uint8_t, 3> rgb = {byte_of(color.r), byte_of(color.g),
                                                byte_of(color.b)};
-      const int alpha =
-          has_alpha ? AlphaOf(*std::max_element(rgb.begin(), rgb.end())) : 255;
+      if (!has_alpha) {
+        pixels.insert(pixels.end(), rgb.begin(), rgb.end());
+        continue;
+      }
+      const int alpha = AlphaOf(*std::max_element(rgb.begin(), rgb.end()));
       for (const int part : rgb) {
         pixels.push_back(
             static_cast<std::uint8_t>(alpha == 0 ? 0 : (255 * part + alpha / 2) / alpha));
       }
-      if (has_alpha) pixels.push_back(static_cast<std::uint8_t>(alpha));
+      pixels.push_back(static_cast<std::uint8_t>(alpha));
     }
   }
   png_image image{};

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engrave/render/plane.h"
@@ -125,8 +126,8 @@ class Picture {
       depth.values[i] = front_.values[i] - min_mm_;
       there.values[i] = 1;
     }
-    depth = Blurred(depth, 2);
-    there = Blurred(there, 2);
+    depth = Blurred(std::move(depth), 2);
+    there = Blurred(std::move(there), 2);
     for (std::size_t i = 0; i < depth.values.size(); ++i) {
       depth.values[i] /= std::max(there.values[i], 1e-3F);
     }
