@@ -6,7 +6,6 @@
 
 #include "engrave/core/check.h"
 #include "engrave/io/lower_case.h"
-#include "engrave/mesh/collada_check.h"
 #include "engrave/mesh/up_convention.h"
 
 namespace intaglio::mesh {
@@ -63,13 +62,6 @@ Mat3 UprightFrom(UpAxis up) {
   if (row.sign > 0) return turn;
   const Vec3 half_turn = row.axis == 0 ? Vec3(-1, -1, 1) : Vec3(1, -1, -1);
   return turn * Mat3(half_turn.asDiagonal());
-}
-
-std::optional<UpAxis> UpAxisOfFile(std::string_view extension, std::string_view file) {
-  const std::string lower = io::LowerCaseExtension(extension);
-  if (lower == "gltf" || lower == "glb") return UpAxis::kY;
-  if (lower == "dae") return UpAxisInCollada(file);
-  return std::nullopt;
 }
 
 UpConvention UpConventionOf(std::string_view extension) {

@@ -7,7 +7,6 @@
 // names the axis in its asset (up_axis, default Y_UP; COLLADA 1.4.1, "up_axis"). STL,
 // OBJ, PLY, 3DS and 3MF define none (3MF draws z up); most programs write STL with z up.
 
-#include <optional>
 #include <string_view>
 
 #include "engrave/core/geometry.h"
@@ -30,9 +29,5 @@ UpAxis NearestUpAxis(const Vec3& direction);
 /// X_UP into Y_UP, (x, y, z) -> (-y, x, z). Of a negative axis the same turn after half a
 /// turn about the model's x (y and z) or z (x).
 Mat3 UprightFrom(UpAxis up);
-
-/// The axis that a file declares or its format defines, by the file name's extension, in
-/// any case; nothing for a format that defines none. `file` is read for a .dae only.
-std::optional<UpAxis> UpAxisOfFile(std::string_view extension, std::string_view file);
 
 }  // namespace intaglio::mesh

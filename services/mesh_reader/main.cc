@@ -3,7 +3,7 @@
 #include <csignal>
 #include <string>
 
-#include "services/job/models/reading_process.h"
+#include "services/mesh_reader/standard_input.h"
 #include "services/platform/command_line/program.h"
 
 int main(int argc, char** argv) {

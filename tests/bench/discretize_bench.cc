@@ -22,7 +22,7 @@
 #include "engrave/discretize/mesh/rays.h"
 #include "engrave/discretize/mesh/sections.h"
 #include "engrave/discretize/spacing/thinning.h"
-#include "engrave/mesh/mesh_import.h"
+#include "engrave/mesh/import/mesh_import.h"
 #include "engrave/mesh/placement.h"
 #include "engrave/proof/nearest_distances.h"
 #include "tests/bench/discretize_peers.h"

@@ -4,9 +4,9 @@
 #include <string_view>
 
 #include "engrave/core/check.h"
+#include "engrave/mesh/files/declared_axis.h"
+#include "engrave/mesh/import/mesh_import.h"
 #include "engrave/mesh/mesh_diagnosis.h"
-#include "engrave/mesh/mesh_import.h"
-#include "engrave/mesh/up_axis.h"
 
 // The first byte picks the format ('0' stl, '1' obj, ... in the order below), the rest is
 // the file. Every input gives a mesh of finite vertices or an error with a message. The

@@ -19,7 +19,7 @@
 #include "engrave/image/image_file.h"
 #include "engrave/io/csv.h"
 #include "engrave/io/whole_file.h"
-#include "engrave/mesh/mesh_import.h"
+#include "engrave/mesh/import/mesh_import.h"
 #include "tests/engrave/mesh/mesh_file.h"
 #include "tests/test_folder.h"
 

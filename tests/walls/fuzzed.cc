@@ -13,18 +13,31 @@ namespace fs = std::filesystem;
 
 /// Parsers that a fuzzed parser calls, or that do nothing but call it, with its name.
 const std::map<std::string, std::string> kCalledBy = {
-    {"ParseBmp", "ParseImage"},          {"ParseCoordinateLines", "ParseXyz"},
-    {"ParseFinite", "ReadSvg"},          {"ParseGerberAperture", "ReadGerber"},
-    {"ParseGerberFormat", "ReadGerber"}, {"ParseGerberRepeat", "ReadGerber"},
-    {"ParseGerberUnit", "ReadGerber"},   {"ParseJpeg", "ParseImage"},
-    {"ParseNumber", "ParseXyz"},         {"ParseNumbers", "ImportRii"},
-    {"ParsePcx", "ParseImage"},          {"ParsePlyHeader", "ParsePly"},
-    {"ParsePng", "ParseImage"},          {"ParsePoints", "ParsePly"},
-    {"ParseSvgLength", "ReadSvg"},       {"ParseSvgOrigin", "ReadSvg"},
-    {"ParseSvgPath", "ReadSvg"},         {"ParseSvgTransform", "ReadSvg"},
-    {"ParseSvgViewBox", "ReadSvg"},      {"ParseTemplate", "ParseMillTemplate"},
-    {"ReadObj", "ImportMeshFromMemory"}, {"ReadPly", "ImportMeshFromMemory"},
-    {"ReadStl", "ImportMeshFromMemory"}, {"ReadThreeMf", "ImportMeshFromMemory"}};
+    {"ParseBmp", "ParseImage"},
+    {"ParseCoordinateLines", "ParseXyz"},
+    {"ParseFinite", "ReadSvg"},
+    {"ParseGerberAperture", "ReadGerber"},
+    {"ParseGerberFormat", "ReadGerber"},
+    {"ParseGerberRepeat", "ReadGerber"},
+    {"ParseGerberUnit", "ReadGerber"},
+    {"ParseJpeg", "ParseImage"},
+    {"ParseNumber", "ParseXyz"},
+    {"ParseNumbers", "ImportRii"},
+    {"ParsePcx", "ParseImage"},
+    {"ParsePlyHeader", "ParsePly"},
+    {"ParsePng", "ParseImage"},
+    {"ParsePoints", "ParsePly"},
+    {"ParseSvgLength", "ReadSvg"},
+    {"ParseSvgOrigin", "ReadSvg"},
+    {"ParseSvgPath", "ReadSvg"},
+    {"ParseSvgTransform", "ReadSvg"},
+    {"ParseSvgViewBox", "ReadSvg"},
+    {"ParseTemplate", "ParseMillTemplate"},
+    {"ReadObj", "ImportMeshFromMemory"},
+    {"ReadOwnFormat", "ImportMeshFromMemory"},
+    {"ReadPly", "ImportMeshFromMemory"},
+    {"ReadStl", "ImportMeshFromMemory"},
+    {"ReadThreeMf", "ImportMeshFromMemory"}};
 
 /// Parsers without a target, and why.
 const std::map<std::string, std::string> kWithout = {

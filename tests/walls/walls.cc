@@ -19,8 +19,10 @@ constexpr char kBuildFile[] = "CMakeLists.txt";
 const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"engrave/core", {}},
     {"engrave/io", {"engrave/core"}},
-    {"engrave/mesh", {"engrave/core", "engrave/io", "engrave/mesh/files"}},
+    {"engrave/mesh", {"engrave/core", "engrave/io"}},
     {"engrave/mesh/files", {"engrave/core", "engrave/io", "engrave/mesh"}},
+    {"engrave/mesh/import",
+     {"engrave/core", "engrave/io", "engrave/mesh", "engrave/mesh/files"}},
     {"engrave/drawing/dxf", {"engrave/core", "engrave/io", "engrave/drawing"}},
     {"engrave/drawing/svg", {"engrave/core", "engrave/io", "engrave/drawing"}},
     {"engrave/curve", {"engrave/core"}},
@@ -188,6 +190,7 @@ struct Kept {
 const std::vector<Kept> kKept = {
     {"CLI/", false, {"services/platform/command_line"}},
     {"curl/", false, {"services/console/webhooks"}},
+    {"assimp/", false, {"engrave/mesh/import"}},
     {"boost/", false, {"services/platform/web"}},
     {"sodium", false, {"services/platform/access"}},
     {"hb", false, {"engrave/drawing"}},

@@ -4,7 +4,7 @@
 
 #include "engrave/core/findings.h"
 #include "engrave/core/result.h"
-#include "engrave/mesh/import_source.h"
+#include "engrave/mesh/files/import_source.h"
 
 namespace intaglio::mesh {
 

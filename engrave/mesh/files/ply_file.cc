@@ -12,9 +12,9 @@
 #include "engrave/core/try.h"
 #include "engrave/io/ply_header.h"
 #include "engrave/io/ply_values.h"
+#include "engrave/mesh/files/ply_check.h"
 #include "engrave/mesh/files/polygon.h"
 #include "engrave/mesh/files/unused_vertices.h"
-#include "engrave/mesh/ply_check.h"
 #include "engrave/mesh/weld_vertices.h"
 
 namespace intaglio::mesh {

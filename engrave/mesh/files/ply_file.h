@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "engrave/core/result.h"
-#include "engrave/mesh/import_source.h"
+#include "engrave/mesh/files/import_source.h"
 #include "engrave/mesh/imported_mesh.h"
 
 namespace intaglio::mesh {

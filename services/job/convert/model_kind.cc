@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "engrave/io/lower_case.h"
-#include "engrave/mesh/mesh_import.h"
+#include "engrave/mesh/mesh_formats.h"
 #include "services/job/methods/method_table.h"
 #include "services/platform/fields/field_rules.h"
 

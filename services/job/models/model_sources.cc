@@ -19,6 +19,7 @@
 #include "engrave/discretize/spacing/fixed_points.h"
 #include "engrave/formats/point_file_kinds.h"
 #include "engrave/io/ply_header.h"
+#include "engrave/mesh/files/declared_axis.h"
 #include "engrave/mesh/placement.h"
 #include "services/job/convert/model_kind.h"
 #include "services/job/fields/channels.h"

@@ -11,7 +11,7 @@
 #include "engrave/drawing/drawing.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/image/image_file.h"
-#include "engrave/mesh/mesh_import.h"
+#include "engrave/mesh/files/own_formats.h"
 
 namespace intaglio {
 
@@ -25,7 +25,7 @@ struct ReadLimits {
   drawing::DrawingLimits drawings;
   image::ImageLimits images;
   formats::PointFileLimits points;
-  mesh::MeshReader read_mesh = mesh::ImportMeshFromMemory;
+  mesh::MeshReader read_mesh = mesh::ReadOwnFormat;
 };
 
 /// Of the factors that --size-limits takes.

@@ -6,7 +6,6 @@
 #include <spawn.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -17,7 +16,9 @@
 #include <utility>
 #include <vector>
 
+#include "engrave/mesh/files/own_formats.h"
 #include "services/job/models/mesh_answer.h"
+#include "services/job/models/whole_file.h"
 #include "services/platform/command_line/other_programs.h"
 
 extern char** environ;
@@ -44,32 +45,6 @@ class MemoryFile {
   int descriptor_;
 };
 
-bool WriteAll(int descriptor, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = write(descriptor, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return false;
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
-  }
-  return true;
-}
-
-/// From its beginning to its end; empty when it cannot be read.
-std::vector<std::byte> ReadAll(int descriptor) {
-  struct stat status {};
-  if (fstat(descriptor, &status) != 0 || status.st_size < 0) return {};
-  std::vector<std::byte> bytes(static_cast<std::size_t>(status.st_size));
-  std::size_t size = 0;
-  while (size < bytes.size()) {
-    const ssize_t got = pread(descriptor, bytes.data() + size, bytes.size() - size,
-                              static_cast<off_t>(size));
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return {};
-    size += static_cast<std::size_t>(got);
-  }
-  return bytes;
-}
-
 /// Limits of the process. A process that may not set them goes on without: they are one
 /// protection behind others.
 void Bound(pid_t process, std::chrono::seconds time, const ImportOptions& options) {
@@ -78,7 +53,7 @@ void Bound(pid_t process, std::chrono::seconds time, const ImportOptions& option
   (void)prlimit(process, RLIMIT_CPU, &processor, nullptr);
   (void)prlimit(process, RLIMIT_CORE, &dump, nullptr);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-  // Twice what the largest meshes take (mesh_import.h), and the libraries.
+  // Twice what the largest meshes take (mesh_formats.h), and the libraries.
   constexpr rlim_t kLibraries = rlim_t{1} << 30, kBytesPerTriangle = 500;
   const rlim_t bytes = kLibraries + kBytesPerTriangle * options.max_triangles;
   const rlimit memory{bytes, bytes};
@@ -170,20 +145,10 @@ Answer Read(const ReadingProcess& reader, std::span<const std::byte> bytes,
 mesh::MeshReader ReadBy(const ReadingProcess& process) {
   return [process](std::span<const std::byte> bytes, std::string_view extension,
                    const ImportOptions& options, std::string_view name) {
-    return mesh::IsReadByLibrary(extension)
+    return mesh::IsReadByProcess(extension)
                ? Read(process, bytes, extension, options, name)
-               : mesh::ImportMeshFromMemory(bytes, extension, options, name);
+               : mesh::ReadOwnFormat(bytes, extension, options, name);
   };
-}
-
-int ReadStandardInput(const std::string& extension, const std::string& name,
-                      const ImportOptions& options) {
-  // What a library prints is no part of the answer.
-  const int answer_to = dup(STDOUT_FILENO);
-  if (answer_to < 0 || dup2(STDERR_FILENO, STDOUT_FILENO) < 0) return 1;
-  const std::vector<std::byte> bytes = ReadAll(STDIN_FILENO);
-  const Answer answer = mesh::ImportMeshFromMemory(bytes, extension, options, name);
-  return WriteAll(answer_to, EncodeAnswer(answer)) ? 0 : 1;
 }
 
 }  // namespace intaglio::mesh_reader

@@ -7,9 +7,8 @@
 
 #include <chrono>
 #include <filesystem>
-#include <string>
 
-#include "engrave/mesh/mesh_import.h"
+#include "engrave/mesh/mesh_formats.h"
 
 namespace intaglio::mesh_reader {
 
@@ -24,11 +23,5 @@ struct ReadingProcess {
 /// this process by itself. Further errors: kNotFound (no such program), kUnreadable (the
 /// process broke down), kTooLarge (it took too long), kIo. Of any thread.
 mesh::MeshReader ReadBy(const ReadingProcess& process);
-
-/// What the program does: reads the file that is its standard input, as the format of
-/// `extension` and under `name`, and writes the answer (mesh_answer.h) to its standard
-/// output. The exit code: 0 when that is written, whatever the answer.
-int ReadStandardInput(const std::string& extension, const std::string& name,
-                      const mesh::ImportOptions& options);
 
 }  // namespace intaglio::mesh_reader

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <string>
 
+#include "engrave/mesh/import/mesh_import.h"
 #include "engrave/mesh/mesh_diagnosis.h"
-#include "engrave/mesh/mesh_import.h"
 #include "tests/engrave/discretize/figurines.h"
 #include "tests/engrave/mesh/handmade_files.h"
 #include "tests/engrave/mesh/mesh_file.h"

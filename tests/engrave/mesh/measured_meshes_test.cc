@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <string>
 
+#include "engrave/mesh/import/mesh_import.h"
 #include "engrave/mesh/mesh_diagnosis.h"
-#include "engrave/mesh/mesh_import.h"
 #include "tests/engrave/mesh/mesh_file.h"
 
 // Meshes from practice: scans, CAD exports, and broken files. Those that may be

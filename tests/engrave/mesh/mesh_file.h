@@ -6,7 +6,7 @@
 #include <span>
 
 #include "engrave/io/whole_file.h"
-#include "engrave/mesh/mesh_import.h"
+#include "engrave/mesh/import/mesh_import.h"
 
 namespace intaglio::mesh {
 

@@ -7,7 +7,7 @@
 
 #include <string>
 
-#include "engrave/mesh/mesh_import.h"
+#include "engrave/mesh/import/mesh_import.h"
 
 namespace intaglio::mesh {
 namespace {

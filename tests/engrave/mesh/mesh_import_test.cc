@@ -1,4 +1,4 @@
-#include "engrave/mesh/mesh_import.h"
+#include "engrave/mesh/import/mesh_import.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,10 +1,10 @@
-#include "engrave/mesh/ply_check.h"
+#include "engrave/mesh/files/ply_check.h"
 
 #include <gmock/gmock.h>
 
 #include <string>
 
-#include "engrave/mesh/mesh_import.h"
+#include "engrave/mesh/import/mesh_import.h"
 #include "tests/engrave/mesh/handmade_files.h"
 #include "tests/engrave/mesh/test_meshes.h"
 

@@ -1,4 +1,4 @@
-#include "engrave/mesh/stl_file.h"
+#include "engrave/mesh/files/stl_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "engrave/mesh/mesh_import.h"
+#include "engrave/mesh/import/mesh_import.h"
 #include "tests/engrave/mesh/handmade_files.h"
 
 namespace intaglio::mesh {

@@ -5,7 +5,8 @@
 #include <Eigen/LU>
 
 #include "engrave/core/check.h"
-#include "engrave/mesh/collada_check.h"
+#include "engrave/mesh/files/collada_check.h"
+#include "engrave/mesh/files/declared_axis.h"
 
 namespace intaglio::mesh {
 namespace {

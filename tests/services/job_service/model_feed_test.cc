@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "engrave/mesh/mesh_import.h"
+#include "engrave/mesh/import/mesh_import.h"
 #include "services/discretizer/model_intake.h"
 #include "services/platform/bus/role_names.h"
 #include "tests/services/platform/bus/private_bus.h"

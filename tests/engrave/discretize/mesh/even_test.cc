@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "engrave/mesh/mesh_import.h"
+#include "engrave/mesh/import/mesh_import.h"
 #include "engrave/mesh/placement.h"
 #include "tests/engrave/discretize/figurines.h"
 #include "tests/engrave/discretize/shapes.h"

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "services/job/models/model_file.h"
+#include "tests/services/job/models/all_formats.h"
 #include "tests/services/job/models/one_model.h"
 #include "tests/test_folder.h"
 #include "tests/test_name.h"
@@ -25,7 +26,7 @@ Warnings WarningsOfMaking(const JobSpec& job) {
   const JobSpec whole = WithDefaults(job, GoodMachine());
   const auto files = ReadFilesOf(whole, {});
   EXPECT_TRUE(files) << files.error().message;
-  const auto made = MakeSources(whole, *files, {}, {});
+  const auto made = MakeSources(whole, *files, AllFormats(), {});
   EXPECT_TRUE(made) << made.error().message;
   return made ? made->warnings : Warnings();
 }
@@ -48,7 +49,7 @@ TEST(MeshModels, AGltfIsReadWithTheBuffersOfItsFolder) {
   std::filesystem::current_path(folder);
   OneModel one;
   one.model.set_file(kMeshFiles + "two_files/scene.gltf");
-  const auto sizes = SizesOf(WithDefaults(one.job, GoodMachine()), {});
+  const auto sizes = SizesOf(WithDefaults(one.job, GoodMachine()), AllFormats());
   std::filesystem::current_path(before);
   ASSERT_TRUE(sizes) << sizes.error().message;
   // It has y up.
@@ -84,7 +85,7 @@ TEST_P(UnitsOfMeshes, AreThoseOfTheFileUnlessTheJobHasOne) {
   OneModel one;
   one.model.set_file(kMeshFiles + GetParam().file);
   const auto size = [&] {
-    const auto sizes = SizesOf(WithDefaults(one.job, GoodMachine()), {});
+    const auto sizes = SizesOf(WithDefaults(one.job, GoodMachine()), AllFormats());
     EXPECT_TRUE(sizes) << sizes.error().message;
     return sizes ? sizes->front() : ModelSize();
   };

@@ -15,6 +15,7 @@
 #include "services/job/models/model_sources.h"
 #include "services/job/models/unfitted_sizes.h"
 #include "tests/engrave/mesh/handmade_files.h"
+#include "tests/services/job/models/all_formats.h"
 #include "tests/services/job/test_job.h"
 
 namespace intaglio {
@@ -76,7 +77,7 @@ struct CheckedModel {
     model.set_file(name);
     const auto bytes = std::as_bytes(std::span(text));
     return MakeSources(WithDefaults(job, GoodMachine()),
-                       {FileBytes(bytes.begin(), bytes.end())}, {}, {});
+                       {FileBytes(bytes.begin(), bytes.end())}, AllFormats(), {});
   }
   Vec3 SizeOf(const std::string& name, const std::string& text) {
     const auto made = Make(name, text);

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "engrave/mesh/import/mesh_import.h"
 #include "services/job/models/program_limits.h"
 #include "tests/engrave/mesh/handmade_files.h"
 #include "tests/engrave/mesh/test_meshes.h"

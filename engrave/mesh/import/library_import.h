@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "engrave/core/result.h"
-#include "engrave/mesh/import_source.h"
+#include "engrave/mesh/files/import_source.h"
 #include "engrave/mesh/imported_mesh.h"
 
 namespace intaglio::mesh {

@@ -1,4 +1,4 @@
-#include "engrave/mesh/library_import.h"
+#include "engrave/mesh/import/library_import.h"
 
 #include <assimp/BaseImporter.h>
 #include <assimp/config.h>

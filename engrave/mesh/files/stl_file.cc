@@ -1,4 +1,4 @@
-#include "engrave/mesh/stl_file.h"
+#include "engrave/mesh/files/stl_file.h"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +13,7 @@
 #include "engrave/core/try.h"
 #include "engrave/io/lower_case.h"
 #include "engrave/io/number_text.h"
-#include "engrave/mesh/triangle_welder.h"
+#include "engrave/mesh/files/triangle_welder.h"
 
 namespace intaglio::mesh {
 namespace {

@@ -14,10 +14,9 @@
 // - vertices are welded by exact coordinates (weld_vertices.h), which also joins what
 //   the format splits by normal, texture or material. Disconnected parts are kept;
 // - coordinates are 32-bit floats, converted exactly: those of the file, or the nearest
-// to
-//   its decimals in an STL; in an OBJ and a 3MF they are doubles, so that a model at map
-//   coordinates keeps its shape; the import library, which reads all other formats, may
-//   be off by the last bit of a decimal.
+//   to its decimals in an STL; in an OBJ and a 3MF they are doubles, so that a model at
+//   map coordinates keeps its shape; the import library, which reads all other formats,
+//   may be off by the last bit of a decimal.
 //
 // Units and axes:
 // - STL, OBJ, PLY, 3DS carry no unit and are taken as they are (a 3DS is z-up);
@@ -29,34 +28,14 @@
 // forgotten unit.
 
 #include <cstddef>
-#include <cstdint>
-#include <functional>
 #include <span>
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "engrave/core/result.h"
 #include "engrave/mesh/imported_mesh.h"
+#include "engrave/mesh/mesh_formats.h"
 
 namespace intaglio::mesh {
-
-/// Bounds on what a file may cost. A limit exceeded is ErrorCode::kTooLarge.
-struct ImportOptions {
-  /// Largest file, bytes. Default 1 GiB: 21 million triangles of binary STL.
-  std::uint64_t max_file_bytes = std::uint64_t{1} << 30;
-  /// Maximum size of an unpacked 3MF (a zip archive), as a multiple of its packed size.
-  /// Default 50: models grow 4 to 20 times, a malicious megabyte 1000 times.
-  std::uint64_t max_unpacked_ratio = 50;
-  /// Maximum number of triangles after instancing and triangulation. Default 10 million,
-  /// far more than the 2 million points that a machine engraves. While such a mesh is
-  /// read it takes (measured) 0.4 GB as STL, 0.9 GB as PLY, 2.4 GB as OBJ; 0.24 GB stay.
-  std::uint64_t max_triangles = 10'000'000;
-  /// Only what belongs to objects of these names: nodes of the scene, which in an OBJ are
-  /// its o and g, in a 3DS its objects. What lies below a node belongs to it, too. Empty:
-  /// all. A name that the file does not have is kMissing; the error lists its names.
-  std::vector<std::string> objects = {};
-};
 
 /// Errors name the file, the problem and the remedy: kUnsupported (extension),
 /// kUnreadable (empty, damaged, or not of its extension's format), kMissing (no
@@ -70,17 +49,5 @@ Result<ImportedMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
                                           std::string_view extension,
                                           const ImportOptions& options = {},
                                           std::string_view name = "model");
-
-/// The function that reads a file held in memory: ImportMeshFromMemory, or a version of
-/// it in a separate process.
-using MeshReader = std::function<Result<ImportedMesh>(
-    std::span<const std::byte> bytes, std::string_view extension,
-    const ImportOptions& options, std::string_view name)>;
-
-/// Whether files of this extension may declare the unit of their coordinates.
-bool MayDeclareUnit(std::string_view extension);
-
-/// Whether files of this extension are read by a separate process: all but STL.
-bool IsReadByLibrary(std::string_view extension);
 
 }  // namespace intaglio::mesh

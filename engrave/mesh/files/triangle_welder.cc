@@ -1,4 +1,4 @@
-#include "engrave/mesh/triangle_welder.h"
+#include "engrave/mesh/files/triangle_welder.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,4 +1,4 @@
-#include "engrave/mesh/corner_welder.h"
+#include "engrave/mesh/files/corner_welder.h"
 
 #include <algorithm>
 #include <bit>

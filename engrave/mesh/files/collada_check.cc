@@ -1,4 +1,4 @@
-#include "engrave/mesh/collada_check.h"
+#include "engrave/mesh/files/collada_check.h"
 
 #include <fmt/format.h>
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "engrave/core/result.h"
-#include "engrave/mesh/corner_welder.h"
-#include "engrave/mesh/import_source.h"
+#include "engrave/mesh/files/corner_welder.h"
+#include "engrave/mesh/files/import_source.h"
 #include "engrave/mesh/mesh.h"
 
 namespace intaglio::mesh {

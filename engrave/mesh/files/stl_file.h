@@ -15,8 +15,8 @@
 #include <cstdint>
 
 #include "engrave/core/result.h"
-#include "engrave/mesh/byte_reader.h"
-#include "engrave/mesh/import_source.h"
+#include "engrave/mesh/files/byte_reader.h"
+#include "engrave/mesh/files/import_source.h"
 #include "engrave/mesh/mesh.h"
 
 namespace intaglio::mesh {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engrave/core/result.h"
-#include "engrave/mesh/mesh_import.h"
+#include "engrave/mesh/mesh_formats.h"
 
 namespace intaglio::mesh {
 

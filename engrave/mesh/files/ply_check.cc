@@ -1,4 +1,4 @@
-#include "engrave/mesh/ply_check.h"
+#include "engrave/mesh/files/ply_check.h"
 
 #include <fmt/format.h>
 

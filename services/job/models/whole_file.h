@@ -1,0 +1,18 @@
+#pragma once
+
+// What the process that reads a mesh and the one that asks it give each other: whole
+// files, by their descriptors.
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace intaglio::mesh_reader {
+
+/// False when not all could be written.
+bool WriteAll(int descriptor, std::span<const std::byte> bytes);
+
+/// From its beginning to its end; empty when it cannot be read.
+std::vector<std::byte> ReadAll(int descriptor);
+
+}  // namespace intaglio::mesh_reader
