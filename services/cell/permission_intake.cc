@@ -14,6 +14,7 @@ using bus::View;
 constexpr std::chrono::milliseconds kLease{90};
 constexpr std::uint32_t kMinSpeedPercent = 1, kMaxSpeedPercent = 140;
 constexpr char kJobService[] = "job service";
+constexpr std::chrono::nanoseconds kNever{-1};
 
 }  // namespace
 
@@ -26,6 +27,10 @@ void PermissionIntake::Receive(std::chrono::nanoseconds now) {
                            const bus::SampleOrigin& origin) {
     if (!origin.alive) {
       granted_ = false;
+      // The library ends the lease of a job service that it has not heard as if it had
+      // gone, also when this process was the one that was stopped, and beside a sample
+      // that has just come: the permission is late then, and not withdrawn.
+      received_at_ = kNever;
       ReceiveHeld(kJobService, {});
       return;
     }

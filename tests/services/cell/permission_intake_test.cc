@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+#include <utility>
+
 #include "services/platform/bus/samples.h"
 #include "tests/services/platform/bus/private_bus.h"
 
@@ -26,7 +29,7 @@ class PermissionIntakeTest : public testing::Test {
     sample.first_point = 9;
     sample.fire_uncertain = true;
     sample.speed_percent = speed_percent;
-    ASSERT_TRUE(permissions_.Write(sample));
+    ASSERT_TRUE(permissions_->Write(sample));
   }
   void SendStop(bool pressed) {
     const std::vector<host::StopPress> presses = {{kSource, 1}};
@@ -51,7 +54,8 @@ class PermissionIntakeTest : public testing::Test {
   GrantInputs Inputs() const { return intake_.InputsFor(kJob, kEpoch, now_); }
 
   bus::Bus bus_{test::PrivateBusOptions(kCell)};
-  bus::Writer<intaglio_Permission> permissions_{bus_, bus::kPermission, kCell};
+  std::optional<bus::Writer<intaglio_Permission>> permissions_{std::in_place, bus_,
+                                                               bus::kPermission, kCell};
   bus::Writer<intaglio_EmergencyStop> stops_{bus_, bus::kEmergencyStop, kCell};
   std::uint64_t stop_number_ = 0;
   PermissionIntake intake_{bus_, kCell};
@@ -76,6 +80,23 @@ TEST_F(PermissionIntakeTest, GivesAJobItsOwnPermissionAloneAndForItsLease) {
   }
   EXPECT_TRUE(intake_.InputsFor(kJob, kEpoch, now_ + 89ms).permission_fresh);
   EXPECT_FALSE(intake_.InputsFor(kJob, kEpoch, now_ + 90ms).permission_fresh);
+}
+
+// A process that was stopped for the time of a lease receives the last sample and the end
+// of the writer in one turn.
+TEST_F(PermissionIntakeTest, WithoutItsWriterItIsLateAndNotWithdrawn) {
+  Permit(100);
+  ASSERT_TRUE(ReceiveUntil([&] { return Inputs().permission_granted; }));
+  permissions_.reset();
+  ASSERT_TRUE(test::Eventually([&] {
+    intake_.Receive(now_);
+    return !Inputs().permission_granted;
+  }));
+  EXPECT_FALSE(Inputs().permission_fresh);
+  permissions_.emplace(bus_, bus::kPermission, kCell);
+  Permit(100);
+  ASSERT_TRUE(ReceiveUntil([&] { return Inputs().permission_granted; }));
+  EXPECT_TRUE(Inputs().permission_fresh);
 }
 
 TEST_F(PermissionIntakeTest, KeepsTheSpeedWithinItsRange) {
