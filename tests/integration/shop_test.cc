@@ -130,7 +130,8 @@ class Shop : public ::testing::Test {
 };
 
 TEST_F(Shop, EngravesTwoJobsOneAfterTheOtherWithAPauseBetween) {
-  const std::string first = Submit({});
+  // It lasts long enough that a command reaches it on a computer of a sixth of the speed.
+  const std::string first = Submit({"--rate", "25"});
   ASSERT_TRUE(Reaches(first, "waiting for arm")) << last_;
   // Its machine has another job's block: it is not armed, also not for later.
   const Ended waits =
