@@ -108,13 +108,17 @@ void ConsoleLoad::SendRequests(const std::stop_token& end, int client) {
   auto next = Clock::now() + period * client / options_.client_count;
   for (auto i = static_cast<std::size_t>(client); !end.stop_requested(); ++i) {
     std::this_thread::sleep_until(next);
-    connection->Send(Get(port_, paths[i % paths.size()], key_));
-    if (ReadAnswer(*connection) == 200) {
-      ++answered_;
-    } else {
-      ++refused_;
+    const std::string request = Get(port_, paths[i % paths.size()], key_);
+    connection->Send(request);
+    int status = ReadAnswer(*connection);
+    if (status == 0) {
+      // The server may end a connection that rests just as a request comes on it, and a
+      // client sends it again on a new one (RFC 9112, 9.3.1).
       connection = std::make_unique<WebConnection>(port_);
+      connection->Send(request);
+      status = ReadAnswer(*connection);
     }
+    ++(status == 200 ? answered_ : refused_);
     // A client that was answered late does not catch up.
     next = std::max(next + period, Clock::now());
   }
