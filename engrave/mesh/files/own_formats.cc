@@ -6,6 +6,8 @@
 #include <array>
 #include <new>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "engrave/core/try.h"
 #include "engrave/io/lower_case.h"
@@ -17,8 +19,6 @@
 
 namespace intaglio::mesh {
 namespace {
-
-constexpr std::array<std::string_view, 4> kOwn = {"stl", "obj", "ply", "3mf"};
 
 Status CheckExtension(const ImportSource& source) {
   if (std::find(kMeshExtensions.begin(), kMeshExtensions.end(), source.extension) !=
@@ -45,23 +45,44 @@ Status CheckSize(const ImportSource& source, std::uint64_t byte_count) {
   return {};
 }
 
-Result<ImportedMesh> Read(std::string_view text, const ImportSource& source) {
-  if (source.extension == "obj") return ReadObj(text, source);
-  if (source.extension == "3mf") return ReadThreeMf(text, source);
-  if (source.extension == "ply") {
-    INTAGLIO_TRY(CheckPlyHeader(source, text, text.size()));
-    return ReadPly(text, source);
-  }
+Result<ImportedMesh> ReadStlText(std::string_view text, const ImportSource& source) {
   if (!source.options.objects.empty())
     return source.RefuseObject(source.options.objects.front(), {});
   MemoryReader reader(text);
   return ReadStl(reader, text.size(), source);
 }
 
+Result<ImportedMesh> ReadPlyText(std::string_view text, const ImportSource& source) {
+  INTAGLIO_TRY(CheckPlyHeader(source, text, text.size()));
+  return ReadPly(text, source);
+}
+
+struct OwnFormat {
+  std::string_view extension;
+  Result<ImportedMesh> (*read)(std::string_view text, const ImportSource& source);
+};
+constexpr std::array<OwnFormat, 4> kOwn = {{{"stl", &ReadStlText},
+                                            {"obj", &ReadObj},
+                                            {"ply", &ReadPlyText},
+                                            {"3mf", &ReadThreeMf}}};
+
+/// "stl, obj, ply, 3mf".
+std::string OwnExtensions() {
+  std::vector<std::string_view> names;
+  for (const OwnFormat& format : kOwn) names.push_back(format.extension);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// nullptr: it has no reader here.
+const OwnFormat* OwnFormatOf(std::string_view extension) {
+  const auto found = std::ranges::find(kOwn, extension, &OwnFormat::extension);
+  return found == kOwn.end() ? nullptr : &*found;
+}
+
 }  // namespace
 
 bool HasOwnReader(std::string_view extension) {
-  return std::find(kOwn.begin(), kOwn.end(), extension) != kOwn.end();
+  return OwnFormatOf(extension) != nullptr;
 }
 
 Status CheckSource(const ImportSource& source, std::size_t byte_count) {
@@ -75,16 +96,17 @@ Result<ImportedMesh> ReadOwnFormat(std::span<const std::byte> bytes,
   const ImportSource source{std::string(name), io::LowerCaseExtension(extension),
                             options};
   INTAGLIO_TRY(CheckSource(source, bytes.size()));
-  if (!HasOwnReader(source.extension)) {
+  const OwnFormat* format = OwnFormatOf(source.extension);
+  if (format == nullptr) {
     return source.Refuse(
         ErrorCode::kUnsupported,
         fmt::format("the format {} is read by the program intaglio-mesh-reader alone; "
                     "export it as one of {}",
-                    source.extension, fmt::join(kOwn, ", ")));
+                    source.extension, OwnExtensions()));
   }
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   try {
-    return Read(text, source);
+    return format->read(text, source);
   } catch (const std::bad_alloc&) {
     return source.Refuse(ErrorCode::kTooLarge,
                          "not enough memory to read it; reduce the mesh");

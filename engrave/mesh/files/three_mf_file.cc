@@ -16,8 +16,8 @@
 
 #include "engrave/core/try.h"
 #include "engrave/io/number_text.h"
+#include "engrave/io/zip_archive.h"
 #include "engrave/mesh/files/unused_vertices.h"
-#include "engrave/mesh/files/zip_archive.h"
 #include "engrave/mesh/weld_vertices.h"
 
 namespace intaglio::mesh {
@@ -93,7 +93,7 @@ std::optional<Place> PlaceOf(std::string_view text) {
 
 class ThreeMfReader {
  public:
-  ThreeMfReader(const ZipArchive& archive, const ImportSource& source)
+  ThreeMfReader(const io::ZipArchive& archive, const ImportSource& source)
       : archive_(archive), source_(source) {}
 
   Result<ImportedMesh> Read() {
@@ -326,7 +326,7 @@ class ThreeMfReader {
     return {};
   }
 
-  const ZipArchive& archive_;
+  const io::ZipArchive& archive_;
   const ImportSource& source_;
   std::string root_path_;
   std::map<std::string, std::unique_ptr<Part>> parts_;
@@ -336,7 +336,7 @@ class ThreeMfReader {
   ImportedMesh mesh_;
 };
 
-Status CheckUnpackedSize(const ZipArchive& archive, std::uint64_t packed,
+Status CheckUnpackedSize(const io::ZipArchive& archive, std::uint64_t packed,
                          const ImportSource& source) {
   const std::uint64_t unpacked = archive.unpacked_size();
   if (unpacked <= source.options.max_file_bytes &&
@@ -354,7 +354,7 @@ Status CheckUnpackedSize(const ZipArchive& archive, std::uint64_t packed,
 }  // namespace
 
 Result<ImportedMesh> ReadThreeMf(std::string_view archive, const ImportSource& source) {
-  const auto opened = ZipArchive::Open(archive);
+  const auto opened = io::ZipArchive::Open(archive);
   if (!opened)
     return source.RefuseAsUnreadable("it is not a zip archive, or it is truncated");
   INTAGLIO_TRY(CheckUnpackedSize(*opened, archive.size(), source));

@@ -14,7 +14,7 @@
 #include "engrave/core/try.h"
 #include "engrave/drawing/drawing_builder.h"
 #include "engrave/io/whole_file.h"
-#include "engrave/mesh/files/zip_archive.h"
+#include "engrave/io/zip_archive.h"
 #include "services/job/files/json_position.h"
 
 namespace intaglio {
@@ -303,12 +303,12 @@ tl::unexpected<Error> TooLarge(std::uint64_t size, std::size_t max_size) {
 
 /// The text of the only device file of a bundle.
 Result<std::string> TextInArchive(std::string_view bytes) {
-  const auto archive = mesh::ZipArchive::Open(bytes);
+  const auto archive = io::ZipArchive::Open(bytes);
   if (!archive) {
     return Fail(ErrorCode::kUnreadable,
                 "is a damaged zip archive; export the device again");
   }
-  std::vector<mesh::ZipArchive::File> files = archive->Files();
+  std::vector<io::ZipArchive::File> files = archive->Files();
   std::erase_if(files, [](const auto& file) { return !file.name.ends_with(".lbdev"); });
   if (files.size() != 1) {
     return Fail(files.empty() ? ErrorCode::kMissing : ErrorCode::kUnsupported,

@@ -13,7 +13,7 @@
 
 #include "engrave/core/result.h"
 
-namespace intaglio::mesh {
+namespace intaglio::io {
 
 class ZipArchive {
  public:
@@ -51,4 +51,4 @@ class ZipArchive {
   std::uint64_t unpacked_size_ = 0;
 };
 
-}  // namespace intaglio::mesh
+}  // namespace intaglio::io

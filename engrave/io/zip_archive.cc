@@ -1,4 +1,4 @@
-#include "engrave/mesh/files/zip_archive.h"
+#include "engrave/io/zip_archive.h"
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -10,7 +10,7 @@
 #include "engrave/io/crc32.h"
 #include "engrave/io/lower_case.h"
 
-namespace intaglio::mesh {
+namespace intaglio::io {
 namespace {
 
 using namespace std::literals;
@@ -30,7 +30,7 @@ T GetAt(std::string_view bytes, std::size_t at) {
 
 std::string KeyOf(std::string_view name) {
   while (name.starts_with('/')) name.remove_prefix(1);
-  std::string key = io::LowerCase(name);
+  std::string key = LowerCase(name);
   for (char& c : key) {
     if (c == '\\') c = '/';
   }
@@ -172,9 +172,8 @@ Result<std::string> ZipArchive::Read(std::string_view name) const {
   } else if (entry.size == entry.packed_size) {
     content = std::string(packed);
   }
-  if (!content || io::Crc32(std::as_bytes(std::span(*content))) != entry.crc)
-    return wrong();
+  if (!content || Crc32(std::as_bytes(std::span(*content))) != entry.crc) return wrong();
   return std::move(*content);
 }
 
-}  // namespace intaglio::mesh
+}  // namespace intaglio::io
