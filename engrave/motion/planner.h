@@ -11,7 +11,7 @@
 #include "engrave/motion/axis/profile.h"
 #include "engrave/motion/axis/program_options.h"
 #include "engrave/motion/point_shift.h"
-#include "engrave/motion/segment.h"
+#include "engrave/motion/segments/segment.h"
 
 namespace intaglio::motion {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "engrave/core/geometry.h"
-#include "engrave/motion/segment.h"
+#include "engrave/motion/segments/segment.h"
 #include "engrave/motion/tick_labels.h"
 
 namespace intaglio::motion {

@@ -6,7 +6,7 @@
 #include "engrave/core/check.h"
 #include "engrave/motion/axis/axis_reach.h"
 #include "engrave/motion/axis/jerk_reach.h"
-#include "engrave/motion/segment.h"
+#include "engrave/motion/segments/segment.h"
 
 // With first and last fixed, an axis cruises at the speed that still goes the whole way,
 // be they arcs of constant acceleration or symmetrical pulses of it:

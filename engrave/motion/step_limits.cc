@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "engrave/motion/axis/jerk_reach.h"
-#include "engrave/motion/segment.h"
+#include "engrave/motion/segments/segment.h"
 
 // Shares. Scatter moves mostly in the plane of x and y, in any direction: three of the
 // boxes leave z little and split the rest, one is a cube, one is for moves along z. The

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "engrave/motion/segment.h"
+#include "engrave/motion/segments/segment.h"
 #include "engrave/motion/step_limits.h"
 
 namespace intaglio::motion {

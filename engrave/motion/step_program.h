@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "engrave/core/geometry.h"
-#include "engrave/motion/segment.h"
+#include "engrave/motion/segments/segment.h"
 
 namespace intaglio::motion {
 

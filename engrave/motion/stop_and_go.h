@@ -12,7 +12,7 @@
 #include "engrave/motion/axis/limits.h"
 #include "engrave/motion/axis/profile.h"
 #include "engrave/motion/axis/program_options.h"
-#include "engrave/motion/segment.h"
+#include "engrave/motion/segments/segment.h"
 #include "engrave/motion/step_program.h"
 
 namespace intaglio::motion {

@@ -13,7 +13,7 @@
 
 #include "engrave/core/geometry.h"
 #include "engrave/motion/axis/axis_reach.h"
-#include "engrave/motion/segment.h"
+#include "engrave/motion/segments/segment.h"
 #include "engrave/motion/step_limits.h"
 
 namespace intaglio::motion {

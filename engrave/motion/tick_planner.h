@@ -15,8 +15,8 @@
 #include "engrave/core/geometry.h"
 #include "engrave/motion/axis/limits.h"
 #include "engrave/motion/point_shift.h"
-#include "engrave/motion/segment.h"
-#include "engrave/motion/step_judge.h"
+#include "engrave/motion/segments/segment.h"
+#include "engrave/motion/segments/step_judge.h"
 #include "engrave/motion/sweep_course.h"
 #include "engrave/motion/tick_labels.h"
 

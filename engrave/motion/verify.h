@@ -14,7 +14,7 @@
 
 #include "engrave/core/geometry.h"
 #include "engrave/motion/axis/limits.h"
-#include "engrave/motion/segment.h"
+#include "engrave/motion/segments/segment.h"
 
 namespace intaglio::motion {
 

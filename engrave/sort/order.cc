@@ -12,12 +12,12 @@
 #include "engrave/sort/anneal.h"
 #include "engrave/sort/beam/channel_groups.h"
 #include "engrave/sort/boustrophedon.h"
+#include "engrave/sort/jump_layers.h"
 #include "engrave/sort/kdz.h"
 #include "engrave/sort/layers.h"
 #include "engrave/sort/published_kdz.h"
 #include "engrave/sort/smooth.h"
 #include "engrave/sort/sweep.h"
-#include "engrave/sort/way/jump_layers.h"
 
 namespace intaglio::sort {
 namespace {

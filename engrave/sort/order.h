@@ -33,7 +33,7 @@ enum class Method {
   kAnneal,         ///< kSmooth, then improved for as long as the options allow: anneal.h
   kSweep,          ///< once upward, for a slow axis z: sweep.h
   kJumpLayers,     ///< for a head that jumps and dwells, a height at a time:
-                   ///< way/jump_layers.h
+                   ///< jump_layers.h
 };
 
 struct KdzOptions {

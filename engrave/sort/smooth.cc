@@ -13,8 +13,8 @@
 #include "engrave/sort/beam/lowest_point.h"
 #include "engrave/sort/beam/remaining_points.h"
 #include "engrave/sort/kdz.h"
+#include "engrave/sort/near/tick_cost.h"
 #include "engrave/sort/planned_ticks.h"
-#include "engrave/sort/tick_cost.h"
 
 namespace intaglio::sort {
 namespace {

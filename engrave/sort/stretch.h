@@ -18,8 +18,8 @@
 #include "engrave/core/geometry.h"
 #include "engrave/sort/beam/beam_cone.h"
 #include "engrave/sort/beam/precedence.h"
-#include "engrave/sort/near_points.h"
-#include "engrave/sort/tick_cost.h"
+#include "engrave/sort/near/near_points.h"
+#include "engrave/sort/near/tick_cost.h"
 
 namespace intaglio::sort {
 

@@ -12,9 +12,9 @@
 #include "engrave/core/shared_progress.h"
 #include "engrave/core/try.h"
 #include "engrave/sort/cone_order.h"
+#include "engrave/sort/near/tick_cost.h"
 #include "engrave/sort/stretch.h"
-#include "engrave/sort/tick_cost.h"
-#include "engrave/sort/way/sweep_begin.h"
+#include "engrave/sort/sweep_begin.h"
 
 namespace intaglio::sort {
 namespace {

@@ -4,7 +4,7 @@
 // once and may pass each point a tolerance beside its height (motion/sweep_course.h), so
 // from point to point only x and y count. Below a scan head whose beams lean, equal
 // heights of the lens reach a bent surface in the glass. It begins in thin slabs or in
-// rounds (way/sweep_begin.h), whichever takes fewer ticks on a sample; then pieces of the
+// rounds (sweep_begin.h), whichever takes fewer ticks on a sample; then pieces of the
 // order are changed so that the mirrors need fewer ticks without stopping (stretch.h).
 
 #include "engrave/core/progress.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engrave/core/check.h"
-#include "engrave/sort/cell_grid.h"
+#include "engrave/sort/near/cell_grid.h"
 
 // Lengths are in units of A T^2, of each axis its own; there (1) and (2) are
 //   |d| <= speed n + 2 e,   |d2 - d1 n2 / n1| <= n2 (n1 + n2) / 2 + 2 e (1 + n2 / n1).

@@ -10,7 +10,7 @@
 #include "engrave/drawing/text_coverage.h"
 #include "engrave/drawing/utf8_characters.h"
 #include "engrave/io/lower_case.h"
-#include "services/cli/complain.h"
+#include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 
 namespace intaglio::cli {

@@ -7,9 +7,9 @@
 #include <memory>
 
 #include "engrave/core/counted.h"
-#include "services/cli/complain.h"
 #include "services/cli/json/print_json.h"
 #include "services/cli/message_csv.h"
+#include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
 #include "services/history/job_history.h"

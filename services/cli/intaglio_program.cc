@@ -11,7 +11,6 @@
 #include "services/cli/history_command.h"
 #include "services/cli/jobs_command.h"
 #include "services/cli/machine/machine_command.h"
-#include "services/cli/machine/mount_command.h"
 #include "services/cli/marks/marks_command.h"
 #include "services/cli/materials/materials_command.h"
 #include "services/cli/materials/test_grid_command.h"
@@ -31,6 +30,7 @@
 #include "services/cli/status/logs_command.h"
 #include "services/cli/status/status_command.h"
 #include "services/cli/stop_command.h"
+#include "services/cli/teach/mount_command.h"
 #include "services/cli/teach/teach_command.h"
 #include "services/cli/up_command.h"
 
@@ -62,7 +62,7 @@ std::unique_ptr<command_line::Program> IntaglioProgram() {
   AddBatchCommand(root);
   AddStopCommand(root);
   AddStatusCommand(root);
-  AddTeachCommand(root);
+  AddTeachCommand(root, &SubmitJobFile);
   AddHistoryCommand(root);
   AddLogsCommand(root);
   AddBackupCommands(root);

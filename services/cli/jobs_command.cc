@@ -9,15 +9,15 @@
 #include <memory>
 #include <optional>
 
-#include "services/cli/complain.h"
 #include "services/cli/flags/bus_flags.h"
 #include "services/cli/flags/event_flag.h"
 #include "services/cli/flags/same_block_flag.h"
 #include "services/cli/json/print_json.h"
-#include "services/cli/machine/mount_command.h"
 #include "services/cli/status/command_effect.h"
 #include "services/cli/status/job_text.h"
 #include "services/cli/submit_jobs.h"
+#include "services/cli/teach/mount_command.h"
+#include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/client/job_client.h"
 #include "services/client/known_jobs.h"

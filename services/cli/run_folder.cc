@@ -6,8 +6,8 @@
 #include <random>
 
 #include "engrave/core/try.h"
-#include "services/cli/report_text.h"
-#include "services/client/proof/proof_pictures.h"
+#include "services/cli/proofs/report_text.h"
+#include "services/client/proof/evidence/proof_pictures.h"
 
 namespace intaglio::cli {
 

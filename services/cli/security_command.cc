@@ -8,7 +8,7 @@
 #include <iostream>
 #include <memory>
 
-#include "services/cli/complain.h"
+#include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/platform/bus/identity.h"
 #include "services/platform/security/identity_folders.h"

@@ -13,8 +13,8 @@
 #include <thread>
 #include <vector>
 
-#include "services/cli/complain.h"
 #include "services/cli/flags/bus_flags.h"
+#include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/client/shop/shop_stops.h"
 

@@ -9,7 +9,7 @@
 #include "engrave/core/result.h"
 #include "services/cli/flags/accept_flag.h"
 #include "services/cli/flags/bus_flags.h"
-#include "services/cli/job_options.h"
+#include "services/cli/job/job_options.h"
 #include "services/client/job_client.h"
 
 namespace intaglio::cli {

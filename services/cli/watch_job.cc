@@ -5,11 +5,11 @@
 
 #include <iostream>
 
-#include "services/cli/complain.h"
-#include "services/cli/interrupt.h"
 #include "services/cli/progress/progress_bar.h"
 #include "services/cli/progress/stage_bars.h"
 #include "services/cli/progress/warning_lines.h"
+#include "services/cli/terminal/complain.h"
+#include "services/cli/terminal/interrupt.h"
 #include "services/client/exit_codes.h"
 #include "services/client/job_need.h"
 

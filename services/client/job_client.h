@@ -14,7 +14,7 @@
 #include "proto/job.pb.h"
 #include "proto/task.pb.h"
 #include "services/client/job_view.h"
-#include "services/client/shop/listed_services.h"
+#include "services/client/listed_services.h"
 #include "services/platform/bus/bus.h"
 
 namespace intaglio::client {

@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "services/client/job_client.h"
-#include "services/client/shop/listed_services.h"
+#include "services/client/listed_services.h"
 #include "services/platform/bus/samples.h"
 
 namespace intaglio::client {

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "services/client/shop/job_record.h"
-#include "services/console/json_response.h"
+#include "services/console/answers/json_response.h"
 #include "services/console/shop_history.h"
 #include "services/job/files/json_text.h"
 

@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "proto/console.pb.h"
-#include "services/console/work_queue.h"
+#include "services/console/answers/work_queue.h"
 
 namespace intaglio::console {
 

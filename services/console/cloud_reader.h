@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "engrave/core/result.h"
-#include "services/console/work_queue.h"
+#include "services/console/answers/work_queue.h"
 
 namespace intaglio::console {
 

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "engrave/core/try.h"
-#include "services/client/shop/shop_flags.h"
+#include "services/client/shop_flags.h"
+#include "services/console/answers/json_response.h"
 #include "services/console/api.h"
 #include "services/console/console_address.h"
-#include "services/console/json_response.h"
 #include "services/console/page_files.h"
 #include "services/console/webhooks/webhooks.h"
 #include "services/platform/access/new_key.h"

@@ -10,7 +10,7 @@
 #include "engrave/core/try.h"
 #include "engrave/formats/journal_file.h"
 #include "engrave/formats/ply_points.h"
-#include "services/client/proof/proof_evidence.h"
+#include "services/client/proof/evidence/proof_evidence.h"
 #include "services/console/plan_packer.h"
 #include "services/job/fields/shapes.h"
 

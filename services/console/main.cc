@@ -5,7 +5,7 @@
 #include <iostream>
 
 #include "services/client/exit_codes.h"
-#include "services/client/shop/shop_flags.h"
+#include "services/client/shop_flags.h"
 #include "services/console/console.h"
 #include "services/platform/command_line/parent_death.h"
 #include "services/platform/command_line/program.h"

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "services/console/json_response.h"
+#include "services/console/answers/json_response.h"
 #include "services/history/job_history.h"
 
 namespace intaglio::console {

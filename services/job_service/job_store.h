@@ -9,10 +9,9 @@
 // refused ones), commands (what was asked, and what was answered: a command that is
 // delivered again is answered again) and tasks (what was handed out: after a restart it
 // is taken back from the worker that has it); pieces, loaded_blocks and mounts (what is
-// known of the machines, cells/cell_records.h: each mount stays, with who and when). The
-// table of jobs is the shop's history as
-// well (services/history). Used from one thread. A database that cannot be opened or
-// written throws StoreError.
+// known of the machines, records/cell_records.h: each mount stays, with who and when).
+// The table of jobs is the shop's history as well (services/history). Used from one
+// thread. A database that cannot be opened or written throws StoreError.
 
 #include <chrono>
 #include <cstdint>
@@ -23,10 +22,11 @@
 #include <vector>
 
 #include "proto/shop.pb.h"
-#include "services/job_service/cells/cell_records.h"
 #include "services/job_service/job_warnings.h"
 #include "services/job_service/queue/job_queue.h"
-#include "services/job_service/queue/job_record.h"
+#include "services/job_service/records/cell_records.h"
+#include "services/job_service/records/job_record.h"
+#include "services/job_service/records/job_result.h"
 
 namespace intaglio::sql {
 class Connection;
@@ -44,12 +44,6 @@ class StoreError : public std::runtime_error {
 
  private:
   bool passes_;
-};
-
-/// The result of a job that has ended.
-struct JobResult {
-  std::string verdict;  ///< VerdictName; empty: not settled yet
-  intaglio_PointCounts counts{};
 };
 
 /// Opens a file, which is made with its folder when there is none, or connects to a

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "engrave/core/result.h"
-#include "services/job_service/queue/task_id.h"
+#include "services/job_service/records/task_id.h"
 #include "services/platform/bus/bus.h"
 #include "services/platform/bus/flow.h"
 

@@ -16,7 +16,7 @@
 
 #include "proto/shop.pb.h"
 #include "services/job_service/job_store.h"
-#include "services/job_service/queue/job_record.h"
+#include "services/job_service/records/job_record.h"
 
 namespace intaglio::job_service {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "services/job_service/queue/task_id.h"
+#include "services/job_service/records/task_id.h"
 
 namespace intaglio::job_service {
 

@@ -11,9 +11,9 @@
 #include "services/cell/permission_intake.h"
 #include "services/drivers/interface/laser_controller.h"
 #include "services/platform/bus/bus.h"
-#include "services/synchronizer/cell_names.h"
-#include "services/synchronizer/engraving_inputs.h"
-#include "services/synchronizer/motion_clock.h"
+#include "services/synchronizer/engraving/engraving_inputs.h"
+#include "services/synchronizer/pulses/cell_names.h"
+#include "services/synchronizer/pulses/motion_clock.h"
 
 namespace intaglio::synchronizer {
 

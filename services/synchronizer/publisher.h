@@ -11,7 +11,7 @@
 #include "services/drivers/interface/laser_controller.h"
 #include "services/platform/bus/bus.h"
 #include "services/platform/host/safety/stop_latch.h"
-#include "services/synchronizer/cell_names.h"
+#include "services/synchronizer/pulses/cell_names.h"
 #include "services/synchronizer/pulses/pulse_schedule.h"
 
 namespace intaglio::synchronizer {

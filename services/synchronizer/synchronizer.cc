@@ -11,8 +11,8 @@
 #include "services/job/machine/zero_change.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/host/process/log.h"
-#include "services/synchronizer/cell_names.h"
 #include "services/synchronizer/job_folder.h"
+#include "services/synchronizer/pulses/cell_names.h"
 #include "services/synchronizer/task_check.h"
 
 namespace intaglio::synchronizer {

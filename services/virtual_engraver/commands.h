@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "engrave/core/result.h"
+#include "services/virtual_engraver/lines/machine_line.h"
 #include "services/virtual_engraver/machine.h"
-#include "services/virtual_engraver/machine_line.h"
 
 namespace intaglio::virtual_engraver {
 

@@ -14,8 +14,8 @@
 #include "services/platform/link/real_time.h"
 #include "services/virtual_engraver/commands.h"
 #include "services/virtual_engraver/head/head_program.h"
+#include "services/virtual_engraver/lines/panel.h"
 #include "services/virtual_engraver/mill/mill_program.h"
-#include "services/virtual_engraver/panel.h"
 #include "services/virtual_engraver/truth/truth_file.h"
 #include "services/virtual_engraver/truth_options.h"
 

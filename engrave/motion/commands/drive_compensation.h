@@ -18,7 +18,7 @@
 
 #include "engrave/drive/drive.h"
 #include "engrave/motion/commands/inverse_drive.h"
-#include "engrave/motion/segment.h"
+#include "engrave/motion/segments/segment.h"
 
 namespace intaglio::motion {
 

@@ -5,7 +5,7 @@
 
 #include "engrave/motion/commands/drive_compensation.h"
 #include "engrave/motion/commands/error_prediction.h"
-#include "engrave/motion/step_judge.h"
+#include "engrave/motion/segments/step_judge.h"
 
 namespace intaglio::motion {
 

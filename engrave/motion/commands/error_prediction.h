@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engrave/drive/drive.h"
-#include "engrave/motion/segment.h"
+#include "engrave/motion/segments/segment.h"
 
 namespace intaglio::motion {
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <deque>
 
-#include "engrave/sort/near_points.h"
+#include "engrave/sort/near/near_points.h"
 
 namespace intaglio::sort {
 namespace {

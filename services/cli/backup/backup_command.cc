@@ -12,7 +12,7 @@
 #include "engrave/core/counted.h"
 #include "materials_db/material_store.h"
 #include "services/backup/shop_backup.h"
-#include "services/cli/complain.h"
+#include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
 #include "services/client/fresh_paths.h"

@@ -7,9 +7,9 @@
 
 #include "engrave/core/try.h"
 #include "materials_db/material_store.h"
-#include "services/cli/job_glass.h"
-#include "services/cli/job_options.h"
-#include "services/cli/job_series.h"
+#include "services/cli/job/job_glass.h"
+#include "services/cli/job/job_options.h"
+#include "services/cli/job/job_series.h"
 #include "services/job/checks/job_check.h"
 #include "services/job/fields/job_kind.h"
 #include "services/job/files/batch_file.h"

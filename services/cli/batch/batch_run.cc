@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <iostream>
 
-#include "services/cli/interrupt.h"
+#include "services/cli/terminal/interrupt.h"
 #include "services/client/figure_text.h"
 #include "services/history/job_names.h"
 #include "services/job/verdict/warnings.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "services/cli/job_options.h"
+#include "services/cli/job/job_options.h"
 
 namespace intaglio::cli {
 

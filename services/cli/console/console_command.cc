@@ -10,9 +10,9 @@
 #include <memory>
 
 #include "engrave/core/try.h"
-#include "services/cli/complain.h"
+#include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
-#include "services/client/service_set.h"
+#include "services/client/shop/service_set.h"
 #include "services/platform/access/users.h"
 
 namespace intaglio::cli {

@@ -10,11 +10,11 @@
 
 #include "engrave/core/try.h"
 #include "engrave/render/png_file.h"
-#include "services/cli/complain.h"
 #include "services/cli/course/course_job.h"
 #include "services/cli/course/course_program.h"
 #include "services/cli/flags/size_limits_flag.h"
 #include "services/cli/json/print_json.h"
+#include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/client/warning_text.h"
 #include "services/job/drive/drive_profile.h"

@@ -13,8 +13,8 @@
 #include "engrave/core/try.h"
 #include "engrave/io/csv.h"
 #include "engrave/io/number_text.h"
-#include "services/cli/complain.h"
 #include "services/cli/drive/drive_command.h"
+#include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 
 namespace intaglio::cli {

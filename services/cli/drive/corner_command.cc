@@ -17,8 +17,8 @@
 #include "engrave/io/atomic_file.h"
 #include "engrave/render/chart.h"
 #include "engrave/render/png_file.h"
-#include "services/cli/complain.h"
 #include "services/cli/drive/drive_command.h"
+#include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 
 namespace intaglio::cli {

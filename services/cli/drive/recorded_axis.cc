@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "engrave/core/try.h"
-#include "engrave/motion/segment.h"
+#include "engrave/motion/segments/segment.h"
 #include "services/platform/bus/topics.h"
 #include "services/replayer/cell/cell_session.h"
 #include "services/replayer/recorded_members.h"

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "proto/drive_report.pb.h"
-#include "services/cli/complain.h"
 #include "services/cli/drive/drive_command.h"
 #include "services/cli/drive/regime_answers.h"
 #include "services/cli/json/print_json.h"
+#include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/job/drive/drive_profile.h"
 

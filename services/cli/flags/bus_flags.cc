@@ -1,6 +1,6 @@
 #include "services/cli/flags/bus_flags.h"
 
-#include "services/client/shop/shop_flags.h"
+#include "services/client/shop_flags.h"
 
 namespace intaglio::cli {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "services/client/service_set.h"
+#include "services/client/shop/service_set.h"
 #include "services/platform/command_line/program.h"
 
 namespace intaglio::cli {

@@ -8,8 +8,8 @@
 #include <memory>
 #include <string>
 
-#include "services/cli/complain.h"
 #include "services/cli/galvo/galvo_command.h"
+#include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/client/machine/grid_job.h"
 #include "services/platform/command_line/supplied_files.h"

@@ -17,9 +17,9 @@
 #include "engrave/io/atomic_file.h"
 #include "engrave/render/png_file.h"
 #include "engrave/render/web/web_picture.h"
-#include "services/cli/complain.h"
 #include "services/cli/galvo/drawing_strokes.h"
 #include "services/cli/galvo/galvo_command.h"
+#include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 
 namespace intaglio::cli {

@@ -13,10 +13,10 @@
 #include "engrave/core/try.h"
 #include "engrave/galvo/files/xy2_100.h"
 #include "engrave/io/atomic_file.h"
-#include "services/cli/complain.h"
 #include "services/cli/galvo/correction_source.h"
 #include "services/cli/galvo/drawing_strokes.h"
 #include "services/cli/galvo/galvo_command.h"
+#include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 
 namespace intaglio::cli {

@@ -2,7 +2,7 @@
 
 #include <iostream>
 
-#include "services/cli/complain.h"
+#include "services/cli/terminal/complain.h"
 #include "services/job/files/json_text.h"
 
 namespace intaglio::cli {

@@ -13,9 +13,9 @@
 
 #include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
-#include "services/cli/complain.h"
 #include "services/cli/machine/machine_command.h"
 #include "services/cli/machine/machine_questions.h"
+#include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/job/checks/job_check.h"
 #include "services/job/files/job_file.h"

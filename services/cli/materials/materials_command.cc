@@ -19,7 +19,7 @@
 #include "materials_db/import_file.h"
 #include "materials_db/material_store.h"
 #include "materials_db/numbers.h"
-#include "services/cli/job_options.h"
+#include "services/cli/job/job_options.h"
 #include "services/cli/materials/glass_text.h"
 #include "services/client/exit_codes.h"
 #include "services/job/files/job_file.h"

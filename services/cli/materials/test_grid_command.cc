@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "services/cli/complain.h"
+#include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/client/machine/test_grid.h"
 #include "services/platform/command_line/supplied_files.h"

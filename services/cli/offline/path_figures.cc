@@ -16,7 +16,7 @@
 #include "engrave/sort/shadow.h"
 #include "engrave/sort/travel.h"
 #include "services/client/figure_text.h"
-#include "services/client/proof/proof_figures.h"
+#include "services/client/proof/evidence/proof_figures.h"
 #include "services/job/convert/options.h"
 #include "services/job/files/json_text.h"
 #include "services/job/machine/job_ticks_bound.h"

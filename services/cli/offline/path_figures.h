@@ -9,7 +9,7 @@
 #include "engrave/core/geometry.h"
 #include "engrave/core/progress.h"
 #include "engrave/core/result.h"
-#include "engrave/motion/segment.h"
+#include "engrave/motion/segments/segment.h"
 #include "proto/plan_report.pb.h"
 #include "proto/task.pb.h"
 

@@ -4,7 +4,7 @@
 
 #include "engrave/core/try.h"
 #include "engrave/motion/axis/limits.h"
-#include "services/cli/job_glass.h"
+#include "services/cli/job/job_glass.h"
 #include "services/job/checks/job_check.h"
 #include "services/job/convert/job_defaults.h"
 #include "services/job/fields/shapes.h"

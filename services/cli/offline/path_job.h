@@ -7,7 +7,7 @@
 #include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
 #include "proto/task.pb.h"
-#include "services/cli/job_options.h"
+#include "services/cli/job/job_options.h"
 
 namespace intaglio::cli {
 

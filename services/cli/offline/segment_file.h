@@ -5,7 +5,7 @@
 //   tick,x_mm,y_mm,z_mm,vx_mm_s,vy_mm_s,vz_mm_s,point
 // with the names and units of the machine's axes: arm_rad, table_rad, z_mm, varm_rad_s
 // ... Time in ticks of the lamp; between knots the motion is the cubic of
-// engrave/motion/segment.h. `point` is the index in the path of the point
+// engrave/motion/segments/segment.h. `point` is the index in the path of the point
 // made at the knot, or -1. Numbers are the shortest decimals that give the same doubles;
 // a tick has 1/65536 as its least part, so its decimals are exact.
 
@@ -15,7 +15,7 @@
 #include "engrave/core/result.h"
 #include "engrave/io/atomic_file.h"
 #include "engrave/machine/kinematics.h"
-#include "engrave/motion/segment.h"
+#include "engrave/motion/segments/segment.h"
 
 namespace intaglio::cli {
 

@@ -6,7 +6,7 @@
 
 #include "engrave/core/result.h"
 #include "services/cli/flags/job_flags.h"
-#include "services/cli/job_options.h"
+#include "services/cli/job/job_options.h"
 #include "services/platform/command_line/program.h"
 
 namespace intaglio::cli {

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "engrave/core/counted.h"
-#include "services/cli/interrupt.h"
+#include "services/cli/terminal/interrupt.h"
 #include "services/platform/command_line/other_programs.h"
 
 namespace intaglio::cli {

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "services/client/figure_text.h"
+#include "services/client/proof/evidence/proof_figures.h"
 #include "services/client/proof/marks/mark_evidence.h"
-#include "services/client/proof/proof_figures.h"
 
 namespace intaglio::cli {
 namespace {

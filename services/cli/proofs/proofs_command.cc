@@ -6,11 +6,11 @@
 #include <iostream>
 #include <memory>
 
-#include "services/cli/complain.h"
 #include "services/cli/flags/bus_flags.h"
 #include "services/cli/flags/customer_picture_flags.h"
-#include "services/cli/interrupt.h"
 #include "services/cli/proofs/cell_proofs.h"
+#include "services/cli/terminal/complain.h"
+#include "services/cli/terminal/interrupt.h"
 #include "services/client/exit_codes.h"
 #include "services/client/locks/folder_lock.h"
 #include "services/platform/host/process/init_system.h"

@@ -9,11 +9,11 @@
 
 #include "engrave/core/counted.h"
 #include "engrave/core/try.h"
-#include "services/cli/complain.h"
 #include "services/cli/json/print_json.h"
 #include "services/cli/recordings/log_time.h"
 #include "services/cli/recordings/recording_export.h"
 #include "services/cli/recordings/recording_report.h"
+#include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/platform/recording/bulk.h"
 #include "services/platform/recording/recording_copy.h"

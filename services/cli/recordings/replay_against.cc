@@ -10,8 +10,8 @@
 
 #include "engrave/core/counted.h"
 #include "engrave/core/try.h"
-#include "services/cli/complain.h"
-#include "services/cli/interrupt.h"
+#include "services/cli/terminal/complain.h"
+#include "services/cli/terminal/interrupt.h"
 #include "services/client/child_process.h"
 #include "services/client/exit_codes.h"
 #include "services/job/fields/field_path.h"

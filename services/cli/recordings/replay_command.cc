@@ -12,11 +12,11 @@
 
 #include "engrave/core/counted.h"
 #include "engrave/core/try.h"
-#include "services/cli/complain.h"
 #include "services/cli/flags/bus_flags.h"
-#include "services/cli/interrupt.h"
 #include "services/cli/recordings/log_time.h"
 #include "services/cli/recordings/replay_against.h"
+#include "services/cli/terminal/complain.h"
+#include "services/cli/terminal/interrupt.h"
 #include "services/client/exit_codes.h"
 #include "services/platform/recording/bulk.h"
 #include "services/replayer/live_services.h"

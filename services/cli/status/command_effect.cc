@@ -4,7 +4,7 @@
 
 #include <ostream>
 
-#include "services/cli/complain.h"
+#include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/history/job_names.h"
 

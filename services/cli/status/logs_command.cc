@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "services/cli/complain.h"
+#include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/client/shop/job_log.h"
 

@@ -6,10 +6,10 @@
 #include <iostream>
 #include <memory>
 
-#include "services/cli/complain.h"
 #include "services/cli/flags/bus_flags.h"
-#include "services/cli/interrupt.h"
 #include "services/cli/status/status_text.h"
+#include "services/cli/terminal/complain.h"
+#include "services/cli/terminal/interrupt.h"
 #include "services/client/exit_codes.h"
 #include "services/client/patience.h"
 #include "services/client/shop/bus_turn.h"

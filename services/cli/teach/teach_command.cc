@@ -10,14 +10,14 @@
 #include <vector>
 
 #include "proto/teach.pb.h"
-#include "services/cli/complain.h"
 #include "services/cli/json/print_json.h"
-#include "services/cli/machine/mount_command.h"
+#include "services/cli/teach/mount_command.h"
 #include "services/cli/teach/teach_light.h"
 #include "services/cli/teach/teach_move.h"
 #include "services/cli/teach/teach_options.h"
 #include "services/cli/teach/teach_outline.h"
 #include "services/cli/teach/teach_pulse.h"
+#include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/job/teach/profile_history.h"
 
@@ -274,7 +274,7 @@ void AddHistory(command_line::Command teach) {
 
 }  // namespace
 
-void AddTeachCommand(command_line::Command app) {
+void AddTeachCommand(command_line::Command app, const SubmitFile& submit) {
   command_line::Command teach = app.AddCommand(
       "teach", "move a machine by hand; teach zeros, positions and limits");
   auto options = std::make_shared<TeachOptions>();
@@ -293,7 +293,7 @@ void AddTeachCommand(command_line::Command app) {
   AddPlace(teach, "park", "the axes are at the position after a job: save it",
            intaglio_TEACH_PARK);
   AddLimits(teach);
-  AddTestPulseCommands(teach);
+  AddTestPulseCommands(teach, submit);
   AddLightCommands(teach);
   AddOutlineCommand(teach);
   AddUndo(teach);

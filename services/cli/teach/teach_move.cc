@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "services/cli/complain.h"
 #include "services/cli/teach/teach_options.h"
+#include "services/cli/terminal/complain.h"
 
 namespace intaglio::cli {
 namespace {

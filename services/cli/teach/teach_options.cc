@@ -5,9 +5,9 @@
 
 #include <iostream>
 
-#include "services/cli/complain.h"
 #include "services/cli/flags/bus_flags.h"
-#include "services/cli/interrupt.h"
+#include "services/cli/terminal/complain.h"
+#include "services/cli/terminal/interrupt.h"
 #include "services/client/exit_codes.h"
 #include "services/platform/host/peers/role_refusal.h"
 #include "services/platform/link/real_time.h"

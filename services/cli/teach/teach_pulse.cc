@@ -10,9 +10,8 @@
 
 #include "engrave/core/try.h"
 #include "materials_db/material_store.h"
-#include "services/cli/complain.h"
-#include "services/cli/jobs_command.h"
 #include "services/cli/teach/teach_options.h"
+#include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/client/teach/test_job.h"
 
@@ -86,7 +85,7 @@ int TakePlace(PulseOptions& options) {
   });
 }
 
-int SubmitTest(PulseOptions& options, bool series) {
+int SubmitTest(PulseOptions& options, bool series, const SubmitFile& submit) {
   if (options.block_mm.size() != 3) {
     return Complain(
         {ErrorCode::kMissing, "--block: is missing; give the block's size in mm", ""});
@@ -99,7 +98,7 @@ int SubmitTest(PulseOptions& options, bool series) {
       series ? client::WriteFocusSeries(options.job, ratio, options.series, options.out)
              : client::WriteTestPulse(options.job, ratio, options.out);
   if (!file) return Complain(file.error());
-  const int submitted = SubmitJobFile(options.bus, file->string());
+  const int submitted = submit(options.bus, file->string());
   if (series && submitted == client::kExitGood) {
     std::cout << "count the points without a crack from the start of the row, then: "
                  "intaglio teach focus --out "
@@ -123,17 +122,17 @@ int TeachFirstCrack(const PulseOptions& options) {
   });
 }
 
-void AddPulse(command_line::Command teach) {
+void AddPulse(command_line::Command teach, const SubmitFile& submit) {
   auto options = std::make_shared<PulseOptions>();
   options->out = "teach-pulse";
   command_line::Command command = teach.AddCommand(
       "pulse", "submit a job of one weak pulse at the present place; arm it to fire");
   AddPulseFlags(command, *options);
   command.SetFooter("Example: intaglio teach pulse --block 50 50 30 --energy 2");
-  command.SetAction([options] { return SubmitTest(*options, false); });
+  command.SetAction([options, submit] { return SubmitTest(*options, false, submit); });
 }
 
-void AddFocus(command_line::Command teach) {
+void AddFocus(command_line::Command teach, const SubmitFile& submit) {
   auto options = std::make_shared<PulseOptions>();
   options->out = "teach-focus";
   command_line::Command command = teach.AddCommand(
@@ -156,16 +155,17 @@ void AddFocus(command_line::Command teach) {
   command.SetFooter(
       "Example: intaglio teach focus --block 50 50 30   a row, which a person arms\n"
       "  intaglio teach focus --first 12               its first crack is point 12");
-  command.SetAction([options] {
-    return options->first > 0 ? TeachFirstCrack(*options) : SubmitTest(*options, true);
+  command.SetAction([options, submit] {
+    return options->first > 0 ? TeachFirstCrack(*options)
+                              : SubmitTest(*options, true, submit);
   });
 }
 
 }  // namespace
 
-void AddTestPulseCommands(command_line::Command teach) {
-  AddPulse(teach);
-  AddFocus(teach);
+void AddTestPulseCommands(command_line::Command teach, const SubmitFile& submit) {
+  AddPulse(teach, submit);
+  AddFocus(teach, submit);
 }
 
 }  // namespace intaglio::cli

@@ -16,9 +16,9 @@
 #include <string>
 #include <utility>
 
-#include "services/cli/complain.h"
-#include "services/cli/interrupt.h"
 #include "services/cli/teach/teach_options.h"
+#include "services/cli/terminal/complain.h"
+#include "services/cli/terminal/interrupt.h"
 #include "services/client/exit_codes.h"
 
 namespace intaglio::cli {

@@ -9,7 +9,7 @@
 #include "engrave/calibrate/approach.h"
 #include "engrave/calibrate/mark_matching.h"
 #include "engrave/core/try.h"
-#include "services/client/proof/proof_evidence.h"
+#include "services/client/proof/evidence/proof_evidence.h"
 #include "services/job/convert/options.h"
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/machine_axes.h"

@@ -8,7 +8,7 @@
 #include "proto/machine_report.pb.h"
 #include "services/client/machine/corrected_profile.h"
 #include "services/client/machine/measured_marks.h"
-#include "services/client/proof/proof_evidence.h"
+#include "services/client/proof/evidence/proof_evidence.h"
 
 namespace intaglio::client {
 

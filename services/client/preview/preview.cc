@@ -18,7 +18,7 @@
 #include "services/client/preview/preview_picture.h"
 #include "services/client/preview/preview_text.h"
 #include "services/client/preview/preview_time.h"
-#include "services/client/proof/proof_figures.h"
+#include "services/client/proof/evidence/proof_figures.h"
 #include "services/job/convert/model_kind.h"
 #include "services/job/fields/channels.h"
 #include "services/job/files/json_text.h"

@@ -5,8 +5,8 @@
 
 #include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
-#include "services/client/proof_folder.h"
-#include "services/client/proof_verdict.h"
+#include "services/client/proof/proof_folder.h"
+#include "services/client/proof/proof_verdict.h"
 
 namespace intaglio::client {
 namespace {

@@ -8,11 +8,11 @@
 #include "engrave/formats/journal_file.h"
 #include "engrave/io/atomic_file.h"
 #include "services/client/exit_codes.h"
-#include "services/client/proof/glass_search.h"
+#include "services/client/proof/evidence/glass_search.h"
 #include "services/client/proof/known_outcome.h"
 #include "services/client/proof/marks/mark_evidence.h"
 #include "services/client/proof/marks/mark_search.h"
-#include "services/client/proof_folder.h"
+#include "services/client/proof/proof_folder.h"
 #include "services/job/files/json_text.h"
 #include "services/job/verdict/warnings.h"
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "services/client/service_set.h"
+#include "services/client/shop/service_set.h"
 
 namespace intaglio::client {
 

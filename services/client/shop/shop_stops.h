@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "services/client/job_view.h"
-#include "services/client/shop/listed_services.h"
+#include "services/client/listed_services.h"
 #include "services/platform/bus/bus.h"
 
 namespace intaglio::client {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "engrave/io/whole_file.h"
-#include "services/console/json_response.h"
+#include "services/console/answers/json_response.h"
 #include "services/job/files/job_file.h"
 
 namespace intaglio::console {

@@ -10,9 +10,9 @@
 #include <string_view>
 #include <vector>
 
+#include "services/console/answers/work_queue.h"
 #include "services/console/submit/submissions.h"
 #include "services/console/submit/upload_folder.h"
-#include "services/console/work_queue.h"
 #include "services/platform/web/server.h"
 
 namespace intaglio::console {

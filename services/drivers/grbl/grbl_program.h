@@ -42,7 +42,7 @@
 
 #include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
-#include "engrave/motion/segment.h"
+#include "engrave/motion/segments/segment.h"
 #include "services/drivers/lockstep/piece_queue.h"
 #include "services/drivers/lockstep/tick_powers.h"
 

@@ -14,7 +14,7 @@
 
 #include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
-#include "engrave/motion/segment.h"
+#include "engrave/motion/segments/segment.h"
 #include "proto/machine.pb.h"
 #include "services/drivers/interface/hand_motion.h"
 

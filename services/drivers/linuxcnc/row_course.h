@@ -10,7 +10,7 @@
 #include <span>
 
 #include "engrave/core/geometry.h"
-#include "engrave/motion/segment.h"
+#include "engrave/motion/segments/segment.h"
 
 namespace intaglio::drivers {
 

@@ -18,7 +18,7 @@
 
 #include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
-#include "engrave/motion/segment.h"
+#include "engrave/motion/segments/segment.h"
 
 namespace intaglio::drivers {
 

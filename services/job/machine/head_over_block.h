@@ -8,7 +8,7 @@
 #include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
 #include "engrave/machine/kinematics.h"
-#include "engrave/sort/way/jump_layers.h"
+#include "engrave/sort/jump_layers.h"
 #include "proto/machine.pb.h"
 
 namespace intaglio {

@@ -7,7 +7,7 @@
 #include "engrave/core/try.h"
 #include "engrave/motion/planner.h"
 #include "engrave/motion/point_plan.h"
-#include "engrave/motion/segment.h"
+#include "engrave/motion/segments/segment.h"
 #include "engrave/sort/local_samples.h"
 #include "services/job/convert/options.h"
 #include "services/job/machine/machine_axes.h"

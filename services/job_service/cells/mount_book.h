@@ -17,8 +17,8 @@
 #include <string>
 #include <vector>
 
-#include "services/job_service/cells/cell_records.h"
-#include "services/job_service/queue/job_record.h"
+#include "services/job_service/records/cell_records.h"
+#include "services/job_service/records/job_record.h"
 
 namespace intaglio::job_service {
 

@@ -12,8 +12,8 @@
 #include <set>
 #include <string>
 
-#include "services/job_service/job_store.h"
-#include "services/job_service/queue/job_record.h"
+#include "services/job_service/records/job_record.h"
+#include "services/job_service/records/job_result.h"
 #include "services/platform/bus/bus.h"
 
 namespace intaglio::job_service {

@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "services/job_service/queue/ended_list.h"
-#include "services/job_service/queue/job_actions.h"
+#include "services/job_service/records/job_actions.h"
 
 namespace intaglio::job_service {
 

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "services/job_service/queue/job_actions.h"
 #include "services/job_service/queue/worker_book.h"
+#include "services/job_service/records/job_actions.h"
 
 namespace intaglio::job_service {
 

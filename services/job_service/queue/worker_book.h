@@ -23,7 +23,7 @@
 
 #include "idl/service.h"
 #include "services/job_service/queue/ended_list.h"
-#include "services/job_service/queue/task_id.h"
+#include "services/job_service/records/task_id.h"
 
 namespace intaglio::job_service {
 

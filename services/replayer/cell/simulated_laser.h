@@ -16,7 +16,7 @@
 #include "proto/machine.pb.h"
 #include "services/platform/link/reliable_link.h"
 #include "services/virtual_engraver/laser.h"
-#include "services/virtual_engraver/pty_line.h"
+#include "services/virtual_engraver/lines/pty_line.h"
 
 namespace intaglio::replayer {
 

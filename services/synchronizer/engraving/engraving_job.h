@@ -13,7 +13,7 @@
 #include "engrave/sort/beam/beam_cone.h"
 #include "services/cell/earlier_work.h"
 #include "services/job/machine/pulse_energies.h"
-#include "services/synchronizer/cell_names.h"
+#include "services/synchronizer/pulses/cell_names.h"
 #include "services/synchronizer/pulses/pulse_trigger.h"
 
 namespace intaglio::synchronizer {

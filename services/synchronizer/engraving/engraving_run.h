@@ -20,11 +20,11 @@
 #include <cstdint>
 #include <optional>
 
+#include "services/synchronizer/engraving/engraving_inputs.h"
 #include "services/synchronizer/engraving/engraving_job.h"
 #include "services/synchronizer/engraving/halt_reason.h"
+#include "services/synchronizer/engraving/motion_feed.h"
 #include "services/synchronizer/engraving/shutters.h"
-#include "services/synchronizer/engraving_inputs.h"
-#include "services/synchronizer/motion_feed.h"
 #include "services/synchronizer/pulses/open_points.h"
 #include "services/synchronizer/pulses/pulse_record.h"
 #include "services/synchronizer/pulses/tick_horizon.h"

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "services/cell/permission_chain.h"
-#include "services/synchronizer/cell_names.h"
+#include "services/synchronizer/pulses/cell_names.h"
 
 namespace intaglio::synchronizer {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "services/cell/permission_chain.h"
-#include "services/synchronizer/cell_names.h"
+#include "services/synchronizer/pulses/cell_names.h"
 
 namespace intaglio::synchronizer {
 namespace {

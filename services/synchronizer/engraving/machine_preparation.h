@@ -16,8 +16,8 @@
 #include <string>
 
 #include "services/drivers/interface/laser_controller.h"
+#include "services/synchronizer/engraving/engraving_inputs.h"
 #include "services/synchronizer/engraving/engraving_job.h"
-#include "services/synchronizer/engraving_inputs.h"
 
 namespace intaglio::synchronizer {
 

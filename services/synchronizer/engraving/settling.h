@@ -23,9 +23,9 @@
 #include <vector>
 
 #include "services/drivers/interface/laser_controller.h"
+#include "services/synchronizer/engraving/engraving_inputs.h"
 #include "services/synchronizer/engraving/engraving_job.h"
-#include "services/synchronizer/engraving_inputs.h"
-#include "services/synchronizer/motion_feed.h"
+#include "services/synchronizer/engraving/motion_feed.h"
 #include "services/synchronizer/pulses/pulse_record.h"
 #include "services/synchronizer/pulses/tick_windows.h"
 

@@ -13,7 +13,7 @@
 #include "engrave/core/geometry.h"
 #include "engrave/sort/beam/beam_cone.h"
 #include "services/cell/point_ledger.h"
-#include "services/synchronizer/cell_names.h"
+#include "services/synchronizer/pulses/cell_names.h"
 
 namespace intaglio::synchronizer {
 

@@ -28,7 +28,7 @@
 #include "services/cell/journal_writer.h"
 #include "services/cell/point_ledger.h"
 #include "services/drivers/interface/laser_controller.h"
-#include "services/synchronizer/cell_names.h"
+#include "services/synchronizer/pulses/cell_names.h"
 #include "services/synchronizer/pulses/pulse_schedule.h"
 
 namespace intaglio::synchronizer {

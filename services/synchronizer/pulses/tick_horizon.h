@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "services/drivers/interface/laser_controller.h"
-#include "services/synchronizer/motion_clock.h"
+#include "services/synchronizer/pulses/motion_clock.h"
 #include "services/synchronizer/pulses/tick_clock.h"
 
 namespace intaglio::synchronizer {

@@ -10,7 +10,7 @@
 
 #include "engrave/core/try.h"
 #include "services/platform/link/real_time.h"
-#include "services/virtual_engraver/panel.h"
+#include "services/virtual_engraver/lines/panel.h"
 
 namespace intaglio::virtual_engraver {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "proto/truth.pb.h"
 #include "services/virtual_engraver/head/head_machine.h"
-#include "services/virtual_engraver/machine_line.h"
+#include "services/virtual_engraver/lines/machine_line.h"
 
 namespace intaglio::virtual_engraver {
 

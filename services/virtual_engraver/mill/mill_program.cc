@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "services/platform/link/real_time.h"
-#include "services/virtual_engraver/machine_line.h"
-#include "services/virtual_engraver/panel.h"
+#include "services/virtual_engraver/lines/machine_line.h"
+#include "services/virtual_engraver/lines/panel.h"
 
 namespace intaglio::virtual_engraver {
 namespace {

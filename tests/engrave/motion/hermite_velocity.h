@@ -5,7 +5,7 @@
 //   h00' = 6u^2 - 6u = -h01',   h10' = 3u^2 - 4u + 1,   h11' = 3u^2 - 2u.
 // The planners and the verifier have the powers of t or Bezier points instead.
 
-#include "engrave/motion/segment.h"
+#include "engrave/motion/segments/segment.h"
 
 namespace intaglio::motion {
 

@@ -1,4 +1,4 @@
-#include "engrave/motion/segment.h"
+#include "engrave/motion/segments/segment.h"
 
 #include <gtest/gtest.h>
 

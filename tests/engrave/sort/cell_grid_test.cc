@@ -1,4 +1,4 @@
-#include "engrave/sort/cell_grid.h"
+#include "engrave/sort/near/cell_grid.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engrave/sort/near_points.h"
+#include "engrave/sort/near/near_points.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 
 #include "engrave/motion/planner.h"
 #include "engrave/sort/planned_ticks.h"
-#include "engrave/sort/way/sweep_begin.h"
+#include "engrave/sort/sweep_begin.h"
 #include "tests/engrave/sort/order_checks.h"
 
 namespace intaglio::sort::sweep_test {

@@ -1,4 +1,4 @@
-#include "engrave/sort/tick_cost.h"
+#include "engrave/sort/near/tick_cost.h"
 
 #include <gtest/gtest.h>
 

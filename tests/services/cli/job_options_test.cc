@@ -1,7 +1,7 @@
 // Every flag of a job lands in its field, flags win over the job file, and what
 // contradicts itself is refused with a sentence that names the flag.
 
-#include "services/cli/job_options.h"
+#include "services/cli/job/job_options.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,8 +1,8 @@
-#include "services/cli/machine/mounted.h"
+#include "services/cli/teach/mounted.h"
 
 #include <gmock/gmock.h>
 
-#include "services/cli/machine/mount_command.h"
+#include "services/cli/teach/mount_command.h"
 #include "services/job/files/job_file.h"
 
 namespace intaglio::cli {

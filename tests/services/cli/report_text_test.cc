@@ -1,4 +1,4 @@
-#include "services/cli/report_text.h"
+#include "services/cli/proofs/report_text.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // The verdict over folders made by hand: each thing that can be wrong with a block is
 // put into the glass or the journal, alone, and has to be found and named.
 
-#include "services/client/proof_folder.h"
+#include "services/client/proof/proof_folder.h"
 
 #include <gmock/gmock.h>
 #include <google/protobuf/util/json_util.h>
@@ -13,7 +13,7 @@
 #include "engrave/formats/glass_record.h"
 #include "engrave/formats/journal_file.h"
 #include "engrave/formats/point_file.h"
-#include "services/client/proof/collisions.h"
+#include "services/client/proof/evidence/collisions.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::client {

@@ -1,6 +1,8 @@
-#include "services/client/proof_verdict.h"
+#include "services/client/proof/proof_verdict.h"
 
 #include <gtest/gtest.h>
+
+#include "services/client/proof/evidence/verdict_text.h"
 
 namespace intaglio::client {
 namespace {

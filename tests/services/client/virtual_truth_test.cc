@@ -1,4 +1,4 @@
-#include "services/client/virtual_truth.h"
+#include "services/client/shop/virtual_truth.h"
 
 #include <gtest/gtest.h>
 

@@ -14,7 +14,7 @@
 
 #include "services/platform/link/line_session.h"
 #include "services/platform/link/motion_protocol.h"
-#include "services/virtual_engraver/pty_line.h"
+#include "services/virtual_engraver/lines/pty_line.h"
 
 namespace intaglio::drivers {
 

@@ -19,7 +19,7 @@
 #include "proto/machine.pb.h"
 #include "services/cell/journal_writer.h"
 #include "services/drivers/virtual/virtual_laser_driver.h"
-#include "services/synchronizer/cell_names.h"
+#include "services/synchronizer/pulses/cell_names.h"
 #include "tests/services/platform/link/faulty_line.h"
 #include "tests/services/synchronizer/fake_laser.h"
 

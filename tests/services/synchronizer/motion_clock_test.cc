@@ -1,4 +1,4 @@
-#include "services/synchronizer/motion_clock.h"
+#include "services/synchronizer/pulses/motion_clock.h"
 
 #include <gtest/gtest.h>
 

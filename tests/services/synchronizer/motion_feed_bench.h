@@ -13,7 +13,7 @@
 
 #include "services/platform/bus/samples.h"
 #include "services/synchronizer/engraving.h"
-#include "services/synchronizer/motion_feed.h"
+#include "services/synchronizer/engraving/motion_feed.h"
 
 namespace intaglio::synchronizer {
 

@@ -1,4 +1,4 @@
-#include "services/synchronizer/motion_feed.h"
+#include "services/synchronizer/engraving/motion_feed.h"
 
 #include <gmock/gmock.h>
 

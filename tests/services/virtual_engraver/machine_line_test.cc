@@ -1,6 +1,6 @@
 // A plug of the machine, of either kind, and hosts that come and go.
 
-#include "services/virtual_engraver/machine_line.h"
+#include "services/virtual_engraver/lines/machine_line.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -8,7 +8,7 @@
 #include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/mark/mark_file.h"
-#include "services/client/proof/proof_evidence.h"
+#include "services/client/proof/evidence/proof_evidence.h"
 #include "services/platform/fields/field_defaults.h"
 
 namespace intaglio::client {

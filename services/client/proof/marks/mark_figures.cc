@@ -10,7 +10,7 @@
 #include <span>
 
 #include "engrave/mark/mark_file.h"
-#include "services/client/proof/proof_figures.h"
+#include "services/client/proof/evidence/proof_figures.h"
 #include "services/job/marks/job_marks.h"
 #include "services/job/marks/mark_times.h"
 #include "services/job/marks/web_run.h"

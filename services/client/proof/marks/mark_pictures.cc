@@ -10,10 +10,10 @@
 #include "engrave/proof/way_index.h"
 #include "engrave/render/png_file.h"
 #include "services/client/figure_text.h"
+#include "services/client/proof/evidence/proof_files.h"
+#include "services/client/proof/evidence/proof_pictures.h"
+#include "services/client/proof/evidence/verdict_text.h"
 #include "services/client/proof/marks/mark_figures.h"
-#include "services/client/proof/proof_pictures.h"
-#include "services/client/proof_folder.h"
-#include "services/client/proof_verdict.h"
 
 namespace intaglio::client {
 namespace {

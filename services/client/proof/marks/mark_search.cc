@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "engrave/core/try.h"
-#include "services/client/proof/glass_search.h"
+#include "services/client/proof/evidence/glass_search.h"
 #include "services/platform/link/scan_head_protocol.h"
 #include "services/virtual_engraver/truth/truth_file.h"
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "engrave/core/counted.h"
+#include "services/client/proof/evidence/proof_figures.h"
 #include "services/client/proof/marks/mark_evidence.h"
-#include "services/client/proof/proof_figures.h"
 
 namespace intaglio::client {
 namespace {

@@ -1,4 +1,4 @@
-#include "engrave/sort/way/jump_layers.h"
+#include "engrave/sort/jump_layers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

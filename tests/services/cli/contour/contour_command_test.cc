@@ -14,7 +14,7 @@
 #include "services/cli/contour/contour_figures.h"
 #include "services/cli/contour/contour_files.h"
 #include "services/cli/contour/contour_programs.h"
-#include "services/cli/job_options.h"
+#include "services/cli/job/job_options.h"
 #include "services/cli/offline/post_command.h"
 #include "services/client/exit_codes.h"
 #include "services/job/checks/course_check.h"

@@ -1,4 +1,4 @@
-#include "services/client/proof/glass_search.h"
+#include "services/client/proof/evidence/glass_search.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "services/client/proof/proof_pictures.h"
+#include "services/client/proof/evidence/proof_pictures.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "services/client/proof_verdict.h"
+#include "services/client/proof/proof_verdict.h"
 
 namespace intaglio::client {
 namespace {

@@ -1,4 +1,4 @@
-#include "services/client/proof/pulse_figures.h"
+#include "services/client/proof/evidence/pulse_figures.h"
 
 #include <gtest/gtest.h>
 

@@ -11,7 +11,7 @@
 
 #include "engrave/formats/glass_record.h"
 #include "engrave/formats/journal_file.h"
-#include "services/client/proof_folder.h"
+#include "services/client/proof/proof_folder.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::client {

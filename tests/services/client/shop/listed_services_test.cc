@@ -1,7 +1,7 @@
 // A client that has just joined waits for the services that the job service lists, and no
 // longer; the test plays them.
 
-#include "services/client/shop/listed_services.h"
+#include "services/client/listed_services.h"
 
 #include <gmock/gmock.h>
 

@@ -10,8 +10,8 @@
 // rest is "flash X Y AXIS BEGIN_US LIT_US", AXIS in steps. With --axis its axis was
 // homed, and is there. With --guide each way of the mirrors that began with this output
 // on is "guide X0 Y0 X1 Y1", and "gate" behind it, if the gate was on, too. The panel
-// takes lines of text (services/virtual_engraver/panel.h): door open|close, power off|on,
-// unplug, plug. SIGTERM ends it.
+// takes lines of text (services/virtual_engraver/lines/panel.h): door open|close, power
+// off|on, unplug, plug. SIGTERM ends it.
 
 #include <signal.h>
 
@@ -30,8 +30,8 @@
 #include <thread>
 
 #include "services/platform/link/real_time.h"
-#include "services/virtual_engraver/machine_line.h"
-#include "services/virtual_engraver/panel.h"
+#include "services/virtual_engraver/lines/machine_line.h"
+#include "services/virtual_engraver/lines/panel.h"
 #include "tests/services/drivers/bjjcz/virtual_bjjcz.h"
 
 namespace {

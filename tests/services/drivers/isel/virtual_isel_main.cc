@@ -19,7 +19,7 @@
 #include <thread>
 
 #include "services/platform/link/real_time.h"
-#include "services/virtual_engraver/machine_line.h"
+#include "services/virtual_engraver/lines/machine_line.h"
 #include "tests/services/drivers/isel/virtual_isel.h"
 
 namespace {

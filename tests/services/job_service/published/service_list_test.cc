@@ -7,7 +7,7 @@
 #include <optional>
 #include <set>
 
-#include "services/client/shop/listed_services.h"
+#include "services/client/listed_services.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/bus/samples.h"
 #include "tests/services/platform/bus/private_bus.h"

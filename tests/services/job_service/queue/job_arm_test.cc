@@ -1,4 +1,4 @@
-#include "services/job_service/queue/job_arm.h"
+#include "services/job_service/records/job_arm.h"
 
 #include <gtest/gtest.h>
 

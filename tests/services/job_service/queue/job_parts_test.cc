@@ -1,4 +1,4 @@
-#include "services/job_service/queue/job_parts.h"
+#include "services/job_service/records/job_parts.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "services/synchronizer/engraving_inputs.h"
+#include "services/synchronizer/engraving/engraving_inputs.h"
 #include "tests/services/synchronizer/laser_bench.h"
 
 namespace intaglio::synchronizer {

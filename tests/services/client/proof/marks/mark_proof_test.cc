@@ -9,7 +9,7 @@
 #include "engrave/render/png_file.h"
 #include "services/client/proof/marks/mark_figures.h"
 #include "services/client/proof/marks/mark_pictures.h"
-#include "services/client/proof_folder.h"
+#include "services/client/proof/proof_folder.h"
 #include "tests/services/client/proof/marks/mark_folder.h"
 
 namespace intaglio::client {

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "services/client/proof/glass_search.h"
+#include "services/client/proof/evidence/glass_search.h"
 #include "services/platform/link/scan_head_protocol.h"
 #include "tests/test_folder.h"
 

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "services/cli/job/job_options.h"
+
+namespace intaglio::cli {
+
+/// A job for each row of a CSV file, from a job file (services/job/files/series.h),
+/// checked as the job service checks it, with the glasses of that material base (empty:
+/// the user's). Every mistake of every row is in the error, each with file and line.
+Result<std::vector<JobAndMachine>> BuildSeries(const JobFlags& flags,
+                                               const std::filesystem::path& table,
+                                               const std::string& materials_db);
+
+/// The message with this before each of its lines.
+Error Prefixed(Error error, const std::string& prefix);
+
+}  // namespace intaglio::cli

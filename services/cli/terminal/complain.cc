@@ -1,0 +1,18 @@
+#include "services/cli/terminal/complain.h"
+
+#include <iostream>
+
+namespace intaglio::cli {
+
+int Complain(const Error& error, int exit_code) {
+  std::cerr << "intaglio: " << error.message << "\n";
+  return exit_code;
+}
+
+void PrintTextWarnings(const Warnings& warnings) {
+  for (const Warning& warning : warnings) {
+    std::cerr << WarningWeightName(warning.weight) << ": " << warning.text << "\n";
+  }
+}
+
+}  // namespace intaglio::cli

@@ -1,0 +1,129 @@
+#pragma once
+
+// A job as the job service knows it, between its threads, its database and the bus.
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engrave/core/warning.h"
+#include "idl/job.h"
+#include "services/job_service/records/job_arm.h"
+#include "services/job_service/records/job_parts.h"
+#include "services/job_service/records/task_id.h"
+
+namespace intaglio::job_service {
+
+inline constexpr std::array kStages = {intaglio_STAGE_DISCRETIZE, intaglio_STAGE_SORT,
+                                       intaglio_STAGE_ENGRAVE};
+
+struct StageRecord {
+  /// Instance of the newest attempt; empty before the first, and always of the
+  /// discretizing, whose parts have theirs.
+  std::string worker;
+  bool done = false;
+  std::uint64_t done_count = 0;
+  std::uint64_t total_count = 0;
+  double elapsed_s = 0;
+};
+
+/// A task that some worker has, or had when it is done.
+struct GivenTask {
+  std::string worker;
+  intaglio_Stage stage;
+  TaskId task;
+  bool done;
+};
+
+/// Where in its machine a job is made.
+struct JobPlace {
+  std::uint32_t station = 0;  ///< of a machine with a loading, from 1; else 0
+  std::string block;          ///< its size, to be compared; empty: none
+};
+
+struct JobRecord {
+  std::uint32_t number = 0;  ///< for people, from 1
+  std::string uid;           ///< <number>-<epoch in hex>
+  std::string submission_uid;
+  std::uint64_t epoch = 0;  ///< run of the job service that took it
+  std::string name;
+  std::string cell;
+  std::string material;
+  std::string makes = "points";  ///< what its counts count, or "marks"
+  std::int32_t priority = 0;     ///< JobSpec.priority, or that of where it was moved to
+  std::int64_t turn = 0;         ///< among equal priorities, the least first (job_book.h)
+  double rate_hz = 0;
+  std::string result_directory;
+  std::string frozen_job;  ///< serialized FrozenJob
+
+  intaglio_JobState state = intaglio_JOB_QUEUED;
+  intaglio_PauseReason pause_reason = intaglio_PAUSE_NONE;  ///< unless paused
+  std::uint32_t attempt = 0;        ///< of the running chain; 0 before the first
+  std::uint32_t lost_attempts = 0;  ///< chains that broke because a worker was lost
+  std::string message;
+  std::uint64_t estimate_ticks = 0;        ///< machining time, the newest estimate
+  std::uint64_t first_estimate_ticks = 0;  ///< that of the sorter, before the order
+  std::array<StageRecord, 3> stages;       ///< by intaglio_Stage
+  JobParts parts;                          ///< of the discretizing; none before it
+  JobArm arm;
+  Warnings warnings;  ///< of the running attempt, once its points are made
+  std::uint64_t revision = 0;
+
+  // Not kept over a restart.
+  JobPlace place;                     ///< made of the frozen job
+  std::uint32_t queue_place = 0;      ///< queued: 1 is the next one of its machine
+  bool awaits_block = false;          ///< no program arms it: piece_book.h
+  std::string mount_misfit;           ///< of what is mounted, as of
+  std::uint64_t mount_revision = 0;   ///< this MountBook::revision; 0: not compared
+  std::uint32_t speed_percent = 100;  ///< override, 1..140
+  std::string last_loss;              ///< why the attempt before this one broke
+  std::string arm_loss;               ///< why its arm was spent before it had a path
+  intaglio_PointCounts counts{};      ///< of the newest engraving
+  std::string alarm;                  ///< why that makes no progress; empty: it does
+  bool taken_up = false;  ///< the newest engraving task: begun by another worker
+
+  StageRecord& stage(intaglio_Stage s) { return stages[s]; }
+  const StageRecord& stage(intaglio_Stage s) const { return stages[s]; }
+  TaskId TaskOf(intaglio_Stage s, std::uint32_t part = 0) const {
+    const bool in_parts = s == intaglio_STAGE_DISCRETIZE;
+    return {uid, attempt, part, in_parts ? parts.at(part).attempt : 0};
+  }
+  /// By stage and part.
+  std::vector<GivenTask> GivenTasks() const {
+    std::vector<GivenTask> given;
+    for (std::uint32_t i = 0; i < parts.size(); ++i) {
+      if (parts[i].worker.empty()) continue;
+      given.push_back({parts[i].worker, intaglio_STAGE_DISCRETIZE,
+                       TaskOf(intaglio_STAGE_DISCRETIZE, i), parts[i].done});
+    }
+    for (const intaglio_Stage s : {intaglio_STAGE_SORT, intaglio_STAGE_ENGRAVE}) {
+      if (stage(s).worker.empty()) continue;
+      given.push_back({stage(s).worker, s, TaskOf(s), stage(s).done});
+    }
+    return given;
+  }
+  bool ended() const {
+    return state == intaglio_JOB_DONE || state == intaglio_JOB_FAILED ||
+           state == intaglio_JOB_CANCELLED;
+  }
+  /// The warning that a person has to accept before the arm; nullptr: none.
+  const Warning* open_consent() const {
+    return arm.kept().breakage_accepted_by.empty() ? FindConsent(warnings) : nullptr;
+  }
+  /// All its warnings are known, and a person has accepted those that need it.
+  bool warnings_are_settled() const {
+    return (stage(intaglio_STAGE_SORT).done || arm.ever_granted()) &&
+           open_consent() == nullptr;
+  }
+  /// Its machine has the whole path, or is at it: it may be granted a permission.
+  bool may_be_granted() const {
+    return warnings_are_settled() &&
+           (state == intaglio_JOB_WAITING_FOR_ARM || state == intaglio_JOB_ENGRAVING ||
+            state == intaglio_JOB_PAUSED);
+  }
+  /// Holds its cell: from the first task to the end.
+  bool active() const { return !ended() && state != intaglio_JOB_QUEUED; }
+};
+
+}  // namespace intaglio::job_service
