@@ -105,8 +105,8 @@ const std::string& Arming::MountMisfitOf(JobRecord& job) const {
 
 void Arming::TurnPieces() {
   pieces_.Turn([this](const std::string& uid) { return book_.FindOpen(uid) != nullptr; });
-  for (JobRecord* job : book_.InTurn()) {
-    const bool awaits = job->active() && !job->arm.ever_granted() && pieces_.Awaits(*job);
+  for (JobRecord* job : book_.ActiveInTurn()) {
+    const bool awaits = !job->arm.ever_granted() && pieces_.Awaits(*job);
     if (awaits == job->awaits_block) continue;
     job->awaits_block = awaits;
     book_.PublishProgress(*job);
@@ -157,28 +157,27 @@ void Arming::SetStop(const std::string& cell, bool pressed, Nanoseconds now) {
     return;
   }
   if (!stopped_cells_.insert(cell).second) return;
-  for (auto& [uid, job] : book_.jobs()) {
-    if (!job.active() || job.cell != cell) continue;
-    const bool was_armed = job.arm.armed();
-    job.arm.Disarm(reason, now);
-    job.arm.ForbidUncertain();
-    if (was_armed && job.state == intaglio_JOB_PAUSED) {
-      job.pause_reason = intaglio_PAUSE_EMERGENCY_STOP;
+  for (JobRecord* job : book_.ActiveInTurn()) {
+    if (job->cell != cell) continue;
+    const bool was_armed = job->arm.armed();
+    job->arm.Disarm(reason, now);
+    job->arm.ForbidUncertain();
+    if (was_armed && job->state == intaglio_JOB_PAUSED) {
+      job->pause_reason = intaglio_PAUSE_EMERGENCY_STOP;
     }
-    book_.Change(job, job.state, was_armed ? reason : job.message);
+    book_.Change(*job, job->state, was_armed ? reason : job->message);
   }
 }
 
 // What was disarmed by the stop still waits for a person.
 void Arming::NoteReset(const std::string& cell, const std::string& reason) {
-  for (auto& [uid, job] : book_.jobs()) {
-    const bool stopped =
-        job.active() && job.cell == cell && !job.arm.armed() && job.message == reason;
+  for (JobRecord* job : book_.ActiveInTurn()) {
+    const bool stopped = job->cell == cell && !job->arm.armed() && job->message == reason;
     if (!stopped) continue;
     book_.Change(
-        job, job.state,
+        *job, job->state,
         fmt::format("{} and is reset: check the machine, then {} the job", reason,
-                    job.state == intaglio_JOB_PAUSED ? "resume" : "arm"));
+                    job->state == intaglio_JOB_PAUSED ? "resume" : "arm"));
   }
 }
 
@@ -219,10 +218,10 @@ void Arming::SpendBeforePath(JobRecord& job, const TaskView& task, Nanoseconds n
 }
 
 void Arming::EndArms(intaglio_PauseReason reason, Nanoseconds now, const WhyItEnds& why) {
-  for (auto& [uid, job] : book_.jobs()) {
-    if (job.ended() || !job.arm.armed()) continue;
-    const std::string text = why(job);
-    if (!text.empty()) EndArm(job, reason, text, now);
+  for (JobRecord* job : book_.ActiveInTurn()) {
+    if (!job->arm.armed()) continue;
+    const std::string text = why(*job);
+    if (!text.empty()) EndArm(*job, reason, text, now);
   }
 }
 
@@ -240,8 +239,8 @@ void Arming::EndArm(JobRecord& job, intaglio_PauseReason reason, const std::stri
 
 std::vector<PermissionView> Arming::Permissions(Nanoseconds now) {
   std::vector<PermissionView> permissions;
-  for (auto& [uid, job] : book_.jobs()) {
-    if (!job.active()) continue;
+  for (JobRecord* active : book_.ActiveInTurn()) {
+    JobRecord& job = *active;
     const std::string& synchronizer = job.stage(intaglio_STAGE_ENGRAVE).worker;
     const bool granted =
         job.may_be_granted() && job.arm.MayFire(now) && !IsStopped(job.cell) &&
@@ -252,7 +251,7 @@ std::vector<PermissionView> Arming::Permissions(Nanoseconds now) {
       book_.Change(job, job.state, job.message);
     }
     const KeptArm& arm = job.arm.kept();
-    permissions.push_back({job.cell, uid, job.epoch, granted, arm.operator_name,
+    permissions.push_back({job.cell, job.uid, job.epoch, granted, arm.operator_name,
                            job.speed_percent, job.arm.grant(), job.arm.renewal(),
                            arm.first_point, arm.fire_uncertain});
   }

@@ -2,22 +2,29 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 namespace intaglio::job_service {
 
 JobRecord& JobBook::Add(JobRecord job) {
-  in_turn_[TurnOf(job)] = job.uid;
   const std::string uid = job.uid;
-  return jobs_[uid] = std::move(job);
+  JobRecord& added = jobs_[uid] = std::move(job);
+  in_turn_[TurnOf(added)] = &added;
+  ++waiting_revision_;
+  if (added.active()) active_.insert(&added);
+  return added;
 }
 
 JobRecord& JobBook::AddNew(JobRecord job) {
-  job.turn = 0;
-  for (const auto& [turn, uid] : in_turn_) {
-    if (std::get<0>(turn) == -job.priority) job.turn = std::get<1>(turn) + kTurnStep;
-  }
+  const auto behind =
+      in_turn_.upper_bound({-job.priority, std::numeric_limits<std::int64_t>::max(),
+                            std::numeric_limits<std::uint32_t>::max()});
+  const bool is_first = behind == in_turn_.begin() ||
+                        std::get<0>(std::prev(behind)->first) != -job.priority;
+  job.turn = is_first ? 0 : std::get<1>(std::prev(behind)->first) + kTurnStep;
   return Add(std::move(job));
 }
 
@@ -43,17 +50,21 @@ JobRecord* JobBook::FindOpen(const std::string& job_uid) {
   return job == nullptr || job->ended() ? nullptr : job;
 }
 
-std::vector<JobRecord*> JobBook::InTurn() {
+std::vector<JobRecord*> JobBook::InTurn() const {
   std::vector<JobRecord*> jobs;
-  for (const auto& [turn, uid] : in_turn_) jobs.push_back(&jobs_.at(uid));
+  for (const auto& [turn, job] : in_turn_) jobs.push_back(job);
+  return jobs;
+}
+
+std::vector<JobRecord*> JobBook::ActiveInTurn() const {
+  std::vector<JobRecord*> jobs(active_.begin(), active_.end());
+  std::ranges::sort(jobs, {}, [](const JobRecord* job) { return TurnOf(*job); });
   return jobs;
 }
 
 bool JobBook::CellIsTaken(const std::string& cell) const {
-  for (const auto& [uid, job] : jobs_) {
-    if (job.active() && job.cell == cell) return true;
-  }
-  return false;
+  return std::ranges::any_of(active_,
+                             [&](const JobRecord* job) { return job->cell == cell; });
 }
 
 // ---- The order of the turn ----------------------------------------------------------
@@ -81,7 +92,7 @@ std::string JobBook::WhyNotMoved(const JobRecord& job,
 
 const JobRecord* JobBook::LastWaiting(const JobRecord& job) const {
   for (auto entry = in_turn_.rbegin(); entry != in_turn_.rend(); ++entry) {
-    const JobRecord& other = jobs_.at(entry->second);
+    const JobRecord& other = *entry->second;
     if (other.uid != job.uid && IsWaiting(other, job.cell)) return &other;
   }
   return nullptr;
@@ -96,7 +107,7 @@ void JobBook::SpreadTurns(std::int32_t priority) {
   std::int64_t turn = 0;
   for (JobRecord* job : equal) {
     job->turn = turn += kTurnStep;
-    in_turn_[TurnOf(*job)] = job->uid;
+    in_turn_[TurnOf(*job)] = job;
     if (!job->ended()) Change(*job, job->state, job->message);
   }
 }
@@ -124,19 +135,32 @@ void JobBook::Move(JobRecord& job, const std::string& before_job_uid) {
     job.turn = last->turn + kTurnStep;
     job.priority = last->priority;
   }
-  in_turn_[TurnOf(job)] = job.uid;
+  in_turn_[TurnOf(job)] = &job;
+  ++waiting_revision_;
   Change(job, job.state, job.message);
 }
 
 void JobBook::Change(JobRecord& job, intaglio_JobState state,
                      const std::string& message) {
-  job.state = state;
+  NoteState(job, std::exchange(job.state, state));
   if (state != intaglio_JOB_PAUSED) job.pause_reason = intaglio_PAUSE_NONE;
   if (state != intaglio_JOB_QUEUED) job.queue_place = 0;
   job.message = message;
   if (state != intaglio_JOB_ENGRAVING && state != intaglio_JOB_PAUSED) job.alarm.clear();
   ++job.revision;
   actions_.Changed(job);
+}
+
+void JobBook::NoteState(JobRecord& job, intaglio_JobState before) {
+  const bool waited = before == intaglio_JOB_QUEUED;
+  if (waited != (job.state == intaglio_JOB_QUEUED)) ++waiting_revision_;
+  has_ended_ = has_ended_ || job.ended();
+  if (job.active()) {
+    active_.insert(&job);
+  } else {
+    active_.erase(&job);
+    job.awaits_block = false;
+  }
 }
 
 void JobBook::ChangeToPaused(JobRecord& job, intaglio_PauseReason reason,
@@ -160,8 +184,8 @@ void JobBook::End(JobRecord& job, intaglio_JobState state, const std::string& me
 }
 
 void JobBook::Forget(Nanoseconds now) {
-  std::erase_if(in_turn_,
-                [this](const auto& entry) { return jobs_.at(entry.second).ended(); });
+  if (std::exchange(has_ended_, false))
+    std::erase_if(in_turn_, [](const auto& entry) { return entry.second->ended(); });
   while (const auto uid = ended_.TakeOldest(now)) {
     const auto job = jobs_.find(*uid);
     actions_.Forgotten(job->second);

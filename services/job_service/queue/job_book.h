@@ -14,7 +14,9 @@
 //    its end at the earliest; the database keeps it (job_store.h). References to jobs
 //    last until Forget. Used from one thread.
 
+#include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -53,7 +55,12 @@ class JobBook {
   /// By uid.
   std::map<std::string, JobRecord>& jobs() { return jobs_; }
   /// The open ones; what ends meanwhile stays valid.
-  std::vector<JobRecord*> InTurn();
+  std::vector<JobRecord*> InTurn() const;
+  /// Those of them that have their machine: as many as there are machines at most,
+  /// however many wait. For what is done in every turn.
+  std::vector<JobRecord*> ActiveInTurn() const;
+  /// Grows when another job waits, or in another order.
+  std::uint64_t waiting_revision() const { return waiting_revision_; }
   bool CellIsTaken(const std::string& cell) const;
   /// Why the job cannot be moved before `before_job_uid` (empty: behind all that wait for
   /// its machine), for people; empty: it can.
@@ -91,10 +98,16 @@ class JobBook {
   /// Gives the jobs of a priority turns that are kTurnStep apart, in their order.
   void SpreadTurns(std::int32_t priority);
 
+  /// Its state is another one, or it is new.
+  void NoteState(JobRecord& job, intaglio_JobState before);
+
   JobActions& actions_;
   std::map<std::string, JobRecord> jobs_;  // by uid
   // Those that ended leave with the next Forget.
-  std::map<Turn, std::string> in_turn_;
+  std::map<Turn, JobRecord*> in_turn_;
+  std::set<JobRecord*> active_;
+  std::uint64_t waiting_revision_ = 1;
+  bool has_ended_ = false;  // one that is in in_turn_
   EndedList ended_{kRememberedJobs, kRememberedFor};
 };
 

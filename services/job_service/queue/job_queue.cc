@@ -129,27 +129,45 @@ void JobQueue::Turn(Nanoseconds now) {
   book_.Forget(now);
   tasks_.ForgetLost(now);
   // A discretizer is of more use to a job that is under way than to the next one.
-  for (JobRecord* job : book_.InTurn()) discretizing_.GiveOpen(*job, now);
-  for (JobRecord* job : book_.InTurn()) take_up_.GiveToFree(*job, now);
+  for (JobRecord* job : book_.ActiveInTurn()) discretizing_.GiveOpen(*job, now);
+  for (JobRecord* job : book_.ActiveInTurn()) take_up_.GiveToFree(*job, now);
   StartWaiting(now);
   arming_.TurnPieces();
 }
 
 void JobQueue::StartWaiting(Nanoseconds now) {
-  std::map<std::string, std::uint32_t> waiting;  // jobs that had their chance, by cell
-  for (JobRecord* job : book_.InTurn()) {
+  if (placed_revision_ != book_.waiting_revision()) PlaceWaiting();
+  for (JobRecord* job : next_) {
     if (job->state != intaglio_JOB_QUEUED) continue;
-    const std::uint32_t place = ++waiting[job->cell];
-    const bool has_moved = std::exchange(job->queue_place, place) != place;
-    if (place > 1 || book_.CellIsTaken(job->cell)) {
-      WaitFor(*job,
-              fmt::format("its turn on {}; arm it then, with its block in the machine",
-                          job->cell));
+    const bool has_moved = std::exchange(job->queue_place, 1u) != 1;
+    if (book_.CellIsTaken(job->cell)) {
+      WaitForTurn(*job);
     } else {
       HandOut(*job, now);
     }
     if (has_moved && job->state == intaglio_JOB_QUEUED) book_.PublishProgress(*job);
   }
+}
+
+void JobQueue::PlaceWaiting() {
+  placed_revision_ = book_.waiting_revision();
+  next_.clear();
+  std::map<std::string, std::uint32_t> waiting;  // by cell
+  for (JobRecord* job : book_.InTurn()) {
+    if (job->state != intaglio_JOB_QUEUED) continue;
+    const std::uint32_t place = ++waiting[job->cell];
+    if (place == 1) {
+      next_.push_back(job);
+    } else if (std::exchange(job->queue_place, place) != place) {
+      WaitForTurn(*job);
+      book_.PublishProgress(*job);
+    }
+  }
+}
+
+void JobQueue::WaitForTurn(JobRecord& job) {
+  WaitFor(job, fmt::format("its turn on {}; arm it then, with its block in the machine",
+                           job.cell));
 }
 
 void JobQueue::HandOut(JobRecord& job, Nanoseconds now) {

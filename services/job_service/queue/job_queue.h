@@ -34,6 +34,7 @@
 // Used from one thread.
 
 #include <array>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -116,6 +117,10 @@ class JobQueue {
  private:
   void Apply(JobRecord& job, const CommandView& command, Nanoseconds now);
   void StartWaiting(Nanoseconds now);
+  /// Who is next on each machine, and the places of those behind. It looks at all that
+  /// wait, so it is done when another one waits or the order is another one.
+  void PlaceWaiting();
+  void WaitForTurn(JobRecord& job);
   void HandOut(JobRecord& job, Nanoseconds now);
   /// The workers of the three stages, of the last two one each.
   void Begin(JobRecord& job, const std::array<std::vector<std::string>, 3>& workers,
@@ -147,6 +152,8 @@ class JobQueue {
   Discretizing discretizing_{book_, tasks_};
   Arming arming_{book_, tasks_.workers(), pieces_, mounts_};
   TakeUp take_up_{book_, tasks_, arming_};
+  std::vector<JobRecord*> next_;       // the first that waits for each machine,
+  std::uint64_t placed_revision_ = 0;  // as of this JobBook::waiting_revision
 };
 
 }  // namespace intaglio::job_service
