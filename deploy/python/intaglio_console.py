@@ -131,6 +131,10 @@ class Console:
         """Its jobs: those of JobList, each a JobRecord."""
         return self._get("jobs").get("jobs", [])
 
+    def queues(self) -> List[Message]:
+        """How long each machine takes for its open jobs: the QueueTime of JobList."""
+        return self._get("jobs").get("queues", [])
+
     def job(self, job: Job) -> Message:
         """A job by its number or uid; JobRecord."""
         return self._get(f"jobs/{job}")

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <functional>
 #include <iostream>
 #include <memory>
@@ -64,7 +65,9 @@ int ExitWithFault(const client::JobClient& client) {
 
 int PrintJobs(const client::JobClient& client, bool json) {
   if (json) {
-    if (const int printed = PrintJson(client::JobListOf(client.jobs())); printed != 0)
+    if (const int printed =
+            PrintJson(client::JobListOf(client.jobs(), std::chrono::system_clock::now()));
+        printed != 0)
       return printed;
   } else {
     std::vector<client::JobView> jobs;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <iostream>
 #include <optional>
 
@@ -310,7 +311,8 @@ void Api::AnswerGet(const std::string& path, const web::Request& request,
   }
   if (path == "jobs") {
     return desk_.Order([reply](ShopDesk& desk) {
-      reply(JsonResponse(200, client::JobListOf(desk.client().jobs())));
+      reply(JsonResponse(200, client::JobListOf(desk.client().jobs(),
+                                                std::chrono::system_clock::now())));
     });
   }
   if (const auto submission = ParseSubmissionPath(request.target.path))

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "services/client/shop/job_record.h"
+#include "services/client/shop/queue_time.h"
 #include "services/client/shop/shop_status.h"
 
 namespace intaglio::console {
@@ -98,6 +99,9 @@ ConsoleState ShopDesk::State() {
   const client::ShopSnapshot shop = watcher_.Take();
   *state.mutable_shop() = client::StatusOf(shop, std::chrono::system_clock::now());
   metrics_.Follow(state.shop(), Clock::now());
+  for (QueueTime& queue :
+       client::QueueTimesOf(shop.jobs, std::chrono::system_clock::now()))
+    *state.add_queues() = std::move(queue);
   std::size_t ended = 0;
   for (auto job = shop.jobs.rbegin(); job != shop.jobs.rend(); ++job) {
     if (job->ended() && ++ended > kEndedJobsShown) continue;

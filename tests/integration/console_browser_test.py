@@ -223,8 +223,12 @@ def look(driver, folder, say, cracks, console_pid):
     def made():
         return int(text("glass-view").split()[0]) >= 20
 
+    def queue():
+        return "els-03: 1 job takes " in text(".queue-times") and text(".queue-times")
+
     eventually(engraving)
     say("a name of a job is text")
+    say(eventually(queue))
     eventually(drawn)
     eventually(made)
     canvas = driver.find_element(By.CSS_SELECTOR, "canvas").screenshot_as_png

@@ -1,5 +1,5 @@
 // Parts of the console's page that need no browser: the decoder of a plan, what of a cloud a
-// frame draws, and the budget of a frame.
+// frame draws, the budget of a frame, and the lines of the queues.
 //   esbuild --bundle --platform=node console_page_test.mjs | node - REPOSITORY
 import { readFileSync } from 'fs';
 import { FrameBudget, Picture, cellsInView } from '../../services/console/page/cells';
@@ -118,5 +118,28 @@ expect(budget.points === 20000, 'a frame with few points shows nothing of more')
 for (let i = 0; i < 100; ++i) budget.follow(16, true);
 expect(budget.points === 4e6, 'more points for a fast machine, up to a limit');
 
-console.log(failed ? `${failed} failed` : 'decoder, cells and budget are right');
-process.exit(failed ? 1 : 0);
+async function checkQueueLines() {
+  // What the texts ask a browser for.
+  globalThis.navigator = { languages: ['en'] };
+  globalThis.HTMLElement = class {};
+  const { duration, queueLines } = await import('../../services/console/page/queue_time');
+  const queue = { cell: 'left', jobs: 3, unknown_jobs: 1, left_s: 4350 };
+  const noon = new Date(2026, 0, 2, 12);
+  const lines = (end, more = {}) =>
+    queueLines([{ ...queue, ends_utc: end.toISOString(), ...more }], noon);
+  expect(duration(4350) === '1 h 12 min' && duration(75) === '1 min 15 s', 'a duration');
+  const today = lines(new Date(2026, 0, 2, 13, 12));
+  expect(today.length === 2 && /^left: 2 jobs take 1 h 12 min, until 01:12.PM or later$/
+    .test(today[0]), today[0]);
+  expect(today[1] === 'left: the time of 1 job is not known yet', today[1]);
+  const tomorrow = lines(new Date(2026, 0, 3, 1, 12), { unknown_jobs: 0 });
+  expect(tomorrow.length === 1 && tomorrow[0].includes('until Jan 3'), tomorrow[0]);
+  const unknown = queueLines([{ cell: 'right', jobs: 2, unknown_jobs: 2, left_s: 0,
+    ends_utc: '' }], noon);
+  expect(unknown.join() === 'right: the time of 2 jobs is not known yet', unknown.join());
+}
+
+checkQueueLines().then(() => {
+  console.log(failed ? `${failed} failed` : 'decoder, cells, budget and queues are right');
+  process.exit(failed ? 1 : 0);
+});

@@ -9,20 +9,28 @@ namespace {
 
 constexpr double kLongS = 60;
 
-/// "14:32", of this computer's time zone.
-std::string ClockTime(std::time_t time) {
+std::tm LocalTime(std::time_t time) {
   std::tm local = {};
   localtime_r(&time, &local);
-  return fmt::format("{:02}:{:02}", local.tm_hour, local.tm_min);
+  return local;
 }
 
 }  // namespace
+
+std::string ClockTime(std::time_t time, std::time_t now) {
+  const std::tm local = LocalTime(time), today = LocalTime(now);
+  const bool is_today = local.tm_yday == today.tm_yday && local.tm_year == today.tm_year;
+  return (is_today ? std::string()
+                   : fmt::format("{}-{:02}-{:02} ", 1900 + local.tm_year,
+                                 local.tm_mon + 1, local.tm_mday)) +
+         fmt::format("{:02}:{:02}", local.tm_hour, local.tm_min);
+}
 
 TimeLeft TimeLeftOf(const client::WorkLeft& work, std::time_t now) {
   if (work.left_s <= 0) return {};
   TimeLeft text{client::ShortDuration(work.left_s) + " left", {}};
   if (work.left_s >= kLongS)
-    text.ends = "ends " + ClockTime(now + static_cast<std::time_t>(work.left_s));
+    text.ends = "ends " + ClockTime(now + static_cast<std::time_t>(work.left_s), now);
   return text;
 }
 

@@ -11,6 +11,10 @@
 
 namespace intaglio::cli {
 
+/// "14:32", or "2026-11-29 01:05" of another day than `now`; of this computer's time
+/// zone.
+std::string ClockTime(std::time_t time, std::time_t now);
+
 struct TimeLeft {
   std::string left;  ///< "7 min 02 s left"; empty: not known
   std::string

@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <tuple>
 
+#include "engrave/core/counted.h"
 #include "services/cli/progress/time_left.h"
 #include "services/client/event_lines.h"
 #include "services/client/figure_text.h"
 #include "services/client/job_need.h"
+#include "services/client/shop/queue_time.h"
 #include "services/client/warning_text.h"
 #include "services/job/verdict/verdict.h"
 
@@ -62,6 +65,25 @@ std::string StateInQueue(const client::JobView& job) {
   return state;
 }
 
+/// "queue of left: 2 jobs take 1 h 02 min, until 14:32 or later; the time of 3 jobs is
+/// not known". Empty of a single job, which has a line of its own.
+std::string QueueLine(const QueueTime& queue, std::time_t now) {
+  if (queue.jobs() < 2) return {};
+  const std::uint32_t known = queue.jobs() - queue.unknown_jobs();
+  std::string text = fmt::format("queue of {}: ", queue.cell());
+  if (known > 0) {
+    const std::time_t end = now + static_cast<std::time_t>(queue.left_s());
+    text += fmt::format("{} {} {}, until {} or later", Counted(known, "job"),
+                        known == 1 ? "takes" : "take",
+                        client::ShortDuration(queue.left_s()), ClockTime(end, now));
+  }
+  if (queue.unknown_jobs() > 0) {
+    text += fmt::format("{}the time of {} is not known", known > 0 ? "; " : "",
+                        Counted(queue.unknown_jobs(), "job"));
+  }
+  return text + "\n";
+}
+
 }  // namespace
 
 std::string TimeOf(const client::JobView& job) {
@@ -95,6 +117,9 @@ std::string ListText(std::vector<client::JobView> jobs, std::time_t now) {
     if (const std::string reason = ReasonOf(job); !reason.empty())
       text += fmt::format("        {}\n", reason);
   }
+  for (const QueueTime& queue :
+       client::QueueTimesOf(jobs, std::chrono::system_clock::from_time_t(now)))
+    text += QueueLine(queue, now);
   return text;
 }
 

@@ -1,8 +1,10 @@
 #include "services/client/shop/job_record.h"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
+#include "services/client/shop/queue_time.h"
 #include "services/client/shop/set_counts.h"
 #include "services/history/job_names.h"
 #include "services/job/verdict/warnings.h"
@@ -55,9 +57,15 @@ JobRecord JobRecordOf(const JobView& job) {
   return record;
 }
 
-JobList JobListOf(const std::map<std::string, JobView>& jobs) {
+JobList JobListOf(const std::map<std::string, JobView>& jobs,
+                  std::chrono::system_clock::time_point now) {
   JobList list;
-  for (const auto& [uid, job] : jobs) *list.add_jobs() = JobRecordOf(job);
+  std::vector<JobView> open;
+  for (const auto& [uid, job] : jobs) {
+    *list.add_jobs() = JobRecordOf(job);
+    if (!job.ended()) open.push_back(job);
+  }
+  for (QueueTime& queue : QueueTimesOf(open, now)) *list.add_queues() = std::move(queue);
   std::sort(list.mutable_jobs()->begin(), list.mutable_jobs()->end(),
             [](const JobRecord& a, const JobRecord& b) { return a.job() < b.job(); });
   return list;

@@ -5,6 +5,7 @@ import { Dict, endStates, make, post } from './dom';
 import { FirePanel } from './fire';
 import { JobPage } from './job_page';
 import { JogPanel } from './jog';
+import { duration, queueLines } from './queue_time';
 import { ResultPanel } from './result';
 import { LogIn, SessionLine, readSession } from './session';
 import { LanguageList, fill, fillCounted, text, translatePage } from './text';
@@ -97,14 +98,6 @@ class MachineList extends HTMLElement {
   }
 }
 
-function duration(seconds: number): string {
-  const whole = Math.max(0, Math.round(seconds));
-  const minutes = Math.floor(whole / 60);
-  return minutes
-    ? fill(text.minutes, { minutes, seconds: whole % 60 })
-    : fill(text.seconds, { seconds: whole });
-}
-
 /** A line of the list; it stays the same element while its job is there. */
 class JobLine {
   readonly element = make('li');
@@ -177,7 +170,8 @@ class JobLine {
     this.fire.letGo();
   }
 
-  update(job: Dict, machine: Dict | undefined, queue: Dict[]) {
+  /** `open`: the job as the status of the shop has it; an ended one is not in it. */
+  update(job: Dict, open: Dict | undefined, machine: Dict | undefined, queue: Dict[]) {
     this.updatePlace(job, queue);
     this.title.textContent = `${job.job} ${job.name}: ${job.state}`;
     const stages: Dict[] = job.stages ?? [];
@@ -185,13 +179,11 @@ class JobLine {
     this.bar.max = stage?.total || 1;
     this.bar.value = stage?.done ?? 0;
     const rate = stage?.rate ?? 0;
-    const remaining = stage ? stage.total - stage.done : 0;
     const parts = stage
       ? [fill(text.stageProgress, { ...stage, makes: job.makes } as Dict)]
       : [];
     if (rate > 0) parts.push(fill(text.perSecond, { rate: rate.toFixed(0) }));
-    if (rate > 0 && remaining > 0)
-      parts.push(fill(text.left, { time: duration(remaining / rate) }));
+    if (open?.left_s > 0) parts.push(fill(text.left, { time: duration(open!.left_s) }));
     this.figures.textContent = [...parts, job.message, job.alarm].filter(Boolean).join(', ');
     const ended = endStates.includes(job.state);
     for (const button of this.buttons.querySelectorAll<HTMLElement>('[data-command]'))
@@ -205,10 +197,11 @@ class JobList extends HTMLElement {
   private lines = new Map<number, JobLine>();
   private list = make('ul');
   private empty = make('li', text.noJobs, 'quiet');
+  private times = make('div', '', 'queue-times quiet');
   onShow: (job: number) => void = () => {};
 
   connectedCallback() {
-    this.append(this.list);
+    this.append(this.list, this.times);
   }
 
   /** No button that is held counts any more. */
@@ -216,7 +209,8 @@ class JobList extends HTMLElement {
     for (const line of this.lines.values()) line.letGo();
   }
 
-  update(jobs: Dict[], machines: Dict[]) {
+  update(jobs: Dict[], shop: Dict, queues: Dict[]) {
+    const machines: Dict[] = shop.machines ?? [];
     const there = new Set<number>(jobs.map((job) => job.job));
     for (const [number, line] of this.lines) {
       if (there.has(number)) continue;
@@ -232,9 +226,11 @@ class JobList extends HTMLElement {
         this.lines.set(job.job, line);
         this.list.append(line.element);
       }
-      line.update(job, machines.find((machine) => machine.cell === job.cell),
+      line.update(job, (shop.jobs ?? []).find((open: Dict) => open.uid === job.uid),
+        machines.find((machine) => machine.cell === job.cell),
         waiting.filter((other) => other.cell === job.cell));
     }
+    this.times.replaceChildren(...queueLines(queues).map((line) => make('div', line)));
     this.order(waiting);
     if (jobs.length) this.empty.remove();
     else this.list.append(this.empty);
@@ -394,6 +390,6 @@ control.onState = (state) => {
   needs.update(state.shop?.needs ?? []);
   machines.update(state.shop?.machines ?? [], state.stages ?? []);
   hand.update(state.shop?.machines ?? []);
-  jobs.update(state.jobs ?? [], state.shop?.machines ?? []);
+  jobs.update(state.jobs ?? [], state.shop ?? {}, state.queues ?? []);
   glass.follow(state.jobs ?? []);
 };

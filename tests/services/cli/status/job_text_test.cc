@@ -110,6 +110,35 @@ TEST(JobText, AJobAtWorkHasTheTimeLeftAndTheClockTimeOfItsEnd) {
   EXPECT_THAT(ListText({job}, now), Not(HasSubstr("left,"))) << "a person ends a pause";
 }
 
+TEST(JobText, TheQueueOfAMachineHasItsTimeAndItsEnd) {
+  std::vector<client::JobView> jobs;
+  for (const std::uint32_t number : {1, 2, 3}) {
+    jobs.push_back(ShownJob(number, intaglio_JOB_QUEUED));
+    jobs.back().rate_hz = 100;
+  }
+  std::tm noon = {};
+  noon.tm_year = 126;
+  noon.tm_hour = 12;
+  noon.tm_mday = 2;
+  noon.tm_isdst = -1;
+  const std::time_t now = std::mktime(&noon);
+  EXPECT_THAT(ListText(jobs, now),
+              HasSubstr("queue of left: the time of 3 jobs is not known\n"));
+  jobs[0].state = intaglio_JOB_ENGRAVING;
+  jobs[0].progress = {{intaglio_STAGE_ENGRAVE, 1200, 4800, 100}};
+  EXPECT_THAT(
+      ListText(jobs, now),
+      HasSubstr("queue of left: 1 job takes 5 min 00 s, until 12:05 or later; the "
+                "time of 2 jobs is not known\n"));
+  jobs[1].estimate_ticks = 100 * 3600 * 12;
+  jobs[2].estimate_ticks = 100 * 60;
+  EXPECT_THAT(ListText(jobs, now), HasSubstr("queue of left: 3 jobs take 12 h 06 min, "
+                                             "until 2026-01-03 00:06 or later\n"))
+      << "of another day, with its date";
+  jobs.resize(1);
+  EXPECT_THAT(ListText(jobs, now), Not(HasSubstr("queue of"))) << "it has its own line";
+}
+
 TEST(JobText, AnEndThatIsNotSettledHasNoVerdict) {
   client::JobView job = ShownJob(7, intaglio_JOB_CANCELLED);
   job.counts = {392, 69, 0, 323, 0, 0, 0};

@@ -61,7 +61,7 @@ TEST(JobRecord, JobsAreListedByNumber) {
   JobView early = Engraving(), late = Engraving();
   early.number = 9;
   late.number = 10;
-  const JobList list = JobListOf({{"10-a", late}, {"9-b", early}});
+  const JobList list = JobListOf({{"10-a", late}, {"9-b", early}}, {});
   ASSERT_EQ(list.jobs_size(), 2);
   EXPECT_EQ(list.jobs(0).job(), 9u);
 }
