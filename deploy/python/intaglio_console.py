@@ -144,6 +144,14 @@ class Console:
         cell choose some."""
         return self._get("history", **filters).get("jobs", [])
 
+    def history_table(self, **filters: str) -> str:
+        """The same as CSV, for spreadsheets: a row for each job."""
+        return self._bytes("history.csv", **filters).decode()
+
+    def days_table(self, **filters: str) -> str:
+        """What each machine has made on each day as CSV: pieces by verdict, and times."""
+        return self._bytes("days.csv", **filters).decode()
+
     def metrics(self) -> str:
         """The figures of machines and jobs: the text for Prometheus."""
         with self._open("GET", "/metrics") as answer:

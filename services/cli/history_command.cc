@@ -4,14 +4,15 @@
 
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <memory>
 
 #include "engrave/core/counted.h"
 #include "services/cli/json/print_json.h"
-#include "services/cli/message_csv.h"
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
+#include "services/history/history_csv.h"
 #include "services/history/job_history.h"
 
 namespace intaglio::cli {
@@ -26,7 +27,10 @@ struct HistoryOptions {
   std::uint32_t job = 0;
   bool json = false;
   bool csv = false;
+  bool days = false;
 };
+
+constexpr std::size_t kAnySize = std::numeric_limits<std::size_t>::max();
 
 /// "2 min 41 s", or "-" for what is not known.
 std::string TimeOrDash(double seconds) {
@@ -77,14 +81,16 @@ int History(const HistoryOptions& options) {
   if (auto good = history::CheckFilter(filter); !good) return Complain(good.error());
   const std::string database =
       options.database.empty() ? options.folder + "/jobs.db" : options.database;
+  if (options.csv || options.days) {
+    const auto rows = options.days ? history::CsvRows::kDays : history::CsvRows::kJobs;
+    const auto table = history::HistoryCsv(database, filter, rows, kAnySize);
+    if (!table) return Complain(table.error());
+    std::cout << *table << std::flush;
+    return client::kExitGood;
+  }
   const auto jobs = history::ReadHistory(database, filter);
   if (!jobs) return Complain(jobs.error());
   if (options.json) return PrintHistory(*jobs);
-  if (options.csv) {
-    std::cout << CsvHeader(*JobStatistics::descriptor());
-    for (const JobStatistics& job : *jobs) std::cout << CsvLine(job);
-    return client::kExitGood;
-  }
   PrintTable(*jobs);
   return client::kExitGood;
 }
@@ -117,6 +123,11 @@ void AddHistoryCommand(command_line::Command app) {
   history.AddOption("--job", options->job, "one job by its number, ended or not");
   const auto json = history.AddFlag("--json", options->json, "for programs");
   history.AddFlag("--csv", options->csv, "for spreadsheets").Exclude(json);
+  history
+      .AddFlag("--days", options->days,
+               "for spreadsheets: a row for each day and machine, with its pieces by "
+               "verdict and its times")
+      .Exclude(json);
   history.SetFooter(
       "Example: intaglio history --since 2026-11-01 --verdict not_good\n"
       "Example: intaglio history --folder shop --csv > november.csv\n"

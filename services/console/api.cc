@@ -317,9 +317,9 @@ void Api::AnswerGet(const std::string& path, const web::Request& request,
   }
   if (const auto submission = ParseSubmissionPath(request.target.path))
     return submit_.AnswerGet(*submission, std::move(reply));
-  if (path == "history") {
-    const bool taken = clouds_.Ask([this, query = request.target.query, reply] {
-      reply(HistoryResponse(database_, query));
+  if (const auto form = HistoryFormOf(path)) {
+    const bool taken = clouds_.Ask([this, form, query = request.target.query, reply] {
+      reply(HistoryResponse(*form, database_, query));
     });
     return taken ? void() : reply(ErrorResponse(503, kManyFiles));
   }

@@ -166,6 +166,31 @@ Status CheckTime(const char* name, const std::string& text) {
               text);
 }
 
+Status VisitJobs(sql::Connection& database, const Filter& filter, SystemTime now,
+                 const std::function<Status(const JobStatistics&)>& visit) {
+  const Conditions conditions(filter);
+  const int version = database.Version();
+  const char* const columns = version < kWarningsVersion
+                                  ? "'' AS warnings, '' AS breakage_accepted_by"
+                                  : "j.warnings, j.breakage_accepted_by";
+  const char* const estimates = version < kEstimatesVersion
+                                    ? "0 AS first_estimate_ticks, 0 AS undisturbed_ticks"
+                                    : "j.first_estimate_ticks, j.undisturbed_ticks";
+  const auto select = database.Prepare(
+      fmt::format(fmt::runtime(kSelect), columns, estimates) + conditions.Text());
+  conditions.Bind(*select);
+  while (select->Step()) {
+    JobStatistics job = RowOf(*select, now);
+    const auto count = [&select](const char* column) {
+      return static_cast<std::uint64_t>(select->Integer(column));
+    };
+    AddProgress(job, count("done_count"), count("total_count"),
+                SecondsBetween(job.engraving_utc(), now), now);
+    INTAGLIO_TRY(visit(job));
+  }
+  return {};
+}
+
 }  // namespace
 
 void AddProgress(JobStatistics& job, std::uint64_t done, std::uint64_t total,
@@ -212,26 +237,12 @@ Status CheckFilter(const Filter& filter) {
 
 std::vector<JobStatistics> SelectJobs(sql::Connection& database, const Filter& filter,
                                       SystemTime now) {
-  const Conditions conditions(filter);
-  const int version = database.Version();
-  const char* const columns = version < kWarningsVersion
-                                  ? "'' AS warnings, '' AS breakage_accepted_by"
-                                  : "j.warnings, j.breakage_accepted_by";
-  const char* const estimates = version < kEstimatesVersion
-                                    ? "0 AS first_estimate_ticks, 0 AS undisturbed_ticks"
-                                    : "j.first_estimate_ticks, j.undisturbed_ticks";
-  const auto select = database.Prepare(
-      fmt::format(fmt::runtime(kSelect), columns, estimates) + conditions.Text());
-  conditions.Bind(*select);
   std::vector<JobStatistics> jobs;
-  while (select->Step()) {
-    jobs.push_back(RowOf(*select, now));
-    const auto count = [&select](const char* column) {
-      return static_cast<std::uint64_t>(select->Integer(column));
-    };
-    AddProgress(jobs.back(), count("done_count"), count("total_count"),
-                SecondsBetween(jobs.back().engraving_utc(), now), now);
-  }
+  // It ends early for an error of the visitor alone, and this one has none.
+  static_cast<void>(VisitJobs(database, filter, now, [&jobs](const JobStatistics& job) {
+    jobs.push_back(job);
+    return Status();
+  }));
   return jobs;
 }
 
@@ -288,6 +299,17 @@ Result<std::vector<JobStatistics>> ReadHistory(const std::string& database,
   return Opened<Jobs>(database, [&filter](sql::Connection& opened) -> Result<Jobs> {
     return SelectJobs(opened, filter, std::chrono::system_clock::now());
   });
+}
+
+Status VisitHistory(const std::string& database, const Filter& filter,
+                    const std::function<Status(const JobStatistics&)>& visit) {
+  const auto visited =
+      Opened<bool>(database, [&](sql::Connection& opened) -> Result<bool> {
+        INTAGLIO_TRY(VisitJobs(opened, filter, std::chrono::system_clock::now(), visit));
+        return true;
+      });
+  if (!visited) return tl::unexpected(visited.error());
+  return {};
 }
 
 Result<JobSpec> ReadJob(const std::string& database, const std::string& uid_or_number) {

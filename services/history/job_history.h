@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,6 +42,10 @@ Status CheckFilter(const Filter& filter);
 /// Precondition: CheckFilter.
 Result<std::vector<JobStatistics>> ReadHistory(const std::string& database,
                                                const Filter& filter);
+
+/// The same, one after the other; ends with the first error of `visit`.
+Status VisitHistory(const std::string& database, const Filter& filter,
+                    const std::function<Status(const JobStatistics&)>& visit);
 
 /// A job as it was made, every default filled in, by its uid or short number. Errors as
 /// above, and kNotFound for a job that is none of this shop's.

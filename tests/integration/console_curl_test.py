@@ -7,6 +7,8 @@ is what docs/openapi.json says.
 Ends with 77 (skipped) where curl is not installed.
 """
 import argparse
+import csv
+import io
 import json
 import os
 import pathlib
@@ -100,6 +102,10 @@ def check_submissions(folder, schemas):
     assert code == 200 and len(history["jobs"]) == 1, (code, history)
     assert not curl("/history?verdict=none")[1]["jobs"]
     assert curl("/history?verdict=splendid")[0] == 400
+    assert curl("/days.csv?since=splendid")[0] == 400
+    days = list(csv.DictReader((folder / "days.csv").open(newline="")))
+    assert len(days) == 1 and days[0]["pieces"] == "1" and float(days[0]["engraving_s"]) > 0, days
+    assert days[0]["cell"] == "els-03" and days[0]["good"] == "1", days
     # A connection that breaks in the middle, and the rest after it.
     large = os.urandom(3_000_000)
     (folder / "large.stl").write_bytes(large)
@@ -140,6 +146,9 @@ def check_client(folder):
     assert shop.report(1)["name"] == "trefoil knot"
     assert shop.picture(1)[:4] == b"\x89PNG"
     planned = shop.history(name="knot")[0]["planned"]
+    table = list(csv.DictReader(io.StringIO(shop.history_table(name="knot"))))
+    assert len(table) == 1 and table[0]["planned"] == str(planned), table
+    assert len(list(csv.DictReader(io.StringIO(shop.days_table(verdict="none"))))) == 0
     points, made = shop.plan(1), shop.made(1)
     assert len(points) == planned == len(made), (len(points), planned, len(made))
     assert all(0 < points[0][axis] < limit for axis, limit in enumerate((50, 50, 30)))

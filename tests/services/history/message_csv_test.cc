@@ -1,11 +1,11 @@
-#include "services/cli/message_csv.h"
+#include "services/history/message_csv.h"
 
 #include <gtest/gtest.h>
 
 #include "engrave/io/csv.h"
 #include "proto/shop.pb.h"
 
-namespace intaglio::cli {
+namespace intaglio::history {
 namespace {
 
 // What is written reads back by the product's own reader of tables.
@@ -28,5 +28,23 @@ TEST(MessageCsv, ReadsBack) {
   EXPECT_EQ(*table->Find(table->rows[0], "warnings"), "3 of 9 rays, \"odd\"; may break");
 }
 
+TEST(MessageCsv, AFormulaIsAText) {
+  for (const std::string name :
+       {"=HYPERLINK(\"http://x\")", "+1", "-1", "@SUM(A1)", "\t=1"}) {
+    JobStatistics job;
+    job.set_name(name);
+    job.set_message("x = 1");
+    job.set_priority(-3);
+    job.add_warnings()->set_text("=1");
+    const auto table =
+        io::ParseCsv(CsvHeader(*JobStatistics::descriptor()) + CsvLine(job));
+    ASSERT_TRUE(table.has_value()) << name;
+    EXPECT_EQ(*table->Find(table->rows[0], "name"), "'" + name);
+    EXPECT_EQ(*table->Find(table->rows[0], "message"), "x = 1");
+    EXPECT_EQ(*table->Find(table->rows[0], "priority"), "-3") << "a number stays one";
+    EXPECT_EQ(*table->Find(table->rows[0], "warnings"), "'=1");
+  }
+}
+
 }  // namespace
-}  // namespace intaglio::cli
+}  // namespace intaglio::history

@@ -1,15 +1,24 @@
-#include "services/cli/message_csv.h"
+#include "services/history/message_csv.h"
 
 #include <fmt/format.h>
 #include <google/protobuf/descriptor.h>
 
+#include <string_view>
+
 #include "engrave/io/csv.h"
 #include "proto/warning.pb.h"
 
-namespace intaglio::cli {
+namespace intaglio::history {
 namespace {
 
 namespace pb = google::protobuf;
+
+std::string TextField(const std::string& text) {
+  constexpr std::string_view kBeginsFormulas = "=+-@\t\r";
+  const bool is_formula =
+      !text.empty() && kBeginsFormulas.find(text.front()) != std::string_view::npos;
+  return io::CsvField(is_formula ? "'" + text : text);
+}
 
 /// The sentences of a list of warnings, in one field.
 std::string WarningTexts(const pb::Message& message, const pb::FieldDescriptor& field) {
@@ -19,7 +28,7 @@ std::string WarningTexts(const pb::Message& message, const pb::FieldDescriptor& 
     const pb::Message& element = reflection.GetRepeatedMessage(message, &field, i);
     texts += (i == 0 ? "" : "; ") + static_cast<const WarningRecord&>(element).text();
   }
-  return io::CsvField(texts);
+  return TextField(texts);
 }
 
 std::string FieldText(const pb::Message& message, const pb::FieldDescriptor& field) {
@@ -30,7 +39,7 @@ std::string FieldText(const pb::Message& message, const pb::FieldDescriptor& fie
   }
   switch (field.cpp_type()) {
     case pb::FieldDescriptor::CPPTYPE_STRING:
-      return io::CsvField(reflection.GetString(message, &field));
+      return TextField(reflection.GetString(message, &field));
     case pb::FieldDescriptor::CPPTYPE_UINT32:
       return fmt::format("{}", reflection.GetUInt32(message, &field));
     case pb::FieldDescriptor::CPPTYPE_INT32:
@@ -61,4 +70,4 @@ std::string CsvLine(const pb::Message& message) {
   return line + "\n";
 }
 
-}  // namespace intaglio::cli
+}  // namespace intaglio::history
