@@ -17,20 +17,11 @@ import sys
 import time
 import zlib
 
+from console_browser import missing, open_browser
 from patience import eventually
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 NAME = "<b>knot</b>"
-
-
-def missing():
-    """What is not installed."""
-    names = [p for p in ("chromium", "chromedriver") if not pathlib.Path("/usr/bin", p).exists()]
-    try:
-        import selenium  # noqa: F401
-    except ImportError:
-        names.append("python3-selenium")
-    return names
 
 
 def pixels(png):
@@ -280,9 +271,6 @@ def main():
     if missing():
         print("skipped: not installed:", ", ".join(missing()))
         return 77
-    from selenium import webdriver
-    from selenium.webdriver.chrome.service import Service
-
     folder = given.folder
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
@@ -321,12 +309,7 @@ def main():
         subprocess.run([given.intaglio, "submit", ROOT / "deploy/jobs/sample.textproto",
                         "--height", "12", "--spacing", "0.5", "--rate", "25", "--name", NAME,
                         *place], check=True)
-        options = webdriver.ChromeOptions()
-        for flag in ("--headless=new", "--no-sandbox", "--window-size=1280,1000",
-                     "--use-angle=swiftshader", "--enable-unsafe-swiftshader"):
-            options.add_argument(flag)
-        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-        driver = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
+        driver = open_browser()
         driver.get(url)
         assert "key=" not in driver.current_url
         languages(driver, print)

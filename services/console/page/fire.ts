@@ -39,7 +39,8 @@ export class FirePanel {
     Object.assign(speed, { min: '1', max: '140', className: 'speed' });
     const set = make('button', text.setSpeed);
     set.addEventListener('click', () => this.setSpeed());
-    speedLine.append(set);
+    const speeds = make('div');
+    speeds.append(speedLine, set);
     this.button.addEventListener('pointerdown', (event) => {
       if (event.isPrimary && event.button === 0) this.hold();
     });
@@ -50,7 +51,7 @@ export class FirePanel {
       if (!event.repeat && (event.key === 'Enter' || event.key === ' ')) this.hold();
     });
     this.element.append(this.block, this.consentLine, this.fromLine, this.uncertainLine,
-      this.button, speedLine);
+      this.button, speeds);
   }
 
   letGo() {

@@ -3,12 +3,13 @@
 import { Control } from './control';
 import { Dict, endStates, make, post } from './dom';
 import { FirePanel } from './fire';
+import { GlassView } from './glass';
 import { JobPage } from './job_page';
 import { JogPanel } from './jog';
 import { duration, queueLines } from './queue_time';
 import { ResultPanel } from './result';
 import { LogIn, SessionLine, readSession } from './session';
-import { LanguageList, fill, fillCounted, text, translatePage } from './text';
+import { LanguageList, fill, text, translatePage } from './text';
 
 class StopButton extends HTMLElement {
   private line = make('span');
@@ -20,6 +21,7 @@ class StopButton extends HTMLElement {
     const button = make('button', text.stop);
     button.id = 'stop';
     button.title = text.stopHint;
+    button.setAttribute('aria-keyshortcuts', 'Escape');
     button.addEventListener('pointerdown', () => this.press());
     button.addEventListener('keydown', (event) => {
       if (event.key === 'Enter' || event.key === ' ') this.press();
@@ -121,8 +123,14 @@ class JobLine {
     this.later = this.moveButton(text.later);
     this.fire = new FirePanel(this.job, (line) => (this.answer.textContent = line));
     this.results = new ResultPanel(this.job);
+    this.answer.setAttribute('role', 'status');
     this.element.append(this.title, this.bar, this.figures, this.buttons, this.fire.element,
       this.results.element, this.answer);
+    // Each job has the same buttons: a screen reader reads the title of the job with them.
+    this.title.id = `job-${job}-title`;
+    this.bar.setAttribute('aria-labelledby', this.title.id);
+    for (const control of this.element.querySelectorAll('button, input, a'))
+      control.setAttribute('aria-describedby', this.title.id);
   }
 
   private command(name: string, label: string, question = '') {
@@ -246,78 +254,13 @@ class JobList extends HTMLElement {
   }
 }
 
-/** The block; drawn by a worker, so that this thread stays free for Stop. */
-class GlassView extends HTMLElement {
-  private worker?: Worker;
-  private line = make('div', text.noGlass, 'quiet');
-  private job = 0;
-  private marked = new Set<string>();
-
-  connectedCallback() {
-    const canvas = document.createElement('canvas');
-    canvas.setAttribute('role', 'img');
-    canvas.setAttribute('aria-label', text.glassPicture);
-    this.append(canvas, this.line);
-    if (!('transferControlToOffscreen' in canvas)) return;
-    const offscreen = canvas.transferControlToOffscreen();
-    this.worker = new Worker('/view.js');
-    const size = () => ({ width: canvas.clientWidth, height: canvas.clientHeight });
-    this.worker.postMessage({ canvas: offscreen, ...size() }, [offscreen]);
-    new ResizeObserver(() => this.worker?.postMessage({ resize: size() })).observe(canvas);
-    let from: [number, number] | undefined;
-    canvas.addEventListener('pointerdown', (event) => {
-      from = [event.clientX, event.clientY];
-      canvas.setPointerCapture(event.pointerId);
-    });
-    canvas.addEventListener('pointerup', () => (from = undefined));
-    canvas.addEventListener('pointermove', (event) => {
-      if (!from) return;
-      this.worker?.postMessage({ turn: [event.clientX - from[0], event.clientY - from[1]] });
-      from = [event.clientX, event.clientY];
-    });
-    canvas.addEventListener('wheel', (event) => {
-      event.preventDefault();
-      this.worker?.postMessage({ zoom: Math.exp(event.deltaY / 500) });
-    });
-    this.worker.onmessage = (event) => this.report(event.data);
-    document.addEventListener('visibilitychange', () =>
-      this.worker?.postMessage({ hidden: document.hidden }));
-  }
-
-  private report(data: Dict) {
-    if (data.missing) this.line.textContent = text.otherHost;
-    else this.line.textContent = fillCounted(text.cracksMade, data.planned ?? 0, data);
-    this.dataset.drawn = String(data.drawn ?? 0);
-    this.dataset.frames = String(data.frames ?? 0);
-    this.dataset.budget = String(data.budget ?? 0);
-    this.mark('first picture', data.drawn > 0);
-    this.mark('loaded', data.isLoaded);
-    this.mark('all drawn', data.isLoaded && data.isWhole);
-  }
-
-  /** Keeps the time at which the present job has come so far, for measurements. */
-  private mark(name: string, reached: boolean) {
-    if (!reached || this.marked.has(name)) return;
-    this.marked.add(name);
-    performance.mark(`glass ${this.job}: ${name}`);
-  }
-
-  show(job: number) {
-    if (job === this.job) return;
-    this.job = job;
-    this.marked.clear();
-    this.worker?.postMessage({ job });
-  }
-
-  /** The job that is engraved, until somebody chose one. */
-  follow(jobs: Dict[]) {
-    if (this.job) return;
-    const engraved = jobs.find((job) => ['engraving', 'paused', 'done'].includes(job.state));
-    if (engraved) this.show(engraved.job);
-  }
-}
-
 translatePage();
+// The header stays at its place and grows with what Stop reports: whatever gets the focus is
+// scrolled to where the header does not cover it.
+const header = document.querySelector('header')!;
+new ResizeObserver(() => {
+  document.documentElement.style.scrollPaddingTop = `${header.offsetHeight + 8}px`;
+}).observe(header);
 customElements.define('language-list', LanguageList);
 customElements.define('session-line', SessionLine);
 customElements.define('log-in', LogIn);

@@ -1,0 +1,92 @@
+// The block with its planned points and its cracks, as the page shows it.
+import { Dict, make } from './dom';
+import { fillCounted, text } from './text';
+
+const turnPx = 20;  // of a finger that turns as far as one press of an arrow key
+const keys: Record<string, Dict> = {
+  ArrowLeft: { turn: [-turnPx, 0] },
+  ArrowRight: { turn: [turnPx, 0] },
+  ArrowUp: { turn: [0, -turnPx] },
+  ArrowDown: { turn: [0, turnPx] },
+  '+': { zoom: 0.8 },
+  '-': { zoom: 1.25 },
+};
+
+/** The block; drawn by a worker, so that this thread stays free for Stop. */
+export class GlassView extends HTMLElement {
+  private worker?: Worker;
+  private line = make('div', text.noGlass, 'quiet');
+  private job = 0;
+  private marked = new Set<string>();
+
+  connectedCallback() {
+    const canvas = document.createElement('canvas');
+    // What is drawn has no elements that a key could reach: the canvas takes the keys itself.
+    canvas.setAttribute('role', 'application');
+    canvas.setAttribute('aria-label', text.glassPicture);
+    canvas.tabIndex = 0;
+    this.append(canvas, this.line);
+    if (!('transferControlToOffscreen' in canvas)) return;
+    const offscreen = canvas.transferControlToOffscreen();
+    this.worker = new Worker('/view.js');
+    const size = () => ({ width: canvas.clientWidth, height: canvas.clientHeight });
+    this.worker.postMessage({ canvas: offscreen, ...size() }, [offscreen]);
+    new ResizeObserver(() => this.worker?.postMessage({ resize: size() })).observe(canvas);
+    let from: [number, number] | undefined;
+    canvas.addEventListener('pointerdown', (event) => {
+      from = [event.clientX, event.clientY];
+      canvas.setPointerCapture(event.pointerId);
+    });
+    canvas.addEventListener('pointerup', () => (from = undefined));
+    canvas.addEventListener('pointermove', (event) => {
+      if (!from) return;
+      this.worker?.postMessage({ turn: [event.clientX - from[0], event.clientY - from[1]] });
+      from = [event.clientX, event.clientY];
+    });
+    canvas.addEventListener('wheel', (event) => {
+      event.preventDefault();
+      this.worker?.postMessage({ zoom: Math.exp(event.deltaY / 500) });
+    });
+    canvas.addEventListener('keydown', (event) => {
+      const act = keys[event.key];
+      if (!act || event.ctrlKey || event.altKey || event.metaKey) return;
+      event.preventDefault();
+      this.worker?.postMessage(act);
+    });
+    this.worker.onmessage = (event) => this.report(event.data);
+    document.addEventListener('visibilitychange', () =>
+      this.worker?.postMessage({ hidden: document.hidden }));
+  }
+
+  private report(data: Dict) {
+    if (data.missing) this.line.textContent = text.otherHost;
+    else this.line.textContent = fillCounted(text.cracksMade, data.planned ?? 0, data);
+    this.dataset.drawn = String(data.drawn ?? 0);
+    this.dataset.frames = String(data.frames ?? 0);
+    this.dataset.budget = String(data.budget ?? 0);
+    this.mark('first picture', data.drawn > 0);
+    this.mark('loaded', data.isLoaded);
+    this.mark('all drawn', data.isLoaded && data.isWhole);
+  }
+
+  /** Keeps the time at which the present job has come so far, for measurements. */
+  private mark(name: string, reached: boolean) {
+    if (!reached || this.marked.has(name)) return;
+    this.marked.add(name);
+    performance.mark(`glass ${this.job}: ${name}`);
+  }
+
+  show(job: number) {
+    if (job === this.job) return;
+    this.job = job;
+    this.marked.clear();
+    this.worker?.postMessage({ job });
+  }
+
+  /** The job that is engraved, until somebody chose one. */
+  follow(jobs: Dict[]) {
+    if (this.job) return;
+    const engraved = jobs.find((job) => ['engraving', 'paused', 'done'].includes(job.state));
+    if (engraved) this.show(engraved.job);
+  }
+}

@@ -1,0 +1,25 @@
+"""Debian's chromium for tests of the console's page."""
+import pathlib
+
+
+def missing():
+    """What is not installed."""
+    names = [p for p in ("chromium", "chromedriver") if not pathlib.Path("/usr/bin", p).exists()]
+    try:
+        import selenium  # noqa: F401
+    except ImportError:
+        names.append("python3-selenium")
+    return names
+
+
+def open_browser(width=1280, height=1000):
+    """A browser without a screen, with what its page reports."""
+    from selenium import webdriver
+    from selenium.webdriver.chrome.service import Service
+
+    options = webdriver.ChromeOptions()
+    for flag in ("--headless=new", "--no-sandbox", f"--window-size={width},{height}",
+                 "--use-angle=swiftshader", "--enable-unsafe-swiftshader"):
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    return webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
