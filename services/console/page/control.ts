@@ -19,7 +19,7 @@ export class Control {
   onConnection: (connected: boolean) => void = () => {};
 
   constructor() {
-    this.wake();
+    if (!document.hidden) this.wake();  // one that was opened in the background waits
     document.addEventListener('visibilitychange', () => {
       clearTimeout(this.timer);
       if (document.hidden) this.timer = window.setTimeout(() => this.sleep(), sleepDelayMs);

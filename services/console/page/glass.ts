@@ -30,6 +30,7 @@ export class GlassView extends HTMLElement {
     const offscreen = canvas.transferControlToOffscreen();
     this.worker = new Worker('/view.js');
     const size = () => ({ width: canvas.clientWidth, height: canvas.clientHeight });
+    this.worker.postMessage({ hidden: document.hidden });
     this.worker.postMessage({ canvas: offscreen, ...size() }, [offscreen]);
     new ResizeObserver(() => this.worker?.postMessage({ resize: size() })).observe(canvas);
     let from: [number, number] | undefined;

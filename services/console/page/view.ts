@@ -29,8 +29,17 @@ let frames = 0;
 // Of the frame before, when that drew points: its time shows how long a frame takes.
 let before: { at: number; full: boolean } | undefined;
 
-function frame(now: number) {
+let isRunning = false;
+/** Frame after frame while the page is in view. */
+function run() {
+  if (isRunning || !renderer || hidden) return;
+  isRunning = true;
   requestAnimationFrame(frame);
+}
+
+function frame(now: number) {
+  isRunning = false;
+  run();
   const adds = !isMoving && !(cloud?.isWhole ?? true);
   if (!renderer || hidden || !isEmpty && !adds) {
     before = undefined;
@@ -127,8 +136,11 @@ async function takeMade(of: Cloud): Promise<boolean> {
 let polling: ReturnType<typeof setTimeout> | undefined;
 let loading = 0;  // the job whose plan is coming
 
+let asking = 0;  // answers that are awaited
+
 async function poll() {
   let more = false;
+  ++asking;
   const wanted = job;
   if (wanted && !hidden && !cloud && loading !== wanted) {
     loading = wanted;
@@ -138,7 +150,8 @@ async function poll() {
   } else if (!hidden && cloud?.isLoaded) {
     more = await takeMade(cloud);
   }
-  pollIn(more ? 0 : pollMs);
+  --asking;
+  if (!hidden) pollIn(more ? 0 : pollMs);
 }
 
 function pollIn(ms: number) {
@@ -156,7 +169,7 @@ onmessage = (event) => {
     renderer.setSize(data.width, data.height, false);
     camera = new THREE.PerspectiveCamera(viewDegrees, data.width / data.height, 0.01, 20);
     place();
-    requestAnimationFrame(frame);
+    run();
     pollIn(0);
   }
   if (data.resize && renderer && data.resize.height > 0) {
@@ -176,7 +189,12 @@ onmessage = (event) => {
     place();
     moved();
   }
-  if (data.hidden !== undefined) hidden = data.hidden;
+  if (data.hidden !== undefined) {
+    hidden = data.hidden;
+    run();
+    // An answer that is awaited asks for the next one: the same records do not come twice.
+    if (!hidden && !asking) pollIn(0);
+  }
   if (data.job) {
     job = data.job;
     clear();
