@@ -15,6 +15,8 @@ namespace {
 
 constexpr std::size_t kWindow = 50;
 constexpr int kMaxRounds = 30;
+// Beyond what rounding does to a way, as a share of it.
+constexpr double kMargin = 1e-9;
 
 /// A mark and the direction in which it is made.
 struct Visit {
@@ -120,15 +122,27 @@ class EndGrid {
   std::vector<std::vector<Visit>> cells_;
 };
 
+/// Ends and ways at each place of the order, so that no way is measured twice:
+/// `end_mm_[i]` is where the beam is before place i, and behind the last one nothing is
+/// near or far.
+///
+/// Most pairs are too far from each other to be better, which their squared distances
+/// show; the margins of these bounds exceed what rounding does, so that the decisions are
+/// those of the ways themselves.
 class Improver {
  public:
   Improver(const Ends& ends, const Vec2& start, std::vector<Visit>& order)
-      : ends_(ends), start_(start), order_(order) {}
+      : ends_(ends), order_(order), count_(order.size()) {
+    begin_mm_.resize(count_);
+    end_mm_.resize(count_ + 1, start);
+    way_mm_.resize(count_ + 1, 0);
+    Measure(0, count_);
+  }
 
   void Run(bool may_reverse) {
     for (int round = 0; round < kMaxRounds; ++round) {
       bool better = false;
-      for (std::size_t i = 0; i < order_.size(); ++i) {
+      for (std::size_t i = 0; i < count_; ++i) {
         if (may_reverse) better = ReverseFrom(i) || better;
         better = MoveAway(i) || better;
       }
@@ -139,25 +153,38 @@ class Improver {
  private:
   static constexpr double kGainMm = 1e-9;
 
-  const Vec2& Before(std::size_t i) const {
-    return i == 0 ? start_ : ends_.End(order_[i - 1]);
+  /// Of the places `from` to before `to`, and the way behind them.
+  void Measure(std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < to; ++i) {
+      begin_mm_[i] = ends_.Begin(order_[i]);
+      end_mm_[i + 1] = ends_.End(order_[i]);
+    }
+    for (std::size_t i = from; i < std::min(to + 1, count_); ++i)
+      way_mm_[i] = (begin_mm_[i] - end_mm_[i]).norm();
   }
   /// From `from` to the mark at i; behind the last one nothing.
   double WayTo(const Vec2& from, std::size_t i) const {
-    return i < order_.size() ? (ends_.Begin(order_[i]) - from).norm() : 0;
+    return i < count_ ? (begin_mm_[i] - from).norm() : 0;
+  }
+  double SquareTo(const Vec2& from, std::size_t i) const {
+    return i < count_ ? (begin_mm_[i] - from).squaredNorm() : 0;
   }
 
   bool ReverseFrom(std::size_t i) {
     bool better = false;
-    const std::size_t last = std::min(order_.size(), i + kWindow);
+    const std::size_t last = std::min(count_, i + kWindow);
+    const Vec2 before = end_mm_[i];
     for (std::size_t j = i; j < last; ++j) {
-      const Vec2 &first = ends_.Begin(order_[i]), &end = ends_.End(order_[j]);
-      const double is = (first - Before(i)).norm() + WayTo(end, j + 1);
-      const double would_be = (end - Before(i)).norm() + WayTo(first, j + 1);
+      const Vec2 &first = begin_mm_[i], &end = end_mm_[j + 1];
+      const double is = way_mm_[i] + way_mm_[j + 1];
+      const double far = (1 + kMargin) * is * is;
+      if ((end - before).squaredNorm() > far || SquareTo(first, j + 1) > far) continue;
+      const double would_be = (end - before).norm() + WayTo(first, j + 1);
       if (would_be > is - kGainMm) continue;
       std::reverse(order_.begin() + static_cast<std::ptrdiff_t>(i),
                    order_.begin() + static_cast<std::ptrdiff_t>(j + 1));
       for (std::size_t k = i; k <= j; ++k) order_[k].back = !order_[k].back;
+      Measure(i, j + 1);
       better = true;
     }
     return better;
@@ -165,18 +192,22 @@ class Improver {
 
   /// The mark at i, behind a later one or before an earlier one.
   bool MoveAway(std::size_t i) {
-    const Vec2 &begin = ends_.Begin(order_[i]), &end = ends_.End(order_[i]);
-    const double saved =
-        (begin - Before(i)).norm() + WayTo(end, i + 1) - WayTo(Before(i), i + 1);
-    const auto cost = [&](std::size_t k) {  // between k - 1 and k
-      return (begin - Before(k)).norm() + WayTo(end, k) - WayTo(Before(k), k);
-    };
+    const Vec2 begin = begin_mm_[i], end = end_mm_[i + 1];
+    const double saved = way_mm_[i] + way_mm_[i + 1] - WayTo(end_mm_[i], i + 1);
     std::size_t best = i;
     double lowest_mm = saved - kGainMm;
     for (std::size_t k = i < kWindow ? 0 : i - kWindow;
-         k <= std::min(order_.size(), i + kWindow); ++k) {
+         k <= std::min(count_, i + kWindow); ++k) {
       if (k == i || k == i + 1) continue;
-      if (const double c = cost(k); c < lowest_mm) lowest_mm = c, best = k;
+      // Between k - 1 and k it costs the ways to and from it less the way that is.
+      const double way_mm = way_mm_[k], room_mm = lowest_mm + way_mm;
+      if (room_mm < 0) continue;
+      const double near = room_mm + kMargin * (way_mm + std::abs(lowest_mm));
+      if ((begin - end_mm_[k]).squaredNorm() > near * near ||
+          SquareTo(end, k) > near * near)
+        continue;
+      const double cost_mm = (begin - end_mm_[k]).norm() + WayTo(end, k) - way_mm;
+      if (cost_mm < lowest_mm) lowest_mm = cost_mm, best = k;
     }
     if (best == i) return false;
     const auto at = [&](std::size_t k) {
@@ -184,15 +215,19 @@ class Improver {
     };
     if (best > i) {
       std::rotate(at(i), at(i + 1), at(best));
+      Measure(i, best);
     } else {
       std::rotate(at(best), at(i), at(i + 1));
+      Measure(best, i + 1);
     }
     return true;
   }
 
   const Ends& ends_;
-  const Vec2 start_;
   std::vector<Visit>& order_;
+  const std::size_t count_;
+  std::vector<Vec2> begin_mm_, end_mm_;
+  std::vector<double> way_mm_;  // to the begin of each place from the end before it
 };
 
 /// The same way from its end to its beginning.
@@ -204,24 +239,52 @@ void TurnMarkBack(Mark& mark) {
   mark.places.back().bulge = 0;
 }
 
+/// The place of a closed mark at which the ways to it and on from it are shortest, the
+/// first of several.
+std::size_t NearestPlace(const Mark& mark, const Vec2& from_mm, const Vec2* next_mm) {
+  std::size_t nearest = 0;
+  double shortest_mm = std::numeric_limits<double>::infinity();
+  double far = shortest_mm;
+  for (std::size_t i = 0; i < mark.places.size(); ++i) {
+    const Vec2& at_mm = mark.places[i].at_mm;
+    if ((at_mm - from_mm).squaredNorm() > far) continue;
+    const double on_mm = next_mm != nullptr ? (*next_mm - at_mm).norm() : 0;
+    const double way_mm = (at_mm - from_mm).norm() + on_mm;
+    if (!(way_mm < shortest_mm)) continue;
+    shortest_mm = way_mm, nearest = i;
+    far = (1 + kMargin) * way_mm * way_mm;
+  }
+  return nearest;
+}
+
 /// Closed marks begin nearest to where the beam comes from; kept where that is shorter.
 void BeginNearest(std::vector<Mark>& marks, const Vec2& start_mm) {
   Vec2 from = start_mm;
   for (std::size_t i = 0; i < marks.size(); ++i) {
     Mark& mark = marks[i];
     if (mark.closed) {
-      const auto way = [&](const Place& p) {
-        const double on = i + 1 < marks.size()
-                              ? (marks[i + 1].places.front().at_mm - p.at_mm).norm()
-                              : 0;
-        return (p.at_mm - from).norm() + on;
-      };
+      const Vec2* next =
+          i + 1 < marks.size() ? &marks[i + 1].places.front().at_mm : nullptr;
+      const auto nearest = NearestPlace(mark, from, next);
       // Not std::ranges::rotate: clang 14, which builds the fuzz targets, cannot.
-      std::rotate(mark.places.begin(), std::ranges::min_element(mark.places, {}, way),
+      std::rotate(mark.places.begin(),
+                  mark.places.begin() + static_cast<std::ptrdiff_t>(nearest),
                   mark.places.end());
     }
     from = mark.closed ? mark.places.front().at_mm : mark.places.back().at_mm;
   }
+}
+
+/// JumpLength of the marks in this order.
+double JumpLength(const Ends& ends, const std::vector<Visit>& order,
+                  const Vec2& start_mm) {
+  Vec2 from = start_mm;
+  double length_mm = 0;
+  for (const Visit& visit : order) {
+    length_mm += (ends.Begin(visit) - from).norm();
+    from = ends.End(visit);
+  }
+  return length_mm;
 }
 
 }  // namespace
@@ -240,6 +303,7 @@ std::vector<Mark> OrderByJumps(std::vector<Mark> marks, const JumpOrderOptions& 
   if (marks.empty()) return marks;
   const Ends ends(marks);
   std::vector<Visit> order;
+  order.reserve(marks.size());
   {
     EndGrid grid(ends, options.may_reverse);
     Vec2 from = options.start_mm;
@@ -249,15 +313,17 @@ std::vector<Mark> OrderByJumps(std::vector<Mark> marks, const JumpOrderOptions& 
     }
   }
   Improver(ends, options.start_mm, order).Run(options.may_reverse);
-  std::vector<Mark> ordered;
-  for (const Visit& visit : order) {
-    ordered.push_back(marks[visit.mark]);
-    if (visit.back) TurnMarkBack(ordered.back());
+  if (JumpLength(ends, order, options.start_mm) <= JumpLength(marks, options.start_mm)) {
+    std::vector<Mark> ordered;
+    ordered.reserve(marks.size());
+    for (const Visit& visit : order) {
+      ordered.push_back(std::move(marks[visit.mark]));
+      if (visit.back) TurnMarkBack(ordered.back());
+    }
+    marks = std::move(ordered);
   }
-  if (JumpLength(ordered, options.start_mm) > JumpLength(marks, options.start_mm))
-    ordered = std::move(marks);
-  BeginNearest(ordered, options.start_mm);
-  return ordered;
+  BeginNearest(marks, options.start_mm);
+  return marks;
 }
 
 }  // namespace intaglio::mark
