@@ -1,7 +1,3 @@
-// A mark is an edge that has to be passed from one end to the other; of a closed one both
-// ends are its first place. Reversing a part i..j of the order, each mark of it turned,
-// changes the two ways at its ends alone.
-
 #include "engrave/mark/jump_order.h"
 
 #include <algorithm>
@@ -10,39 +6,11 @@
 #include <optional>
 #include <utility>
 
+#include "engrave/mark/visits.h"
+
 namespace intaglio::mark {
 namespace {
 
-constexpr std::size_t kWindow = 50;
-constexpr int kMaxRounds = 30;
-// Beyond what rounding does to a way, as a share of it.
-constexpr double kMargin = 1e-9;
-
-/// A mark and the direction in which it is made.
-struct Visit {
-  std::uint32_t mark;
-  bool back;
-};
-
-class Ends {
- public:
-  explicit Ends(const std::vector<Mark>& marks) {
-    for (const Mark& mark : marks) {
-      const Vec2 first = mark.places.front().at_mm;
-      ends_.emplace_back(first, mark.closed ? first : mark.places.back().at_mm);
-    }
-  }
-  std::size_t size() const { return ends_.size(); }
-  const Vec2& Begin(const Visit& v) const {
-    return v.back ? ends_[v.mark].second : ends_[v.mark].first;
-  }
-  const Vec2& End(const Visit& v) const {
-    return v.back ? ends_[v.mark].first : ends_[v.mark].second;
-  }
-
- private:
-  std::vector<std::pair<Vec2, Vec2>> ends_;
-};
 
 /// The ends that are left, in square cells.
 class EndGrid {
@@ -120,114 +88,6 @@ class EndGrid {
   double cell_ = 1;
   int columns_ = 1, rows_ = 1;
   std::vector<std::vector<Visit>> cells_;
-};
-
-/// Ends and ways at each place of the order, so that no way is measured twice:
-/// `end_mm_[i]` is where the beam is before place i, and behind the last one nothing is
-/// near or far.
-///
-/// Most pairs are too far from each other to be better, which their squared distances
-/// show; the margins of these bounds exceed what rounding does, so that the decisions are
-/// those of the ways themselves.
-class Improver {
- public:
-  Improver(const Ends& ends, const Vec2& start, std::vector<Visit>& order)
-      : ends_(ends), order_(order), count_(order.size()) {
-    begin_mm_.resize(count_);
-    end_mm_.resize(count_ + 1, start);
-    way_mm_.resize(count_ + 1, 0);
-    Measure(0, count_);
-  }
-
-  void Run(bool may_reverse) {
-    for (int round = 0; round < kMaxRounds; ++round) {
-      bool better = false;
-      for (std::size_t i = 0; i < count_; ++i) {
-        if (may_reverse) better = ReverseFrom(i) || better;
-        better = MoveAway(i) || better;
-      }
-      if (!better) return;
-    }
-  }
-
- private:
-  static constexpr double kGainMm = 1e-9;
-
-  /// Of the places `from` to before `to`, and the way behind them.
-  void Measure(std::size_t from, std::size_t to) {
-    for (std::size_t i = from; i < to; ++i) {
-      begin_mm_[i] = ends_.Begin(order_[i]);
-      end_mm_[i + 1] = ends_.End(order_[i]);
-    }
-    for (std::size_t i = from; i < std::min(to + 1, count_); ++i)
-      way_mm_[i] = (begin_mm_[i] - end_mm_[i]).norm();
-  }
-  /// From `from` to the mark at i; behind the last one nothing.
-  double WayTo(const Vec2& from, std::size_t i) const {
-    return i < count_ ? (begin_mm_[i] - from).norm() : 0;
-  }
-  double SquareTo(const Vec2& from, std::size_t i) const {
-    return i < count_ ? (begin_mm_[i] - from).squaredNorm() : 0;
-  }
-
-  bool ReverseFrom(std::size_t i) {
-    bool better = false;
-    const std::size_t last = std::min(count_, i + kWindow);
-    const Vec2 before = end_mm_[i];
-    for (std::size_t j = i; j < last; ++j) {
-      const Vec2 &first = begin_mm_[i], &end = end_mm_[j + 1];
-      const double is = way_mm_[i] + way_mm_[j + 1];
-      const double far = (1 + kMargin) * is * is;
-      if ((end - before).squaredNorm() > far || SquareTo(first, j + 1) > far) continue;
-      const double would_be = (end - before).norm() + WayTo(first, j + 1);
-      if (would_be > is - kGainMm) continue;
-      std::reverse(order_.begin() + static_cast<std::ptrdiff_t>(i),
-                   order_.begin() + static_cast<std::ptrdiff_t>(j + 1));
-      for (std::size_t k = i; k <= j; ++k) order_[k].back = !order_[k].back;
-      Measure(i, j + 1);
-      better = true;
-    }
-    return better;
-  }
-
-  /// The mark at i, behind a later one or before an earlier one.
-  bool MoveAway(std::size_t i) {
-    const Vec2 begin = begin_mm_[i], end = end_mm_[i + 1];
-    const double saved = way_mm_[i] + way_mm_[i + 1] - WayTo(end_mm_[i], i + 1);
-    std::size_t best = i;
-    double lowest_mm = saved - kGainMm;
-    for (std::size_t k = i < kWindow ? 0 : i - kWindow;
-         k <= std::min(count_, i + kWindow); ++k) {
-      if (k == i || k == i + 1) continue;
-      // Between k - 1 and k it costs the ways to and from it less the way that is.
-      const double way_mm = way_mm_[k], room_mm = lowest_mm + way_mm;
-      if (room_mm < 0) continue;
-      const double near = room_mm + kMargin * (way_mm + std::abs(lowest_mm));
-      if ((begin - end_mm_[k]).squaredNorm() > near * near ||
-          SquareTo(end, k) > near * near)
-        continue;
-      const double cost_mm = (begin - end_mm_[k]).norm() + WayTo(end, k) - way_mm;
-      if (cost_mm < lowest_mm) lowest_mm = cost_mm, best = k;
-    }
-    if (best == i) return false;
-    const auto at = [&](std::size_t k) {
-      return order_.begin() + static_cast<std::ptrdiff_t>(k);
-    };
-    if (best > i) {
-      std::rotate(at(i), at(i + 1), at(best));
-      Measure(i, best);
-    } else {
-      std::rotate(at(best), at(i), at(i + 1));
-      Measure(best, i + 1);
-    }
-    return true;
-  }
-
-  const Ends& ends_;
-  std::vector<Visit>& order_;
-  const std::size_t count_;
-  std::vector<Vec2> begin_mm_, end_mm_;
-  std::vector<double> way_mm_;  // to the begin of each place from the end before it
 };
 
 /// The same way from its end to its beginning.
@@ -312,7 +172,7 @@ std::vector<Mark> OrderByJumps(std::vector<Mark> marks, const JumpOrderOptions& 
       from = ends.End(order.back());
     }
   }
-  Improver(ends, options.start_mm, order).Run(options.may_reverse);
+  ImproveVisits(ends, options.start_mm, options.may_reverse, order);
   if (JumpLength(ends, order, options.start_mm) <= JumpLength(marks, options.start_mm)) {
     std::vector<Mark> ordered;
     ordered.reserve(marks.size());

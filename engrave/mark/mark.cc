@@ -93,6 +93,13 @@ double LengthOf(const Mark& mark) {
 std::vector<Vec2> PlacesOf(const Mark& mark, double tolerance_mm) {
   std::vector<Vec2> places;
   places.reserve(mark.places.size());
+  const bool straight =
+      mark.places.size() > 1 &&
+      std::ranges::all_of(mark.places, [](const Place& p) { return p.bulge == 0; });
+  if (straight) {
+    for (const Place& place : mark.places) places.push_back(place.at_mm);
+    return places;
+  }
   ForEachWay(mark, [&](const Way& way) { AppendChords(way, tolerance_mm, places); });
   if (!mark.closed && !mark.places.empty()) places.push_back(mark.places.back().at_mm);
   return places;
