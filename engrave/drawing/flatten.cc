@@ -20,13 +20,20 @@ constexpr double kSamePoint_mm = 1e-9;
 constexpr double kSameEnd_mm = 1e-6;
 constexpr int kMaxHalvings = 20;
 
-double TurnBetween(const Vec3& u, const Vec3& v) {
-  return std::atan2(u.cross(v).norm(), u.dot(v));
+/// Whether the turn from u to v is at most an angle below a right one, of this tangent.
+/// The tangents decide it but where they are equal to rounding, where the angles do.
+bool TurnsAtMost(const Vec3& u, const Vec3& v, double angle_rad, double tangent) {
+  constexpr double kRounding = 1e-9;
+  const double across = u.cross(v).norm(), along = u.dot(v);
+  if (across < (1 - kRounding) * tangent * along) return true;
+  if (across > (1 + kRounding) * tangent * along) return false;
+  return std::atan2(across, along) <= angle_rad;
 }
 
 class Flattener {
  public:
-  explicit Flattener(const FlattenOptions& options) : options_(options) {}
+  explicit Flattener(const FlattenOptions& options)
+      : options_(options), max_tangent_(std::tan(options.max_turn_rad)) {}
 
   FlatCurve Flat(const Curve& curve) {
     flat_ = FlatCurve{{}, curve.closed, curve.layer, curve.color};
@@ -105,10 +112,11 @@ class Flattener {
     const Vec3 between = at(middle);
     const Vec3 first = between - from, second = to - between;
     // At a cusp the turn never becomes small: there the tolerance alone decides.
-    const bool straight = first.norm() + second.norm() <= options_.chord_tolerance_mm ||
-                          (std::sqrt(SquaredDistanceFromSegment(between, from, to)) <=
-                               options_.chord_tolerance_mm &&
-                           TurnBetween(first, second) <= options_.max_turn_rad);
+    const bool straight =
+        first.norm() + second.norm() <= options_.chord_tolerance_mm ||
+        (std::sqrt(SquaredDistanceFromSegment(between, from, to)) <=
+             options_.chord_tolerance_mm &&
+         TurnsAtMost(first, second, options_.max_turn_rad, max_tangent_));
     if (straight || halvings == kMaxHalvings || too_many()) {
       Push(between);
       Push(to);
@@ -119,6 +127,7 @@ class Flattener {
   }
 
   FlattenOptions options_;
+  double max_tangent_;
   FlatCurve flat_;
   std::uint64_t total_ = 0;
 };

@@ -13,14 +13,21 @@ namespace {
 // seen: 20 degrees.
 constexpr double kCornerRad = 0.35;
 
-double TurnAt(const Vec2& before, const Vec2& at, const Vec2& after) {
+/// The turn of a corner; 0: there is none. The tangent of the turn shows that without its
+/// angle, but near the limit.
+double CornerAt(const Vec2& before, const Vec2& at, const Vec2& after) {
+  constexpr double kSurelyNone = 0.36;  // below the tangent of the corner, 0.365
   const Vec2 in = at - before, out = after - at;
-  return std::abs(std::atan2(in.x() * out.y() - in.y() * out.x(), in.dot(out)));
+  const double across = in.x() * out.y() - in.y() * out.x(), along = in.dot(out);
+  if (std::abs(across) < kSurelyNone * along) return 0;
+  const double turn_rad = std::abs(std::atan2(across, along));
+  return turn_rad > kCornerRad ? turn_rad : 0;
 }
 
 /// Without places that coincide with the one before.
 std::vector<Vec2> Distinct(const MarkStroke& stroke) {
   std::vector<Vec2> points;
+  points.reserve(stroke.points_mm.size() + 1);
   for (const Vec2& p : stroke.points_mm)
     if (points.empty() || p != points.back()) points.push_back(p);
   while (stroke.closed && points.size() > 1 && points.back() == points.front())
@@ -33,6 +40,7 @@ std::vector<Vec2> Distinct(const MarkStroke& stroke) {
 StrokePath::StrokePath(std::vector<Vec2> points_mm, bool closed)
     : points_mm_(std::move(points_mm)), closed_(closed) {
   if (closed_) points_mm_.push_back(points_mm_.front());
+  ends_mm_.reserve(points_mm_.size());
   double sum_mm = 0;
   for (std::size_t i = 0; i < points_mm_.size(); ++i) {
     if (i > 0) sum_mm += (points_mm_[i] - points_mm_[i - 1]).norm();
@@ -70,13 +78,19 @@ std::vector<StrokePart> PartsOf(const MarkStroke& stroke) {
   const std::size_t n = points.size();
   if (n < 2) return {};
   std::vector<double> turns(n, 0.0);
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!stroke.closed && (i == 0 || i + 1 == n)) continue;
-    turns[i] = TurnAt(points[(i + n - 1) % n], points[i], points[(i + 1) % n]);
+  for (std::size_t i = 1; i + 1 < n; ++i)
+    turns[i] = CornerAt(points[i - 1], points[i], points[i + 1]);
+  if (stroke.closed) {
+    turns.front() = CornerAt(points.back(), points.front(), points[1]);
+    turns.back() = CornerAt(points[n - 2], points.back(), points.front());
   }
-  const auto corner = std::find_if(turns.begin(), turns.end(),
-                                   [](double turn) { return turn > kCornerRad; });
-  if (corner == turns.end()) return {{std::move(points), stroke.closed, 0}};
+  const auto corner =
+      std::ranges::find_if(turns, [](double turn_rad) { return turn_rad > 0; });
+  if (corner == turns.end()) {
+    std::vector<StrokePart> whole(1);
+    whole.front() = {std::move(points), stroke.closed, 0};
+    return whole;
+  }
   if (stroke.closed) {  // begins and ends at a corner: the first place if it is one
     const auto by = corner - turns.begin();
     std::rotate(points.begin(), points.begin() + by, points.end());
@@ -88,7 +102,7 @@ std::vector<StrokePart> PartsOf(const MarkStroke& stroke) {
   std::vector<StrokePart> parts(1);
   for (std::size_t i = 0; i < points.size(); ++i) {
     parts.back().points_mm.push_back(points[i]);
-    if (turns[i] <= kCornerRad) continue;
+    if (turns[i] == 0) continue;
     parts.back().turn_rad = turns[i];
     parts.push_back({{points[i]}, false, 0});
   }
