@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -50,14 +51,30 @@ Result<Drawing> SetLines(std::u32string_view text, const Typesetter& typesetter,
 
 }  // namespace
 
-Result<Drawing> TextOutline(std::string_view utf8, const TextOptions& options) {
+TextOutliner::TextOutliner(TextOptions options, std::unique_ptr<Typesetter> typesetter)
+    : options_(std::move(options)), typesetter_(std::move(typesetter)) {}
+TextOutliner::~TextOutliner() = default;
+TextOutliner::TextOutliner(TextOutliner&&) noexcept = default;
+TextOutliner& TextOutliner::operator=(TextOutliner&&) noexcept = default;
+
+Result<TextOutliner> TextOutliner::Open(TextOptions options) {
   Require(options.cap_height_mm >= 0.1 && options.cap_height_mm <= 1000,
           "cap_height_mm must be 0.1 .. 1000, is {}", options.cap_height_mm);
   Require(options.line_spacing_ratio >= 0.5 && options.line_spacing_ratio <= 5,
           "line_spacing_ratio must be 0.5 .. 5, is {}", options.line_spacing_ratio);
+  auto typesetter = INTAGLIO_TRY(Typesetter::Open(options.font, options.fallbacks));
+  return TextOutliner(std::move(options),
+                      std::make_unique<Typesetter>(std::move(typesetter)));
+}
+
+Result<Drawing> TextOutliner::Outline(std::string_view utf8) const {
   const auto text = INTAGLIO_TRY(CharactersOf(utf8));
-  const auto typesetter = INTAGLIO_TRY(Typesetter::Open(options.font, options.fallbacks));
-  return SetLines(text, typesetter, options);
+  return SetLines(text, *typesetter_, options_);
+}
+
+Result<Drawing> TextOutline(std::string_view utf8, const TextOptions& options) {
+  const auto outliner = INTAGLIO_TRY(TextOutliner::Open(options));
+  return outliner.Outline(utf8);
 }
 
 }  // namespace intaglio::drawing

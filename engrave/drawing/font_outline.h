@@ -4,6 +4,7 @@
 // are placed and joined by HarfBuzz, kerned by the font's GPOS or kern table. A line has
 // one direction: one that mixes scripts of both directions is to be divided.
 
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -36,5 +37,26 @@ struct TextOptions {
 /// kMissing (a character that no font has, named; a text without a visible character),
 /// kTooLarge. Broken preconditions: numbers outside their ranges.
 Result<Drawing> TextOutline(std::string_view utf8, const TextOptions& options);
+
+class Typesetter;
+
+/// TextOutline of many texts, whose fonts are opened once. One thread at a time.
+class TextOutliner {
+ public:
+  /// The bytes of the fonts outlive it. Errors as of TextOutline, of the fonts.
+  static Result<TextOutliner> Open(TextOptions options);
+  ~TextOutliner();
+  TextOutliner(TextOutliner&&) noexcept;
+  TextOutliner& operator=(TextOutliner&&) noexcept;
+
+  /// Errors as of TextOutline.
+  Result<Drawing> Outline(std::string_view utf8) const;
+
+ private:
+  TextOutliner(TextOptions options, std::unique_ptr<Typesetter> typesetter);
+
+  TextOptions options_;
+  std::unique_ptr<Typesetter> typesetter_;
+};
 
 }  // namespace intaglio::drawing

@@ -84,6 +84,7 @@ bool FieldWindow::Has(const Vec2& place_mm) const {
 Span FieldWindow::Displacements(std::span<const Vec2> places_mm, double margin_mm) const {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Span all{-kInfinity, kInfinity};
+  if (is_square() && !places_mm.empty()) return InSquare(places_mm, margin_mm);
   for (const Vec2& place : places_mm) {
     const Span span = AlongX(place.y() - margin_mm, place.y() + margin_mm);
     if (span.empty()) return kNone;
@@ -91,6 +92,22 @@ Span FieldWindow::Displacements(std::span<const Vec2> places_mm, double margin_m
     all.to_mm = std::min(all.to_mm, span.to_mm - margin_mm - place.x());
   }
   return all;
+}
+
+// Places alike in all of their window: the outermost decide.
+Span FieldWindow::InSquare(std::span<const Vec2> places_mm, double margin_mm) const {
+  Vec2 min_mm = places_mm.front(), max_mm = min_mm;
+  bool numbers = true;
+  for (const Vec2& place : places_mm) {
+    min_mm = min_mm.cwiseMin(place);
+    max_mm = max_mm.cwiseMax(place);
+    numbers = numbers && place.y() == place.y();
+  }
+  if (!numbers) return kNone;
+  for (const double y_mm : {min_mm.y(), max_mm.y()})
+    if (AlongX(y_mm - margin_mm, y_mm + margin_mm).empty()) return kNone;
+  const Span& line = lines_.front();
+  return {line.from_mm + margin_mm - min_mm.x(), line.to_mm - margin_mm - max_mm.x()};
 }
 
 double FieldWindow::SquareMm() const {

@@ -46,6 +46,9 @@ class FieldWindow {
 
  private:
   double SquareMm() const;
+  /// Without a correction its lines are the two borders, and alike.
+  bool is_square() const { return lines_.size() == 2; }
+  Span InSquare(std::span<const Vec2> places_mm, double margin_mm) const;
 
   double field_mm_;
   std::vector<Span> lines_;  // at y = -field / 2 + i field / (lines - 1)

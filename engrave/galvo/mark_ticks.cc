@@ -44,23 +44,45 @@ Status CheckTickOptions(const MarkTickOptions& o) {
   return {};
 }
 
+std::size_t TicksOf(double duration_s, const MarkTickOptions& options) {
+  return static_cast<std::size_t>(std::lround(duration_s * options.rate_hz));
+}
+std::size_t TicksFor(double way_mm, double speed_mm_s, const MarkTickOptions& options) {
+  return static_cast<std::size_t>(
+      std::max(1.0, std::ceil(way_mm / speed_mm_s * options.rate_hz - 1e-9)));
+}
+/// Of a jump as a quintic, with the tick at its end.
+std::size_t SmoothTicks(double way_mm, const MarkTickOptions& options) {
+  const double wanted_s =
+      std::max(kQuinticPeak * way_mm / options.jump_mm_s, kMinJumpLags * options.lag_s);
+  return static_cast<std::size_t>(std::ceil(wanted_s * options.rate_hz));
+}
+
 class TickMaker {
  public:
-  enum class Makes { kTicks, kCount };
-
-  TickMaker(const MarkTickOptions& options, const Vec2& from_mm, Makes makes)
-      : options_(options), makes_(makes), at_mm_(from_mm) {}
+  /// Makes ticks.
+  TickMaker(const MarkTickOptions& options, const Vec2& from_mm)
+      : options_(options), makes_(true), jumps_(true), at_mm_(from_mm) {}
+  /// Counts ticks of strokes, without the jump to the first.
+  explicit TickMaker(const MarkTickOptions& options)
+      : options_(options), makes_(false), jumps_(false), at_mm_(Vec2::Zero()) {}
 
   Status Add(const MarkStroke& stroke, std::size_t number) {
-    const std::vector<StrokePart> parts = PartsOf(stroke);
+    std::vector<StrokePart> parts = PartsOf(stroke);
     if (parts.empty()) {
       return Fail(
           ErrorCode::kInvalidValue,
           fmt::format("stroke {} has fewer than two places; leave it out", number + 1));
     }
     double length_mm = 0;
-    for (const StrokePart& part : parts)
-      length_mm += StrokePath(part.points_mm, part.closed).length_mm();
+    std::vector<TurningPath> paths;
+    paths.reserve(parts.size());
+    for (StrokePart& part : parts) {
+      const Vec2 first_mm = part.points_mm.front();
+      paths.push_back(
+          {StrokePath(std::move(part.points_mm), part.closed), first_mm, part.turn_rad});
+      length_mm += paths.back().path.length_mm();
+    }
     const double ticks = length_mm / options_.mark_mm_s * options_.rate_hz;
     if (!(static_cast<double>(count_) + ticks < kMaxTicks)) {
       return Fail(ErrorCode::kTooLarge,
@@ -68,18 +90,18 @@ class TickMaker {
                               number + 1, kMaxTicks));
     }
     if (options_.lead_servo) {
-      for (const StrokePart& part : parts) AddWithRunIn(part);
-    } else if (options_.run_in_s > 0 && parts.size() == 1) {
-      AddWithRunIn(parts.front());
+      for (const TurningPath& part : paths) AddWithRunIn(part.path);
+    } else if (options_.run_in_s > 0 && paths.size() == 1) {
+      AddWithRunIn(paths.front().path);
     } else {
-      AddWithDelays(parts);
+      AddWithDelays(paths);
     }
     return {};
   }
 
-  TickCount Count() {
+  StrokeTicks Count() {
     RestBehind();
-    return {count_, at_mm_};
+    return {first_mm_, count_, at_mm_};
   }
 
   std::vector<MarkTick> Finish() {
@@ -97,23 +119,23 @@ class TickMaker {
   }
 
  private:
-  std::size_t Ticks(double duration_s) const {
-    return static_cast<std::size_t>(std::lround(duration_s * options_.rate_hz));
-  }
-  std::size_t TicksFor(double way_mm, double speed_mm_s) const {
-    return static_cast<std::size_t>(
-        std::max(1.0, std::ceil(way_mm / speed_mm_s * options_.rate_hz - 1e-9)));
-  }
+  struct TurningPath {
+    StrokePath path;
+    Vec2 first_mm;
+    double turn_rad;  // of the corner behind it
+  };
+
+  std::size_t Ticks(double duration_s) const { return TicksOf(duration_s, options_); }
   void RestBehind() { Rest(Ticks(options_.run_in_s) + 1); }
   /// `count` ticks, k of 0 .. count - 1 at place_of(k).
   template <typename PlaceOf>
   void Put(std::size_t count, const PlaceOf& place_of) {
     if (count == 0) return;
     count_ += count;
-    if (makes_ == Makes::kTicks)
+    if (makes_)
       for (std::size_t k = 0; k + 1 < count; ++k) ticks_.push_back({place_of(k), false});
     at_mm_ = place_of(count - 1);
-    if (makes_ == Makes::kTicks) ticks_.push_back({at_mm_, false});
+    if (makes_) ticks_.push_back({at_mm_, false});
   }
   void Rest(std::size_t ticks) {
     const Vec2 at_mm = at_mm_;
@@ -123,6 +145,11 @@ class TickMaker {
 
   /// Ends one tick before the place, at which the mark or its run-in begins.
   void JumpTo(const Vec2& to_mm, const Vec2& speed_mm_s) {
+    if (!jumps_) {
+      first_mm_ = at_mm_ = to_mm;
+      jumps_ = true;
+      return;
+    }
     const double way_mm = (to_mm - at_mm_).norm();
     if (options_.lead_servo) {
       JumpSmoothly(to_mm, speed_mm_s, way_mm);
@@ -130,7 +157,7 @@ class TickMaker {
     }
     if (way_mm == 0) return;
     const Vec2 from_mm = at_mm_;
-    const std::size_t n = TicksFor(way_mm, options_.jump_mm_s);
+    const std::size_t n = TicksFor(way_mm, options_.jump_mm_s, options_);
     Put(n, [&](std::size_t k) -> Vec2 {
       const double share = static_cast<double>(k + 1) / static_cast<double>(n);
       return from_mm + share * (to_mm - from_mm);
@@ -140,9 +167,7 @@ class TickMaker {
 
   /// A quintic from the place and speed that are to those, accelerations 0.
   void JumpSmoothly(const Vec2& to_mm, const Vec2& to_mm_s, double way_mm) {
-    const double wanted_s = std::max(kQuinticPeak * way_mm / options_.jump_mm_s,
-                                     kMinJumpLags * options_.lag_s);
-    const auto n = static_cast<std::size_t>(std::ceil(wanted_s * options_.rate_hz));
+    const std::size_t n = SmoothTicks(way_mm, options_);
     const double duration_s = static_cast<double>(n) / options_.rate_hz;
     const Vec2 from_mm = at_mm_;
     const Vec2 a = duration_s * speed_mm_s_, b = duration_s * to_mm_s;
@@ -155,9 +180,8 @@ class TickMaker {
     });
   }
 
-  void AddWithRunIn(const StrokePart& part) {
-    const StrokePath path(part.points_mm, part.closed);
-    const std::size_t n = TicksFor(path.length_mm(), options_.mark_mm_s);
+  void AddWithRunIn(const StrokePath& path) {
+    const std::size_t n = TicksFor(path.length_mm(), options_.mark_mm_s, options_);
     const double step_mm = path.length_mm() / static_cast<double>(n);
     const std::size_t run = Ticks(options_.run_in_s);
     const double run_mm = static_cast<double>(run) * step_mm;
@@ -174,13 +198,13 @@ class TickMaker {
     if (count_ < end) Rest(end - count_);
   }
 
-  void AddWithDelays(const std::vector<StrokePart>& parts) {
-    JumpTo(parts.front().points_mm.front(), Vec2::Zero());
+  void AddWithDelays(const std::vector<TurningPath>& parts) {
+    JumpTo(parts.front().first_mm, Vec2::Zero());
     const std::size_t begin = count_ + Ticks(options_.laser_on_delay_s);
-    Put(1, [&](std::size_t) { return parts.front().points_mm.front(); });
-    for (const StrokePart& part : parts) {
-      const StrokePath path(part.points_mm, part.closed);
-      const std::size_t n = TicksFor(path.length_mm(), options_.mark_mm_s);
+    Put(1, [&](std::size_t) { return parts.front().first_mm; });
+    for (const TurningPath& part : parts) {
+      const StrokePath& path = part.path;
+      const std::size_t n = TicksFor(path.length_mm(), options_.mark_mm_s, options_);
       const double step_mm = path.length_mm() / static_cast<double>(n);
       Put(n,
           [&](std::size_t k) { return path.At(static_cast<double>(k + 1) * step_mm); });
@@ -192,8 +216,10 @@ class TickMaker {
   }
 
   const MarkTickOptions& options_;
-  const Makes makes_;
+  const bool makes_;  // and does not only count
   std::size_t count_ = 0;
+  bool jumps_;  // else the next jump is left out
+  Vec2 first_mm_ = Vec2::Zero();
   Vec2 at_mm_;
   Vec2 speed_mm_s_ = Vec2::Zero();
   std::vector<MarkTick> ticks_;  // none when only their count is asked for
@@ -206,17 +232,26 @@ Result<std::vector<MarkTick>> MakeMarkTicks(std::span<const MarkStroke> strokes,
                                             const Vec2& from_mm,
                                             const MarkTickOptions& options) {
   INTAGLIO_TRY(CheckTickOptions(options));
-  TickMaker maker(options, from_mm, TickMaker::Makes::kTicks);
+  TickMaker maker(options, from_mm);
   for (std::size_t i = 0; i < strokes.size(); ++i) INTAGLIO_TRY(maker.Add(strokes[i], i));
   return maker.Finish();
 }
 
-Result<TickCount> CountMarkTicks(std::span<const MarkStroke> strokes, const Vec2& from_mm,
-                                 const MarkTickOptions& options) {
+Result<StrokeTicks> CountStrokeTicks(std::span<const MarkStroke> strokes,
+                                     const MarkTickOptions& options) {
   INTAGLIO_TRY(CheckTickOptions(options));
-  TickMaker maker(options, from_mm, TickMaker::Makes::kCount);
+  if (strokes.empty())
+    return Fail(ErrorCode::kInvalidValue, "ticks: there is no stroke; give one or more");
+  TickMaker maker(options);
   for (std::size_t i = 0; i < strokes.size(); ++i) INTAGLIO_TRY(maker.Add(strokes[i], i));
   return maker.Count();
+}
+
+std::size_t CountJumpTicks(double way_mm, const MarkTickOptions& options) {
+  if (options.lead_servo) return SmoothTicks(way_mm, options) - 1;
+  if (way_mm == 0) return 0;
+  return TicksFor(way_mm, options.jump_mm_s, options) +
+         TicksOf(options.jump_delay_s, options);
 }
 
 }  // namespace intaglio::galvo

@@ -50,14 +50,20 @@ Result<std::vector<MarkTick>> MakeMarkTicks(std::span<const MarkStroke> strokes,
                                             const Vec2& from_mm,
                                             const MarkTickOptions& options);
 
-struct TickCount {
+/// How many ticks MakeMarkTicks makes but for the jump to the first stroke, which alone
+/// depends on where the beam comes from.
+struct StrokeTicks {
+  Vec2 first_mm = Vec2::Zero();  ///< where that jump ends
   std::size_t count = 0;
   Vec2 end_mm = Vec2::Zero();  ///< where the beam rests behind them, without the lead
 };
 
-/// How many ticks MakeMarkTicks makes, in a time that grows with the places and not with
-/// the ticks. Errors as of it.
-Result<TickCount> CountMarkTicks(std::span<const MarkStroke> strokes, const Vec2& from_mm,
-                                 const MarkTickOptions& options);
+/// In a time that grows with the places and not with the ticks. Errors as of
+/// MakeMarkTicks, and kInvalidValue without a stroke.
+Result<StrokeTicks> CountStrokeTicks(std::span<const MarkStroke> strokes,
+                                     const MarkTickOptions& options);
+
+/// Of a jump that is so long, from rest. `options` as CountStrokeTicks takes them.
+std::size_t CountJumpTicks(double way_mm, const MarkTickOptions& options);
 
 }  // namespace intaglio::galvo

@@ -20,6 +20,7 @@ constexpr double kMaxGain = 4;  // over the order of arrival; 2.1 is the best kn
 WebOrder TimedBy(std::span<const WebMark> marks, const WebHead& head,
                  std::vector<std::size_t> order) {
   WebOrder timed{std::move(order), {}, 0};
+  timed.timed.reserve(timed.order.size());
   for (std::size_t k = 0; k < timed.order.size(); ++k) {
     const WebMark& mark = marks[timed.order[k]];
     const WebMark& before = marks[timed.order[k == 0 ? 0 : k - 1]];
@@ -47,14 +48,15 @@ std::vector<std::size_t> ByArrival(std::span<const WebMark> marks) {
 std::vector<std::size_t> ByStrips(std::span<const WebMark> marks,
                                   std::vector<std::size_t> order, double strip_mm) {
   const double first_mm = marks[order.front()].centre_mm.x();
-  const auto key = [&](std::size_t i) {
+  std::vector<std::pair<double, double>> keys(marks.size());  // strip, and way in it
+  for (const std::size_t i : order) {
     const double strip = std::floor((marks[i].centre_mm.x() - first_mm) / strip_mm);
     const bool down = std::fmod(strip, 2) != 0;
     const double y_mm = marks[i].centre_mm.y();
-    return std::pair(strip, down ? -y_mm : y_mm);
-  };
+    keys[i] = {strip, down ? -y_mm : y_mm};
+  }
   std::stable_sort(order.begin(), order.end(),
-                   [&key](std::size_t a, std::size_t b) { return key(a) < key(b); });
+                   [&keys](std::size_t a, std::size_t b) { return keys[a] < keys[b]; });
   return order;
 }
 
@@ -153,17 +155,26 @@ Result<WebOrder> ArrivalOrder(std::span<const WebMark> marks, const WebHead& hea
   return WithSpeed(TimedBy(marks, head, ByArrival(marks)), head);
 }
 
-Result<WebOrder> FastestOrder(std::span<const WebMark> marks, const WebHead& head) {
+Result<WebOrder> FastestOrder(std::span<const WebMark> marks, const WebHead& head,
+                              const ProgressSink& progress) {
+  const auto goes_on = [&](int tried) -> Status {
+    if (!progress || progress(static_cast<std::uint64_t>(tried), kStrips + kSpeeds))
+      return {};
+    return Fail(ErrorCode::kCancelled, "the ordering of marks was cancelled");
+  };
   const std::vector<std::size_t> arrival = ByArrival(marks);
   WebOrder best = INTAGLIO_TRY(WithSpeed(TimedBy(marks, head, arrival), head));
   const auto take = [&](std::vector<std::size_t> order) {
     auto found = WithSpeed(TimedBy(marks, head, std::move(order)), head);
     if (found && found->max_mm_s > best.max_mm_s) best = *std::move(found);
   };
-  for (int i = 0; i < kStrips; ++i)
+  for (int i = 0; i < kStrips; ++i) {
+    INTAGLIO_TRY(goes_on(i));
     take(ByStrips(marks, arrival, head.field_mm * std::pow(kStripRatio, i + 1)));
+  }
   double low_mm_s = best.max_mm_s, high_mm_s = kMaxGain * best.max_mm_s;
   for (int i = 0; i < kSpeeds; ++i) {
+    INTAGLIO_TRY(goes_on(kStrips + i));
     const double speed_mm_s = std::sqrt(low_mm_s * high_mm_s);
     auto order = AheadOrder(marks, head, arrival, speed_mm_s).Order();
     if (!order) {

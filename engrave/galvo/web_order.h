@@ -3,6 +3,7 @@
 // The order in which marks on a moving web are made, so that the web may run fastest.
 
 #include "engrave/core/geometry.h"
+#include "engrave/core/progress.h"
 #include "engrave/galvo/web_speed.h"
 
 namespace intaglio::galvo {
@@ -33,7 +34,9 @@ Result<WebOrder> ArrivalOrder(std::span<const WebMark> marks, const WebHead& hea
 /// lengths; and look-ahead: of the marks in the field the one with the shortest jump is
 /// next, unless one of the marks behind it would then leave before it is made, at speeds
 /// that are raised while such an order is found. Never slower than ArrivalOrder. Errors
-/// as of MaxSpeed. O(n) marks times 25 speeds times 60 marks ahead.
-Result<WebOrder> FastestOrder(std::span<const WebMark> marks, const WebHead& head);
+/// as of MaxSpeed; kCancelled when `progress`, which counts the orders that are tried,
+/// returns that. O(n) marks times 25 speeds times 60 marks ahead.
+Result<WebOrder> FastestOrder(std::span<const WebMark> marks, const WebHead& head,
+                              const ProgressSink& progress = {});
 
 }  // namespace intaglio::galvo

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <iostream>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
@@ -29,10 +30,12 @@
 #include "services/job/files/job_file.h"
 #include "services/job/head/head_correction.h"
 #include "services/job/marks/job_marks.h"
+#include "services/job/marks/planned_marks.h"
 #include "services/job/marks/web_run.h"
 #include "services/job/models/program_limits.h"
 #include "services/job/models/text_model.h"
 #include "services/platform/command_line/supplied_files.h"
+#include "services/platform/host/threads/worker_threads.h"
 
 namespace intaglio::cli {
 namespace {
@@ -46,17 +49,16 @@ struct MarksPreviewOptions {
   double size_limits = 1;
 };
 
-/// What the job becomes, in the order in which it is made.
-struct OrderedMarks {
+/// What the job becomes.
+struct MarksPreview {
   JobSpec job;
-  HeadFigures head;
-  mark::MarkSet set;
-  Result<WebRun> web;  ///< of a job with a web
+  PlannedMarks marks;
   Warnings warnings;
 
-  /// Marks at the speed that the job asks for.
+  /// Marks at the speed that the job asks for, ascending.
   std::vector<std::size_t> missed() const {
-    return web ? web->missed : std::vector<std::size_t>();
+    const auto& web = marks.web();
+    return web && *web ? (*web)->missed : std::vector<std::size_t>();
   }
 };
 
@@ -112,93 +114,94 @@ Result<MarksOnHead> ReadMarks(const MarksPreviewOptions& options) {
   return read;
 }
 
-Result<OrderedMarks> OrderMarksOf(const MarksPreviewOptions& options) {
+Result<MarksPreview> PlanMarks(const MarksPreviewOptions& options) {
   auto built = INTAGLIO_TRY(ReadMarks(options));
   const ReadLimits limits = mesh_reader::LimitsOfProgram(options.size_limits);
   auto files = INTAGLIO_TRY(ReadJobMarkFiles(built.job, limits));
-  OrderedMarks ordered;
   LateMeter meter;
-  const auto show = [&meter](const char* stage) -> ProgressSink {
-    return [&meter, stage](std::uint64_t done, std::uint64_t total) {
-      return meter.Show(stage, done, total);
+  const auto show = [&meter](const char* stage, const char* things) -> ProgressSink {
+    return [&meter, stage, things](std::uint64_t done, std::uint64_t total) {
+      return meter.Show(stage, done, total, things);
     };
   };
-  auto made = INTAGLIO_TRY(MakeJobMarks(built.job, built.machine, std::move(files),
-                                        limits, ordered.warnings, show("marks")));
-  ordered.set = INTAGLIO_TRY(
-      OrderJobMarks(built.job, built.machine, std::move(made), show("order")));
-  ordered.head = HeadFiguresOf(built.machine);
-  ordered.job = std::move(built.job);
-  if (ordered.job.marks().has_web())
-    ordered.web = WebRunOf(ordered.job, built.machine, ordered.set);
-  return ordered;
+  Warnings warnings;
+  auto marks = INTAGLIO_TRY(PlannedMarks::Make(
+      built.job, built.machine, std::move(files), limits, host::AllCores(), warnings,
+      {show("marks", "repeats"), show("order", nullptr)}));
+  return MarksPreview{std::move(built.job), std::move(marks), std::move(warnings)};
 }
 
 /// Each name once, in the order of marking.
-std::string NamesOfMissed(const OrderedMarks& marks) {
+Result<std::string> NamesOfMissed(MarksPreview& preview) {
+  const std::vector<std::size_t> missed = preview.missed();
   std::vector<std::string> names;
-  for (const std::size_t number : marks.web->missed) {
-    std::string name = NameOfMark(marks.job, marks.set, number);
-    if (std::ranges::find(names, name) != names.end()) continue;
-    if (names.size() == kMaxNamed)
-      return fmt::format("{}, and more", fmt::join(names, ", "));
-    names.push_back(std::move(name));
-  }
-  return fmt::format("{}", fmt::join(names, ", "));
+  bool more = false;
+  auto next = missed.begin();
+  INTAGLIO_TRY(preview.marks.ForEach([&](std::size_t number, const mark::Mark& mark) {
+    if (next == missed.end()) return false;
+    if (number != *next) return true;
+    ++next;
+    std::string name = NameOfMark(preview.job, preview.marks.pens(), mark);
+    if (std::ranges::find(names, name) != names.end()) return true;
+    more = names.size() == kMaxNamed;
+    if (!more) names.push_back(std::move(name));
+    return !more;
+  }));
+  return fmt::format("{}{}", fmt::join(names, ", "), more ? ", and more" : "");
 }
 
-std::vector<std::string> WebLines(const OrderedMarks& marks) {
+Result<std::vector<std::string>> WebLines(MarksPreview& preview) {
+  const Result<WebRun>& web = *preview.marks.web();
   std::vector<std::string> lines;
-  if (!marks.web) return {"web         " + marks.web.error().message};
-  const double max_mm_s = marks.web->max_mm_s;
+  if (!web) return std::vector<std::string>{"web         " + web.error().message};
+  const double max_mm_s = web->max_mm_s;
   lines.push_back(fmt::format("web         at most {:.1f} mm/s", max_mm_s));
-  const double pitch_mm = marks.job.marks().repeats().pitch_mm();
+  const double pitch_mm = preview.job.marks().repeats().pitch_mm();
   if (pitch_mm > 0)
     lines.back() += fmt::format(", {:.4g} repeats a minute", 60 * max_mm_s / pitch_mm);
-  const double asked_mm_s = marks.job.marks().web().speed_mm_s();
+  const double asked_mm_s = preview.job.marks().web().speed_mm_s();
   if (asked_mm_s == 0) {
     lines.push_back("verdict     good: the web runs as fast as all marks can be made");
-  } else if (marks.web->missed.empty()) {
+  } else if (web->missed.empty()) {
     lines.push_back(
         fmt::format("verdict     good: all marks are made at {:.6g} mm/s", asked_mm_s));
   } else {
-    lines.push_back(fmt::format(
-        "verdict     at {:.6g} mm/s {} of {} would be missed: {}; reduce "
-        "marks.web.speed_mm_s to {:.1f}",
-        asked_mm_s, marks.web->missed.size(), Counted(marks.set.marks.size(), "mark"),
-        NamesOfMissed(marks), max_mm_s));
+    const std::string names = INTAGLIO_TRY(NamesOfMissed(preview));
+    lines.push_back(
+        fmt::format("verdict     at {:.6g} mm/s {} of {} would be missed: {}; reduce "
+                    "marks.web.speed_mm_s to {:.1f}",
+                    asked_mm_s, web->missed.size(),
+                    Counted(preview.marks.mark_count(), "mark"), names, max_mm_s));
   }
   return lines;
 }
 
-std::vector<std::string> LinesOfMarks(const OrderedMarks& marks) {
-  const MarkTimes times = marks.job.marks().has_web() && marks.web
-                              ? marks.web->times
-                              : TimesOf(marks.set, marks.head);
+Result<std::vector<std::string>> LinesOfMarks(MarksPreview& preview) {
+  const PlannedMarks& marks = preview.marks;
+  const MarkTimes& times = marks.times();
   std::vector<std::string> lines = {
-      fmt::format("job         {}", marks.job.name()),
-      fmt::format("marks       {}, {:.4g} m long with all passes", marks.set.marks.size(),
+      fmt::format("job         {}", preview.job.name()),
+      fmt::format("marks       {}, {:.4g} m long with all passes", marks.mark_count(),
                   times.mark_mm / 1000),
       fmt::format("jumps       {:.4g} m", times.jump_mm / 1000),
       fmt::format("time        {:.3f} s of marking and jumps", times.time_s)};
-  if (!marks.head.window.is_whole_field()) {
-    lines.push_back(fmt::format("field       {:.4g} mm{}", marks.head.field_mm(),
-                                NarrowedText(marks.head.window)));
+  if (!marks.head().window.is_whole_field()) {
+    lines.push_back(fmt::format("field       {:.4g} mm{}", marks.head().field_mm(),
+                                NarrowedText(marks.head().window)));
   }
-  for (std::size_t i = 0; i < marks.set.pens.size(); ++i) {
-    const mark::Pen& pen = marks.set.pens[i];
-    const auto count = std::ranges::count(marks.set.marks, static_cast<std::uint32_t>(i),
-                                          &mark::Mark::pen);
+  for (std::size_t i = 0; i < marks.pens().size(); ++i) {
+    const mark::Pen& pen = marks.pens()[i];
     lines.push_back(fmt::format(
         "{:<12}{}, {:.6g} mm/s, {:.4g} of the power, {:.6g} "
         "Hz, {}",
-        pen.name, Counted(static_cast<std::uint64_t>(count), "mark"), pen.speed_mm_s,
-        pen.power_ratio, pen.frequency_hz, Counted(pen.pass_count, "pass", "passes")));
+        pen.name, Counted(marks.counts()[i], "mark"), pen.speed_mm_s, pen.power_ratio,
+        pen.frequency_hz, Counted(pen.pass_count, "pass", "passes")));
   }
-  for (const Warning& warning : marks.warnings)
+  for (const Warning& warning : preview.warnings)
     lines.push_back(client::WarningLine(warning));
-  if (marks.job.marks().has_web()) {
-    for (std::string& line : WebLines(marks)) lines.push_back(std::move(line));
+  if (marks.web()) {
+    auto of_web = INTAGLIO_TRY(WebLines(preview));
+    std::ranges::move(of_web, std::back_inserter(lines));
   } else {
     lines.push_back("verdict     good: all marks lie in the field");
   }
@@ -206,47 +209,52 @@ std::vector<std::string> LinesOfMarks(const OrderedMarks& marks) {
 }
 
 /// The first fields of a web, or the whole piece; what lies at the right arrives first.
-Status DrawMarks(const OrderedMarks& marks, const std::string& file,
+Status DrawMarks(MarksPreview& preview, const std::string& file,
                  const std::vector<std::string>& lines) {
   render::WebPicture picture;
-  picture.field_mm = marks.head.field_mm();
-  picture.title = marks.job.name();
+  picture.field_mm = preview.marks.head().field_mm();
+  picture.title = preview.job.name();
   picture.figures = lines;
-  const double end_mm = kPictureFields * marks.head.field_mm();
-  const std::vector<std::size_t> all_missed = marks.missed();
-  std::size_t next_missed = 0;
-  for (std::size_t i = 0; i < marks.set.marks.size(); ++i) {
-    const mark::Mark& mark = marks.set.marks[i];
-    const bool missed = next_missed < all_missed.size() && all_missed[next_missed] == i;
-    if (missed) ++next_missed;
-    if (mark.web_mm > end_mm) continue;
-    std::vector<Vec2> outline = mark::PlacesOf(mark, 0.01);
-    if (mark.closed) outline.push_back(outline.front());
-    for (Vec2& p : outline) p.x() -= mark.web_mm;
-    picture.marks_mm.push_back(std::move(outline));
-    picture.missed.push_back(missed);
-  }
+  const std::vector<std::size_t> missed = preview.missed();
+  INTAGLIO_TRY(preview.marks.ForEach(
+      [&](std::size_t number, const mark::Mark& mark) {
+        std::vector<Vec2> outline = mark::PlacesOf(mark, 0.01);
+        if (mark.closed) outline.push_back(outline.front());
+        for (Vec2& p : outline) p.x() -= mark.web_mm;
+        picture.marks_mm.push_back(std::move(outline));
+        picture.missed.push_back(std::ranges::binary_search(missed, number));
+        return true;
+      },
+      kPictureFields * picture.field_mm));
   return render::WritePng(file, render::DrawWeb(picture));
 }
 
-Status WriteMarks(const OrderedMarks& marks, const std::string& file) {
-  std::string text = "mark,item,web_mm,closed,x_mm,y_mm\n";
-  for (std::size_t i = 0; i < marks.set.marks.size(); ++i) {
-    const mark::Mark& mark = marks.set.marks[i];
+Status WriteMarks(MarksPreview& preview, const std::string& path) {
+  auto file = INTAGLIO_TRY(io::AtomicFile::Create(path));
+  INTAGLIO_TRY(file.Write(std::string_view("mark,item,web_mm,closed,x_mm,y_mm\n")));
+  Status written;
+  LateMeter meter;
+  const std::size_t count = preview.marks.mark_count();
+  INTAGLIO_TRY(preview.marks.ForEach([&](std::size_t number, const mark::Mark& mark) {
+    meter.Show("csv", number, count, "marks");
+    std::string rows;
     for (const Vec2& p : mark::PlacesOf(mark, 0.001))
-      text += fmt::format("{},{},{},{},{:.6g},{:.6g}\n", i + 1, mark.pen + 1, mark.web_mm,
-                          mark.closed ? 1 : 0, p.x(), p.y());
-  }
-  return io::WriteFileAtomically(file, std::string_view(text));
+      fmt::format_to(std::back_inserter(rows), "{},{},{},{},{:.6g},{:.6g}\n", number + 1,
+                     mark.pen + 1, mark.web_mm, mark.closed ? 1 : 0, p.x(), p.y());
+    written = file.Write(rows);
+    return written.has_value();
+  }));
+  INTAGLIO_TRY(written);
+  return file.Commit();
 }
 
 Result<bool> PreviewMarks(const MarksPreviewOptions& options) {
-  const auto marks = INTAGLIO_TRY(OrderMarksOf(options));
-  const std::vector<std::string> lines = LinesOfMarks(marks);
+  auto preview = INTAGLIO_TRY(PlanMarks(options));
+  const auto lines = INTAGLIO_TRY(LinesOfMarks(preview));
   for (const std::string& line : lines) std::cout << line << "\n";
-  if (!options.csv.empty()) INTAGLIO_TRY(WriteMarks(marks, options.csv));
-  if (!options.picture.empty()) INTAGLIO_TRY(DrawMarks(marks, options.picture, lines));
-  return marks.missed().empty();
+  if (!options.csv.empty()) INTAGLIO_TRY(WriteMarks(preview, options.csv));
+  if (!options.picture.empty()) INTAGLIO_TRY(DrawMarks(preview, options.picture, lines));
+  return preview.missed().empty();
 }
 
 }  // namespace

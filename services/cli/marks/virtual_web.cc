@@ -5,8 +5,9 @@
 
 #include "engrave/core/try.h"
 #include "services/job/marks/job_marks.h"
-#include "services/job/marks/web_run.h"
+#include "services/job/marks/planned_marks.h"
 #include "services/job/models/program_limits.h"
+#include "services/platform/host/threads/worker_threads.h"
 
 namespace intaglio::cli {
 
@@ -17,10 +18,9 @@ Result<double> VirtualWebSpeed(const JobSpec& job, const MachineSpec& machine,
   const ReadLimits limits = mesh_reader::LimitsOfProgram(size_limits);
   auto files = INTAGLIO_TRY(ReadJobMarkFiles(job, limits));
   Warnings ignored;  // the discretizer reports them
-  auto made = INTAGLIO_TRY(
-      MakeJobMarks(job, machine, std::move(files), limits, ignored, nullptr));
-  const auto ordered = INTAGLIO_TRY(OrderJobMarks(job, machine, std::move(made)));
-  const double largest_mm_s = INTAGLIO_TRY(WebRunOf(job, machine, ordered)).max_mm_s;
+  const auto planned = INTAGLIO_TRY(PlannedMarks::Make(
+      job, machine, std::move(files), limits, host::AllCores(), ignored, {}));
+  const double largest_mm_s = INTAGLIO_TRY(*planned.web()).max_mm_s;
   return std::min(kVirtualWebShare * largest_mm_s,
                   machine.scan_head().field_mm() / kVirtualWebS);
 }

@@ -23,8 +23,10 @@ class LateMeter {
   LateMeter(const LateMeter&) = delete;
   LateMeter& operator=(const LateMeter&) = delete;
 
-  /// As a ProgressSink of that stage; always true.
-  bool Show(const char* stage, std::uint64_t done, std::uint64_t total) {
+  /// As a ProgressSink of that stage; always true. `things`: what it counts, in the
+  /// plural, with their rate; none: shares of its work.
+  bool Show(const char* stage, std::uint64_t done, std::uint64_t total,
+            const char* things = nullptr) {
     const auto now = Clock::now();
     if (stage != stage_) {
       stage_ = stage;
@@ -33,8 +35,13 @@ class LateMeter {
     if (now - began_ < kPatient || (now - last_ < kPeriod && done != total)) return true;
     last_ = now;
     shown_ = true;
-    bar_.ShowShare(stage, done, total,
-                   std::chrono::duration<double>(now - stage_began_).count());
+    const double elapsed_s = std::chrono::duration<double>(now - stage_began_).count();
+    if (things == nullptr) {
+      bar_.ShowShare(stage, done, total, elapsed_s);
+    } else {
+      bar_.CountIn(things);
+      bar_.Show(stage, done, total, elapsed_s);
+    }
     return true;
   }
 

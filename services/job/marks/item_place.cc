@@ -15,10 +15,11 @@ double AngleOf(const MarkPlacement& placement) {
   return placement.rotate_deg() * std::numbers::pi / 180;
 }
 
-/// Of the points as the placement turns them.
+/// Of points as the placement turns them.
 struct TurnedBox {
-  TurnedBox(const MarkPlacement& placement, std::span<const Vec2> points_mm) {
-    const Eigen::Matrix2d turn = Turn(AngleOf(placement));
+  explicit TurnedBox(const MarkPlacement& placement) : turn(Turn(AngleOf(placement))) {}
+
+  void Add(std::span<const Vec2> points_mm) {
     for (const Vec2& p : points_mm) {
       const Vec2 turned = turn * p;
       min_mm = min_mm.cwiseMin(turned);
@@ -27,6 +28,7 @@ struct TurnedBox {
   }
   bool empty() const { return !(min_mm.x() <= max_mm.x()); }
 
+  Eigen::Matrix2d turn;
   Vec2 min_mm = Vec2::Constant(std::numeric_limits<double>::infinity());
   Vec2 max_mm = -min_mm;
 };
@@ -41,12 +43,14 @@ double ScaleFor(const MarkPlacement& placement, const TurnedBox& box) {
   return is_mm > 0 ? asked_mm / is_mm : placement.scale_ratio();
 }
 
-std::vector<Vec2> PointsOf(const MarkShapes& shapes) {
-  if (shapes.extent_mm) return CornersOf(*shapes.extent_mm);
-  std::vector<Vec2> points_mm;
-  for (const MarkShape& shape : shapes.shapes)
-    points_mm.insert(points_mm.end(), shape.places_mm.begin(), shape.places_mm.end());
-  return points_mm;
+TurnedBox BoxOf(const MarkPlacement& placement, const MarkShapes& shapes) {
+  TurnedBox box(placement);
+  if (shapes.extent_mm) {
+    box.Add(CornersOf(*shapes.extent_mm));
+  } else {
+    for (const MarkShape& shape : shapes.shapes) box.Add(shape.places_mm);
+  }
+  return box;
 }
 
 }  // namespace
@@ -57,11 +61,13 @@ std::vector<Vec2> CornersOf(const Box3& box_mm) {
 }
 
 double ScaleOfItem(const MarkPlacement& placement, const std::vector<Vec2>& points_mm) {
-  return ScaleFor(placement, TurnedBox(placement, points_mm));
+  TurnedBox box(placement);
+  box.Add(points_mm);
+  return ScaleFor(placement, box);
 }
 
 ItemPlace PlaceOf(const MarkPlacement& placement, const MarkShapes& shapes) {
-  const TurnedBox box(placement, PointsOf(shapes));
+  const TurnedBox box = BoxOf(placement, shapes);
   ItemPlace place;
   place.angle_rad = AngleOf(placement);
   place.scale = shapes.is_scaled ? 1 : ScaleFor(placement, box);

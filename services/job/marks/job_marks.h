@@ -43,8 +43,12 @@ Result<mark::MarkSet> MakeJobMarks(const JobSpec& job, const MachineSpec& machin
 /// Of the machine's scan_head; a value that is absent is the default.
 HeadFigures HeadFiguresOf(const MachineSpec& machine);
 
+/// Whether marks may be made from their end: lines keep their direction where a fill is
+/// not bidirectional.
+bool MayReverse(const JobSpec& job);
+
 /// The order in which they are made: on a piece at rest with short jumps, on a web so
-/// that it may run fast. Lines keep their direction where a fill is not bidirectional.
+/// that it may run fast.
 /// kOutsideBlock: a mark that does not fit into the field of the machine, by its item.
 /// `progress`: of a web, in marks.
 Result<mark::MarkSet> OrderJobMarks(const JobSpec& job, const MachineSpec& machine,

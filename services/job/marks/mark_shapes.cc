@@ -50,6 +50,7 @@ Status KeepDrawingLayers(const MarkDrawing& item, const std::vector<std::string>
 void AppendShapes(const drawing::FlatDrawing& flat, MarkShapes& made) {
   for (const drawing::FlatCurve& curve : flat.curves) {
     MarkShape shape{{}, curve.closed && curve.points_mm.size() > 2};
+    shape.places_mm.reserve(curve.points_mm.size());
     for (const Vec3& p : curve.points_mm) shape.places_mm.push_back(p.head<2>());
     if (shape.places_mm.size() > 1) made.shapes.push_back(std::move(shape));
   }
@@ -81,7 +82,8 @@ drawing::TextAlignment AlignmentOfText(TextAlignment alignment) {
                                            : drawing::TextAlignment::kLeft;
 }
 
-Result<MarkShapes> TextShapes(const Text& item, std::span<const MarkFile> fonts) {
+Result<drawing::TextOutliner> OpenFontsOf(const Text& item,
+                                          std::span<const MarkFile> fonts) {
   drawing::TextOptions options;
   options.font = {fonts.front().name, fonts.front().bytes};
   for (const MarkFile& font : fonts.subspan(1))
@@ -89,7 +91,17 @@ Result<MarkShapes> TextShapes(const Text& item, std::span<const MarkFile> fonts)
   options.cap_height_mm = item.height_mm();
   options.line_spacing_ratio = item.line_ratio();
   options.alignment = AlignmentOfText(item.alignment());
-  const auto outline = drawing::TextOutline(item.text(), options);
+  return drawing::TextOutliner::Open(std::move(options));
+}
+
+Result<MarkShapes> TextShapes(const Text& item, std::span<const MarkFile> files,
+                              OpenFonts& fonts) {
+  if (!fonts) {
+    auto opened = OpenFontsOf(item, files);
+    if (!opened) return tl::unexpected(InField("text.text", opened.error()));
+    fonts = *std::move(opened);
+  }
+  const auto outline = fonts->Outline(item.text());
   if (!outline) return tl::unexpected(InField("text.text", outline.error()));
   const auto flat = drawing::Flatten(*outline);
   if (!flat) return tl::unexpected(InField("text.text", flat.error()));
@@ -113,10 +125,11 @@ Result<MarkShapes> CodeShapes(const MarkCode& item) {
 }  // namespace
 
 Result<MarkShapes> ShapesOf(const MarkItem& item, std::span<const MarkFile> files,
-                            const ReadLimits& limits, Warnings& warnings) {
+                            const ReadLimits& limits, OpenFonts& fonts,
+                            Warnings& warnings) {
   if (item.has_drawing())
     return DrawingShapes(item.drawing(), files.front(), limits, warnings);
-  if (item.has_text()) return TextShapes(item.text(), files);
+  if (item.has_text()) return TextShapes(item.text(), files, fonts);
   if (item.has_code()) return CodeShapes(item.code());
   return ImageShapes(item, files.front(), limits);
 }

@@ -11,6 +11,7 @@
 #include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
 #include "engrave/core/warning.h"
+#include "engrave/drawing/font_outline.h"
 #include "engrave/mark/hatch.h"
 #include "proto/mark.pb.h"
 #include "services/job/models/read_limits.h"
@@ -38,11 +39,15 @@ struct MarkFile {
   std::string_view bytes;
 };
 
+/// The fonts of a text, from the first time that it is made on.
+using OpenFonts = std::optional<drawing::TextOutliner>;
+
 /// `item` with its defaults and with the text of this repeat, plain; `files` those that
 /// ForEachFile (model_kind.h) names for the item. Errors begin with the field within the
 /// item, "drawing.file: ...". What a file holds that is not marked is added to
-/// `warnings`.
+/// `warnings`. `fonts`: those of the item in all repeats.
 Result<MarkShapes> ShapesOf(const MarkItem& item, std::span<const MarkFile> files,
-                            const ReadLimits& limits, Warnings& warnings);
+                            const ReadLimits& limits, OpenFonts& fonts,
+                            Warnings& warnings);
 
 }  // namespace intaglio

@@ -3,6 +3,7 @@
 // How long a head needs for marks, and how fast a web may run under it.
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "engrave/core/progress.h"
@@ -46,6 +47,12 @@ std::vector<galvo::TimedMark> TimedMarksOf(const mark::MarkSet& set,
 /// kOutsideBlock: a mark that no place of the web brings into the window wholly, by its
 /// number, place and size; on a piece at rest, one that lies outside the window.
 Status CheckField(const mark::MarkSet& set, bool on_web, const HeadFigures& head);
+/// The same of some marks, the first of which has this number, from 0.
+Status CheckField(std::span<const mark::Mark> marks, std::size_t first,
+                  std::span<const mark::Pen> pens, bool on_web, const HeadFigures& head);
+
+/// The marks of one repeat on a web by their jumps: what lies at the right arrives first.
+std::vector<mark::Mark> OrderRepeat(std::vector<mark::Mark> marks, bool may_reverse);
 
 /// The order in which the web may run fastest (engrave/galvo/web_order.h): of each repeat
 /// the marks are ordered by their jumps, parts of that order become units of a sixteenth

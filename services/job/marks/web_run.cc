@@ -28,6 +28,11 @@ Result<WebRun> WebRunOf(const JobSpec& job, const MachineSpec& machine,
   const HeadFigures head = HeadFiguresOf(machine);
   MarkTimes times;
   const auto timed = TimedMarksOf(ordered, head, &times);
+  return WebRunOf(job, head, timed, times);
+}
+
+Result<WebRun> WebRunOf(const JobSpec& job, const HeadFigures& head,
+                        std::span<const galvo::TimedMark> timed, const MarkTimes& times) {
   auto max_mm_s = galvo::MaxSpeed(timed, head.web_field_mm());
   if (!max_mm_s) {
     max_mm_s.error().message = "marks.web: " + max_mm_s.error().message;
@@ -40,12 +45,11 @@ Result<WebRun> WebRunOf(const JobSpec& job, const MachineSpec& machine,
   return run;
 }
 
-std::string NameOfMark(const JobSpec& job, const mark::MarkSet& ordered,
-                       std::size_t number) {
-  const mark::Mark& mark = ordered.marks[number];
+std::string NameOfMark(const JobSpec& job, std::span<const mark::Pen> pens,
+                       const mark::Mark& mark) {
   const double pitch_mm = job.marks().repeats().pitch_mm();
   const double repeat = pitch_mm > 0 ? mark.web_mm / pitch_mm : 0;
-  return fmt::format("{} of repeat {:.0f}", ordered.pens[mark.pen].name, repeat + 1);
+  return fmt::format("{} of repeat {:.0f}", pens[mark.pen].name, repeat + 1);
 }
 
 Status CheckWebRun(const JobSpec& job, const MachineSpec& machine,
@@ -60,7 +64,8 @@ Status CheckWebRun(const JobSpec& job, const MachineSpec& machine,
                     "missed, the first: {}; the largest speed is {:.1f} mm/s: give this "
                     "or less, mark faster, or give 0 for as fast as possible",
                     asked_mm_s, run.missed.size(), Counted(ordered.marks.size(), "mark"),
-                    NameOfMark(job, ordered, run.missed.front()), Shown(run.max_mm_s)),
+                    NameOfMark(job, ordered.pens, ordered.marks[run.missed.front()]),
+                    Shown(run.max_mm_s)),
         fmt::format("{:.6g}", asked_mm_s));
   }
   if (asked_mm_s == 0) {

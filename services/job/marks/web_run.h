@@ -2,6 +2,7 @@
 
 // How fast the web of a job of marks may run under its head, and what is missed above it.
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,9 +27,13 @@ struct WebRun {
 Result<WebRun> WebRunOf(const JobSpec& job, const MachineSpec& machine,
                         const mark::MarkSet& ordered);
 
+/// The same of marks that are timed already, as of TimedMarksOf, in their order.
+Result<WebRun> WebRunOf(const JobSpec& job, const HeadFigures& head,
+                        std::span<const galvo::TimedMark> timed, const MarkTimes& times);
+
 /// "item 2 of repeat 17".
-std::string NameOfMark(const JobSpec& job, const mark::MarkSet& ordered,
-                       std::size_t number);
+std::string NameOfMark(const JobSpec& job, std::span<const mark::Pen> pens,
+                       const mark::Mark& mark);
 
 /// Before anything is made. kRefused: marks would be missed at the speed that the job
 /// gives, with the largest one. Where it gives none, a note with the largest is added to

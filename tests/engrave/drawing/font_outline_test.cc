@@ -47,6 +47,20 @@ TEST_F(FontOutline, CapitalsAreAsHighAsAsked) {
   EXPECT_NEAR(box.max_mm.y(), 12, 1e-9);
 }
 
+TEST_F(FontOutline, OfFontsThatAreOpenIsThatOfFontsOpenedForIt) {
+  const auto outliner = TextOutliner::Open(options_);
+  ASSERT_TRUE(outliner) << outliner.error().message;
+  for (const std::string text : {"HIT", "AV\nof 17", "HIT"}) {
+    const FlatDrawing expected = Flat(text);
+    const FlatDrawing flat = Flatten(outliner->Outline(text).value()).value();
+    ASSERT_EQ(flat.curves.size(), expected.curves.size());
+    for (std::size_t i = 0; i < flat.curves.size(); ++i)
+      EXPECT_EQ(flat.curves[i].points_mm, expected.curves[i].points_mm);
+  }
+  EXPECT_FALSE(outliner->Outline(" "));
+  EXPECT_TRUE(outliner->Outline("A"));
+}
+
 TEST_F(FontOutline, LettersHaveTheirContours) {
   // B has two holes, i two parts; all are closed.
   const FlatDrawing flat = Flat("Bi");

@@ -215,12 +215,14 @@ TEST(MarkTicks, AreAsManyAsTheyAreCounted) {
       const std::vector part(strokes.begin(),
                              strokes.begin() + static_cast<std::ptrdiff_t>(count));
       const auto ticks = MakeMarkTicks(part, {2, -7}, options).value();
-      const auto counted = CountMarkTicks(part, {2, -7}, options).value();
-      EXPECT_EQ(counted.count, ticks.size());
+      const auto counted = CountStrokeTicks(part, options).value();
+      const double jump_mm = (counted.first_mm - Vec2(2, -7)).norm();
+      EXPECT_EQ(CountJumpTicks(jump_mm, options) + counted.count, ticks.size());
       EXPECT_LT((counted.end_mm - ticks.back().place_mm).norm(), 1e-9);
     }
   }
-  EXPECT_FALSE(CountMarkTicks(strokes, {0, 0}, MarkTickOptions()));
+  EXPECT_FALSE(CountStrokeTicks(strokes, MarkTickOptions()));
+  EXPECT_FALSE(CountStrokeTicks({}, Plain()));
 }
 
 }  // namespace
