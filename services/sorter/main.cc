@@ -38,8 +38,9 @@ class PointOrMarkInput final : public host::StageInput {
       const host::StageTask& task) override {
     estimate_ticks_ = std::make_shared<std::atomic<std::uint64_t>>(0);
     if (MakesMarks(task.job.job())) {
-      return [job = task.job, marks = marks_.TakeContent()](const ProgressSink&) mutable {
-        return sorter::SortMarks(job, std::move(marks));
+      return [job = task.job,
+              marks = marks_.TakeContent()](const ProgressSink& progress) mutable {
+        return sorter::SortMarks(job, std::move(marks), progress);
       };
     }
     return [job = task.job, cloud = points_.TakeContent(),

@@ -73,12 +73,13 @@ Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
   return result;
 }
 
-Result<host::StageResult> SortMarks(const FrozenJob& job, mark::MarkSet marks) {
+Result<host::StageResult> SortMarks(const FrozenJob& job, mark::MarkSet marks,
+                                    const ProgressSink& progress) {
   const std::size_t count = marks.marks.size();
   host::StageResult result;
   Warnings warnings;
-  result.marks =
-      INTAGLIO_TRY(OrderMarks(job.job(), job.machine(), std::move(marks), warnings));
+  result.marks = INTAGLIO_TRY(
+      OrderMarks(job.job(), job.machine(), std::move(marks), warnings, progress));
   Require(result.size() == count, "an order of {} marks for {}", result.size(), count);
   SortOutcome& outcome = *result.outcome.mutable_sort();
   outcome.set_point_count(count);

@@ -16,7 +16,9 @@ Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
                                   std::atomic<std::uint64_t>& estimate_ticks,
                                   const ProgressSink& progress);
 
-/// The marks in the order in which they are made. Errors as of OrderMarks.
-Result<host::StageResult> SortMarks(const FrozenJob& job, mark::MarkSet marks);
+/// The marks in the order in which they are made. Errors as of OrderMarks; `progress`
+/// counts marks.
+Result<host::StageResult> SortMarks(const FrozenJob& job, mark::MarkSet marks,
+                                    const ProgressSink& progress);
 
 }  // namespace intaglio::sorter

@@ -20,18 +20,19 @@ struct MarkJobKind {
                                 std::vector<FileBytes> files, const ReadLimits& limits,
                                 Warnings& warnings, const ProgressSink& progress);
   Result<mark::MarkSet> (*order)(const JobSpec& job, const MachineSpec& machine,
-                                 mark::MarkSet marks);
+                                 mark::MarkSet marks, const ProgressSink& progress);
   std::vector<std::string> (*files)(const JobSpec& job);
 };
 
 constexpr std::array kMarkJobKinds = {
     MarkJobKind{[](const JobSpec& job) { return job.has_marks(); }, MakeJobMarks,
-                [](const JobSpec& job, const MachineSpec& machine, mark::MarkSet marks) {
-                  return OrderJobMarks(job, machine, std::move(marks));
-                },
-                JobMarkFilesOf},
+                OrderJobMarks, JobMarkFilesOf},
     MarkJobKind{[](const JobSpec& job) { return job.has_course(); }, MakeCourseMarks,
-                OrderCourseMarks, CourseMarkFilesOf},
+                [](const JobSpec& job, const MachineSpec& machine, mark::MarkSet marks,
+                   const ProgressSink&) {
+                  return OrderCourseMarks(job, machine, std::move(marks));
+                },
+                CourseMarkFilesOf},
 };
 
 const MarkJobKind& KindOfMarks(const JobSpec& job) {
@@ -58,8 +59,10 @@ Result<mark::MarkSet> MakeMarks(const JobSpec& job, const MachineSpec& machine,
 }
 
 Result<mark::MarkSet> OrderMarks(const JobSpec& job, const MachineSpec& machine,
-                                 mark::MarkSet marks, Warnings& warnings) {
-  auto ordered = INTAGLIO_TRY(KindOfMarks(job).order(job, machine, std::move(marks)));
+                                 mark::MarkSet marks, Warnings& warnings,
+                                 const ProgressSink& progress) {
+  auto ordered =
+      INTAGLIO_TRY(KindOfMarks(job).order(job, machine, std::move(marks), progress));
   INTAGLIO_TRY(CheckWebRun(job, machine, ordered, warnings));
   return ordered;
 }

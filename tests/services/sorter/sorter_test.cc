@@ -11,6 +11,7 @@
 #include "services/platform/bus/error_code.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/host/stage/flow.h"
+#include "services/sorter/sort_job.h"
 #include "tests/services/platform/host/stage/stage_shop.h"
 
 namespace intaglio {
@@ -366,6 +367,32 @@ TEST_F(SorterTest, AWebThatIsTooFastIsRefusedBeforeItIsArmed) {
   EXPECT_EQ(chosen->state, intaglio_TASK_DONE) << chosen->message;
   ASSERT_EQ(chosen->outcome.sort().warnings_size(), 1);
   EXPECT_EQ(chosen->outcome.sort().warnings(0).code(), "chosen");
+}
+
+TEST(SortMarks, CountsMarksAndEndsWhenItIsAskedTo) {
+  FrozenJob job = FrozenJobOf("web", SortSpec());
+  job.mutable_machine()->mutable_scan_head()->set_field_mm(60);
+  job.mutable_machine()->mutable_scan_head()->set_jump_mm_s(5000);
+  job.mutable_job()->Clear();
+  job.mutable_job()->mutable_marks()->add_items()->mutable_code()->set_text("A");
+  job.mutable_job()->mutable_marks()->mutable_web()->set_speed_mm_s(0);
+  mark::MarkSet set;
+  set.pens = {{"item 1", 1000, 0.5, 20000, 1}};
+  for (int k = 0; k < 50; ++k)
+    set.marks.push_back({0, false, 40.0 * k, {{{0, 0}, 0}, {{4, 0}, 0}}});
+  std::set<std::uint64_t> counted;
+  const auto ordered =
+      sorter::SortMarks(job, set, [&](std::uint64_t done, std::uint64_t total) {
+        EXPECT_EQ(total, 50U);
+        counted.insert(done);
+        return true;
+      });
+  ASSERT_TRUE(ordered) << ordered.error().message;
+  EXPECT_EQ(counted.size(), 51U);
+  const auto ended = sorter::SortMarks(
+      job, set, [](std::uint64_t done, std::uint64_t) { return done < 20; });
+  ASSERT_FALSE(ended);
+  EXPECT_EQ(ended.error().code, ErrorCode::kCancelled);
 }
 
 }  // namespace
