@@ -19,6 +19,7 @@
 #include "services/cli/job/job_options.h"
 #include "services/cli/progress/late_meter.h"
 #include "services/cli/terminal/complain.h"
+#include "services/cli/terminal/interrupt.h"
 #include "services/client/exit_codes.h"
 #include "services/client/warning_text.h"
 #include "services/job/checks/job_check.h"
@@ -121,7 +122,7 @@ Result<MarksPreview> PlanMarks(const MarksPreviewOptions& options) {
   LateMeter meter;
   const auto show = [&meter](const char* stage, const char* things) -> ProgressSink {
     return [&meter, stage, things](std::uint64_t done, std::uint64_t total) {
-      return meter.Show(stage, done, total, things);
+      return meter.Show(stage, done, total, things) && Interrupts() == 0;
     };
   };
   Warnings warnings;
@@ -241,7 +242,8 @@ Status WriteMarks(MarksPreview& preview, const std::string& path) {
     for (const Vec2& p : mark::PlacesOf(mark, 0.001))
       fmt::format_to(std::back_inserter(rows), "{},{},{},{},{:.6g},{:.6g}\n", number + 1,
                      mark.pen + 1, mark.web_mm, mark.closed ? 1 : 0, p.x(), p.y());
-    written = file.Write(rows);
+    written = Interrupts() == 0 ? file.Write(rows)
+                                : Fail(ErrorCode::kCancelled, "the CSV was cancelled");
     return written.has_value();
   }));
   INTAGLIO_TRY(written);
@@ -280,9 +282,13 @@ void AddMarksCommand(command_line::Command app) {
   preview.SetFooter(
       "Example: intaglio marks preview label.textproto --picture label.png\n"
       "Example: intaglio marks preview label.textproto --set marks.web.speed_mm_s=250\n"
-      "Exit code: 0 good, 2 wrong input, 3 marks are missed at the speed of the web.");
+      "Exit code: 0 good, 2 wrong input, 3 marks are missed at the speed of the web, 5 "
+      "cancelled.");
   preview.SetAction([o]() -> int {
+    CatchInterrupts();
     const auto good = PreviewMarks(*o);
+    if (!good && good.error().code == ErrorCode::kCancelled)
+      return Complain(good.error(), client::kExitCancelled);
     if (!good) return Complain(good.error(), client::kExitWrongInput);
     return *good ? client::kExitGood : client::kExitNotGood;
   });

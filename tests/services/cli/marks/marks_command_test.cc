@@ -3,8 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 
+#include "services/cli/terminal/interrupt.h"
 #include "tests/services/cli/typed_command.h"
 
 namespace intaglio::cli {
@@ -50,6 +54,18 @@ TEST_F(MarksCommand, NamesWhatAFasterWebWouldMiss) {
   EXPECT_EQ(Preview({"--set", "marks.web.speed_mm_s=20000"}), 3) << errors_;
   EXPECT_THAT(output_, HasSubstr("would be missed: item 1 of repeat "));
   EXPECT_THAT(output_, HasSubstr("reduce marks.web.speed_mm_s to "));
+}
+
+TEST_F(MarksCommand, IsEndedByAnInterrupt) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const std::string csv = (folder_ / "marks.csv").string();
+  const auto interrupted = [&] {
+    CatchInterrupts();
+    std::raise(SIGINT);
+    std::exit(Preview({"--csv", csv}));
+  };
+  EXPECT_EXIT(interrupted(), testing::ExitedWithCode(5), "");
+  EXPECT_FALSE(std::filesystem::exists(csv));
 }
 
 TEST_F(MarksCommand, ReportsWhatIsNotMarked) {
