@@ -35,6 +35,12 @@ std::vector<Vec2> Distinct(const MarkStroke& stroke) {
   return points;
 }
 
+std::vector<StrokePart> Whole(std::vector<Vec2> points, bool closed) {
+  std::vector<StrokePart> whole(1);
+  whole.front() = {std::move(points), closed, 0};
+  return whole;
+}
+
 }  // namespace
 
 StrokePath::StrokePath(std::vector<Vec2> points_mm, bool closed)
@@ -77,6 +83,7 @@ std::vector<StrokePart> PartsOf(const MarkStroke& stroke) {
   std::vector<Vec2> points = Distinct(stroke);
   const std::size_t n = points.size();
   if (n < 2) return {};
+  if (n == 2 && !stroke.closed) return Whole(std::move(points), false);
   std::vector<double> turns(n, 0.0);
   for (std::size_t i = 1; i + 1 < n; ++i)
     turns[i] = CornerAt(points[i - 1], points[i], points[i + 1]);
@@ -86,11 +93,7 @@ std::vector<StrokePart> PartsOf(const MarkStroke& stroke) {
   }
   const auto corner =
       std::ranges::find_if(turns, [](double turn_rad) { return turn_rad > 0; });
-  if (corner == turns.end()) {
-    std::vector<StrokePart> whole(1);
-    whole.front() = {std::move(points), stroke.closed, 0};
-    return whole;
-  }
+  if (corner == turns.end()) return Whole(std::move(points), stroke.closed);
   if (stroke.closed) {  // begins and ends at a corner: the first place if it is one
     const auto by = corner - turns.begin();
     std::rotate(points.begin(), points.begin() + by, points.end());

@@ -65,7 +65,14 @@ class AheadOrder {
  public:
   AheadOrder(std::span<const WebMark> marks, const WebHead& head,
              const std::vector<std::size_t>& arrival, double speed_mm_s)
-      : marks_(marks), head_(head), speed_mm_s_(speed_mm_s), left_(arrival) {}
+      : marks_(marks), head_(head), left_(arrival) {
+    times_.reserve(marks.size());
+    for (const WebMark& mark : marks) {
+      const double half_mm = (head.field_mm - mark.extent_mm) / 2;
+      times_.push_back({(mark.centre_mm.x() - half_mm) / speed_mm_s,
+                        (mark.centre_mm.x() + half_mm) / speed_mm_s});
+    }
+  }
 
   /// Nothing when a mark would be missed.
   std::optional<std::vector<std::size_t>> Order() {
@@ -90,15 +97,12 @@ class AheadOrder {
   }
 
  private:
-  double HalfMm(std::size_t mark) const {
-    return (head_.field_mm - marks_[mark].extent_mm) / 2;
-  }
-  double ArriveS(std::size_t mark) const {
-    return (marks_[mark].centre_mm.x() - HalfMm(mark)) / speed_mm_s_;
-  }
-  double LeaveS(std::size_t mark) const {
-    return (marks_[mark].centre_mm.x() + HalfMm(mark)) / speed_mm_s_;
-  }
+  struct InField {
+    double arrive_s, leave_s;
+  };
+
+  double ArriveS(std::size_t mark) const { return times_[mark].arrive_s; }
+  double LeaveS(std::size_t mark) const { return times_[mark].leave_s; }
   double CostS(std::size_t mark, const Vec2& from_mm) const {
     return (marks_[mark].centre_mm - from_mm).norm() / head_.jump_mm_s +
            marks_[mark].mark_s;
@@ -126,11 +130,11 @@ class AheadOrder {
     for (std::size_t i = begin_; i < End(); ++i)
       arrive_s = std::min(arrive_s, ArriveS(left_[i]));
     now_s_ = std::max(now_s_, arrive_s);
-    std::vector<std::pair<double, std::size_t>> near;  // cost, place
+    near_.clear();
     for (std::size_t i = begin_; i < End(); ++i)
-      if (ArriveS(left_[i]) <= now_s_) near.emplace_back(CostS(left_[i], at_mm_), i);
-    std::sort(near.begin(), near.end());
-    for (const auto& [cost_s, place] : near) {
+      if (ArriveS(left_[i]) <= now_s_) near_.emplace_back(CostS(left_[i], at_mm_), i);
+    std::sort(near_.begin(), near_.end());
+    for (const auto& [cost_s, place] : near_) {
       if (now_s_ + cost_s <= LeaveS(left_[place]) && OthersAreMade(place)) return place;
     }
     const double done_s =
@@ -142,8 +146,9 @@ class AheadOrder {
 
   std::span<const WebMark> marks_;
   const WebHead& head_;
-  double speed_mm_s_;
+  std::vector<InField> times_;  // of each mark
   std::vector<std::size_t> left_;
+  std::vector<std::pair<double, std::size_t>> near_;  // cost, place; of one step
   std::size_t begin_ = 0;
   double now_s_ = 0;
   Vec2 at_mm_ = Vec2::Zero();

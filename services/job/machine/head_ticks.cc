@@ -1,5 +1,8 @@
 #include "services/job/machine/head_ticks.h"
 
+#include <cstdint>
+#include <utility>
+
 namespace intaglio {
 namespace {
 
@@ -33,7 +36,11 @@ galvo::MarkTickOptions TickOptionsOf(const ScanHead& head, const mark::Pen& pen,
 std::vector<galvo::MarkStroke> StrokesOf(const mark::Mark& mark, const mark::Pen& pen) {
   galvo::MarkStroke stroke{mark::PlacesOf(mark, kChordToleranceMm), mark.closed};
   for (Vec2& place : stroke.points_mm) place.x() -= mark.web_mm;
-  return std::vector<galvo::MarkStroke>(pen.pass_count, stroke);
+  std::vector<galvo::MarkStroke> passes;
+  passes.reserve(pen.pass_count);
+  for (std::uint32_t i = 1; i < pen.pass_count; ++i) passes.push_back(stroke);
+  passes.push_back(std::move(stroke));
+  return passes;
 }
 
 }  // namespace intaglio

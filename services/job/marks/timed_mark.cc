@@ -13,13 +13,14 @@ Vec2 OnWeb(const mark::Mark& mark, const mark::Place& place) {
   return place.at_mm - Vec2(mark.web_mm, 0);
 }
 
-}  // namespace
+bool HasArcs(const mark::Mark& mark) {
+  return std::ranges::any_of(mark.places,
+                             [](const mark::Place& p) { return p.bulge != 0; });
+}
 
-MarkExtent ExtentOf(const mark::Mark& mark, const mark::Pen& pen,
-                    const HeadFigures& head) {
-  std::vector<Vec2> places_mm = mark::PlacesOf(mark, kArcToleranceMm);
+MarkExtent ExtentOfPlaces(std::span<const Vec2> places_mm, const mark::Pen& pen,
+                          const HeadFigures& head) {
   MarkExtent extent{};
-  for (Vec2& p : places_mm) p.x() -= mark.web_mm;
   extent.min_mm = extent.max_mm = places_mm.front();
   for (const Vec2& p : places_mm) {
     extent.min_mm = extent.min_mm.cwiseMin(p);
@@ -29,10 +30,22 @@ MarkExtent ExtentOf(const mark::Mark& mark, const mark::Pen& pen,
   return extent;
 }
 
+}  // namespace
+
+MarkExtent ExtentOf(const mark::Mark& mark, const mark::Pen& pen,
+                    const HeadFigures& head) {
+  std::vector<Vec2> places_mm = mark::PlacesOf(mark, kArcToleranceMm);
+  for (Vec2& p : places_mm) p.x() -= mark.web_mm;
+  return ExtentOfPlaces(places_mm, pen, head);
+}
+
 MeasuredMark Measure(const mark::Mark& mark, const mark::Pen& pen,
                      const HeadFigures& head) {
   MeasuredMark measured;
-  measured.extent = ExtentOf(mark, pen, head);
+  const std::vector<galvo::MarkStroke> strokes = StrokesOf(mark, pen);
+  // Chords of arcs are finer for ticks.
+  measured.extent = HasArcs(mark) ? ExtentOf(mark, pen, head)
+                                  : ExtentOfPlaces(strokes.front().points_mm, pen, head);
   measured.start.begin_mm = OnWeb(mark, mark.places.front());
   measured.end_mm = OnWeb(mark, mark.closed ? mark.places.front() : mark.places.back());
   const double length_mm = mark::LengthOf(mark);
@@ -40,7 +53,7 @@ MeasuredMark Measure(const mark::Mark& mark, const mark::Pen& pen,
   galvo::MarkTickOptions ticks = head.ticks;
   ticks.mark_mm_s = pen.speed_mm_s;
   MarkStart& start = measured.start;
-  if (const auto counted = galvo::CountStrokeTicks(StrokesOf(mark, pen), ticks)) {
+  if (const auto counted = galvo::CountStrokeTicks(strokes, ticks)) {
     start.ticks = *counted;
     start.rest_mm = counted->end_mm;
   } else {
