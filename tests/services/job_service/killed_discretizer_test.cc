@@ -38,6 +38,8 @@ struct PartReport {
   intaglio_TaskState state = intaglio_TASK_ACCEPTED;
 };
 
+constexpr std::chrono::seconds kSignPeriod{1};
+
 class KilledDiscretizerTest : public testing::Test {
  protected:
   KilledDiscretizerTest() : folder_(test::FreshFolder()) {
@@ -60,12 +62,26 @@ class KilledDiscretizerTest : public testing::Test {
     }));
     return instance;
   }
+  /// Sorter and synchronizer are at their tasks, however long a busy computer takes for
+  /// the parts: the job service gives up who is silent for 10 s.
+  void GiveSignsOfLife(const TaskCopy& sort) {
+    shop_.Health(intaglio_STAGE_SORT, "s", intaglio_HEALTH_READY);
+    shop_.Health(intaglio_STAGE_ENGRAVE, "y", intaglio_HEALTH_READY);
+    shop_.Report(sort, intaglio_STAGE_SORT, intaglio_TASK_RUNNING, 0, 0);
+    shop_.Report(shop_.Task(intaglio_STAGE_ENGRAVE), intaglio_STAGE_ENGRAVE,
+                 intaglio_TASK_RUNNING, 0, 0);
+  }
   /// Plays the sorter's intake until it has the whole cloud. `look` is called between.
   PointCloud Receive(const TaskCopy& sort, const std::function<void()>& period) {
     EXPECT_TRUE(intake_.Open(sort.job_uid, sort.attempt, sort.input_part_count));
     Result<bool> taken = false;
+    auto next_sign = std::chrono::steady_clock::now();
     Eventually(
         [&] {
+          if (std::chrono::steady_clock::now() >= next_sign) {
+            GiveSignsOfLife(sort);
+            next_sign = std::chrono::steady_clock::now() + kSignPeriod;
+          }
           period();
           taken = intake_.Poll();
           return !taken || *taken;
