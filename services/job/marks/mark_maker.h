@@ -25,8 +25,8 @@ Result<mark::MarkSet> MakeMarks(const JobSpec& job, const MachineSpec& machine,
                                 Warnings& warnings, const ProgressSink& progress);
 
 /// The same marks in the order in which they are to be made. kRefused: some would be
-/// missed at the speed of the web; kCancelled when `progress`, which counts marks, returns
-/// that. What was chosen for the user is added to `warnings`.
+/// missed at the speed of the web; kCancelled when `progress`, which counts marks,
+/// returns that. What was chosen for the user is added to `warnings`.
 Result<mark::MarkSet> OrderMarks(const JobSpec& job, const MachineSpec& machine,
                                  mark::MarkSet marks, Warnings& warnings,
                                  const ProgressSink& progress = {});

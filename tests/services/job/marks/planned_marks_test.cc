@@ -182,9 +182,9 @@ TEST_F(PlannedMarksTest, CountRepeatsAndOrdersAndEndWhenTheyAreAskedTo) {
   }
 }
 
-/// A row has some 130 marks. For their times 48 bytes each are in memory, and of the units
-/// of some sizes what is needed to join them: 6.9 kB in all. The marks themselves, kept,
-/// would be 50 kB.
+/// A row has some 130 marks. For their times 48 bytes each are in memory, and of the
+/// units of some sizes what is needed to join them: 6.9 kB in all. The marks themselves,
+/// kept, would be 50 kB.
 TEST_F(PlannedMarksTest, TakeBelow10KilobytesARow) {
   constexpr std::size_t kFew = 500, kMany = 2500;
   const auto peak = [&](std::size_t rows) {
