@@ -136,20 +136,13 @@ void JobQueue::Turn(Nanoseconds now) {
 }
 
 void JobQueue::StartWaiting(Nanoseconds now) {
-  if (placed_revision_ != book_.waiting_revision()) PlaceWaiting();
-  for (JobRecord* job : next_) {
-    if (job->state != intaglio_JOB_QUEUED) continue;
-    const bool has_moved = std::exchange(job->queue_place, 1u) != 1;
-    if (book_.CellIsTaken(job->cell)) {
-      WaitForTurn(*job);
-    } else {
-      HandOut(*job, now);
-    }
-    if (has_moved && job->state == intaglio_JOB_QUEUED) book_.PublishProgress(*job);
-  }
+  if (placed_revision_ != book_.waiting_revision()) return PlaceWaiting(now);
+  for (JobRecord* job : next_)
+    if (job->state == intaglio_JOB_QUEUED) StartFirst(*job, now);
 }
 
-void JobQueue::PlaceWaiting() {
+// In the order of the places: a client that has some of them has the first ones.
+void JobQueue::PlaceWaiting(Nanoseconds now) {
   placed_revision_ = book_.waiting_revision();
   next_.clear();
   std::map<std::string, std::uint32_t> waiting;  // by cell
@@ -158,11 +151,22 @@ void JobQueue::PlaceWaiting() {
     const std::uint32_t place = ++waiting[job->cell];
     if (place == 1) {
       next_.push_back(job);
+      StartFirst(*job, now);
     } else if (std::exchange(job->queue_place, place) != place) {
       WaitForTurn(*job);
       book_.PublishProgress(*job);
     }
   }
+}
+
+void JobQueue::StartFirst(JobRecord& job, Nanoseconds now) {
+  const bool has_moved = std::exchange(job.queue_place, 1u) != 1;
+  if (book_.CellIsTaken(job.cell)) {
+    WaitForTurn(job);
+  } else {
+    HandOut(job, now);
+  }
+  if (has_moved && job.state == intaglio_JOB_QUEUED) book_.PublishProgress(job);
 }
 
 void JobQueue::WaitForTurn(JobRecord& job) {

@@ -119,7 +119,9 @@ class JobQueue {
   void StartWaiting(Nanoseconds now);
   /// Who is next on each machine, and the places of those behind. It looks at all that
   /// wait, so it is done when another one waits or the order is another one.
-  void PlaceWaiting();
+  void PlaceWaiting(Nanoseconds now);
+  /// One that is next on its machine gets it, if it is free and the workers are.
+  void StartFirst(JobRecord& job, Nanoseconds now);
   void WaitForTurn(JobRecord& job);
   void HandOut(JobRecord& job, Nanoseconds now);
   /// The workers of the three stages, of the last two one each.

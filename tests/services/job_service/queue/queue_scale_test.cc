@@ -1,7 +1,11 @@
 // What a turn of a queue costs does not grow with the jobs that wait in it.
 
+#include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <new>
+#include <string>
+#include <vector>
 
 #include "tests/services/job_service/queue/queue_bench.h"
 
@@ -53,6 +57,39 @@ TEST_F(QueueScaleTest, WithoutWorkersItIsTheSame) {
   AddAll(11, 2000);
   EXPECT_EQ(AllocationsOfATurn(), with_few);
   EXPECT_EQ(queue_.Find("j2000")->queue_place, 2000u);
+}
+
+/// Keeps in which order jobs are published, each once.
+class OrderedActions : public RecordingActions {
+ public:
+  void Changed(const JobRecord& job) override {
+    RecordingActions::Changed(job);
+    Note(job.uid);
+  }
+  void Progressed(const JobRecord& job) override { Note(job.uid); }
+  std::vector<std::string> published;
+
+ private:
+  void Note(const std::string& uid) {
+    if (std::ranges::find(published, uid) == published.end()) published.push_back(uid);
+  }
+};
+
+// A client that has the places of some of them takes none for the first that is not.
+TEST(QueuePlaces, AreGivenFromTheFirstToTheLast) {
+  std::vector<JobRecord> jobs(3);
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    jobs[i].number = i + 1;
+    jobs[i].uid = fmt::format("j{}", i + 1);
+    jobs[i].cell = "c";
+    jobs[i].turn = i == 2 ? -1 : std::int64_t{i};
+  }
+  OrderedActions actions;
+  JobQueue queue(actions);
+  queue.Restore(std::move(jobs), 0ns, 1s);
+  actions.published.clear();
+  queue.Turn(1s);
+  EXPECT_THAT(actions.published, testing::ElementsAre("j3", "j1", "j2"));
 }
 
 }  // namespace
