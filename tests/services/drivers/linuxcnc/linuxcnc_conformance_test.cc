@@ -30,11 +30,24 @@ std::string WhyNot(const std::string& check) {
   return EnterNamespace();
 }
 
+/// LinuxCNC runs in real time, here on a kernel that has none: a run whose rows came late
+/// says that the computer is too busy. It is made again then, twice at most.
+template <typename Check, typename Maker>
+std::string ViolationInTime(const Check& check, const Maker& make) {
+  constexpr int kRuns = 3;
+  std::string violation;
+  for (int run = 0; run < kRuns; ++run) {
+    violation = drivers::ViolationOf(check, make);
+    if (violation.find("the computer is too busy") == std::string::npos) break;
+  }
+  return violation;
+}
+
 class LinuxcncMotion : public ::testing::TestWithParam<drivers::MotionCheck> {};
 
 TEST_P(LinuxcncMotion, Keeps) {
   if (const auto why = WhyNot(GetParam().name); !why.empty()) GTEST_SKIP() << why;
-  EXPECT_EQ(drivers::ViolationOf(GetParam(), &MakeMotionRig), "");
+  EXPECT_EQ(ViolationInTime(GetParam(), &MakeMotionRig), "");
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, LinuxcncMotion,
@@ -46,7 +59,7 @@ class LinuxcncLaser : public ::testing::TestWithParam<drivers::LaserCheck> {};
 
 TEST_P(LinuxcncLaser, Keeps) {
   if (const auto why = WhyNot(GetParam().name); !why.empty()) GTEST_SKIP() << why;
-  EXPECT_EQ(drivers::ViolationOf(GetParam(), &MakeLaserRig), "");
+  EXPECT_EQ(ViolationInTime(GetParam(), &MakeLaserRig), "");
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, LinuxcncLaser,
