@@ -1,10 +1,8 @@
 #include "services/client/shop/queue_time.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "services/client/shop/work_left.h"
-#include "services/platform/host/times/utc_time.h"
 
 namespace intaglio::client {
 namespace {
@@ -45,10 +43,7 @@ std::vector<QueueTime> QueueTimesOf(const std::vector<JobView>& jobs,
   std::vector<QueueTime> times;
   for (auto& [cell, queue] : queues) {
     queue.set_cell(cell);
-    if (queue.left_s() > 0) {
-      queue.set_ends_utc(host::UtcText(
-          now + std::chrono::milliseconds(std::llround(1000 * queue.left_s()))));
-    }
+    if (queue.left_s() > 0) queue.set_ends_utc(EndUtc(now, queue.left_s()));
     times.push_back(std::move(queue));
   }
   return times;

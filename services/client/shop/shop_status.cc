@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <set>
 
 #include "services/client/job_need.h"
@@ -134,8 +133,7 @@ class Builder {
     if (work.left_s <= 0) return;
     line.set_progress_ratio(work.share);
     line.set_left_s(work.left_s);
-    line.set_ends_utc(host::UtcText(
-        now_ + std::chrono::milliseconds(std::llround(1000 * work.left_s))));
+    line.set_ends_utc(EndUtc(now_, work.left_s));
   }
 
   void AddMachines() {

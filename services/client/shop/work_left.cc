@@ -1,6 +1,9 @@
 #include "services/client/shop/work_left.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "services/platform/host/times/utc_time.h"
 
 namespace intaglio::client {
 namespace {
@@ -31,6 +34,10 @@ WorkLeft WorkLeftOf(const JobView& job) {
   const double share =
       static_cast<double>(stage->done_count) / static_cast<double>(stage->total_count);
   return WorkLeftOf(share, stage->elapsed_s, engraves ? EngravingSeconds(job) : 0);
+}
+
+std::string EndUtc(std::chrono::system_clock::time_point now, double left_s) {
+  return host::UtcText(now + std::chrono::milliseconds(std::llround(1000 * left_s)));
 }
 
 }  // namespace intaglio::client

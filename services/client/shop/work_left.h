@@ -3,6 +3,9 @@
 // How far the work in hand is, and how long it takes yet: the one computation, for
 // `status`, the bars of `run` and `watch`, and the lines of `list` and `show`.
 
+#include <chrono>
+#include <string>
+
 #include "services/client/job_view.h"
 
 namespace intaglio::client {
@@ -24,5 +27,8 @@ double EngravingSeconds(const JobView& job, double machine_speed = 1);
 /// Describes the stage at work; nothing where none is at work: before the first point,
 /// paused, ended.
 WorkLeft WorkLeftOf(const JobView& job);
+
+/// When work that takes `left_s` yet ends: UTC, ISO 8601, ms.
+std::string EndUtc(std::chrono::system_clock::time_point now, double left_s);
 
 }  // namespace intaglio::client
