@@ -22,9 +22,8 @@ JobRecord& JobBook::AddNew(JobRecord job) {
   const auto behind =
       in_turn_.upper_bound({-job.priority, std::numeric_limits<std::int64_t>::max(),
                             std::numeric_limits<std::uint32_t>::max()});
-  const bool is_first = behind == in_turn_.begin() ||
-                        std::get<0>(std::prev(behind)->first) != -job.priority;
-  job.turn = is_first ? 0 : std::get<1>(std::prev(behind)->first) + kTurnStep;
+  const auto last = TurnAhead(behind, job.priority);
+  job.turn = last ? *last + kTurnStep : 0;
   return Add(std::move(job));
 }
 
@@ -112,12 +111,18 @@ void JobBook::SpreadTurns(std::int32_t priority) {
   }
 }
 
+std::optional<std::int64_t> JobBook::TurnAhead(
+    std::map<Turn, JobRecord*>::const_iterator entry, std::int32_t priority) const {
+  if (entry == in_turn_.begin()) return std::nullopt;
+  const Turn& ahead = std::prev(entry)->first;
+  if (std::get<0>(ahead) != -priority) return std::nullopt;
+  return std::get<1>(ahead);
+}
+
 std::int64_t JobBook::TurnBefore(const JobRecord& next) {
   const auto previous_turn = [&] {
-    const auto entry = in_turn_.find(TurnOf(next));
-    const bool is_first = entry == in_turn_.begin() ||
-                          std::get<0>(std::prev(entry)->first) != -next.priority;
-    return is_first ? next.turn - 2 * kTurnStep : std::get<1>(std::prev(entry)->first);
+    return TurnAhead(in_turn_.find(TurnOf(next)), next.priority)
+        .value_or(next.turn - 2 * kTurnStep);
   };
   if (next.turn - previous_turn() < 2) SpreadTurns(next.priority);
   return previous_turn() + (next.turn - previous_turn()) / 2;

@@ -16,6 +16,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <tuple>
@@ -93,6 +94,9 @@ class JobBook {
   }
   /// The last one that waits for the cell, besides `job`; nullptr: none.
   const JobRecord* LastWaiting(const JobRecord& job) const;
+  /// The turn of the one right ahead of `entry`; nullopt: none of this priority is.
+  std::optional<std::int64_t> TurnAhead(std::map<Turn, JobRecord*>::const_iterator entry,
+                                        std::int32_t priority) const;
   /// A turn right before that of `next`, at its priority; makes room where there is none.
   std::int64_t TurnBefore(const JobRecord& next);
   /// Gives the jobs of a priority turns that are kTurnStep apart, in their order.
