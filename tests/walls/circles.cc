@@ -4,6 +4,8 @@
 #include <map>
 #include <set>
 
+#include "tests/walls/tree_files.h"
+
 namespace intaglio::walls {
 namespace {
 
@@ -17,19 +19,11 @@ using Arrows = std::map<std::string, std::map<std::string, Include>>;
 
 std::string ParentOf(const std::string& path) { return path.substr(0, path.rfind('/')); }
 
-/// The path between the quotes of an include of the product; empty for any other line.
-std::string QuotedPath(const std::string& line) {
-  const std::string word = "#include \"";
-  if (!line.starts_with(word)) return {};
-  const std::string path = line.substr(word.size(), line.rfind('"') - word.size());
-  return path.find('/') == std::string::npos ? "" : path;
-}
-
 void AddArrows(const fs::path& root, const fs::path& file, Arrows& arrows) {
   const std::string path = file.lexically_relative(root).string();
   std::ifstream in(file);
   for (std::string line; std::getline(in, line);) {
-    const std::string included = QuotedPath(line);
+    const std::string included = IncludedBy(line);
     if (included.empty() || ParentOf(included) == ParentOf(path)) continue;
     Include& first = arrows[ParentOf(path)][ParentOf(included)];
     if (first.file.empty() || path < first.file) first = {path, included};

@@ -73,10 +73,7 @@ Source Scan(const fs::path& file) {
   Source source;
   std::istringstream text(TextOfFile(file));
   for (std::string line; std::getline(text, line);) {
-    if (line.starts_with("#include ")) {
-      const std::size_t begin = line.find_first_of("<\"") + 1;
-      const std::string name =
-          line.substr(begin, line.find_first_of(">\"", begin) - begin);
+    if (const std::string name = IncludedBy(line); !name.empty()) {
       source.includes.insert(name);
       const auto whole = kWhole.find(name);
       if (whole != kWhole.end()) source.includes.insert(std::string(whole->second));

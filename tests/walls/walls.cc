@@ -6,6 +6,8 @@
 #include <regex>
 #include <set>
 
+#include "tests/walls/tree_files.h"
+
 namespace intaglio::walls {
 namespace {
 
@@ -288,15 +290,6 @@ bool IsOurs(const std::string& folder) {
     if (folder.starts_with(top)) return true;
   }
   return false;
-}
-
-/// The text between the quotes or brackets of an include; empty for any other line.
-std::string IncludedBy(const std::string& line) {
-  const std::string word = "#include ";
-  if (!line.starts_with(word) || line.size() < word.size() + 2) return {};
-  const auto end = line.find_first_of("\">", word.size() + 1);
-  return end == std::string::npos ? ""
-                                  : line.substr(word.size() + 1, end - word.size() - 1);
 }
 
 class Inspector {
