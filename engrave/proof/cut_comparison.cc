@@ -10,6 +10,7 @@
 
 #include "engrave/proof/cut_comparison.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>

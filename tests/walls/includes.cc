@@ -21,6 +21,7 @@ struct Row {
 
 const std::vector<Row>& Rows() {
   static const std::vector<Row> kRows = {
+      {"Eigen/Cholesky", {".ldlt(", ".llt("}},
       {"Eigen/Geometry",
        {"Eigen::AlignedBox", "Eigen::AngleAxis", "Eigen::Quaternion", "Eigen::Rotation2D",
         "Eigen::Translation", "Eigen::Isometry", "Eigen::Affine", ".cross(",
@@ -42,7 +43,8 @@ const std::vector<Row>& Rows() {
 }
 
 /// Headers that have all of another one, as their documentation says.
-const std::map<std::string_view, std::string_view> kWhole = {
+const std::multimap<std::string_view, std::string_view> kWhole = {
+    {"Eigen/Dense", "Eigen/Cholesky"},
     {"Eigen/Dense", "Eigen/Geometry"},
     {"fmt/chrono.h", "fmt/format.h"},
     {"fmt/ranges.h", "fmt/format.h"}};
@@ -75,8 +77,9 @@ Source Scan(const fs::path& file) {
   for (std::string line; std::getline(text, line);) {
     if (const std::string name = IncludedBy(line); !name.empty()) {
       source.includes.insert(name);
-      const auto whole = kWhole.find(name);
-      if (whole != kWhole.end()) source.includes.insert(std::string(whole->second));
+      const auto [begin, end] = kWhole.equal_range(name);
+      for (auto whole = begin; whole != end; ++whole)
+        source.includes.insert(std::string(whole->second));
       continue;
     }
     const std::string code = CodeOf(line);

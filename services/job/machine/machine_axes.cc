@@ -1,5 +1,6 @@
 #include "services/job/machine/machine_axes.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
