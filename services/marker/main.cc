@@ -30,7 +30,7 @@ int Serve(host::ServiceHost& host, const Options& options) {
   }
   host::OnlyInstance only(host, intaglio_ROLE_SYNCHRONIZER);
   if (only.AwaitTurn()) return only.EndAsSecond("marker");
-  marker::Marker cell(host, *machine, std::move(*driver));
+  marker::Marker cell(host, *machine, options.machine_file, std::move(*driver));
   return host::RunCellService(host, "marker", cell);
 }
 

@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "engrave/core/try.h"
+#include "services/marker/field_teacher.h"
+#include "services/marker/hand_teacher.h"
 #include "services/platform/bus/samples.h"
 
 namespace intaglio::marker {
@@ -21,18 +23,25 @@ std::uint32_t BitsOf(const drivers::MarkDeviceState& state, bool stopped) {
          (stopped ? 64u : 0u);
 }
 
+std::unique_ptr<cell::Teacher> MakeTeacher(const MachineSpec& machine,
+                                           const std::string& profile) {
+  if (machine.has_scan_head()) return std::make_unique<FieldTeacher>(machine, profile);
+  return std::make_unique<HandTeacher>();
+}
+
 }  // namespace
 
 Marker::Marker(host::ServiceHost& host, const MachineSpec& machine,
-               std::unique_ptr<drivers::MarkDriver> driver)
+               const std::string& profile, std::unique_ptr<drivers::MarkDriver> driver)
     : machine_(machine),
       cell_(machine.name()),
       driver_(std::move(driver)),
       intake_(host.bus(), host.instance(), bus::kOrderedMarkBatch),
       interlocks_(host.bus(), bus::kInterlock, cell_),
+      teacher_(MakeTeacher(machine, profile)),
       task_(host, cell_, *this) {
   if (drivers::HandMotion* hand = driver_->hand())
-    desk_.emplace(host.bus(), cell_, *hand, teacher_);
+    desk_.emplace(host.bus(), cell_, *hand, *teacher_);
 }
 
 Marker::~Marker() = default;

@@ -16,8 +16,8 @@
 #include "services/cell/cell_task.h"
 #include "services/cell/maker.h"
 #include "services/cell/manual/manual_desk.h"
+#include "services/cell/manual/teacher.h"
 #include "services/marker/begun_zero.h"
-#include "services/marker/hand_teacher.h"
 #include "services/marker/marking.h"
 #include "services/marker/marking_preparation.h"
 #include "services/platform/host/process/service_host.h"
@@ -28,8 +28,9 @@ namespace intaglio::marker {
 
 class Marker final : private cell::Maker {
  public:
-  /// `machine`: the profile of this cell; no value of the machine is taken from a task.
-  Marker(host::ServiceHost& host, const MachineSpec& machine,
+  /// `machine`: the profile of this cell, and the file `profile` that it was read from;
+  /// no value of the machine is taken from a task.
+  Marker(host::ServiceHost& host, const MachineSpec& machine, const std::string& profile,
          std::unique_ptr<drivers::MarkDriver> driver);
   ~Marker() override;
 
@@ -86,7 +87,7 @@ class Marker final : private cell::Maker {
   std::unique_ptr<drivers::MarkDriver> driver_;
   host::MarkIntake intake_;
   bus::Writer<intaglio_Interlock> interlocks_;
-  HandTeacher teacher_;
+  std::unique_ptr<cell::Teacher> teacher_;
   std::optional<cell::ManualDesk> desk_;  ///< of a controller that a person can move
 
   BegunZero zero_;

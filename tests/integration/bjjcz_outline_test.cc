@@ -6,16 +6,15 @@
 #include <signal.h>
 
 #include <algorithm>
-#include <fstream>
 #include <functional>
 #include <iostream>
-#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "engrave/formats/point_file.h"
 #include "tests/integration/bjjcz_glass.h"
+#include "tests/integration/guide_ways.h"
 #include "tests/integration/point_shop.h"
 
 namespace intaglio {
@@ -24,6 +23,7 @@ namespace {
 using namespace std::chrono_literals;
 using testing::Ended;
 using testing::Eventually;
+using testing::GuideWay;
 using ::testing::HasSubstr;
 using testing::Running;
 
@@ -44,10 +44,6 @@ Vec2 FieldOf(const Vec3& glass_mm) {
 
 class BoardOutline : public ::testing::Test {
  protected:
-  struct Way {
-    Vec2 from_mm = Vec2::Zero(), to_mm = Vec2::Zero();
-  };
-
   BoardOutline()
       : shop_({.controller = "bjjcz",
                .profile = "bjjcz-glass",
@@ -60,20 +56,8 @@ class BoardOutline : public ::testing::Test {
   void AtPanel(const std::string& command) const {
     EXPECT_EQ(testing::AskPanel(shop_.folder(), command), "ok\n") << command;
   }
-  std::vector<Way> Ways() const {
-    std::vector<Way> ways;
-    std::ifstream record(shop_.record());
-    for (std::string line; std::getline(record, line);) {
-      std::istringstream in(line);
-      std::string kind, gate;
-      Vec2 from, to;
-      if (!(in >> kind >> from.x() >> from.y() >> to.x() >> to.y()) || kind != "guide")
-        continue;
-      EXPECT_FALSE(in >> gate) << "the gate is open: " << line;
-      const Vec2 middle = Vec2::Constant(32768);
-      ways.push_back({kPlaceMm * (from - middle), kPlaceMm * (to - middle)});
-    }
-    return ways;
+  std::vector<GuideWay> Ways() const {
+    return testing::GuideWaysOf(shop_.record(), testing::kBoardFieldMm);
   }
   bool HasPulses() const {
     const std::string record = testing::TextIn(shop_.record());
@@ -83,29 +67,12 @@ class BoardOutline : public ::testing::Test {
   std::unique_ptr<Running> Outline() const {
     return shop_.Start({"teach", "outline", shop_.job().string()});
   }
-  /// On a computer that is too busy for 200 ms the machine lets go; the person then gives
-  /// the command again.
   std::unique_ptr<Running> Drawing() const {
-    std::unique_ptr<Running> client;
-    EXPECT_TRUE(Eventually(
-        [&] {
-          if (!client || !client->running()) client = Outline();
-          const std::size_t before = Ways().size();
-          return Eventually([&] { return Ways().size() > before + 20; }, 20s);
-        },
-        90s))
-        << client->Output();
-    return client;
+    return testing::AwaitDrawing([&] { return Outline(); },
+                                 [&] { return Ways().size(); });
   }
-  /// Nothing is drawn any more: nothing within a second, at last.
   bool Rests() const {
-    return Eventually(
-        [&] {
-          const std::size_t before = Ways().size();
-          std::this_thread::sleep_for(1s);
-          return Ways().size() == before;
-        },
-        30s);
+    return testing::GuideRests([&] { return Ways().size(); });
   }
   PointList PointsOfJob() const {
     const auto file = shop_.folder() / "points.ply";
@@ -135,10 +102,10 @@ TEST_F(BoardOutline, HasAllPointsOfTheJobWithinItAndItsCornersAtPoints) {
   // Half a place on both axes, and what the polygon of 64 corners leaves out.
   constexpr double kRounded = 0.71 * kPlaceMm, kLeftOut = 0.01;
   // The same ways come again and again.
-  std::vector<Way> ways = Ways();
+  std::vector<GuideWay> ways = Ways();
   ASSERT_GT(ways.size(), 70u);
   ways.resize(70);
-  for (const Way& way : ways) {
+  for (const GuideWay& way : ways) {
     const Vec2 along = way.to_mm - way.from_mm;
     const auto at_corner = std::ranges::any_of(aims, [&](const Vec2& aim) {
       return (aim - way.to_mm).norm() <= kRounded + 1e-4;

@@ -269,8 +269,13 @@ std::vector<Finding> CheckWithoutModels(const JobAndMachine& built) {
 /// points_mm: of a job whose points are there already, or null.
 Result<JobAndMachine> Build(const JobFlags& flags, JobSpec read,
                             const PointList* points_mm) {
-  if (const auto refused = RefuseCourse(read); !refused.empty()) {
+  if (const auto refused = RefuseCourse(read); !refused.empty())
     return tl::unexpected(JoinErrors(refused));
+  if (read.has_marks()) {
+    return Fail(ErrorCode::kUnsupported,
+                "marks: are of a surface, and this makes points in a block: see them by "
+                "intaglio marks preview JOB, or submit the job to a machine that marks",
+                read.name());
   }
   JobAndMachine built;
   JobSpec& job = built.job = std::move(read);
@@ -333,11 +338,16 @@ Result<JobAndMachine> BuildMarkJob(const JobFlags& flags, JobSpec read) {
 
 }  // namespace
 
-Result<JobAndMachine> BuildJobToEngrave(const JobFlags& given) {
+Result<JobAndMachine> BuildJobOfAnyKind(const JobFlags& given) {
   const JobFlags flags = INTAGLIO_TRY(SortOut(given));
   if (const auto read = ReadJob(flags, true); read && MakesMarks(*read))
     return BuildMarkJob(flags, *read);
-  auto built = INTAGLIO_TRY(BuildJob(flags));
+  return BuildJob(flags);
+}
+
+Result<JobAndMachine> BuildJobToEngrave(const JobFlags& flags) {
+  auto built = INTAGLIO_TRY(BuildJobOfAnyKind(flags));
+  if (MakesMarks(built.job)) return built;
   INTAGLIO_TRY(
       CheckUnfittedSizes(built.job, mesh_reader::LimitsOfProgram(flags.size_limits)));
   return built;

@@ -29,11 +29,15 @@ struct JobAndMachine {
 };
 
 /// The job with all paths absolute, and its machine. Every mistake is in the error, one
-/// a line, with the field's path.
+/// a line, with the field's path. A job of marks is refused.
 Result<JobAndMachine> BuildJob(const JobFlags& flags);
 
-/// The same for a job that is engraved: a model that is far too large or too small for
-/// the block is refused before anything runs (services/job/models/unfitted_sizes.h).
+/// The same of a job of points or of marks.
+Result<JobAndMachine> BuildJobOfAnyKind(const JobFlags& flags);
+
+/// As BuildJobOfAnyKind, of a job that is made: a model that is far too large or too
+/// small for the block is refused before anything runs
+/// (services/job/models/unfitted_sizes.h).
 Result<JobAndMachine> BuildJobToEngrave(const JobFlags& flags);
 
 /// As BuildJob, for a job that the caller has read: flags, machine, defaults, checks.

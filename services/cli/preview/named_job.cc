@@ -35,7 +35,7 @@ void AddShopOfJob(command_line::Command command, ShopOfJob& shop) {
 
 Result<JobAndMachine> FindNamedJob(const JobFlags& flags, const ShopOfJob& shop) {
   const auto& what = flags.what;
-  if (what.size() != 1 || !IsJobOfShop(what.front())) return BuildJob(flags);
+  if (what.size() != 1 || !IsJobOfShop(what.front())) return BuildJobOfAnyKind(flags);
   auto job = INTAGLIO_TRY(history::ReadJob(
       shop.database.empty() ? shop.folder + "/jobs.db" : shop.database, what.front()));
   return CompleteJob(flags, std::move(job));

@@ -20,6 +20,7 @@
 #include "services/cli/terminal/interrupt.h"
 #include "services/client/exit_codes.h"
 #include "services/client/teach/job_outline.h"
+#include "services/job/marks/job_marks.h"
 #include "services/job/models/job_cloud.h"
 #include "services/job/models/program_limits.h"
 #include "services/platform/host/threads/worker_threads.h"
@@ -43,23 +44,48 @@ struct OutlineOptions : TeachOptions {
   bool rectangle = false;
 };
 
+Result<std::vector<Vec2>> OutlineOfMarks(const JobAndMachine& job) {
+  if (job.job.marks().has_web()) {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("{}: its marks are on a web, and have no place in the field "
+                            "before the web runs: there is no outline of them",
+                            job.job.name()),
+                job.job.name());
+  }
+  const ReadLimits limits = mesh_reader::LimitsOfProgram(1);
+  auto files = INTAGLIO_TRY(ReadJobMarkFiles(job.job, limits));
+  Warnings warnings;
+  const auto set = INTAGLIO_TRY(
+      MakeJobMarks(job.job, job.machine, std::move(files), limits, warnings,
+                   [](std::uint64_t, std::uint64_t) { return Interrupts() == 0; }));
+  return client::OutlineOfMarks(set);
+}
+
+Result<std::vector<Vec2>> OutlineOfPoints(JobAndMachine& job,
+                                          const std::string& materials_db) {
+  const auto frozen = INTAGLIO_TRY(FreezeWithGlass(job, materials_db));
+  const auto made =
+      INTAGLIO_TRY(MakeJobCloud(frozen.job(), mesh_reader::LimitsOfProgram(1),
+                                host::AllCores(), JobCloudProgress{}));
+  return client::OutlineOfJob(frozen, made.cloud);
+}
+
 /// With the machine's own profile, which has what was taught, unless another is named.
 Result<std::vector<Vec2>> CornersOf(const OutlineOptions& options,
                                     const client::MachineView& view) {
   JobFlags flags = options.job;
   if (!flags.machine) flags.machine = view.profile;
   auto job = INTAGLIO_TRY(FindNamedJob(flags, options.shop));
-  if (job.job.has_marks()) {
+  if (job.job.has_course()) {
     return Fail(ErrorCode::kUnsupported,
-                fmt::format("{}: is a job of marks; outlines are of jobs of points",
+                fmt::format("{}: follows contours; outlines are of jobs of points and of "
+                            "marks",
                             job.job.name()),
                 job.job.name());
   }
-  const auto frozen = INTAGLIO_TRY(FreezeWithGlass(job, options.materials_db));
-  const auto made =
-      INTAGLIO_TRY(MakeJobCloud(frozen.job(), mesh_reader::LimitsOfProgram(1),
-                                host::AllCores(), JobCloudProgress{}));
-  auto corners = INTAGLIO_TRY(client::OutlineOfJob(frozen, made.cloud));
+  auto corners =
+      INTAGLIO_TRY(job.job.has_marks() ? OutlineOfMarks(job)
+                                       : OutlineOfPoints(job, options.materials_db));
   return options.rectangle ? client::RectangleAround(corners) : std::move(corners);
 }
 

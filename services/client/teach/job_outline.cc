@@ -8,6 +8,11 @@
 #include "services/job/machine/machine_axes.h"
 
 namespace intaglio::client {
+namespace {
+
+constexpr double kArcTolerance_mm = 0.01;
+
+}  // namespace
 
 Result<std::vector<Vec2>> OutlineOfJob(const FrozenJob& job, const PointCloud& cloud) {
   const std::vector<machine::AxesFromGlass> by_model = AxesFromGlassOfModels(job);
@@ -19,6 +24,20 @@ Result<std::vector<Vec2>> OutlineOfJob(const FrozenJob& job, const PointCloud& c
     const auto& axes_from_glass = by_model.at(cloud.source[i]);
     near = INTAGLIO_TRY(axes_from_glass.ToAxes(cloud.points_mm[i], near));
     places.emplace_back(near.head<2>());
+  }
+  return WithFewerCorners(ConvexHull(std::move(places)), drivers::kMaxOutlineCorners);
+}
+
+Result<std::vector<Vec2>> OutlineOfMarks(const mark::MarkSet& set) {
+  std::vector<Vec2> places;
+  for (const mark::Mark& mark : set.marks) {
+    if (mark.web_mm != 0) {
+      return Fail(ErrorCode::kUnsupported,
+                  "marks on a web have no place in the field before the web runs: there "
+                  "is no outline of them");
+    }
+    for (const Vec2& place : mark::PlacesOf(mark, kArcTolerance_mm))
+      places.push_back(place);
   }
   return WithFewerCorners(ConvexHull(std::move(places)), drivers::kMaxOutlineCorners);
 }

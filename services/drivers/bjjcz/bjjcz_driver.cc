@@ -28,7 +28,8 @@ BjjczDriver::BjjczDriver(const MachineSpec& machine, std::vector<LmcCommand> set
       broken_(std::move(broken)),
       clock_(clock),
       line_(std::move(open), std::move(clock), ExpectedBoard(machine), std::move(set_up)),
-      lists_(machine) {
+      lists_(machine),
+      guide_(machine, lists_, [this] { return Reset(); }) {
   state_.message = state_.refusal = broken_;
 }
 
@@ -49,6 +50,7 @@ void BjjczDriver::Poll() {
     EndRun();
   }
   if (run_ && !stopping_) Feed();
+  if (guide_.active() && !stopping_) FeedGuide();
   FeedOutputs();
   Report();
 }
@@ -77,16 +79,18 @@ void BjjczDriver::TakeInputs(std::uint16_t inputs) {
   ++state_.openings;
   state_.safe_state = true;
   if (run_) BeginStop("key, door or stop button ended the run: close them, then reset");
+  if (guide_.active()) BeginStop("");
 }
 
 // The board plays the list that it has to the end.
 void BjjczDriver::TakeLost() {
-  has_inputs_ = closed_ = false;
+  has_inputs_ = closed_ = stopping_ = false;
   asked_outputs_.reset();
   outputs_.reset();
+  playing_.reset();
+  guide_.End();
   if (!run_) return;
   DropAll();
-  stopping_ = false;
   run_.reset();
   state_.fault = "the line to the board was lost during the run: reset and begin again";
 }
@@ -113,6 +117,7 @@ bool BjjczDriver::is_permitted_for(double seconds) const {
 
 Status BjjczDriver::Begin(std::uint32_t run, std::span<const mark::Pen> pens) {
   if (!state_.link_up) return Fail(ErrorCode::kLinkLost, state_.message);
+  if (guide_.active()) return RefuseBoard("an outline is drawn: end it");
   if (!state_.settled) return RefuseBoard("a run is not at its end: wait");
   if (!state_.fault.empty()) return RefuseBoard(state_.fault);
   if (!closed_ || state_.safe_state)
@@ -187,10 +192,11 @@ void BjjczDriver::Report() {
   state_.session = line_.sessions();
   state_.key_on = state_.door_closed = state_.stop_released = state_.link_up && closed_;
   state_.shutter_open = state_.link_up && gate_is_open();
-  state_.at_rest = !run_ && !busy_;
-  state_.settled = state_.link_up && !run_ && !busy_;
+  state_.at_rest = !run_ && !guide_.active() && !stopping_ && !busy_;
+  state_.settled = state_.link_up && state_.at_rest;
   const Vec2 at_mm = lists_.at_mm();
   state_.position_mm = Vec3(at_mm.x(), at_mm.y(), 0);
+  guide_.TakeState(state_);
 }
 
 std::unique_ptr<MarkDriver> MakeBjjczDriver(const MachineSpec& machine,

@@ -9,6 +9,8 @@
 //                                 v            v
 //        kBegun: before its first list    BUSY is gone behind its last: kDone
 //
+// By hand a guide laser draws an outline (mark_hand.h): between runs, with the gate off.
+//
 // One mark is in hand at a time, and one list is in the board: it is given when BUSY of
 // the one before has gone, and executed when the permission outlasts it.
 //
@@ -25,6 +27,9 @@
 //    one mark at most. Whether the board's count of marks could tell more is not known.
 //  - K7: key, door and stop button are one chain at an input that the host reads every 5
 //    ms; openings that are shorter, or without a host, are not seen.
+//  - K12: a host that dies and a line that is lost leave the guide laser of an outline
+//  on,
+//    at rest behind one list, until the line is back.
 //  - K9: it gives no number of its power-up, and a cable that was pulled looks like a
 //    power cycle: each session is another power_up.
 
@@ -39,6 +44,7 @@
 #include "proto/machine.pb.h"
 #include "services/drivers/bjjcz/board_list.h"
 #include "services/drivers/bjjcz/lmc_line.h"
+#include "services/drivers/bjjcz/mark_hand.h"
 #include "services/drivers/bjjcz/mark_lists.h"
 #include "services/drivers/interface/mark_driver.h"
 #include "services/drivers/interface/seen_marks.h"
@@ -56,6 +62,7 @@ class BjjczDriver final : public MarkDriver {
   BjjczDriver(const MachineSpec& machine, std::vector<LmcCommand> set_up,
               std::string broken, link::StreamOpener open, link::SteadyClock clock);
 
+  HandMotion* hand() override { return &guide_; }
   void Poll() override;
   int fd() const override { return line_.fd(); }
   const MarkDeviceState& state() const override { return state_; }
@@ -77,6 +84,7 @@ class BjjczDriver final : public MarkDriver {
   void TakeInputs(std::uint16_t inputs);
   void TakeLost();
   void Feed();
+  void FeedGuide();
   void TakeNextMark();
   void SendList();
   void ExecuteList();
@@ -99,6 +107,7 @@ class BjjczDriver final : public MarkDriver {
   LmcLine line_;
   MarkLists lists_;
   MarkDeviceState state_;
+  BjjczMarkHand guide_;
   SeenMarks seen_;
   std::vector<MarkEvent> events_;
 

@@ -17,6 +17,26 @@ void BjjczDriver::Feed() {
   if (stage_ == Hand::kMaking && gate_is_open()) SendList();
 }
 
+// The outline, until it is held and the board has played its list.
+void BjjczDriver::FeedGuide() {
+  if (playing_ && playing_->was_sent()) {
+    CheckList();
+    if (playing_ || stopping_) return;
+    guide_.SetPlayed();
+  }
+  if (!line_.is_idle() || busy_) return;
+  if (!guide_.draws()) {
+    playing_.reset();
+    return guide_.End();
+  }
+  // The guide laser is switched on before the first list of its way.
+  if (asked_outputs_ != WantedOutputs()) return;
+  if (playing_) return playing_->Execute(line_);
+  const LmcList list = guide_.Next();
+  drivers::SendList(list, line_);
+  playing_.emplace(list.seconds);
+}
+
 void BjjczDriver::TakeNextMark() {
   if (queue_.empty()) {
     if (finishes_) EndRun();
@@ -51,7 +71,7 @@ void BjjczDriver::CheckList() {
   }
   if (!playing_->HasEnded(busy_, clock_())) return;
   playing_.reset();
-  if (!lists_.has_more()) EndMark(MarkFate::kDone);
+  if (hand_ && !lists_.has_more()) EndMark(MarkFate::kDone);
 }
 
 void BjjczDriver::EndMark(MarkFate fate) {
@@ -71,6 +91,8 @@ void BjjczDriver::BeginStop(std::string fault) {
   if (state_.fault.empty()) state_.fault = std::move(fault);
   if (stopping_) return;
   DropAll();
+  playing_.reset();
+  guide_.End();
   stopping_ = true;
   asked_outputs_ = WantedOutputs();
   SendStop(*asked_outputs_, line_);
@@ -83,9 +105,14 @@ void BjjczDriver::EndRun() {
 }
 
 std::uint16_t BjjczDriver::WantedOutputs() const {
-  const bool permitted =
-      is_permitted_for(0) && closed_ && !stopping_ && state_.fault.empty();
-  return OutputBits(board_, {.permitted = permitted, .runs = run_.has_value()});
+  const bool permitted = is_permitted_for(0) && closed_ && !stopping_ &&
+                         !state_.safe_state && state_.fault.empty();
+  return OutputBits(board_, {
+                                .permitted = permitted,
+                                .runs = run_.has_value(),
+                                .in_outline = guide_.active(),
+                                .shows = guide_.shows() && closed_ && !stopping_,
+                            });
 }
 
 bool BjjczDriver::gate_is_open() const {

@@ -13,7 +13,7 @@ namespace {
 
 using enum LmcOperation;
 
-constexpr double kCentre = 32768, kPlaces = 65536, kMaxUint16 = 65535;
+constexpr double kMaxUint16 = 65535;
 // Chords of arcs: half a place of the board.
 constexpr double kChordPlaces = 0.5;
 // A piece of a line that is cut is not shorter than a tenth of a list.
@@ -24,10 +24,10 @@ constexpr double kMinPieceSeconds = kMaxListSeconds / 10;
 MarkLists::MarkLists(const MachineSpec& machine)
     : head_(machine.scan_head()),
       board_(machine.bjjcz_board()),
-      units_per_mm_(kPlaces / head_.field_mm()) {}
+      field_(head_.field_mm()) {}
 
 std::uint16_t MarkLists::SpeedOf(double speed_mm_s) const {
-  return ToUint16(speed_mm_s * units_per_mm_ / 1000);
+  return ToUint16(speed_mm_s * field_.places_per_mm() / 1000);
 }
 
 Status MarkLists::Begin(std::span<const mark::Pen> pens) {
@@ -46,13 +46,14 @@ Status MarkLists::Begin(std::span<const mark::Pen> pens) {
                       pen.frequency_hz, std::ceil(clock_hz / kMaxUint16), clock_hz),
           pen.frequency_hz);
     }
-    const double places_ms = pen.speed_mm_s * units_per_mm_ / 1000;
+    const double places_ms = pen.speed_mm_s * field_.places_per_mm() / 1000;
     if (!(places_ms >= 1 && places_ms <= kMaxUint16)) {
-      return refuse(fmt::format("a speed of {:g} mm/s; in a field of {:g} mm the board "
-                                "marks at {:.2g} to {:.0f} mm/s",
-                                pen.speed_mm_s, head_.field_mm(), 1000 / units_per_mm_,
-                                1000 * kMaxUint16 / units_per_mm_),
-                    pen.speed_mm_s);
+      return refuse(
+          fmt::format("a speed of {:g} mm/s; in a field of {:g} mm the board "
+                      "marks at {:.2g} to {:.0f} mm/s",
+                      pen.speed_mm_s, head_.field_mm(), 1000 / field_.places_per_mm(),
+                      1000 * kMaxUint16 / field_.places_per_mm()),
+          pen.speed_mm_s);
     }
     if (pen.depth_mm > 0)
       return refuse("a depth is of a spindle; give a power", pen.depth_mm);
@@ -74,9 +75,8 @@ Status MarkLists::Check(std::uint32_t number, const mark::Mark& mark) const {
     return refuse("has no length; draw a hole as a small circle");
   if (mark.web_mm != 0)
     return refuse("is on a web, which a BJJCZ board does not follow here");
-  const double border_mm = (kCentre - 1) / units_per_mm_;
-  for (const Vec2& at : mark::PlacesOf(mark, kChordPlaces / units_per_mm_)) {
-    if (std::abs(at.x()) <= border_mm && std::abs(at.y()) <= border_mm) continue;
+  for (const Vec2& at : mark::PlacesOf(mark, kChordPlaces / field_.places_per_mm())) {
+    if (field_.Contains(at)) continue;
     return refuse(
         fmt::format("({:.3f}, {:.3f}) mm is outside the field of {:g} mm; move "
                     "or scale the drawing",
@@ -90,19 +90,15 @@ void MarkLists::Load(const mark::Mark& mark) {
   moves_.clear();
   next_ = 0;
   const auto add = [&](const Vec2& at, bool is_lit) {
-    moves_.push_back(
-        {kCentre + at.x() * units_per_mm_, kCentre + at.y() * units_per_mm_, is_lit});
+    const Vec2 places = field_.places_per_mm() * at + Vec2::Constant(kMiddlePlace);
+    moves_.push_back({places.x(), places.y(), is_lit});
   };
-  std::vector<Vec2> places = mark::PlacesOf(mark, kChordPlaces / units_per_mm_);
-  if (mark.closed) places.push_back(places.front());
+  std::vector<Vec2> way = mark::PlacesOf(mark, kChordPlaces / field_.places_per_mm());
+  if (mark.closed) way.push_back(way.front());
   for (std::uint32_t pass = 0; pass < pen_->pass_count; ++pass) {
-    add(places.front(), false);
-    for (std::size_t i = 1; i < places.size(); ++i) add(places[i], true);
+    add(way.front(), false);
+    for (std::size_t i = 1; i < way.size(); ++i) add(way[i], true);
   }
-}
-
-Vec2 MarkLists::at_mm() const {
-  return Vec2(at_.x - kCentre, at_.y - kCentre) / units_per_mm_;
 }
 
 bool MarkLists::ends_stroke(std::size_t move) const {
@@ -142,8 +138,8 @@ bool MarkLists::AddMove(LmcList& list) {
     if (!move.is_lit || left_s < kMinPieceSeconds) return false;
     part = left_s / seconds;
   }
-  const Place to{static_cast<int>(std::round(at_.x + part * dx)),
-                 static_cast<int>(std::round(at_.y + part * dy))};
+  const BoardPlace to{static_cast<int>(std::round(at_.x + part * dx)),
+                      static_cast<int>(std::round(at_.y + part * dy))};
   list.commands.push_back({move.is_lit ? kMark : kJump,
                            {ToUint16(to.x), ToUint16(to.y), 0,
                             ToUint16(std::hypot(to.x - at_.x, to.y - at_.y))}});

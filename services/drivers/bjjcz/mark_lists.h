@@ -12,7 +12,9 @@
 
 #include "engrave/mark/mark.h"
 #include "proto/machine.pb.h"
+#include "services/drivers/bjjcz/board_field.h"
 #include "services/drivers/bjjcz/board_list.h"
+#include "services/drivers/bjjcz/guide_outline.h"
 
 namespace intaglio::drivers {
 
@@ -30,18 +32,17 @@ class MarkLists {
   /// The next list of the mark; has_more().
   LmcList Next();
   /// Where the beam is when all lists were executed, mm.
-  Vec2 at_mm() const;
+  Vec2 at_mm() const { return field_.ToMm(at_); }
+  const BoardField& field() const { return field_; }
+  GuideJumps guide_jumps() const { return {head_.jump_mm_s(), head_.jump_delay_s()}; }
+  /// The next of an outline; no list of a mark is on its way.
+  LmcList TakeGuide(GuideOutline& outline) { return outline.Next(at_); }
 
  private:
   struct Move {
     double x = 0, y = 0;  ///< in places of the board
     bool is_lit = false;
   };
-  /// Integers, as the board has them.
-  struct Place {
-    int x = 32768, y = 32768;
-  };
-
   void AddHeader(LmcList& list);
   /// False: it has no room for anything of the next move.
   bool AddMove(LmcList& list);
@@ -51,12 +52,12 @@ class MarkLists {
 
   ScanHead head_;
   BjjczBoard board_;
-  double units_per_mm_;
+  BoardField field_;
   std::vector<mark::Pen> pens_;
   const mark::Pen* pen_ = nullptr;
   std::vector<Move> moves_;
   std::size_t next_ = 0;
-  Place at_;
+  BoardPlace at_;
   bool first_of_run_ = true;
 };
 

@@ -44,8 +44,8 @@ BjjczPointDriver::BjjczPointDriver(const MachineSpec& machine,
     identity_.max_energy_mj = energies->max_mj;
   }
   pieces_.SetTravel(TravelOf(machine));
-  pieces_.SetStepsPerMm(
-      Vec3(lists_.places_per_mm(), lists_.places_per_mm(), steps_per_mm_));
+  pieces_.SetStepsPerMm(Vec3(lists_.field().places_per_mm(),
+                             lists_.field().places_per_mm(), steps_per_mm_));
 }
 
 std::int32_t BjjczPointDriver::StepsOf(double z_mm) const {

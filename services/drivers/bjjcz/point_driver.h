@@ -47,6 +47,7 @@
 
 #include "proto/machine.pb.h"
 #include "services/drivers/bjjcz/board_list.h"
+#include "services/drivers/bjjcz/guide_outline.h"
 #include "services/drivers/bjjcz/lmc_line.h"
 #include "services/drivers/bjjcz/point_lists.h"
 #include "services/drivers/lockstep/lockstep_driver.h"
@@ -77,14 +78,6 @@ class BjjczPointDriver final : public LockstepDriver {
     bool was_asked = false;  ///< its answer has come
     std::optional<std::chrono::nanoseconds> rests_at;
     bool asks_place = false;
-  };
-  /// What the guide laser draws, with jog_, which ends it.
-  struct Outline {
-    std::vector<Vec2> way_mm;  ///< in steps of a list; the last leads to the first
-    double speed_mm_s = 0;
-    std::size_t next = 0;
-    bool has_begun = false;  ///< a list leads to the first place
-    bool is_there = false;   ///< it was played
   };
 
   const ControllerLine& line() const override { return line_; }
@@ -164,7 +157,7 @@ class BjjczPointDriver final : public LockstepDriver {
   std::optional<PlayedList> playing_;
   bool is_list_uncertain_ = false;  ///< the gate was closed while it was in the board
   std::optional<AxisMove> axis_;
-  std::optional<Outline> outline_;
+  std::optional<GuideOutline> outline_;  ///< drawn with jog_, which ends it
   bool stopping_ = false;  ///< until the board reports that it does nothing any more
   bool seen_since_stop_ = false;
   std::uint64_t session_ = 0;

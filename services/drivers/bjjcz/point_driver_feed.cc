@@ -58,7 +58,7 @@ void BjjczPointDriver::TakeEndOfList() {
   const Vec2 at_mm = lists_.at_mm();
   state_.position_mm.head<2>() = at_mm;
   ++state_.number;
-  if (outline_) outline_->is_there = true;
+  if (outline_) outline_->SetPlayed();
   // By hand: the next run begins here.
   if (jog_) listed_mm_.head<2>() = at_mm;
   for (const Step& step : std::exchange(steps_, {})) Execute(step);
@@ -201,7 +201,7 @@ std::uint16_t BjjczPointDriver::WantedOutputs() const {
                         .permitted = wanted_open_ && closed_ && !halted_ && !homing_,
                         .runs = run_ != Run::kNone,
                         .in_outline = outline_ && jog_,
-                        .shows = draws_outline() && outline_->is_there && closed_,
+                        .shows = draws_outline() && outline_->is_there() && closed_,
                     });
 }
 

@@ -10,12 +10,13 @@
 // A list has laser.max_unsettled_points at most, so that no more are uncertain when all
 // fails at once: the synchronizer arms no more than these, either.
 
-#include <array>
 #include <cstdint>
 
 #include "engrave/core/geometry.h"
 #include "proto/machine.pb.h"
+#include "services/drivers/bjjcz/board_field.h"
 #include "services/drivers/bjjcz/board_list.h"
+#include "services/drivers/bjjcz/guide_outline.h"
 
 namespace intaglio::drivers {
 
@@ -24,9 +25,9 @@ class PointLists {
   /// A machine that CheckBjjczPointProfile passes.
   explicit PointLists(const MachineSpec& machine);
 
-  /// Places of the board for 1 mm of the field.
-  double places_per_mm() const { return places_per_mm_; }
-  Vec2 at_mm() const;
+  const BoardField& field() const { return field_; }
+  GuideJumps guide_jumps() const { return {jumps_.jump_mm_s(), jumps_.jump_delay_s()}; }
+  Vec2 at_mm() const { return field_.ToMm(at_); }
   bool empty() const { return list_.commands.empty(); }
 
   void BeginRun() { first_of_run_ = true; }
@@ -36,36 +37,27 @@ class PointLists {
   bool Add(const Vec2& to_mm, bool fires, double power_ratio = 1);
   /// Dark, in no less than `seconds`: by hand.
   void AddSlow(const Vec2& to_mm, double seconds);
-  /// A way that a guide laser shows: straight, dark, at most so fast. False: the list has
-  /// no time for it; an empty one has, up to GuideStepMm. Such a list has nothing else,
-  /// and sets neither power nor frequency of the laser.
-  bool AddGuide(const Vec2& to_mm, double speed_mm_s);
-  /// The longest way of AddGuide at this speed: half of a list's time.
-  double GuideStepMm(double speed_mm_s) const;
   /// What was added since the last call; it begins with a jump, wherever the mirrors are.
   LmcList Take();
+  /// The next of an outline; nothing was added.
+  LmcList TakeGuide(GuideOutline& outline) { return outline.Next(at_); }
   /// What was taken was played to its end.
   void SetPlayed() { begun_at_ = at_; }
   /// As the mirrors are when the board is switched on.
-  void SetCentred() { at_ = begun_at_ = {32768, 32768}; }
+  void SetCentred() { at_ = begun_at_ = {}; }
   /// What was added or taken since then is not played.
   void Drop();
 
  private:
-  using Place = std::array<int, 2>;
-
-  Place PlaceOf(const Vec2& at_mm) const;
-  /// Whole places a millisecond, no faster than jumps.
-  double GuidePlacesMs(double speed_mm_s) const;
-  void AddJump(const Place& to);
+  void AddJump(const BoardPlace& to);
   void Begin(double places_ms, double power_ratio);
 
   BjjczBoard board_;
   JumpAndDwell jumps_;
-  double places_per_mm_;
+  BoardField field_;
   std::uint32_t max_points_, point_count_ = 0;  ///< of a list
-  Place at_{32768, 32768};                      ///< where the list leads
-  Place begun_at_{32768, 32768};                ///< where it begins
+  BoardPlace at_;                               ///< where the list leads
+  BoardPlace begun_at_;                         ///< where it begins
   LmcList list_;
   double power_ratio_ = 1;  ///< of the list
   bool first_of_run_ = true, has_jump_ = false;

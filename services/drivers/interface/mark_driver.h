@@ -43,8 +43,12 @@
 //       of motion: its tool goes on turning, and the mark in hand neither ends nor
 //       breaks. The next Permit(true) goes on with it, and all else of K2 to K10 holds
 //       meanwhile. Every other machine refuses Hold, and nothing of it is done.
-//   K12 A guide laser is dark, whatever is permitted, made, lost or at rest: nothing
-//       lights before a person asks for it.
+//   K12 A guide laser is dark, whatever is permitted, made, lost or at rest, but for
+//       hand()->DrawOutline: on the way of the outline, from its first corner on, until
+//       it is held, a fault, an opening of the chain or a lost line ends it. Until the
+//       mirrors rest behind it the beam stays off, whatever is permitted, and no run
+//       begins; in a run, or with a fault, no outline begins. It does not go on by
+//       itself.
 // Not thread-safe.
 
 #include <chrono>

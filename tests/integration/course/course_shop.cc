@@ -27,7 +27,7 @@ const ShopMachine& MachineOf(CourseShop::Machine machine) {
   static const std::array<ShopMachine, 3> machines = {
       ShopMachine{"mill", "/dev/ttyUSB0", "virtual-grbl", {"--hal", "--spindle"}},
       ShopMachine{"laser-cutter", "/dev/ttyUSB0", "virtual-grbl", {"--hal"}},
-      ShopMachine{"bjjcz", "usb:9588:9899", "virtual-bjjcz"}};
+      ShopMachine{"bjjcz", "usb:9588:9899", "virtual-bjjcz", {"--guide", "8"}}};
   return machines[static_cast<std::size_t>(machine)];
 }
 

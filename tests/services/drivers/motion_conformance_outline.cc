@@ -1,31 +1,21 @@
-// The oracle of an outline is the distance of the focus from the edges of its polygon,
-// each millisecond in which the guide laser is on.
-
 #include "tests/services/drivers/motion_conformance_outline.h"
 
 #include <cmath>
-#include <limits>
-#include <numbers>
 
 #include "services/drivers/interface/laser_controller.h"
 #include "tests/services/drivers/controller_fault.h"
 #include "tests/services/drivers/motion_bench.h"
+#include "tests/services/drivers/outline_watch.h"
 
 namespace intaglio::drivers {
 namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double kGuideSpeedMmS = 400;
-// A corner was reached; the focus goes 0.4 mm in a millisecond.
-constexpr double kNearMm = 0.5;
-
 using Corners = std::vector<Vec2>;
 
-/// Beside where the focus is, and not symmetrical.
 Corners CornersBeside(MotionBench& bench) {
-  const Vec2 here = bench.rig().actual_mm().head<2>();
-  return {here + Vec2(4, 3), here + Vec2(14, 5), here + Vec2(12, 13), here + Vec2(5, 9)};
+  return OutlineBeside(bench.rig().actual_mm().head<2>());
 }
 
 bool DrawsOutlines(MotionBench& bench) {
@@ -39,60 +29,24 @@ bool DrawsOutlines(MotionBench& bench) {
   return true;
 }
 
-double BesideMm(const Corners& corners, const Vec2& at) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vec2 from = corners[i], way = corners[(i + 1) % corners.size()] - from;
-    const double share = std::clamp((at - from).dot(way) / way.squaredNorm(), 0.0, 1.0);
-    nearest = std::min(nearest, (from + share * way - at).norm());
-  }
-  return nearest;
-}
-
-/// Counts how often the guide laser comes to each corner.
+/// With a laser side that is told again and again to open its shutter.
 class Watch {
  public:
-  Watch(MotionBench& bench, Corners corners)
-      : bench_(bench),
-        corners_(std::move(corners)),
-        is_near_(corners_.size(), false),
-        visits(corners_.size(), 0) {}
+  Watch(MotionBench& bench, const Corners& corners)
+      : bench_(bench), outline_("M19", corners, bench.rig().tolerance_mm()) {}
 
   void Step() {
     bench_.Step();
-    // A laser side that is told to open its shutter opens nothing.
     if (LaserController* const laser = bench_.driver().laser(); laser != nullptr)
       (void)laser->OpenShutters(1);
     Expect(!bench_.rig().may_fire(), "M19: the gate of the laser is open in an outline");
-    const Vec2 at = bench_.rig().actual_mm().head<2>();
-    if (bench_.rig().guide_is_on()) Take(at);
-    was_on_ = bench_.rig().guide_is_on();
-    before_ = at;
+    outline_.Take(bench_.rig().actual_mm().head<2>(), bench_.rig().guide_is_on());
   }
+  void ExpectEachCorner(int visits) const { outline_.ExpectEachCorner(visits); }
 
  private:
-  void Take(const Vec2& at) {
-    const double tolerance_mm = std::numbers::sqrt2 * bench_.rig().tolerance_mm();
-    Expect(BesideMm(corners_, at) <= tolerance_mm,
-           fmt::format("M19: the guide laser is on {} mm beside the outline",
-                       BesideMm(corners_, at)));
-    Expect(!was_on_ || (at - before_).norm() <= 1.02e-3 * kGuideSpeedMmS,
-           "M19: the outline is drawn faster than it may be");
-    for (std::size_t i = 0; i < corners_.size(); ++i) {
-      const bool is_near = (at - corners_[i]).norm() <= kNearMm;
-      if (is_near && !is_near_[i]) ++visits[i];
-      is_near_[i] = is_near;
-    }
-  }
-
   MotionBench& bench_;
-  Corners corners_;
-  std::vector<bool> is_near_;
-  bool was_on_ = false;
-  Vec2 before_ = Vec2::Zero();
-
- public:
-  std::vector<int> visits;
+  OutlineWatch outline_;
 };
 
 void CloseShutter(MotionBench& bench) {
@@ -115,8 +69,7 @@ void AnOutlineIsDrawnUntilItIsHeld(const MotionRigMaker& make) {
   if (!DrawsOutlines(bench)) return;
   Watch watch(bench, corners);
   for (int ms = 0; ms < 2000; ++ms) watch.Step();
-  for (const int count : watch.visits)
-    Expect(count >= 3, fmt::format("M19: a corner was drawn {} times", count));
+  watch.ExpectEachCorner(3);
   Expect(!bench.state().at_rest, "M19: at rest in an outline");
   CloseShutter(bench);
   Expect(bench.driver().Hold(), "Hold");

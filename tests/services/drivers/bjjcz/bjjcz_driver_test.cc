@@ -286,6 +286,20 @@ TEST(BjjczDriver, AGuideLaserThatShinesByItselfIsFoundByTheSuite) {
   }
 }
 
+// Planted: the output that is switched on for an outline is that of the gate.
+TEST(BjjczDriver, AnOutlineThatRaisesTheGateIsFoundByTheSuite) {
+  const auto& checks = MarkChecks();
+  const auto outline = std::ranges::find(checks, "K12_outline", &MarkCheck::name);
+  ASSERT_NE(outline, checks.end());
+  MachineSpec profile = BjjczProfile(BJJCZ_LASER_UV);
+  profile.mutable_bjjcz_board()->set_guide_output(profile.bjjcz_board().gate_output());
+  const MarkRigMaker make = [&](const std::string&) {
+    return MakeBjjczMarkRigOf(profile);
+  };
+  EXPECT_EQ(ViolationOf(*outline, make),
+            "K12: the gate of the laser is open in an outline");
+}
+
 // The field has 65 nodes: version 2 of the files, with a step at two nodes.
 std::string CorFile(const std::string& folder, double scale) {
   std::string bytes(36 + 65 * 65 * 8 + 4, '\0');

@@ -48,6 +48,17 @@ class BjjczMarkRig final : public MarkRig {
   bool guide_is_on() override {
     return (machine_.board.outputs() >> profile_.bjjcz_board().guide_output() & 1) != 0;
   }
+  bool gate_is_open() override {
+    return (machine_.board.outputs() >> profile_.bjjcz_board().gate_output() & 1) != 0;
+  }
+  Vec2 guide_at_mm() override {
+    const auto place = machine_.board.place();
+    return Vec2(place[0] - 32768, place[1] - 32768) * place_tolerance_mm() * 2;
+  }
+  double place_tolerance_mm() override {
+    return profile_.scan_head().field_mm() / 65536 / 2;
+  }
+  bool can_lose_place() const override { return false; }
   mark::MarkSet MarksFor(int count) override {
     mark::Pen pen;
     pen.name = "mark";

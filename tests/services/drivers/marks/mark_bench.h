@@ -23,10 +23,15 @@ class MarkBench {
   MarkDriver& driver() { return *rig_->driver; }
   const MarkDeviceState& state() { return driver().state(); }
 
-  /// In each of all checks the guide laser is dark.
+  /// In each of all checks the guide laser is dark, but for an outline.
   void Step() {
     rig_->Step();
-    Expect(!rig_->guide_is_on(), "K12: the guide laser is on");
+    Expect(outline_ms || !rig_->guide_is_on(), "K12: the guide laser is on");
+    if (!outline_ms) return;
+    // Permitted before, the gate is closed before the guide laser is on.
+    Expect((!rig_->guide_is_on() && ++*outline_ms < kReportTime.count()) ||
+               !rig_->gate_is_open(),
+           "K12: the gate of the laser is open in an outline");
   }
   void StepFor(milliseconds time) {
     for (std::int64_t i = 0; i < time.count(); ++i) Step();
@@ -93,6 +98,8 @@ class MarkBench {
                  std::chrono::seconds(30)),
            "K10: the place stays lost");
   }
+
+  std::optional<int> outline_ms;  ///< an outline was begun before so long
 
  private:
   std::unique_ptr<MarkRig> rig_;

@@ -1,6 +1,7 @@
 #include "tests/services/drivers/marks/mark_conformance.h"
 
 #include "tests/services/drivers/marks/mark_bench.h"
+#include "tests/services/drivers/marks/mark_conformance_outline.h"
 
 namespace intaglio::drivers {
 namespace {
@@ -279,9 +280,8 @@ void AFaultIsReportedAndNothingGoesOn(const MarkRigMaker& make, ControllerFault 
   const bool may_lose =
       fault == ControllerFault::kPowerCycle || fault == ControllerFault::kReset ||
       fault == ControllerFault::kLimit || fault == ControllerFault::kAlarm;
-  Expect(
-      !may_lose || bench.driver().hand() == nullptr || !bench.state().place_lost.empty(),
-      "K10: a place that may be lost is not reported");
+  Expect(!may_lose || !bench.rig().can_lose_place() || !bench.state().place_lost.empty(),
+         "K10: a place that may be lost is not reported");
   ExpectRunsBehindResetAlone(bench, 2);
 }
 
@@ -307,6 +307,7 @@ std::vector<MarkCheck> AllChecks() {
                      }});
     }
   }
+  for (const MarkCheck& check : MarkOutlineChecks()) all.push_back(check);
   return all;
 }
 

@@ -44,15 +44,27 @@ INSTANTIATE_TEST_SUITE_P(Of, EveryMarkDriver,
                                   std::get<1>(param.param).name;
                          });
 
+bool CanHave(const MarkFault& fault, MarkRig& rig) {
+  switch (fault.of) {
+    case FaultOf::kToolsWithAxes:
+      return rig.can_lose_place();
+    case FaultOf::kKnownPowerUps:
+      return rig.knows_power_ups();
+    case FaultOf::kGuideLasers:
+      return rig.place_tolerance_mm() > 0;
+    case FaultOf::kAll:
+      break;
+  }
+  return true;
+}
+
 class MarkPlanted : public ::testing::TestWithParam<std::tuple<std::string, MarkFault>> {
 };
 
 TEST_P(MarkPlanted, IsFound) {
   const auto& [rig, fault] = GetParam();
-  if (fault.of_tools_with_axes && MakeMarkRig(rig)->driver->hand() == nullptr)
-    GTEST_SKIP() << rig << " has no such fault";
-  if (fault.of_known_power_ups && !MakeMarkRig(rig)->knows_power_ups())
-    GTEST_SKIP() << rig << " counts each lost line";
+  if (!CanHave(fault, *MakeMarkRig(rig)))
+    GTEST_SKIP() << rig << " cannot have this fault";
   std::string found;
   for (const MarkCheck& check : MarkChecks()) {
     if (check.name.starts_with(fault.check))

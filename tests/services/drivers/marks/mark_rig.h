@@ -43,6 +43,14 @@ class MarkRig {
   virtual bool is_on() = 0;
   /// The guide laser is on; a machine without one has it off.
   virtual bool guide_is_on() { return false; }
+  /// The beam could be on, by the outputs of the controller alone.
+  virtual bool gate_is_open() { return is_on(); }
+  /// Where a guide laser shines, mm in the field, and how far beside a place that may be
+  /// on each axis.
+  virtual Vec2 guide_at_mm() { return Vec2::Zero(); }
+  virtual double place_tolerance_mm() { return 0; }
+  /// A controller that may have lost its place says so (K10); false: it cannot lose it.
+  virtual bool can_lose_place() const { return driver->hand() != nullptr; }
 
   /// Marks for a tool as it is here, each some tenths of a second.
   virtual mark::MarkSet MarksFor(int count) = 0;

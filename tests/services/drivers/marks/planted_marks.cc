@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <utility>
+#include <vector>
 
 namespace intaglio::drivers {
 namespace {
@@ -139,12 +140,73 @@ struct AcceptsAnyController final : MarkWrapper {
   }
 };
 
+/// A hand that passes outlines on.
+class HandWrapper : public HandMotion {
+ public:
+  explicit HandWrapper(HandMotion& inner) : inner_(inner) {}
+  const DriverState& state() const override { return inner_.state(); }
+  Status ClearFault() override { return inner_.ClearFault(); }
+  Status DrawOutline(std::span<const Vec2> corners_mm, double speed_mm_s) override {
+    return inner_.DrawOutline(corners_mm, speed_mm_s);
+  }
+  Status Hold() override { return inner_.Hold(); }
+
+ protected:
+  HandMotion& inner_;
+};
+template <typename FaultyHand>
+class WithHand final : public MarkWrapper {
+ public:
+  explicit WithHand(std::unique_ptr<MarkDriver> inner)
+      : MarkWrapper(std::move(inner)), hand_(*inner_->hand()) {}
+  HandMotion* hand() override { return &hand_; }
+
+ private:
+  FaultyHand hand_;
+};
+
+struct DrawsElsewhere final : HandWrapper {
+  using HandWrapper::HandWrapper;
+  Status DrawOutline(std::span<const Vec2> corners_mm, double speed_mm_s) override {
+    std::vector<Vec2> others(corners_mm.begin(), corners_mm.end());
+    for (Vec2& corner : others) corner.x() += 0.05;
+    return inner_.DrawOutline(others, speed_mm_s);
+  }
+};
+struct DrawsACornerLess final : HandWrapper {
+  using HandWrapper::HandWrapper;
+  Status DrawOutline(std::span<const Vec2> corners_mm, double speed_mm_s) override {
+    const bool has_more = corners_mm.size() > 1 && corners_mm.size() < 9;
+    return inner_.DrawOutline(corners_mm.first(corners_mm.size() - has_more), speed_mm_s);
+  }
+};
+struct DrawsTwiceAsFast final : HandWrapper {
+  using HandWrapper::HandWrapper;
+  Status DrawOutline(std::span<const Vec2> corners_mm, double speed_mm_s) override {
+    return inner_.DrawOutline(corners_mm, 2 * speed_mm_s);
+  }
+};
+struct EndsNoOutline final : HandWrapper {
+  using HandWrapper::HandWrapper;
+  Status Hold() override { return {}; }
+};
+/// A run is taken in an outline, and is made behind it.
+struct TakesARunInAnOutline final : MarkWrapper {
+  using MarkWrapper::MarkWrapper;
+  Status Begin(std::uint32_t run, std::span<const mark::Pen> pens) override {
+    const Status begun = MarkWrapper::Begin(run, pens);
+    return inner_->hand()->state().at_rest ? begun : Status();
+  }
+};
+
 constexpr std::array kFaults = {
     MarkFault{"hides_stops", "K9K10_emergency_stop", &Plant<HidesStops>},
     MarkFault{"hides_power_ups", "K9K10_power_cycle", &Plant<HidesPowerUps>},
     MarkFault{"resets_by_itself", "K9K10_emergency_stop", &Plant<ResetsByItself>},
-    MarkFault{"counts_a_lost_line", "K9K10_unplug", &Plant<CountsALostLine>, false, true},
-    MarkFault{"forgets_a_lost_place", "K9K10_alarm", &Plant<ForgetsALostPlace>, true},
+    MarkFault{"counts_a_lost_line", "K9K10_unplug", &Plant<CountsALostLine>,
+              FaultOf::kKnownPowerUps},
+    MarkFault{"forgets_a_lost_place", "K9K10_alarm", &Plant<ForgetsALostPlace>,
+              FaultOf::kToolsWithAxes},
     MarkFault{"permits_by_itself", "K2_permission", &Plant<PermitsByItself>},
     MarkFault{"reports_twice", "K3_order", &Plant<ReportsTwice>},
     MarkFault{"does_not_stop", "K4_stop", &Plant<DoesNotStop>},
@@ -155,6 +217,16 @@ constexpr std::array kFaults = {
     MarkFault{"counts_no_door", "K7_door", &Plant<CountsNoDoor>},
     MarkFault{"takes_marks_always", "K1_refusals", &Plant<TakesMarksAlways>},
     MarkFault{"accepts_any_controller", "K8_another", &Plant<AcceptsAnyController>},
+    MarkFault{"draws_elsewhere", "K12_outline", &Plant<WithHand<DrawsElsewhere>>,
+              FaultOf::kGuideLasers},
+    MarkFault{"draws_a_corner_less", "K12_outline", &Plant<WithHand<DrawsACornerLess>>,
+              FaultOf::kGuideLasers},
+    MarkFault{"draws_twice_as_fast", "K12_outline", &Plant<WithHand<DrawsTwiceAsFast>>,
+              FaultOf::kGuideLasers},
+    MarkFault{"ends_no_outline", "K12_outline", &Plant<WithHand<EndsNoOutline>>,
+              FaultOf::kGuideLasers},
+    MarkFault{"takes_a_run_in_an_outline", "K12_run", &Plant<TakesARunInAnOutline>,
+              FaultOf::kGuideLasers},
 };
 
 }  // namespace

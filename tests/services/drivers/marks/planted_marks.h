@@ -11,12 +11,14 @@
 
 namespace intaglio::drivers {
 
+/// The drivers and rigs that can have a fault.
+enum class FaultOf { kAll, kToolsWithAxes, kKnownPowerUps, kGuideLasers };
+
 struct MarkFault {
   const char* name;
   const char* check;  ///< beginning of the names of those of MarkChecks that find it
   std::unique_ptr<MarkDriver> (*plant)(std::unique_ptr<MarkDriver> good);
-  bool of_tools_with_axes = false;  ///< only of drivers with motion by hand
-  bool of_known_power_ups = false;  ///< of rigs that tell_power_ups
+  FaultOf of = FaultOf::kAll;
 };
 std::span<const MarkFault> MarkFaults();
 
