@@ -147,6 +147,26 @@ TEST(Option, IsTakenFromTheEnvironmentWhenItIsNotGiven) {
   unsetenv("INTAGLIO_TEST_KEYS");
 }
 
+// Commands that share their values: the variable of the other command replaced what was
+// given, so that `list --domain 33` listed the shop of INTAGLIO_DOMAIN.
+TEST(Option, ThatIsGivenPrecedesTheVariableOfAnotherCommand) {
+  std::string shop;
+  Program program("p", "");
+  for (const char* const name : {"list", "arm"}) {
+    const auto command = program.root().AddCommand(name, "");
+    command.AddOption("--shop", shop, "").FromEnvironment("INTAGLIO_TEST_SHOP");
+    command.SetAction([] { return 0; });
+  }
+  setenv("INTAGLIO_TEST_SHOP", "there", 1);
+  for (const char* const name : {"list", "arm"}) {
+    EXPECT_EQ(Output(program, {name, "--shop", "here"}), "understood");
+    EXPECT_EQ(shop, "here") << name;
+    EXPECT_EQ(Output(program, {name}), "understood");
+    EXPECT_EQ(shop, "there") << name;
+  }
+  unsetenv("INTAGLIO_TEST_SHOP");
+}
+
 TEST(Command, ThatWasGivenActs) {
   Program program("intaglio", "");
   const Command recording = program.root().AddCommand("recording", "");
