@@ -115,8 +115,9 @@ class DrillWriter {
 
 }  // namespace
 
-Result<Template> ParseDrillTemplate(std::string_view text, std::string_view file) {
-  return ParseTemplate(text, file, kDrillRules);
+Result<Template> ParseDrillTemplate(std::string_view text, std::string_view file,
+                                    const Parameters& given) {
+  return ParseTemplate(text, file, kDrillRules, given);
 }
 
 Result<ProgramTexts> DrillPrograms(const Template& program,

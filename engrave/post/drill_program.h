@@ -17,7 +17,8 @@
 namespace intaglio::post {
 
 /// Errors as of ParseTemplate.
-Result<Template> ParseDrillTemplate(std::string_view text, std::string_view file);
+Result<Template> ParseDrillTemplate(std::string_view text, std::string_view file,
+                                    const Parameters& given = {});
 
 /// The holes of one tool, in their order.
 struct DrillRound {

@@ -235,8 +235,9 @@ Status CheckLathe(const Template& program, std::span<const ToolPath> paths,
 
 }  // namespace
 
-Result<Template> ParseMillTemplate(std::string_view text, std::string_view file) {
-  Template program = INTAGLIO_TRY(ParseTemplate(text, file, kMillRules));
+Result<Template> ParseMillTemplate(std::string_view text, std::string_view file,
+                                   const Parameters& given) {
+  Template program = INTAGLIO_TRY(ParseTemplate(text, file, kMillRules, given));
   const auto& fragments = program.fragments;
   if (fragments[kMillClockwise].pieces.empty() !=
       fragments[kMillCounterClockwise].pieces.empty()) {

@@ -28,7 +28,8 @@ namespace intaglio::post {
 
 /// Errors as of ParseTemplate; besides one arc fragment without the other, or an arc that
 /// its variables do not determine.
-Result<Template> ParseMillTemplate(std::string_view text, std::string_view file);
+Result<Template> ParseMillTemplate(std::string_view text, std::string_view file,
+                                   const Parameters& given = {});
 
 struct MillOptions {
   bool chords = false;                       ///< although the template has arcs

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <optional>
 
@@ -14,6 +15,7 @@ namespace intaglio::post {
 namespace {
 
 constexpr std::size_t kMaxTemplateBytes = std::size_t{1} << 20;
+constexpr std::size_t kMaxParameter = 200;
 
 std::vector<std::string_view> TokensOf(std::string_view line) {
   std::vector<std::string_view> tokens;
@@ -43,7 +45,8 @@ std::string NamesOf(const Rules& rules) {
 /// Reads a template line by line.
 class Reader {
  public:
-  Reader(std::string_view file, const TemplateRules& rules) : rules_(rules) {
+  Reader(std::string_view file, const TemplateRules& rules, const Parameters& given)
+      : rules_(rules), given_(given) {
     out_.file = file;
     out_.fragments.resize(rules.fragments.size());
     used_.resize(rules.fragments.size());
@@ -76,6 +79,8 @@ class Reader {
       line.remove_prefix(1);
     } else if (line.starts_with("#-")) {
       return {};
+    } else if (line.starts_with("#parameter ")) {
+      return TakeParameter(line.substr(line.find(' ')));
     } else if (line.starts_with('#')) {
       return TakeSetting(TokensOf(line.substr(1)));
     }
@@ -112,7 +117,7 @@ class Reader {
     if (rule == rules_.settings.end()) {
       return Wrong(
           fmt::format("unknown setting #{}; known: fragment, extension, line-end, "
-                      "number{}{}",
+                      "number, parameter{}{}",
                       name, rules_.settings.empty() ? "" : ", ",
                       NamesOf(rules_.settings)),
           name);
@@ -126,6 +131,45 @@ class Reader {
     if (!out_.settings.emplace(name, *number).second) {
       return Wrong(fmt::format("#{} is given twice", name));
     }
+    return {};
+  }
+
+  /// parameter NAME the rest of the line
+  Status TakeParameter(std::string_view rest) {
+    const auto tokens = TokensOf(rest);
+    if (tokens.size() < 2) return Wrong("#parameter needs a name and a text");
+    const std::string name(tokens[0]);
+    const bool is_name = std::ranges::all_of(name, [](unsigned char c) {
+      return std::isupper(c) != 0 || std::isdigit(c) != 0 || c == '_';
+    });
+    if (!is_name || IsKnown(name)) {
+      return Wrong(
+          fmt::format("#parameter {}: has to be capital letters, digits and '_', "
+                      "and no variable",
+                      name),
+          name);
+    }
+    std::string text(
+        rest.substr(static_cast<std::size_t>(tokens[1].data() - rest.data())));
+    if (const auto given = given_.find(name); given != given_.end()) {
+      if (io::ParseFinite(text) && !io::ParseFinite(given->second)) {
+        return Wrong(fmt::format("parameter {} is {}, has to be a number as {}", name,
+                                 given->second, text),
+                     given->second);
+      }
+      text = given->second;
+    }
+    const bool is_line =
+        std::ranges::all_of(text, [](unsigned char c) { return c >= ' ' && c != 0x7f; });
+    if (text.empty() || text.size() > kMaxParameter || !is_line) {
+      return Wrong(fmt::format("parameter {} has to be a text of one line, 1 to {} "
+                               "characters",
+                               name, kMaxParameter),
+                   name);
+    }
+    if (!parameters_.emplace(name, ParameterText{text, line_number_}).second)
+      return Wrong(fmt::format("#parameter: '{}' is given twice", name), name);
+    out_.parameters.push_back(name);
     return {};
   }
 
@@ -216,6 +260,11 @@ class Reader {
         text += '@';
         continue;
       }
+      if (const auto found = parameters_.find(name); found != parameters_.end()) {
+        text += found->second.text;
+        found->second.used = true;
+        continue;
+      }
       const auto variable = std::ranges::find(rule.variables, name);
       if (variable == rule.variables.end()) {
         return Wrong(fmt::format("unknown variable @{}@; fragment '{}' has {}", name,
@@ -248,6 +297,12 @@ class Reader {
                       variable),
           variable);
     }
+    for (const auto& [name, parameter] : parameters_) {
+      if (parameter.used) continue;
+      line_number_ = parameter.line;
+      return Wrong(fmt::format("#parameter: no fragment uses @{}@; remove it", name),
+                   name);
+    }
     return {};
   }
 
@@ -270,7 +325,15 @@ class Reader {
     return {};
   }
 
+  struct ParameterText {
+    std::string text;
+    int line = 0;
+    bool used = false;
+  };
+
   const TemplateRules& rules_;
+  const Parameters& given_;
+  std::map<std::string, ParameterText, std::less<>> parameters_;
   Template out_;
   std::vector<std::vector<bool>> used_;  ///< by fragment and variable; empty: not given
   std::map<std::string, int, std::less<>> number_lines_;  ///< of #number, by variable
@@ -300,48 +363,28 @@ bool UsesVariable(const Template& program, const TemplateRules& rules,
 }
 
 Result<Template> ParseTemplate(std::string_view text, std::string_view file,
-                               const TemplateRules& rules) {
+                               const TemplateRules& rules, const Parameters& given) {
   if (text.size() > kMaxTemplateBytes) {
     return Fail(ErrorCode::kTooLarge,
                 fmt::format("{}: {} bytes; a template has at most {}", file, text.size(),
                             kMaxTemplateBytes));
   }
-  return Reader(file, rules).Read(text);
+  return Reader(file, rules, given).Read(text);
 }
 
-void AppendNumber(double value, const NumberFormat& format, std::string& text) {
-  Require(std::isfinite(value), "a program cannot hold {}", value);
-  const std::size_t begin = text.size();
-  text += fmt::format("{:.{}f}", value * format.scale, format.decimals);
-  if (format.trim && format.decimals > 0) {
-    text.erase(text.find_last_not_of('0') + 1);
-    if (text.back() == '.') text.pop_back();
+Status RequireParameters(std::span<const Template> programs, const Parameters& given) {
+  std::vector<std::string> known;
+  for (const Template& program : programs)
+    known.insert(known.end(), program.parameters.begin(), program.parameters.end());
+  for (const auto& [name, text] : given) {
+    if (std::ranges::find(known, name) != known.end()) continue;
+    return Fail(ErrorCode::kInvalidValue,
+                fmt::format("parameter {}: no template of this program has it; they "
+                            "have {}",
+                            name, known.empty() ? "none" : NamesOf(known)),
+                name);
   }
-  if (text[begin] == '-' && text.find_first_of("123456789", begin) == std::string::npos) {
-    text.erase(begin, 1);
-  }
-}
-
-void Expander::Append(std::size_t fragment, std::span<const Value> values,
-                      std::string& text) {
-  const FragmentRule& rule = rules_.fragments[fragment];
-  Require(values.size() == rule.variables.size(), "fragment {} has {} variables, got {}",
-          rule.name, rule.variables.size(), values.size());
-  for (const Piece& piece : program_.fragments.at(fragment).pieces) {
-    text += piece.text;
-    if (piece.variable < 0) continue;
-    const auto place = static_cast<std::size_t>(piece.variable);
-    const std::string_view name = rule.variables[place];
-    if (name == "N") {
-      text += std::to_string(++lines_);
-    } else if (const auto* number = std::get_if<double>(&values[place])) {
-      AppendNumber(*number, program_.FormatOf(name), text);
-    } else if (const auto* count = std::get_if<std::uint64_t>(&values[place])) {
-      text += std::to_string(*count);
-    } else {
-      text += std::get<std::string_view>(values[place]);
-    }
-  }
+  return {};
 }
 
 }  // namespace intaglio::post

@@ -9,6 +9,7 @@
 //   #line-end crlf                       lf (default) or crlf
 //   #number X Y Z scale=1000 decimals=0  how these variables are written; trim=1 leaves
 //                                        zeros out that end the decimals
+//   #parameter BASE 31                   text for @BASE@, which a person may replace
 //   #fragment begin
 //   IMF_PBL_V1.0
 //   #fragment point
@@ -80,6 +81,7 @@ struct Template {
   std::vector<Fragment> fragments;  ///< in the order of the rules
   std::map<std::string, NumberFormat, std::less<>> numbers;  ///< by variable
   std::map<std::string, double, std::less<>> settings;       ///< those that are given
+  std::vector<std::string> parameters;  ///< names, in the order of the file
 
   NumberFormat FormatOf(std::string_view variable) const;
   /// Of a setting that is not given: `otherwise`.
@@ -90,12 +92,20 @@ struct Template {
 bool UsesVariable(const Template& program, const TemplateRules& rules,
                   std::size_t fragment, std::string_view variable);
 
+/// Texts of parameters by their name, in place of those in the template: of one line, 1
+/// to 200 characters; a number where the template has one.
+using Parameters = std::map<std::string, std::string, std::less<>>;
+
 /// Every mistake is an error that names file and line: an unknown setting, fragment or
 /// variable; one that is given twice; a fragment or a variable that is needed and absent;
-/// a #number of a variable that no fragment uses; a number outside its range; an '@'
-/// without its second one. `text` up to 1 MiB.
+/// a #number of a variable or a #parameter that no fragment uses; a number outside its
+/// range; a text of `given` that is none; an '@' without its second one. `text` up to 1
+/// MiB. What `given` has and the template has not is not used (RequireParameters).
 Result<Template> ParseTemplate(std::string_view text, std::string_view file,
-                               const TemplateRules& rules);
+                               const TemplateRules& rules, const Parameters& given = {});
+
+/// kInvalidValue, with those that there are: one of `given` that no template has.
+Status RequireParameters(std::span<const Template> programs, const Parameters& given);
 
 /// The value of a variable: a number that is written by its NumberFormat, a count, or
 /// text without line breaks.

@@ -88,6 +88,7 @@ Status WritePrograms(const ContourOptions& options, const ContourWork& work,
   program.mill_template = options.mill_template;
   program.drill_template = options.drill_template;
   program.out = options.out;
+  program.parameters = INTAGLIO_TRY(TypedParameters(options));
   program.mill.chords = options.chords || options.chord_um;
   if (options.chord_um) program.mill.chord_tolerance_mm = *options.chord_um / 1000;
   if (options.max_bytes) program.mill.max_bytes = *options.max_bytes;

@@ -105,6 +105,11 @@ void AddProgramOptions(command_line::Command contour, ContourOptions& options) {
                  "of the holes: a name in deploy/post/drill, or a file; default the name "
                  "of the template")
       .Need(out);
+  contour
+      .AddOption(
+          "--parameter", options.parameters,
+          "NAME=TEXT, of the templates, e.g. BASE_DATA=4 of krl-full; once for each")
+      .Need(out);
   contour.AddOption("--origin", options.origin_mm, "mm, x and y that become 0 0")
       .TakeValues(2)
       .Need(out);
@@ -159,6 +164,20 @@ Course TypedCourse(const ContourOptions& options) {
     if (value) SetNumber(FieldOf<Course>(number), *value, course);
   }
   return course;
+}
+
+Result<post::Parameters> TypedParameters(const ContourOptions& options) {
+  post::Parameters parameters;
+  for (const std::string& typed : options.parameters) {
+    const std::size_t equals = typed.find('=');
+    if (equals == std::string::npos || equals == 0 ||
+        !parameters.emplace(typed.substr(0, equals), typed.substr(equals + 1)).second) {
+      return Fail(ErrorCode::kInvalidValue,
+                  "--parameter: '" + typed + "' is not NAME=TEXT, or NAME is given twice",
+                  typed);
+    }
+  }
+  return parameters;
 }
 
 CourseFileOptions TypedFileOptions(const ContourOptions& options) {

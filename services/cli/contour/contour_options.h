@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "engrave/core/result.h"
+#include "engrave/post/template.h"
 #include "proto/course.pb.h"
 #include "services/job/course/course_files.h"
 #include "services/platform/command_line/program.h"
@@ -25,6 +27,7 @@ struct ContourOptions {
   std::optional<double> chord_um, axis_speed_deg_s;
   std::optional<std::uint32_t> max_bytes;
   std::vector<double> start_mm, origin_mm;
+  std::vector<std::string> parameters;  ///< NAME=TEXT, of the templates
   bool chords = false;
   std::string mill_template, drill_template, out, picture, xml, frames, page, machine,
       drill_units;
@@ -37,6 +40,9 @@ void AddContourOptions(command_line::Command contour, ContourOptions& options);
 
 /// The fields of a course that are given on the command line.
 Course TypedCourse(const ContourOptions& options);
+
+/// kInvalidValue: one of --parameter that is not NAME=TEXT, or is given twice.
+Result<post::Parameters> TypedParameters(const ContourOptions& options);
 
 /// What is said of its files.
 CourseFileOptions TypedFileOptions(const ContourOptions& options);

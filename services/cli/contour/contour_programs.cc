@@ -31,7 +31,7 @@ Result<post::Template> ReadDrillTemplate(const ContourProgramOptions& options) {
     return tl::unexpected(error);
   }
   const std::string text = INTAGLIO_TRY(io::ReadWholeFile(*file, kMaxTemplateFile));
-  return post::ParseDrillTemplate(text, file->string());
+  return post::ParseDrillTemplate(text, file->string(), options.parameters);
 }
 
 Status WriteParts(const fs::path& first, const post::ProgramTexts& texts,
@@ -81,11 +81,12 @@ post::Cutting DrillingOf(const Course& whole, const Course& typed) {
   return cutting;
 }
 
-Result<post::Template> ReadMillTemplate(const std::string& name_or_file) {
+Result<post::Template> ReadMillTemplate(const std::string& name_or_file,
+                                        const post::Parameters& given) {
   const fs::path file =
       INTAGLIO_TRY(command_line::FindSupplied(name_or_file, kMillTemplates));
   const std::string text = INTAGLIO_TRY(io::ReadWholeFile(file, kMaxTemplateFile));
-  return post::ParseMillTemplate(text, file.string());
+  return post::ParseMillTemplate(text, file.string(), given);
 }
 
 Result<std::vector<fs::path>> WriteContourPrograms(const ContourWork& work,
@@ -96,8 +97,11 @@ Result<std::vector<fs::path>> WriteContourPrograms(const ContourWork& work,
   // All texts first: a fault in the second program leaves no first one behind.
   post::ProgramTexts mill_texts, drill_texts;
   fs::path drill_file = out;
+  std::vector<post::Template> used;
   if (!work.paths.empty()) {
-    const auto program = INTAGLIO_TRY(ReadMillTemplate(options.mill_template));
+    const auto program =
+        INTAGLIO_TRY(ReadMillTemplate(options.mill_template, options.parameters));
+    used.push_back(program);
     post::Cutting cutting = MillingOf(whole, typed);
     cutting.name = out.stem().string();
     auto texts =
@@ -106,6 +110,7 @@ Result<std::vector<fs::path>> WriteContourPrograms(const ContourWork& work,
   }
   if (!work.rounds.empty()) {
     const auto program = INTAGLIO_TRY(ReadDrillTemplate(options));
+    used.push_back(program);
     if (!work.paths.empty()) {
       drill_file =
           out.parent_path() / (out.stem().string() + "_drill" +
@@ -118,6 +123,7 @@ Result<std::vector<fs::path>> WriteContourPrograms(const ContourWork& work,
         program, work.rounds, cutting, options.mill.origin_mm, options.mill.max_bytes));
     drill_texts = std::move(texts);
   }
+  INTAGLIO_TRY(post::RequireParameters(used, options.parameters));
   std::vector<fs::path> files;
   INTAGLIO_TRY(WriteParts(out, mill_texts, files));
   INTAGLIO_TRY(WriteParts(drill_file, drill_texts, files));

@@ -27,14 +27,17 @@ struct ContourProgramOptions {
   std::string mill_template;
   std::string drill_template;  ///< default: the supplied one of the mill template's name
   std::string out;
+  post::Parameters parameters;  ///< of the templates, by name
   post::MillOptions mill;
 };
 
-Result<post::Template> ReadMillTemplate(const std::string& name_or_file);
+Result<post::Template> ReadMillTemplate(const std::string& name_or_file,
+                                        const post::Parameters& given = {});
 
 /// The contours in `out`, the holes in a file beside it, board.ngc and board_drill.ngc,
 /// and further parts in board_2.ngc and so on; which files, in their order. A program's
 /// NAME is that of its file. What there is none of gets no file; holes alone are `out`.
+/// kInvalidValue: a parameter that none of the templates has.
 Result<std::vector<std::filesystem::path>> WriteContourPrograms(
     const ContourWork& work, const Course& whole, const Course& typed,
     const ContourProgramOptions& options);

@@ -44,6 +44,42 @@ TEST(Template, WritesTextNumbersAndLineNumbers) {
             "N3 X0 again 0\r\nN4 M2\r\n");
 }
 
+TEST(Template, AParameterIsItsTextOrWhatIsGiven) {
+  constexpr std::string_view kText =
+      "#parameter BASE 31\n#parameter LEAVE X 300, Y 3\n#fragment body\n"
+      "Base[@BASE@] @X@ { @LEAVE@ }\n";
+  const auto written = [&](const Parameters& given) {
+    const auto parsed = ParseTemplate(kText, "a.post", kRules, given);
+    if (!parsed) return parsed.error().message;
+    std::string text;
+    Expander(*parsed, kRules)
+        .Append(1, std::vector<Value>{1.0, std::string_view(), std::uint64_t{0}}, text);
+    return text;
+  };
+  EXPECT_EQ(written({}), "Base[31] 1.000 { X 300, Y 3 }\n");
+  EXPECT_EQ(written({{"BASE", "4"}, {"LEAVE", "Z 9"}}), "Base[4] 1.000 { Z 9 }\n");
+  EXPECT_EQ(written({{"BASE", "four"}}),
+            "a.post: line 1: parameter BASE is four, has to be a number as 31");
+  EXPECT_EQ(written({{"LEAVE", "Z 9\nHALT"}}),
+            "a.post: line 2: parameter LEAVE has to be a text of one line, 1 to 200 "
+            "characters");
+  const auto parsed = ParseTemplate(kText, "a.post", kRules);
+  EXPECT_TRUE(RequireParameters({&*parsed, 1}, {{"BASE", "4"}}));
+  EXPECT_EQ(RequireParameters({&*parsed, 1}, {{"TOOL", "4"}}).error().message,
+            "parameter TOOL: no template of this program has it; they have BASE, LEAVE");
+}
+
+TEST(Template, NamesFileAndLineOfParametersThatCannotBe) {
+  EXPECT_EQ(ErrorOf("#parameter BASE 1\n#fragment body\n@X@\n"),
+            "a.post: line 1: #parameter: no fragment uses @BASE@; remove it");
+  EXPECT_EQ(
+      ErrorOf("#parameter X 1\n"),
+      "a.post: line 1: #parameter X: has to be capital letters, digits and '_', and "
+      "no variable");
+  EXPECT_EQ(ErrorOf("#parameter BASE\n"),
+            "a.post: line 1: #parameter needs a name and a text");
+}
+
 TEST(Template, KeepsEmptyLinesOfFragments) {
   const auto parsed = ParseTemplate("#fragment body\n\n@X@\n", "a.post", kRules);
   ASSERT_TRUE(parsed);
@@ -70,7 +106,7 @@ TEST(Template, NamesFileAndLineOfEveryMistake) {
   EXPECT_EQ(
       ErrorOf("#speed 3\n"),
       "a.post: line 1: unknown setting #speed; known: fragment, extension, line-end, "
-      "number, mark");
+      "number, parameter, mark");
   EXPECT_EQ(ErrorOf("#mark 3\n"),
             "a.post: line 1: #mark is 3, has to be a number from 0.5 to 2");
   EXPECT_EQ(ErrorOf("#mark 1\n#mark 1\n"), "a.post: line 2: #mark is given twice");

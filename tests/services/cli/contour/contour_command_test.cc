@@ -87,6 +87,32 @@ TEST_F(ContourCommand, IsolatesABoardAndDrillsIt) {
   EXPECT_THAT(holes, HasSubstr("Z-3.0000"));
 }
 
+// A robot of another shop: its base, and where it comes from, in both programs.
+TEST_F(ContourCommand, ParametersOfARobotAreInItsPrograms) {
+  const std::string out = folder_ / "board.src";
+  const std::vector<std::string> words = {
+      "contour",    gerber_,          excellon_,          "--tool",          "0.1",
+      "--template", Mill("krl-full"), "--drill-template", Drill("krl-full"), "--out",
+      out,          "--parameter"};
+  const auto with = [&](const std::string& parameter) {
+    auto all = words;
+    all.push_back(parameter);
+    return Type(all);
+  };
+  ASSERT_EQ(with("BASE_DATA=4"), client::kExitGood) << errors_;
+  for (const char* name : {"board.src", "board_drill.src"}) {
+    const std::string program = test::ContentOf(folder_ / name);
+    EXPECT_THAT(program, HasSubstr("Tool[8] Base[4]")) << name;
+    EXPECT_THAT(program, testing::Not(HasSubstr("Base[31]"))) << name;
+  }
+  ASSERT_EQ(with("APPROACH=X 10, Y 20, Z 30"), client::kExitGood) << errors_;
+  EXPECT_THAT(test::ContentOf(out), HasSubstr("FLin( { X 10, Y 20, Z 30 } )"));
+  EXPECT_EQ(with("BASE=4"), client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("they have TOOL_DATA, BASE_DATA"));
+  EXPECT_EQ(with("BASE_DATA"), client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("is not NAME=TEXT"));
+}
+
 // Everything is known of a circle of 2 mm alone.
 TEST_F(ContourCommand, FiguresAreThoseOfTheGeometry) {
   const std::string circle = Write(
