@@ -12,7 +12,6 @@
 #include "engrave/contour/milling/cut_tabs.h"
 #include "engrave/contour/option_range.h"
 #include "engrave/contour/simple_loops.h"
-#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 
 namespace intaglio::contour {
@@ -204,31 +203,13 @@ class Cutter {
 
   Result<Cut> WithTabs(const Edges& path, Cut cut) const {
     const bool hole = options_.side == CutSide::kOutside && cut.inner;
-    const int count = hole && !options_.tabs.of_holes ? 0 : TabCountOf(path);
-    // The tool's edge is half its diameter ahead of its centre.
-    const double length = options_.tabs.width_mm + options_.tool_diameter_mm;
-    const TabPlaces places = PlaceTabs(path, count, length);
-    if (places.max_count < count) {
-      const Vec2& begin = path.front().begin_mm;
-      return Refused(begin,
-                     fmt::format("the straight pieces of the contour at {} hold {} of {} "
-                                 "of {:.4g} mm; use fewer or narrower ones",
-                                 AtPlace(begin), places.max_count,
-                                 Counted(static_cast<std::uint64_t>(count), "tab"),
-                                 options_.tabs.width_mm));
-    }
-    cut.pieces = DividedAtTabs(path, places.ways_mm, length);
+    TabOptions tabs = options_.tabs;
+    if (hole && !tabs.of_holes) tabs = {};
+    cut.pieces = INTAGLIO_TRY(PiecesWithTabs(path, tabs, options_.tool_diameter_mm));
     for (const CutPiece& piece : cut.pieces) {
       if (piece.tab) cut.tabs_mm.push_back(PointAt(piece.edge, piece.edge.length_mm / 2));
     }
     return cut;
-  }
-
-  int TabCountOf(const Edges& path) const {
-    if (!options_.tabs.distance_mm) return options_.tabs.count;
-    // One part in a million more of a distance needs no further tab.
-    return static_cast<int>(
-        std::ceil(LengthOf(path) / *options_.tabs.distance_mm - 1e-6));
   }
 
   const Region& area_;

@@ -62,11 +62,12 @@ struct Cut {
 };
 
 /// One cut a loop, inner ones before outer ones, so that parts do not come loose before
-/// their holes are made. Tabs are on straight pieces, as evenly along the path as those
-/// allow. Errors: kInvalidValue for an option outside its range; kUnsupported, with the
-/// place, when the tool does not fit into a contour, when two contours are nearer to each
-/// other than the tool is wide, when no place of a contour lets a lead in without cutting
-/// what stays, or when the straight pieces of a contour do not hold its tabs.
+/// their holes are made. Tabs are on straight pieces, and on wide arcs where those do not
+/// hold them (cut_tabs.h), as evenly along the path as these allow. Errors: kInvalidValue
+/// for an option outside its range; kUnsupported, with the place, when the tool does not
+/// fit into a contour, when two contours are nearer to each other than the tool is wide,
+/// when no place of a contour lets a lead in without cutting what stays, or when the
+/// pieces of a contour do not hold its tabs.
 Result<std::vector<Cut>> CutOut(const Region& area, const CutOptions& options);
 
 /// All of a cut in the order of the way.

@@ -76,15 +76,13 @@ void AddIdle(const ContourWork& work, const Vec2& start_mm, SvgText& svg) {
 
 /// Black lines along the path where its tabs are.
 void AddTabs(const post::ToolPath& path, double tool_diameter_mm, SvgText& svg) {
-  Vec2 at_mm = path.begin_mm;
-  for (const post::WorkMove& move : path.moves) {
-    if (move.tab) {
-      svg.Add(fmt::format(
-          "<path class=\"tab\" fill=\"none\" stroke=\"#000000\" "
-          "stroke-width=\"{:.4f}\" d=\"M{}L{}\"/>\n",
-          tool_diameter_mm / 3, svg.PlaceText(at_mm), svg.PlaceText(move.end_mm)));
-    }
-    at_mm = move.end_mm;
+  const contour::Edges edges = post::EdgesOf(path);
+  for (std::size_t k = 0; k < edges.size(); ++k) {
+    if (!path.moves[k].tab) continue;
+    svg.Add(
+        fmt::format("<path class=\"tab\" fill=\"none\" stroke=\"#000000\" "
+                    "stroke-width=\"{:.4f}\" d=\"{}\"/>\n",
+                    tool_diameter_mm / 3, svg.PathText({edges[k]})));
   }
 }
 

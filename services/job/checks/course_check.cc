@@ -50,10 +50,11 @@ void CheckTabs(const Course& course, Findings& findings) {
     findings.Wrong("course.tab_distance_mm", course.tab_distance_mm(),
                    "excludes course.tab_count; give one of them");
   }
-  if (asked && course.make() != COURSE_MAKE_CUT) {
+  if (asked &&
+      (course.make() == COURSE_MAKE_ISOLATION || course.make() == COURSE_MAKE_POCKET)) {
     findings.Wrong(course.has_tab_count() ? "course.tab_count" : "course.tab_distance_mm",
                    course.has_tab_count() ? course.tab_count() : course.tab_distance_mm(),
-                   "is of cuts; remove it, or make a cut");
+                   "is of cuts, outlines and curves; remove it, or make one of these");
   }
   if (!asked && (course.has_tab_width_mm() || course.has_tab_height_mm())) {
     findings.Missing("course.tab_count",

@@ -63,11 +63,11 @@ Course WithDefaults(Course course) {
                 Course::kSafeHeightMmFieldNumber, Course::kDrillDepthMmFieldNumber});
   const bool isolates = course.make() == COURSE_MAKE_ISOLATION;
   if (isolates) FillDefaults(course, {Course::kPassCountFieldNumber});
-  if (isolates || course.make() == COURSE_MAKE_POCKET)
-    FillDefaults(course, {Course::kOverlapRatioFieldNumber});
+  const bool clears = course.make() == COURSE_MAKE_POCKET;
+  if (isolates || clears) FillDefaults(course, {Course::kOverlapRatioFieldNumber});
   if (!course.has_plunge_mm_s()) course.set_plunge_mm_s(course.speed_mm_s());
   if (!course.has_power_ratio()) FillDefaults(course, {Course::kDepthMmFieldNumber});
-  if (course.make() == COURSE_MAKE_CUT) FillTabs(course);
+  if (!isolates && !clears) FillTabs(course);
   return course;
 }
 

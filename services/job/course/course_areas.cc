@@ -8,17 +8,10 @@
 #include "engrave/contour/region/region.h"
 #include "engrave/contour/union.h"
 #include "engrave/core/try.h"
+#include "services/job/course/course_tabs.h"
 
 namespace intaglio {
 namespace {
-
-contour::TabOptions TabsOf(const Course& course) {
-  contour::TabOptions tabs;
-  tabs.count = static_cast<int>(course.tab_count());
-  if (course.has_tab_distance_mm()) tabs.distance_mm = course.tab_distance_mm();
-  tabs.width_mm = course.tab_width_mm();
-  return tabs;
-}
 
 /// As long as PathOf(cut).
 std::vector<bool> TabsAlong(const contour::Cut& cut) {

@@ -14,6 +14,7 @@
 #include "engrave/core/try.h"
 #include "services/job/course/course_areas.h"
 #include "services/job/course/course_nets.h"
+#include "services/job/course/course_tabs.h"
 
 namespace intaglio {
 namespace {
@@ -74,24 +75,29 @@ Result<Contours> ContoursOf(const Course& course,
   return contours;
 }
 
-void OrderContours(const Course& course, const Contours& contours, const Vec2& start_mm,
-                   ContourWork& work) {
+Status OrderContours(const Course& course, const Contours& contours, const Vec2& start_mm,
+                     ContourWork& work) {
+  Course without_tabs = course;
+  without_tabs.set_tab_count(0);
+  without_tabs.clear_tab_distance_mm();
   auto visits = contour::NearestContours(contours.all, start_mm);
   work.nearest_idle_mm = contour::IdleWay_mm(contours.all, start_mm, visits);
   if (!course.nearest_order()) contour::ImproveContours(contours.all, start_mm, visits);
   work.idle_mm = contour::IdleWay_mm(contours.all, start_mm, visits);
   for (const contour::ContourVisit& visit : visits) {
-    work.paths.push_back(
-        post::PathOf(contour::EdgesFrom(contours.all[visit.contour].edges, visit),
-                     fmt::format("contour {}", work.paths.size() + 1)));
+    const contour::Contour& contour = contours.all[visit.contour];
+    work.paths.push_back(INTAGLIO_TRY(PathWithTabs(
+        contour.inner ? without_tabs : course, contour::EdgesFrom(contour.edges, visit),
+        fmt::format("contour {}", work.paths.size() + 1))));
     work.passes.push_back(contours.passes[visit.contour]);
-    work.work_mm += contours.all[visit.contour].length_mm;
+    work.work_mm += contour.length_mm;
   }
+  return {};
 }
 
 /// Curves as they are, each from its begin.
-void OrderCurves(const Course& course, const std::vector<DrawnCurve>& curves,
-                 const Vec2& start_mm, ContourWork& work) {
+Status OrderCurves(const Course& course, const std::vector<DrawnCurve>& curves,
+                   const Vec2& start_mm, ContourWork& work) {
   std::vector<Vec2> begins;
   for (const DrawnCurve& curve : curves) begins.push_back(curve.edges.front().begin_mm);
   const auto idle_mm = [&](const contour::VisitOrder& order) {
@@ -113,10 +119,12 @@ void OrderCurves(const Course& course, const std::vector<DrawnCurve>& curves,
     work.idle_mm = idle_mm(order);
   }
   for (const std::uint32_t i : order) {
-    work.paths.push_back(post::PathOf(curves[i].edges, curves[i].name));
+    work.paths.push_back(
+        INTAGLIO_TRY(PathWithTabs(course, curves[i].edges, curves[i].name)));
     work.passes.push_back(0);
     work.work_mm += contour::LengthOf(curves[i].edges);
   }
+  return {};
 }
 
 /// Pockets and cuts: in the order in which they were made.
@@ -195,7 +203,7 @@ Result<ContourWork> MakeContourWork(const Course& course, const CourseFiles& fil
                   "course.make: curves are those of drawings, and the files have none; "
                   "make an isolation or an outline of a board");
     }
-    OrderCurves(course, files.curves, start_mm, work);
+    INTAGLIO_TRY(OrderCurves(course, files.curves, start_mm, work));
     work.element_count = files.curves.size();
     return work;
   }
@@ -207,7 +215,7 @@ Result<ContourWork> MakeContourWork(const Course& course, const CourseFiles& fil
   }
   const Contours contours =
       INTAGLIO_TRY(ContoursOf(course, elements, files.boards, work));
-  OrderContours(course, contours, start_mm, work);
+  INTAGLIO_TRY(OrderContours(course, contours, start_mm, work));
   return work;
 }
 

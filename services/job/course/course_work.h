@@ -34,7 +34,7 @@ struct ContourWork {
 };
 
 /// `course` with its defaults filled in. `start_mm`: where the tool comes from. Errors as
-/// of Isolate, Unite, ClearAreas and CutAreas, each with the place.
+/// of Isolate, Unite, ClearAreas, CutAreas and PathWithTabs, each with the place.
 Result<ContourWork> MakeContourWork(const Course& course, const CourseFiles& files,
                                     const Vec2& start_mm);
 

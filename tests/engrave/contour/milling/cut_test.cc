@@ -177,7 +177,30 @@ TEST(Cut, TabsThatDoNotFitAreRefused) {
               HasSubstr("hold 40 of 41 tabs of 3 mm"));
   options.tabs.of_holes = true;
   options.tabs.count = 1;
+  // The tool runs on 5 mm in the round hole: too tight an arc for 4 mm and the tool.
+  options.tabs.width_mm = 4;
   EXPECT_THAT(RefusalOfCut(Plate(), options), HasSubstr("hold 0 of 1 tab "));
+}
+
+// A round part has no straight piece. What the tool leaves between its two discs at the
+// ends of a tab is measured by their distance.
+TEST(Cut, RoundPartsHaveTabsOnTheirArcs) {
+  const Vec2 center(7, -3);
+  CutOptions options{2};
+  options.tabs.count = 3;
+  const auto cuts = CutsOf(Part({{MakeArc(center, 10, 0, 2 * pi)}}), options);
+  ASSERT_EQ(cuts.size(), 1U);
+  ASSERT_EQ(cuts[0].tabs_mm.size(), 3U);
+  for (const CutPiece& piece : cuts[0].pieces) {
+    EXPECT_NEAR((piece.edge.begin_mm - center).norm(), 11, 1e-9);
+    if (!piece.tab) continue;
+    EXPECT_NEAR((piece.edge.end_mm - piece.edge.begin_mm).norm() - 2, 3, 1e-9);
+  }
+  EXPECT_NEAR(LengthOf(Closed(cuts[0])), 2 * pi * 11, 1e-6);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double apart = (cuts[0].tabs_mm[k] - cuts[0].tabs_mm[(k + 1) % 3]).norm();
+    EXPECT_NEAR(apart, 11 * std::sqrt(3.0), 1e-6) << "a third of a turn";
+  }
 }
 
 TEST(Cut, RefusesWhatTheToolCannotCut) {

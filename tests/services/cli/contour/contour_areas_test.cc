@@ -128,6 +128,39 @@ TEST_F(ContourAreas, TabsStayInTheProgramOfACut) {
   EXPECT_EQ(count(test::ContentOf(picture), "class=\"tab\""), 4U);
 }
 
+// The hole of a plate has no tabs around an outline; a curve has its own, also a round
+// one without a straight piece. At work is what is left of the way in the deeper of two
+// passes.
+TEST_F(ContourAreas, OutlinesAndCurvesHaveTabsToo) {
+  Course course;
+  course.add_files(Write("plate.svg", kPlate));
+  course.set_tool_diameter_mm(2);
+  course.set_tab_count(4);
+  const auto tab_length_mm = [&](CourseMake make) {
+    course.set_make(make);
+    Warnings warnings;
+    const auto files = ReadCourseFiles(WithDefaults(course), 1, warnings);
+    const auto work = MakeContourWork(WithDefaults(course), *files, Vec2(0, 0));
+    EXPECT_TRUE(work) << work.error().message;
+    double sum_mm = 0;
+    for (const post::ToolPath& path : work->paths) {
+      Vec2 at_mm = path.begin_mm;
+      for (const post::WorkMove& move : path.moves) {
+        if (move.tab) sum_mm += (move.end_mm - at_mm).norm();
+        at_mm = move.end_mm;
+      }
+    }
+    return sum_mm;
+  };
+  EXPECT_NEAR(tab_length_mm(COURSE_MAKE_OUTLINE), 4 * (3 + 2), 1e-6);
+  course.set_files(
+      0, Write("disc.svg", R"(<svg xmlns="http://www.w3.org/2000/svg" width="40mm" )"
+                           R"(height="30mm" viewBox="0 0 40 30">)"
+                           R"(<circle cx="20" cy="15" r="9"/></svg>)"));
+  EXPECT_NEAR(tab_length_mm(COURSE_MAKE_CURVES), 4 * (3 + 2), 1e-6)
+      << "the ends of a tab are as far apart on an arc as on a line";
+}
+
 TEST_F(ContourAreas, TabsThatCannotBeAreRefusedByName) {
   const std::string plate = Write("plate.svg", kPlate);
   EXPECT_EQ(Type({plate, "--make", "pocket", "--tabs", "4"}), client::kExitWrongInput);
