@@ -15,6 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 const std::string kModel = INTAGLIO_SOURCE_DIR "/deploy/jobs/sample.obj";
 const std::string kJob = INTAGLIO_SOURCE_DIR "/deploy/jobs/sample.textproto";
@@ -216,6 +217,18 @@ TEST(CompletedJob, OfMarksHasNoFieldOfPoints) {
   ASSERT_TRUE(completed) << completed.error().message;
   EXPECT_FALSE(completed->job.has_ordering());
   EXPECT_FALSE(completed->job.has_discretization());
+}
+
+// Who makes points of a job of marks is told what it is, not which fields it lacks.
+TEST(JobOfMarks, IsRefusedByItsKindWherePointsAreMade) {
+  const std::string label = INTAGLIO_SOURCE_DIR "/deploy/examples/label.textproto";
+  const std::string refusal = RefusalOf({label});
+  EXPECT_THAT(refusal, HasSubstr("intaglio marks preview JOB"));
+  EXPECT_THAT(refusal, Not(HasSubstr("discretization")));
+  const auto built = BuildJobOfAnyKind(Typed({label}));
+  ASSERT_TRUE(built) << built.error().message;
+  EXPECT_TRUE(built->job.has_marks());
+  EXPECT_FALSE(built->job.has_discretization());
 }
 
 TEST(JobFlags, OfTheMachineAreANameOrAFile) {
