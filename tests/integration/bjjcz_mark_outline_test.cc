@@ -7,7 +7,6 @@
 
 #include <fstream>
 #include <functional>
-#include <iostream>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -127,13 +126,8 @@ TEST_F(MarkOutline, OfARectangleHasFourWays) {
 }
 
 TEST_F(MarkOutline, EndsWithItsPersonAndWithTheMachinesState) {
-  struct Ending {
-    std::string name;
-    std::function<void(Running&)> inflict, relieve;
-    std::string answer = {};  ///< what the client prints, if it lives
-  };
   const auto nothing = [](Running&) {};
-  const std::vector<Ending> endings = {
+  const std::vector<OutlineEnding> endings = {
       {"client killed", [](Running& client) { client.Signal(SIGKILL); }, nothing},
       {"client hangs", [](Running& client) { client.Signal(SIGSTOP); },
        [](Running& client) { client.Signal(SIGKILL); }},
@@ -146,24 +140,12 @@ TEST_F(MarkOutline, EndsWithItsPersonAndWithTheMachinesState) {
        "stop"},
       {"marker killed", [&](Running&) { EXPECT_GT(shop_.Kill("intaglio-marker"), 0); },
        nothing},
-      {"job armed", [&](Running&) { EXPECT_TRUE(shop_.Submit(job())); }, nothing},
+      {"job armed", [&](Running&) { EXPECT_TRUE(shop_.Submit(job())); }, nothing, "",
+       true},
   };
-  for (const Ending& ending : endings) {
-    const auto client = Drawing();
-    std::cout << "  " << ending.name << std::endl;
-    ending.inflict(*client);
-    EXPECT_TRUE(Rests()) << ending.name;
-    if (!ending.answer.empty()) {
-      const Ended ended = client->WaitForEnd(20s);
-      EXPECT_EQ(ended.exit_code, 4) << ending.name << ": " << ended.output;
-      EXPECT_THAT(ended.output, HasSubstr(ending.answer)) << ending.name;
-    }
-    ending.relieve(*client);
-    EXPECT_TRUE(Rests()) << ending.name << ": it begins again by itself";
-    if (ending.name != "job armed") {
-      EXPECT_FALSE(Made()) << ending.name;
-    }
-  }
+  ExpectEachEndsIt(
+      endings, [&] { return Drawing(); }, [&] { return Rests(); },
+      [&] { return Made().has_value(); });
   EXPECT_TRUE(Eventually([&] { return Made().has_value(); }, 60s))
       << "the job is not made";
 }

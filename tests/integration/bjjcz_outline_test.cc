@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <iostream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -133,13 +132,8 @@ TEST_F(BoardOutline, EndsWithAStop) {
 }
 
 TEST_F(BoardOutline, EndsWithItsPersonAndWithTheMachinesState) {
-  struct Ending {
-    std::string name;
-    std::function<void(Running&)> inflict, relieve;
-    std::string answer = {};  ///< what the client prints, if it lives
-  };
   const auto nothing = [](Running&) {};
-  const std::vector<Ending> endings = {
+  const std::vector<testing::OutlineEnding> endings = {
       {"Ctrl-C", [](Running& client) { client.Signal(SIGINT); }, nothing},
       {"client killed", [](Running& client) { client.Signal(SIGKILL); }, nothing},
       {"client hangs", [](Running& client) { client.Signal(SIGSTOP); },
@@ -151,24 +145,11 @@ TEST_F(BoardOutline, EndsWithItsPersonAndWithTheMachinesState) {
        "key and door are not known"},
       {"bridge killed",
        [&](Running&) { EXPECT_GT(shop_.Kill("intaglio-motion-bridge"), 0); }, nothing},
-      {"job armed", [&](Running&) { EXPECT_TRUE(shop_.Submit()); }, nothing},
+      {"job armed", [&](Running&) { EXPECT_TRUE(shop_.Submit()); }, nothing, "", true},
   };
-  for (const Ending& ending : endings) {
-    const auto client = Drawing();
-    std::cout << "  " << ending.name << std::endl;
-    ending.inflict(*client);
-    EXPECT_TRUE(Rests()) << ending.name;
-    if (!ending.answer.empty()) {
-      const Ended ended = client->WaitForEnd(20s);
-      EXPECT_EQ(ended.exit_code, 4) << ending.name << ": " << ended.output;
-      EXPECT_THAT(ended.output, HasSubstr(ending.answer)) << ending.name;
-    }
-    ending.relieve(*client);
-    EXPECT_TRUE(Rests()) << ending.name << ": it begins again by itself";
-    if (ending.name != "job armed") {
-      EXPECT_FALSE(HasPulses()) << ending.name;
-    }
-  }
+  testing::ExpectEachEndsIt(
+      endings, [&] { return Drawing(); }, [&] { return Rests(); },
+      [&] { return HasPulses(); });
   EXPECT_TRUE(Eventually([&] { return HasPulses(); }, 60s)) << "the job is not made";
 }
 

@@ -3,6 +3,7 @@
 // What the guide laser of a virtual BJJCZ board has drawn, by the board's own record
 // (virtual_bjjcz_main.cc).
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -10,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iostream>
 #include <memory>
 #include <sstream>
 #include <string>
@@ -76,6 +78,38 @@ inline bool GuideRests(const std::function<std::size_t()>& count) {
         return count() == before;
       },
       std::chrono::seconds(30));
+}
+
+/// What ends an outline that is drawn.
+struct OutlineEnding {
+  std::string name;
+  std::function<void(Running&)> inflict, relieve;
+  std::string answer = {};    ///< what the client prints, if it lives
+  bool begins_a_job = false;  ///< the laser may fire behind it
+};
+
+/// Each ends one of `drawing`, and none begins again by itself; `rests`: GuideRests;
+/// `has_fired`: the laser has made something.
+inline void ExpectEachEndsIt(const std::vector<OutlineEnding>& endings,
+                             const std::function<std::unique_ptr<Running>()>& drawing,
+                             const std::function<bool()>& rests,
+                             const std::function<bool()>& has_fired) {
+  for (const OutlineEnding& ending : endings) {
+    const auto client = drawing();
+    std::cout << "  " << ending.name << std::endl;
+    ending.inflict(*client);
+    EXPECT_TRUE(rests()) << ending.name;
+    if (!ending.answer.empty()) {
+      const Ended ended = client->WaitForEnd(std::chrono::seconds(20));
+      EXPECT_EQ(ended.exit_code, 4) << ending.name << ": " << ended.output;
+      EXPECT_THAT(ended.output, ::testing::HasSubstr(ending.answer)) << ending.name;
+    }
+    ending.relieve(*client);
+    EXPECT_TRUE(rests()) << ending.name << ": it begins again by itself";
+    if (!ending.begins_a_job) {
+      EXPECT_FALSE(has_fired()) << ending.name;
+    }
+  }
 }
 
 }  // namespace intaglio::testing

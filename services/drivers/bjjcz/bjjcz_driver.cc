@@ -120,8 +120,7 @@ Status BjjczDriver::Begin(std::uint32_t run, std::span<const mark::Pen> pens) {
   if (guide_.active()) return RefuseBoard("an outline is drawn: end it");
   if (!state_.settled) return RefuseBoard("a run is not at its end: wait");
   if (!state_.fault.empty()) return RefuseBoard(state_.fault);
-  if (!closed_ || state_.safe_state)
-    return RefuseBoard("key, door or stop button was opened: close them, then reset");
+  if (!closed_ || state_.safe_state) return RefuseBoard(kChainWasOpened);
   if (run <= state_.newest_run)
     return RefuseBoard(fmt::format("run {} is not above {}", run, state_.newest_run));
   INTAGLIO_TRY(lists_.Begin(pens));

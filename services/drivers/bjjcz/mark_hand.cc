@@ -31,11 +31,12 @@ void BjjczMarkHand::TakeState(const MarkDeviceState& mark) {
   state_.fault = !mark.link_up ? intaglio_MOTION_LINK_LOST
                  : faulted     ? intaglio_MOTION_SAFE_STATE
                                : intaglio_MOTION_OK;
-  state_.message = mark.link_up && !faulted ? ""
-                   : !mark.link_up          ? mark.message
-                   : mark.fault.empty()
-                       ? "key, door or stop button was opened: close them, then reset"
-                       : mark.fault;
+  if (!mark.link_up)
+    state_.message = mark.message;
+  else if (!mark.fault.empty())
+    state_.message = mark.fault;
+  else
+    state_.message = mark.safe_state ? kChainWasOpened : "";
   state_.position_mm = mark.position_mm;
   state_.at_rest = mark.at_rest;
 }

@@ -17,6 +17,10 @@
 
 namespace intaglio::drivers {
 
+/// Why a board that marks refuses, once the chain was opened.
+inline constexpr char kChainWasOpened[] =
+    "key, door or stop button was opened: close them, then reset";
+
 class BjjczMarkHand final : public HandMotion {
  public:
   /// `lists` outlives this. `reset`: MarkDriver::Reset.
