@@ -22,6 +22,9 @@ constexpr double kTiny = 0.02, kSmall = 0.1;  // of the block's smallest side
 constexpr double kTinyMm = 2;                 // a dozen cracks, in any block
 constexpr double kPlausible = 0.2;            // of the block's smallest side
 constexpr double kFitShare = 0.9;             // of the block, of the size to fit to
+// A block around a model of less than kTinyMm was made for a size that is in doubt, so it
+// says nothing of the unit: this is what a piece has at most.
+constexpr double kUsualPieceMm = 200;
 
 struct Unit {
   const char* name;
@@ -44,25 +47,32 @@ double LargestShare(const Vec3& size_mm, const SizeInBlock& model) {
   return (size_mm.array() / model.block_size_mm.array()).maxCoeff();
 }
 
+bool IsTiny(const SizeInBlock& model) { return model.size_mm.maxCoeff() < kTinyMm; }
+
+/// What a file in this unit would be; empty if that is no size for a piece.
+std::string SizeInUnit(const Unit& unit, const SizeInBlock& model) {
+  const double ratio = unit.mm / model.unit_mm;
+  const Vec3 size_mm = ratio * model.size_mm;
+  if (std::abs(ratio - 1) < 1e-3) return {};
+  if (size_mm.maxCoeff() < kPlausible * model.block_size_mm.minCoeff()) return {};
+  if (LargestShare(size_mm, model) <= 1) return TextOf(size_mm);
+  if (!IsTiny(model) || size_mm.maxCoeff() > kUsualPieceMm) return {};
+  return TextOf(size_mm) + ", in a larger block";
+}
+
 /// "Is the file in inches? Then give --unit 25.4 (...)."; empty when no unit helps.
 std::string UnitQuestion(const SizeInBlock& model) {
   std::string question;
   if (model.fitted) return question;
   for (const Unit& unit : kUnits) {
-    const double ratio = unit.mm / model.unit_mm;
-    if (std::abs(ratio - 1) < 1e-3) continue;
-    const Vec3 size_mm = ratio * model.size_mm;
-    if (LargestShare(size_mm, model) > 1 ||
-        size_mm.maxCoeff() < kPlausible * model.block_size_mm.minCoeff()) {
-      continue;
-    }
+    const std::string size = SizeInUnit(unit, model);
+    if (size.empty()) continue;
     question += question.empty()
                     ? fmt::format(
                           "is the file in {}? Then give --unit {:g}, in a job "
                           "file placement.unit_mm: {:g} ({})",
-                          unit.name, unit.mm, unit.mm, TextOf(size_mm))
-                    : fmt::format("; in {}? --unit {:g} ({})", unit.name, unit.mm,
-                                  TextOf(size_mm));
+                          unit.name, unit.mm, unit.mm, size)
+                    : fmt::format("; in {}? --unit {:g} ({})", unit.name, unit.mm, size);
   }
   return question.empty() ? question : question + ". Or ";
 }
@@ -73,8 +83,13 @@ std::string FitAdvice(const SizeInBlock& model) {
   if (!(share > 0)) return "give it a size with --size (fit_size_mm)";
   const double size_mm = kFitShare * model.size_mm.maxCoeff() / share;
   const double step_mm = size_mm < 5 ? 0.1 : 1;
-  return fmt::format("scale it to the block: --size {:g} (fit_size_mm)",
-                     std::max(step_mm, std::floor(size_mm / step_mm) * step_mm));
+  const double rounded_mm = std::max(step_mm, std::floor(size_mm / step_mm) * step_mm);
+  if (IsTiny(model)) {
+    return fmt::format(
+        "give it a size with --size (fit_size_mm), at most {:g} in {} of {}", rounded_mm,
+        model.room, TextOf(model.block_size_mm));
+  }
+  return fmt::format("scale it to the block: --size {:g} (fit_size_mm)", rounded_mm);
 }
 
 SizeFault FaultOf(const SizeInBlock& model, WarningWeight weight, const char* relation,
@@ -118,7 +133,7 @@ std::optional<SizeFault> FindSizeFault(const SizeInBlock& model,
   if (largest_mm < kTiny * side_mm) {
     return FaultOf(model, WarningWeight::kWarning, "less than 2 % of", model_name);
   }
-  if (largest_mm < kTinyMm) {
+  if (IsTiny(model)) {
     return FaultOf(model, WarningWeight::kWarning, "less than 2 mm large in", model_name);
   }
   if (largest_mm < kSmall * side_mm && !UnitQuestion(model).empty()) {

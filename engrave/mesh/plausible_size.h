@@ -40,6 +40,8 @@ struct SizeFault {
 ///            another unit would give a plausible size
 /// A fitted model is never too small. The sentence names the units that would give a
 /// size between a fifth of the block's smallest side and the block, and a size to fit to.
+/// Below 2 mm they may give up to 200 mm, with a larger block: a block that was made for
+/// a size in doubt does not decide about the unit.
 std::optional<SizeFault> FindSizeFault(const SizeInBlock& model,
                                        std::string_view model_name);
 

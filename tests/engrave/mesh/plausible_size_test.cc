@@ -58,6 +58,26 @@ TEST(PlausibleSize, AModelOfOneMillimetreIsAWarning) {
   EXPECT_THAT(metres.warning.text, HasSubstr("metres? Then give --unit 1000"));
 }
 
+// The same model, judged against the machine before the block is chosen and against the
+// chosen block afterwards, gets the same first unit and no size that the other one
+// denies.
+TEST(PlausibleSize, ABlockThatWasMadeForATinyModelDoesNotDecideAboutItsUnit) {
+  SizeInBlock model = SizeOf({1.5, 1.5, 1.5});
+  model.block_size_mm = Vec3(174, 174, 261), model.room = "the largest block of els-03";
+  EXPECT_THAT(FaultOf(model).warning.text,
+              AllOf(HasSubstr("in inches? Then give --unit 25.4"),
+                    HasSubstr("at most 156 in the largest block of els-03")));
+  model.block_size_mm = Vec3(15, 15, 15), model.room = "the block";
+  EXPECT_THAT(
+      FaultOf(model).warning.text,
+      AllOf(HasSubstr("in inches? Then give --unit 25.4, in a job file "
+                      "placement.unit_mm: 25.4 (38.1 x 38.1 x 38.1 mm, in a larger "
+                      "block); in centimetres? --unit 10 (15 x 15 x 15 mm)"),
+            Not(HasSubstr("--unit 1000")),
+            HasSubstr("Or give it a size with --size (fit_size_mm), at most 13 in the "
+                      "block of 15 x 15 x 15 mm")));
+}
+
 TEST(PlausibleSize, AModelOfSeventyMetresIsRefused) {
   SizeInBlock model = SizeOf({70'000, 40'000, 60'000});
   model.unit_mm = 1000;
