@@ -128,8 +128,8 @@ int SetSpeed(client::JobClient& client, const client::JobView& job,
       !taken) {
     return ComplainOf(taken.error());
   }
-  std::cout << "job " << job.number << " goes on at " << percent
-            << " % speed, from the next planned motion on\n";
+  std::cout << "job " << job.number << " is made at " << percent
+            << " % speed, from its next planned motion on\n";
   return client::kExitGood;
 }
 

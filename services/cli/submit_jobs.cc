@@ -16,6 +16,7 @@
 #include "services/client/arm_once.h"
 #include "services/client/event_lines.h"
 #include "services/client/exit_codes.h"
+#include "services/client/job_need.h"
 #include "services/client/known_jobs.h"
 #include "services/client/shop/bus_turn.h"
 #include "services/client/warning_text.h"
@@ -159,7 +160,7 @@ int SubmitJob(const JobSpec& spec, const JobsOptions& options) {
          fmt::format("job {} {}: {}", job.number, client::NameOf(job.state), job.message),
          job.uid});
   }
-  if (!options.arm) options.human() << "intaglio arm " << job.number << " arms it\n";
+  if (!options.arm) options.human() << client::StandingOf(job) << "\n";
   const bool asks = options.arm && job.open_consent() != nullptr;
   return asks ? client::kExitMachine : client::kExitGood;
 }

@@ -27,8 +27,8 @@ std::string NoteOf(const client::JobView& job) {
     note = estimate + ", " + note;
   }
   if (!job.alarm.empty()) note += "; ALARM " + job.alarm;
-  if (job.speed_percent != 100) note += fmt::format(", at {} % speed", job.speed_percent);
-  return note;
+  const std::string speed = client::SpeedNote(job.speed_percent);
+  return speed.empty() ? note : note + ", " + speed;
 }
 
 namespace {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "services/history/job_names.h"
@@ -15,27 +16,45 @@ bool JobView::ended() const {
          state == intaglio_JOB_CANCELLED;
 }
 
-const char* NameOf(intaglio_JobState state) {
-  return state == intaglio_JOB_WAITING_FOR_ARM ? "waiting for arm"
-                                               : history::StateName(state);
-}
-
 namespace {
 
+/// "waiting for arm" of "waiting_for_arm".
+std::string InWords(std::string_view state) {
+  std::string words(state);
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
+}
+
 /// ", the lamp warms up" of "the lamp warms up: 17 %"; empty: it does not wait.
-std::string WhatItWaitsFor(const JobView& job) {
-  const std::string what = job.message.substr(0, job.message.find_first_of(":;\n"));
-  return what.empty() ? "" : ", " + what;
+std::string WhatItWaitsFor(std::string_view message) {
+  const std::string_view what = message.substr(0, message.find_first_of(":;\n"));
+  return what.empty() ? "" : fmt::format(", {}", what);
+}
+
+bool IsState(std::string_view state, intaglio_JobState one) {
+  return state == history::StateName(one);
 }
 
 }  // namespace
 
+std::string NameOf(intaglio_JobState state) { return InWords(history::StateName(state)); }
+
+std::string StateOf(std::string_view state, bool armed, std::string_view message) {
+  const bool ended = IsState(state, intaglio_JOB_DONE) ||
+                     IsState(state, intaglio_JOB_FAILED) ||
+                     IsState(state, intaglio_JOB_CANCELLED);
+  if (!armed || ended || IsState(state, intaglio_JOB_ENGRAVING)) return InWords(state);
+  if (IsState(state, intaglio_JOB_WAITING_FOR_ARM))
+    return "armed" + WhatItWaitsFor(message);
+  return InWords(state) + ", armed";
+}
+
 std::string StateOf(const JobView& job) {
-  if (!job.armed || job.ended() || job.state == intaglio_JOB_ENGRAVING) {
-    return NameOf(job.state);
-  }
-  if (job.state == intaglio_JOB_WAITING_FOR_ARM) return "armed" + WhatItWaitsFor(job);
-  return std::string(NameOf(job.state)) + ", armed";
+  return StateOf(history::StateName(job.state), job.armed, job.message);
+}
+
+std::string SpeedNote(std::uint32_t speed_percent) {
+  return speed_percent == 100 ? "" : fmt::format("at {} % speed", speed_percent);
 }
 
 std::string ArmCommandOf(const JobView& job) {

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engrave/core/warning.h"
@@ -63,12 +64,17 @@ struct JobView {
   }
 };
 
-/// "queued", "engraving", ...
-const char* NameOf(intaglio_JobState state);
+/// For people: "queued", "waiting for arm", ...
+std::string NameOf(intaglio_JobState state);
 /// The same, with "armed" where a person has armed it and it does not fire yet:
 /// "discretizing, armed"; "armed" instead of "waiting for arm", and what keeps it from
 /// firing: "armed, the lamp warms up".
 std::string StateOf(const JobView& job);
+/// The same from what programs read: `state` is "waiting_for_arm", ...
+/// (history::StateName).
+std::string StateOf(std::string_view state, bool armed, std::string_view message);
+/// "at 50 % speed"; empty at 100 %.
+std::string SpeedNote(std::uint32_t speed_percent);
 /// "discretize", "order", "engrave".
 const char* NameOf(intaglio_Stage stage);
 

@@ -25,7 +25,7 @@ class TeachFocus : public testing::TeachShop {
                                (folder_ / "materials.db").string()});
     const Ended ended = Teach(words);
     ASSERT_EQ(ended.exit_code, 0) << ended.output;
-    EXPECT_THAT(ended.output, HasSubstr("arms it"));
+    EXPECT_THAT(ended.output, HasSubstr("intaglio arm "));
     const std::string job = NumberIn(ended.output);
     ASSERT_TRUE(Eventually(
         [&] {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "services/client/figure_text.h"
+#include "services/client/job_view.h"
 
 namespace intaglio::cli {
 namespace {
@@ -39,6 +40,13 @@ std::string TimeLeftText(const client::WorkLeft& work, std::time_t now) {
   if (time.left.empty()) return {};
   return fmt::format("{:.0f} %, {}{}{}", 100 * work.share, time.left,
                      time.ends.empty() ? "" : ", ", time.ends);
+}
+
+std::string PaceText(const client::WorkLeft& work, std::uint32_t speed_percent,
+                     std::time_t now) {
+  const std::string left = TimeLeftText(work, now);
+  const std::string speed = client::SpeedNote(speed_percent);
+  return left + (left.empty() || speed.empty() ? "" : ", ") + speed;
 }
 
 }  // namespace intaglio::cli

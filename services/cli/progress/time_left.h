@@ -4,6 +4,7 @@
 // the same for the bar of `run` and `watch` and for the lines of `list`, `show` and
 // `status`.
 
+#include <cstdint>
 #include <ctime>
 #include <string>
 
@@ -25,5 +26,10 @@ TimeLeft TimeLeftOf(const client::WorkLeft& work, std::time_t now);
 
 /// With the share: "52 %, 7 min 02 s left, ends 14:32"; empty where it is not known.
 std::string TimeLeftText(const client::WorkLeft& work, std::time_t now);
+
+/// Of a job at work, or of one whose speed was set: the time left and the speed, "52 %,
+/// 7 min 02 s left, ends 14:32, at 50 % speed"; empty where neither is to be said.
+std::string PaceText(const client::WorkLeft& work, std::uint32_t speed_percent,
+                     std::time_t now);
 
 }  // namespace intaglio::cli

@@ -6,6 +6,7 @@
 
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
+#include "services/client/job_need.h"
 #include "services/history/job_names.h"
 
 namespace intaglio::cli {
@@ -14,11 +15,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kMachineTime = 2s;
-
-void PrintState(const client::JobView& job, std::ostream& out) {
-  out << "job " << job.number << " is " << client::StateOf(job)
-      << (job.message.empty() ? "" : ": " + job.message) << "\n";
-}
 
 /// Where a command leads when nothing is in its way.
 bool Reached(const client::JobView& job, intaglio_JobCommandKind kind) {
@@ -52,7 +48,7 @@ int AwaitEffect(client::JobClient& client, const client::JobView& job,
                    kMachineTime);
   const client::JobView& now = client.jobs().at(job.uid);
   if (!lost()) {
-    PrintState(now, out);
+    out << client::StandingOf(now) << "\n";
     return client::kExitGood;
   }
   const char* reason = history::PauseReasonName(now.pause_reason);

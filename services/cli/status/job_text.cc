@@ -110,11 +110,14 @@ std::string ListText(std::vector<client::JobView> jobs, std::time_t now) {
     text += fmt::format(fmt::runtime(kLine), job.number, StateInQueue(job), job.cell,
                         job.verdict.empty() ? "-" : job.verdict, TimeOf(job),
                         ProgressOf(job), job.name);
-    if (const std::string left = TimeLeftText(client::WorkLeftOf(job), now);
-        !left.empty())
-      text += fmt::format("        {}\n", left);
+    const std::uint32_t speed_percent = job.ended() ? 100 : job.speed_percent;
+    if (const std::string pace = PaceText(client::WorkLeftOf(job), speed_percent, now);
+        !pace.empty())
+      text += fmt::format("        {}\n", pace);
     if (!job.alarm.empty()) text += fmt::format("        ALARM {}\n", job.alarm);
-    if (const std::string reason = ReasonOf(job); !reason.empty())
+    if (const std::string need = client::NeedOf(job); !need.empty())
+      text += fmt::format("        to do: {}\n", need);
+    else if (const std::string reason = ReasonOf(job); !reason.empty())
       text += fmt::format("        {}\n", reason);
   }
   for (const QueueTime& queue :

@@ -7,6 +7,7 @@
 
 #include "services/cli/progress/time_left.h"
 #include "services/client/figure_text.h"
+#include "services/client/job_view.h"
 
 namespace intaglio::cli {
 namespace {
@@ -59,12 +60,12 @@ std::string LineOf(const OpenJob& job, std::time_t now) {
     progress = fmt::format("{} {} / {}", job.stage(), client::GroupedDigits(job.done()),
                            client::GroupedDigits(job.total()));
   }
-  std::string line = fmt::format(
-      "{:>6}  {:<23} {:<10} {:<26} {}\n", job.job(),
-      job.state() + (job.armed() && job.state() != "engraving" ? ", armed" : ""),
-      job.cell(), progress, job.name());
-  const std::string left = TimeLeftText({job.progress_ratio(), job.left_s()}, now);
-  if (!left.empty()) line += fmt::format("        {}\n", left);
+  std::string line = fmt::format("{:>6}  {:<23} {:<10} {:<26} {}\n", job.job(),
+                                 client::StateOf(job.state(), job.armed(), job.message()),
+                                 job.cell(), progress, job.name());
+  const std::string pace =
+      PaceText({job.progress_ratio(), job.left_s()}, job.speed_percent(), now);
+  if (!pace.empty()) line += fmt::format("        {}\n", pace);
   if (!job.message().empty()) line += fmt::format("        {}\n", job.message());
   return line;
 }

@@ -126,6 +126,7 @@ class Builder {
     line.set_makes(job.makes);
     line.set_message(job.message);
     line.set_alarm(job.alarm);
+    line.set_speed_percent(job.speed_percent);
   }
 
   void AddTimeLeft(const JobView& job, OpenJob& line) {

@@ -3,11 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "services/client/job_need.h"
 #include "tests/services/cli/status/shown_job.h"
 
 namespace intaglio::cli {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -87,6 +89,46 @@ TEST(JobText, AnOpenJobHasItsProgressItsMessageAndItsAlarm) {
   EXPECT_THAT(ShowText(job), HasSubstr("alarm      no progress"));
 }
 
+// A synchronizer's words for a missing arm name nothing that a person can do.
+TEST(JobText, AListTellsAPersonTheCommandAndNotWhatTheMachineWaitsFor) {
+  client::JobView job = ShownJob(7, intaglio_JOB_WAITING_FOR_ARM);
+  job.message = "waits for the permission of the job service";
+  EXPECT_THAT(ListText({job}), AllOf(HasSubstr("        to do: job 7 waits for its arm: "
+                                               "put its block into left, then "
+                                               "intaglio arm 7\n"),
+                                     Not(HasSubstr("permission"))));
+  job.armed = true;
+  EXPECT_THAT(ListText({job}), AllOf(HasSubstr("permission"), Not(HasSubstr("to do"))));
+}
+
+TEST(JobText, TheSpeedThatWasSetIsInTheList) {
+  client::JobView job = ShownJob(7, intaglio_JOB_ENGRAVING);
+  EXPECT_THAT(ListText({job}), Not(HasSubstr("% speed")));
+  job.speed_percent = 50;
+  EXPECT_THAT(ListText({job}), HasSubstr("        at 50 % speed\n"));
+}
+
+// What `pause` and `submit` print at their end.
+TEST(JobText, WhereAJobStandsIsSaidWithWhatIsNext) {
+  client::JobView job = ShownJob(7, intaglio_JOB_QUEUED);
+  job.message = "waits for no synchronizer of grbl runs";
+  EXPECT_EQ(
+      client::StandingOf(job),
+      "job 7 is queued: waits for no synchronizer of grbl runs; nothing of it fires "
+      "before intaglio arm 7");
+  job.state = intaglio_JOB_DISCRETIZING, job.message.clear();
+  EXPECT_EQ(client::StandingOf(job),
+            "job 7 is discretizing; nothing of it fires before intaglio arm 7");
+  job.armed = true;
+  EXPECT_EQ(client::StandingOf(job), "job 7 is discretizing, armed");
+  job.state = intaglio_JOB_WAITING_FOR_ARM, job.message = "the lamp warms up: 8 %";
+  EXPECT_EQ(client::StandingOf(job), "job 7 is armed: the lamp warms up: 8 %");
+  job.armed = false, job.message.clear();
+  EXPECT_EQ(client::StandingOf(job), client::NeedOf(job));
+  job.state = intaglio_JOB_CANCELLED;
+  EXPECT_EQ(client::StandingOf(job), "job 7 is cancelled");
+}
+
 TEST(JobText, AJobAtWorkHasTheTimeLeftAndTheClockTimeOfItsEnd) {
   client::JobView job = ShownJob(7, intaglio_JOB_ENGRAVING);
   job.progress = {{intaglio_STAGE_ENGRAVE, 1200, 4800, 100}};
@@ -105,7 +147,8 @@ TEST(JobText, AJobAtWorkHasTheTimeLeftAndTheClockTimeOfItsEnd) {
   job.estimate_ticks = 10000;
   job.rate_hz = 100;
   job.speed_percent = 50;
-  EXPECT_THAT(ListText({job}, now), HasSubstr("1 %, 3 min 18 s left, ends 12:03\n"));
+  EXPECT_THAT(ListText({job}, now),
+              HasSubstr("1 %, 3 min 18 s left, ends 12:03, at 50 % speed\n"));
   job.state = intaglio_JOB_PAUSED;
   EXPECT_THAT(ListText({job}, now), Not(HasSubstr("left,"))) << "a person ends a pause";
 }

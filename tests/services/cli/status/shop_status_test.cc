@@ -12,6 +12,7 @@ namespace {
 using client::CellSnapshot;
 using client::ShopSnapshot;
 using client::StatusOf;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -213,6 +214,21 @@ TEST(ShopStatus, ALampThatWarmsUpNeedsNobody) {
   shop.cells["left"].warm_ratio = 0.25;
   EXPECT_FALSE(Status(shop).needs_person());
   EXPECT_THAT(TextOf(Status(shop)), HasSubstr("lamp warms up (25 %)"));
+}
+
+// In the words of `list` and `show`; programs read the name of the state.
+TEST(ShopStatus, AJobHasItsStateInWordsAndTheSpeedThatWasSet) {
+  ShopSnapshot shop = GoodShop();
+  shop.jobs = {ShownJob(3, intaglio_JOB_WAITING_FOR_ARM)};
+  EXPECT_EQ(Status(shop).jobs(0).state(), "waiting_for_arm");
+  EXPECT_THAT(TextOf(Status(shop)), HasSubstr("     3  waiting for arm "));
+  shop.jobs[0].armed = true;
+  shop.jobs[0].speed_percent = 50;
+  shop.jobs[0].message = "the lamp warms up: 17 %";
+  EXPECT_EQ(Status(shop).jobs(0).speed_percent(), 50u);
+  EXPECT_THAT(TextOf(Status(shop)),
+              AllOf(HasSubstr("     3  armed, the lamp warms up left"),
+                    HasSubstr("        at 50 % speed\n")));
 }
 
 }  // namespace
