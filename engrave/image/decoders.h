@@ -14,6 +14,8 @@ Result<GreyImage> ParseBmp(std::string_view bytes, const ImageOptions& options);
 bool IsPcx(std::string_view bytes);
 Result<GreyImage> ParsePcx(std::string_view bytes, const ImageOptions& options);
 Result<GreyImage> ParsePng(std::string_view bytes, const ImageOptions& options);
+bool IsTiff(std::string_view bytes);
+Result<GreyImage> ParseTiff(std::string_view bytes, const ImageOptions& options);
 Result<GreyImage> ParseJpeg(std::string_view bytes, const ImageOptions& options);
 
 /// kTooLarge when the picture has more pixels than allowed, kUnreadable when it has none.

@@ -52,10 +52,11 @@ Result<GreyImage> ParseImage(std::string_view bytes, const ImageOptions& options
   if (bytes.starts_with("BM")) return ParseBmp(bytes, options);
   if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return ParsePng(bytes, options);
   if (bytes.starts_with("\xff\xd8")) return ParseJpeg(bytes, options);
+  if (IsTiff(bytes)) return ParseTiff(bytes, options);
   if (IsPcx(bytes)) return ParsePcx(bytes, options);
   return Fail(ErrorCode::kUnreadable,
-              "the file is not a BMP, PNG, JPEG or PCX: save the picture in one of these "
-              "formats");
+              "the file is not a PNG, JPEG, TIFF, BMP or PCX: save the picture in one of "
+              "these formats");
 }
 
 }  // namespace intaglio::image

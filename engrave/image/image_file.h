@@ -1,15 +1,16 @@
 #pragma once
 
 // Pictures from files in memory: BMP (1, 4, 8, 16, 24, 32 bits, RLE4, RLE8, bit fields),
-// PCX (1, 2, 4, 8, 24 bits), PNG (all kinds) and JPEG (grey, colour, CMYK; baseline and
-// progressive), to one brightness a pixel.
+// PCX (1, 2, 4, 8, 24 bits), PNG (all kinds), JPEG (grey, colour, CMYK; baseline and
+// progressive) and TIFF of one page (grey and RGB of 8 and 16 bits; of at most 8 bits
+// also palettes, inks, YCbCr, CIELab), to one brightness a pixel.
 //
 // Points in glass scatter light, and the light that the eye gets from a patch grows with
 // their number: so density has to follow linear light, not the bytes of the file.
 // Brightness is the relative luminance of ITU-R BT.709 (0.2126 R + 0.7152 G + 0.0722 B,
 // linear), the transfer curve that of sRGB (IEC 61966-2-1) unless a PNG gives another
-// gamma. The ICC profile in a PNG or JPEG decides instead where there is one; it has no
-// effect on values as stored.
+// gamma. The ICC profile in a PNG, JPEG or TIFF decides instead where there is one; it
+// has no effect on values as stored.
 
 #include <cstdint>
 #include <string_view>
@@ -41,8 +42,9 @@ struct ImageOptions {
   ImageLimits limits;
 };
 
-/// The picture, turned upright by its EXIF orientation (JPEG, PNG). Errors name the place
-/// and the remedy: kUnreadable (none of the four formats, damaged or cut off, a profile
+/// The picture, turned upright by its EXIF orientation (JPEG, PNG) or its
+/// own (TIFF). Errors name the place
+/// and the remedy: kUnreadable (none of the five formats, damaged or cut off, a profile
 /// that is damaged), kUnsupported (a kind of theirs that is not read), kTooLarge.
 Result<GreyImage> ParseImage(std::string_view bytes, const ImageOptions& options = {});
 

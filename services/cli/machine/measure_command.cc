@@ -25,6 +25,7 @@
 #include "services/client/machine/cube_measurement.h"
 #include "services/client/machine/measurement.h"
 #include "services/client/machine/pattern_job.h"
+#include "services/job/convert/model_kind.h"
 #include "services/job/files/job_file.h"
 #include "services/platform/command_line/supplied_files.h"
 
@@ -171,10 +172,8 @@ int RunMachineMeasure(const MachineMeasureOptions& options) {
          "and where its marks lie",
          ""});
   }
-  const std::string extension = fs::path(options.marks_file).extension().string();
-  const bool picture = extension == ".png" || extension == ".jpg" ||
-                       extension == ".jpeg" || extension == ".bmp";
-  if (picture && options.marks.pixel_um <= 0) {
+  if (KindOfFile(options.marks_file) == ModelKind::kImage &&
+      options.marks.pixel_um <= 0) {
     return Complain({ErrorCode::kMissing,
                      "--pixel: is missing; give the side of a pixel in the block, um (a "
                      "scan of 2400 dpi has 10.583)",

@@ -18,13 +18,15 @@
 #include "engrave/core/try.h"
 #include "engrave/image/image_file.h"
 #include "engrave/io/atomic_file.h"
-#include "engrave/io/lower_case.h"
 #include "engrave/io/whole_file.h"
+#include "engrave/render/png_file.h"
 #include "services/cli/contour/contour_picture.h"
 #include "services/cli/flags/size_limits_flag.h"
+#include "services/cli/sheet/sheet_picture.h"
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/client/warning_text.h"
+#include "services/job/convert/model_kind.h"
 #include "services/job/models/flat_models.h"
 #include "services/job/models/read_limits.h"
 
@@ -39,12 +41,20 @@ struct SheetOptions {
   double pixels_per_mm = 1, gap_mm = 2, margin_mm = 5, size_limits = 1;
   std::uint32_t copies = 1;
   bool upright = false;
-  std::string out;
+  std::string out, picture;
 };
 
-bool IsPicture(const std::string& file) {
-  const std::string extension = io::LowerCase(fs::path(file).extension().string());
-  return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
+/// A picture or a drawing, or what is wrong with the file.
+Result<bool> IsPicture(const std::string& file) {
+  const auto kind = KindOfFile(file);
+  if (!kind) return Fail(kind.error().code, file + ": " + kind.error().message, file);
+  if (*kind == ModelKind::kImage || *kind == ModelKind::kDrawing)
+    return *kind == ModelKind::kImage;
+  return Fail(ErrorCode::kUnsupported,
+              fmt::format("{}: is {}; parts and sheets are read from a drawing or, for "
+                          "their use, a picture",
+                          file, NameOf(*kind)),
+              file);
 }
 
 Result<std::vector<contour::Edges>> ReadLoops(const std::string& file,
@@ -102,15 +112,19 @@ Status RequireSides(const std::vector<double>& sheet_mm) {
 
 Result<contour::MaterialUse> UseOf(const SheetOptions& options) {
   const std::string& file = options.files[0];
-  if (IsPicture(file)) {
+  if (INTAGLIO_TRY(IsPicture(file))) {
     const ReadLimits limits = ReadLimitsTimes(options.size_limits);
     const std::string bytes =
         INTAGLIO_TRY(io::ReadWholeFile(file, limits.max_file_bytes));
     image::ImageOptions read;
     read.samples = image::Samples::kAsStored;
     read.limits = limits.images;
-    const auto picture = INTAGLIO_TRY(image::ParseImage(bytes, read));
-    return contour::MaterialUseOf(picture.samples, options.pixels_per_mm);
+    const auto picture = image::ParseImage(bytes, read);
+    if (!picture) {
+      return Fail(picture.error().code, file + ": " + picture.error().message,
+                  picture.error().value);
+    }
+    return contour::MaterialUseOf(picture->samples, options.pixels_per_mm);
   }
   auto loops = INTAGLIO_TRY(ReadLoops(file, options.size_limits));
   if (!options.sheet_mm.empty()) {
@@ -124,7 +138,7 @@ Status PrintUse(const SheetOptions& options) {
   INTAGLIO_TRY(RequireSides(options.sheet_mm));
   const contour::MaterialUse use = INTAGLIO_TRY(UseOf(options));
   fmt::print("sheet         {:.2f} mm2\n", use.sheet_mm2);
-  if (!IsPicture(options.files[0])) {
+  if (!INTAGLIO_TRY(IsPicture(options.files[0]))) {
     fmt::print("parts         {}, {:.2f} mm2\n", use.part_count, use.parts_mm2);
     fmt::print("holes         {}, {:.2f} mm2\n", use.hole_count, use.holes_mm2);
   }
@@ -161,14 +175,20 @@ Status Nest(const SheetOptions& options) {
              options.sheet_mm[1]);
   fmt::print("use           {:.2f} %\n", nest.use_percent);
   fmt::print("last sheet    used to {:.1f} mm of its height\n", nest.last_top_mm);
-  if (options.out.empty()) return {};
-  std::vector<std::vector<contour::Region>> sheets(nest.sheet_count);
+  std::vector<SheetDrawing> sheets(nest.sheet_count);
   for (const contour::NestedPart& place : nest.parts)
-    sheets[place.sheet].push_back(contour::Placed(parts[place.part], place));
+    sheets[place.sheet].parts.push_back(contour::Placed(parts[place.part], place));
+  if (!options.picture.empty()) {
+    const render::Canvas picture =
+        DrawSheets(sheets, nest_options.sheet_mm, options.margin_mm);
+    INTAGLIO_TRY(render::WritePng(options.picture, picture));
+    fmt::print("picture       {}\n", options.picture);
+  }
+  if (options.out.empty()) return {};
   for (std::uint32_t k = 0; k < nest.sheet_count; ++k) {
     const fs::path file = FileOfSheet(options.out, k);
-    INTAGLIO_TRY(
-        io::WriteFileAtomically(file, SvgOfSheet(sheets[k], nest_options.sheet_mm)));
+    INTAGLIO_TRY(io::WriteFileAtomically(
+        file, SvgOfSheet(sheets[k].parts, nest_options.sheet_mm)));
     fmt::print("sheet         {}\n", file.string());
   }
   return {};
@@ -177,10 +197,11 @@ Status Nest(const SheetOptions& options) {
 void AddUseCommand(command_line::Command sheet) {
   auto options = std::make_shared<SheetOptions>();
   command_line::Command use = sheet.AddCommand("use", "how much of a sheet parts use");
-  use.AddOption("FILE", options->files,
-                "drawing (.dxf .svg .hpgl .plt) of the parts and their holes, its "
-                "outermost contour the sheet, or picture (.png .jpg) of the sheet, parts "
-                "black")
+  use.AddOption(
+         "FILE", options->files,
+         "drawing (.dxf .svg .hpgl .plt) of the parts and their holes, its "
+         "outermost contour the sheet, or picture (.png .jpg .tif .bmp .pcx) of the "
+         "sheet, parts black")
       .Require()
       .TakeValues(1);
   use.AddOption("--sheet", options->sheet_mm,
@@ -222,9 +243,12 @@ void AddNestCommand(command_line::Command sheet) {
   nest.AddFlag("--upright", options->upright, "turn no part");
   nest.AddOption("--out", options->out,
                  "SVG, 1:1, of the parts on a sheet; further sheets are NAME_2.svg ...");
+  nest.AddOption("--picture", options->picture,
+                 "PNG of all sheets with their parts, to look at");
   AddSizeLimitsFlag(nest, options->size_limits);
   nest.SetFooter(
-      "Example: intaglio sheet nest parts.dxf --sheet 600 400 --out sheet.svg\n"
+      "Example: intaglio sheet nest parts.dxf --sheet 600 400 --out sheet.svg --picture "
+      "sheets.png\n"
       "Exit code: 0 good, 2 wrong input.");
   nest.SetAction([options] {
     const Status made = Nest(*options);

@@ -11,6 +11,7 @@
 #include "engrave/io/lower_case.h"
 #include "engrave/io/number_text.h"
 #include "engrave/io/whole_file.h"
+#include "services/job/convert/model_kind.h"
 
 namespace intaglio::client {
 namespace {
@@ -86,10 +87,7 @@ Result<double> NumberIn(const io::CsvTable& table, const io::CsvRow& row,
 Result<MeasuredMarks> ReadMarks(const MarksFile& asked) {
   const std::string extension = io::LowerCaseExtension(asked.file.extension().string());
   if (extension == "csv") return ReadTable(asked.file);
-  if (extension == "png" || extension == "jpg" || extension == "jpeg" ||
-      extension == "bmp") {
-    return ReadPicture(asked);
-  }
+  if (KindOfFile(asked.file.string()) == ModelKind::kImage) return ReadPicture(asked);
   const auto table = INTAGLIO_TRY(formats::ReadPoints(asked.file));
   MeasuredMarks marks;
   for (const Vec3& p : table.points_mm) marks.places_mm.emplace_back(p.head<2>());

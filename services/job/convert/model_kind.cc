@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <filesystem>
 #include <string_view>
 #include <utility>
@@ -33,7 +32,8 @@ constexpr std::array kEndings = {
     Ending{".plt", ModelKind::kDrawing}, Ending{".hpgl", ModelKind::kDrawing},
     Ending{".png", ModelKind::kImage},   Ending{".jpg", ModelKind::kImage},
     Ending{".jpeg", ModelKind::kImage},  Ending{".bmp", ModelKind::kImage},
-    Ending{".pcx", ModelKind::kImage},   Ending{".xyz", ModelKind::kCloud},
+    Ending{".pcx", ModelKind::kImage},   Ending{".tif", ModelKind::kImage},
+    Ending{".tiff", ModelKind::kImage},  Ending{".xyz", ModelKind::kCloud},
     Ending{".cft", ModelKind::kCloud},   Ending{".scl", ModelKind::kCloud},
 };
 
@@ -111,13 +111,9 @@ const char* NameOf(ModelKind kind) {
   return "";
 }
 
-Result<ModelKind> KindOf(const Model& model) {
-  if (IsText(model)) return ModelKind::kText;
-  if (model.file().empty() && model.has_code()) return ModelKind::kCode;
-  if (model.file().empty() && model.points_mm_size() > 0) return ModelKind::kCloud;
-  std::string ending = std::filesystem::path(model.file()).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+Result<ModelKind> KindOfFile(const std::string& file) {
+  const std::string ending =
+      io::LowerCase(std::filesystem::path(file).extension().string());
   std::vector<std::string_view> known;
   for (const Ending& candidate : kEndings) {
     if (candidate.text == ending) return candidate.kind;
@@ -126,7 +122,14 @@ Result<ModelKind> KindOf(const Model& model) {
   return Fail(
       ErrorCode::kUnsupported,
       fmt::format("has an unknown extension; known are: {}", fmt::join(known, " ")),
-      model.file());
+      file);
+}
+
+Result<ModelKind> KindOf(const Model& model) {
+  if (IsText(model)) return ModelKind::kText;
+  if (model.file().empty() && model.has_code()) return ModelKind::kCode;
+  if (model.file().empty() && model.points_mm_size() > 0) return ModelKind::kCloud;
+  return KindOfFile(model.file());
 }
 
 bool MayDeclareUnit(const Model& model) {

@@ -22,8 +22,11 @@ bool HasFile(const Model& model);
 /// "a mesh", "a drawing", ...
 const char* NameOf(ModelKind kind);
 
-/// kUnsupported lists the endings that are known. A PLY counts as a mesh; only its reader
-/// can determine whether it has faces.
+/// By the file's ending; kUnsupported lists the endings that are known. A PLY counts as a
+/// mesh; only its reader can determine whether it has faces.
+Result<ModelKind> KindOfFile(const std::string& file);
+
+/// The same of a model: a text, a code and points given one by one are of no file.
 Result<ModelKind> KindOf(const Model& model);
 
 /// Whether its file may declare the length of its unit, as 3MF, DAE and DXF do, or its

@@ -21,6 +21,12 @@ namespace intaglio::image {
 struct Rgb {
   std::uint8_t r = 0, g = 0, b = 0;
 };
+/// A picture whose pixels are all others.
+inline Rgb Colours(int x, int y) {
+  return {static_cast<std::uint8_t>(17 * x), static_cast<std::uint8_t>(23 * y),
+          static_cast<std::uint8_t>(5 * x + 7 * y)};
+}
+
 using Painter = std::function<Rgb(int x, int y)>;
 
 /// Linear light of a byte of sRGB, 0..1 (IEC 61966-2-1).

@@ -7,11 +7,6 @@
 namespace intaglio::image {
 namespace {
 
-Rgb Colours(int x, int y) {
-  return {static_cast<std::uint8_t>(17 * x), static_cast<std::uint8_t>(23 * y),
-          static_cast<std::uint8_t>(5 * x + 7 * y)};
-}
-
 TEST(Png, ColoursBecomeTheirLuminanceInLinearLight) {
   for (const bool interlaced : {false, true}) {
     const auto image = ParseImage(EncodePng(16, 11, Colours, interlaced));
