@@ -160,7 +160,7 @@ int SubmitJob(const JobSpec& spec, const JobsOptions& options) {
          fmt::format("job {} {}: {}", job.number, client::NameOf(job.state), job.message),
          job.uid});
   }
-  if (!options.arm) options.human() << client::StandingOf(job) << "\n";
+  if (!options.arm) options.human() << client::StateAndNextOf(job) << "\n";
   const bool asks = options.arm && job.open_consent() != nullptr;
   return asks ? client::kExitMachine : client::kExitGood;
 }

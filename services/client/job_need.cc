@@ -39,14 +39,14 @@ std::string NeedOf(const JobView& job) {
                      job.number, job.cell, ArmCommandOf(job));
 }
 
-std::string StandingOf(const JobView& job) {
+std::string StateAndNextOf(const JobView& job) {
   if (const std::string need = NeedOf(job); !need.empty()) return need;
   const bool may_fire = job.armed && job.state == intaglio_JOB_WAITING_FOR_ARM;
-  const std::string standing =
+  const std::string state =
       fmt::format("job {} is {}{}", job.number, may_fire ? "armed" : StateOf(job),
                   job.message.empty() ? "" : ": " + job.message);
-  if (job.ended() || job.armed || job.state == intaglio_JOB_ENGRAVING) return standing;
-  return fmt::format("{}; nothing of it fires before {}", standing, ArmCommandOf(job));
+  if (job.ended() || job.armed || job.state == intaglio_JOB_ENGRAVING) return state;
+  return fmt::format("{}; nothing of it fires before {}", state, ArmCommandOf(job));
 }
 
 }  // namespace intaglio::client

@@ -18,9 +18,9 @@ namespace intaglio::client {
 /// clang-format on
 std::string NeedOf(const JobView& job);
 
-/// Where a job stands that was submitted or paused, and what is next: what a person has
+/// The state of a job that was submitted or paused, and what is next: what a person has
 /// to do; else its state with the reason, and the arm that a queued job needs once it has
 /// its machine.
-std::string StandingOf(const JobView& job);
+std::string StateAndNextOf(const JobView& job);
 
 }  // namespace intaglio::client

@@ -19,7 +19,7 @@ bool JobView::ended() const {
 namespace {
 
 /// "waiting for arm" of "waiting_for_arm".
-std::string InWords(std::string_view state) {
+std::string SpacedOut(std::string_view state) {
   std::string words(state);
   std::replace(words.begin(), words.end(), '_', ' ');
   return words;
@@ -37,16 +37,18 @@ bool IsState(std::string_view state, intaglio_JobState one) {
 
 }  // namespace
 
-std::string NameOf(intaglio_JobState state) { return InWords(history::StateName(state)); }
+std::string NameOf(intaglio_JobState state) {
+  return SpacedOut(history::StateName(state));
+}
 
 std::string StateOf(std::string_view state, bool armed, std::string_view message) {
   const bool ended = IsState(state, intaglio_JOB_DONE) ||
                      IsState(state, intaglio_JOB_FAILED) ||
                      IsState(state, intaglio_JOB_CANCELLED);
-  if (!armed || ended || IsState(state, intaglio_JOB_ENGRAVING)) return InWords(state);
+  if (!armed || ended || IsState(state, intaglio_JOB_ENGRAVING)) return SpacedOut(state);
   if (IsState(state, intaglio_JOB_WAITING_FOR_ARM))
     return "armed" + WhatItWaitsFor(message);
-  return InWords(state) + ", armed";
+  return SpacedOut(state) + ", armed";
 }
 
 std::string StateOf(const JobView& job) {

@@ -26,6 +26,7 @@ const std::map<std::string, std::string> kCalledBy = {
     {"ParsePcx", "ParseImage"},
     {"ParsePlyHeader", "ParsePly"},
     {"ParsePng", "ParseImage"},
+    {"ParseTiff", "ParseImage"},
     {"ParsePoints", "ParsePly"},
     {"ParseSvgLength", "ReadSvg"},
     {"ParseSvgOrigin", "ReadSvg"},

@@ -27,8 +27,8 @@ TimeLeft TimeLeftOf(const client::WorkLeft& work, std::time_t now);
 /// With the share: "52 %, 7 min 02 s left, ends 14:32"; empty where it is not known.
 std::string TimeLeftText(const client::WorkLeft& work, std::time_t now);
 
-/// Of a job at work, or of one whose speed was set: the time left and the speed, "52 %,
-/// 7 min 02 s left, ends 14:32, at 50 % speed"; empty where neither is to be said.
+/// The time left of a job at work and the speed that was set: "52 %, 7 min 02 s left,
+/// ends 14:32, at 50 % speed"; empty where there is neither.
 std::string PaceText(const client::WorkLeft& work, std::uint32_t speed_percent,
                      std::time_t now);
 

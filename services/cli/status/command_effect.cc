@@ -48,7 +48,7 @@ int AwaitEffect(client::JobClient& client, const client::JobView& job,
                    kMachineTime);
   const client::JobView& now = client.jobs().at(job.uid);
   if (!lost()) {
-    out << client::StandingOf(now) << "\n";
+    out << client::StateAndNextOf(now) << "\n";
     return client::kExitGood;
   }
   const char* reason = history::PauseReasonName(now.pause_reason);

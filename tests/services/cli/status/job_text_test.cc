@@ -90,7 +90,7 @@ TEST(JobText, AnOpenJobHasItsProgressItsMessageAndItsAlarm) {
 }
 
 // A synchronizer's words for a missing arm name nothing that a person can do.
-TEST(JobText, AListTellsAPersonTheCommandAndNotWhatTheMachineWaitsFor) {
+TEST(JobText, AListNamesTheCommandToGiveAndNotWhatTheMachineWaitsFor) {
   client::JobView job = ShownJob(7, intaglio_JOB_WAITING_FOR_ARM);
   job.message = "waits for the permission of the job service";
   EXPECT_THAT(ListText({job}), AllOf(HasSubstr("        to do: job 7 waits for its arm: "
@@ -109,24 +109,24 @@ TEST(JobText, TheSpeedThatWasSetIsInTheList) {
 }
 
 // What `pause` and `submit` print at their end.
-TEST(JobText, WhereAJobStandsIsSaidWithWhatIsNext) {
+TEST(JobText, TheStateOfAJobIsGivenWithWhatIsNext) {
   client::JobView job = ShownJob(7, intaglio_JOB_QUEUED);
   job.message = "waits for no synchronizer of grbl runs";
   EXPECT_EQ(
-      client::StandingOf(job),
+      client::StateAndNextOf(job),
       "job 7 is queued: waits for no synchronizer of grbl runs; nothing of it fires "
       "before intaglio arm 7");
   job.state = intaglio_JOB_DISCRETIZING, job.message.clear();
-  EXPECT_EQ(client::StandingOf(job),
+  EXPECT_EQ(client::StateAndNextOf(job),
             "job 7 is discretizing; nothing of it fires before intaglio arm 7");
   job.armed = true;
-  EXPECT_EQ(client::StandingOf(job), "job 7 is discretizing, armed");
+  EXPECT_EQ(client::StateAndNextOf(job), "job 7 is discretizing, armed");
   job.state = intaglio_JOB_WAITING_FOR_ARM, job.message = "the lamp warms up: 8 %";
-  EXPECT_EQ(client::StandingOf(job), "job 7 is armed: the lamp warms up: 8 %");
+  EXPECT_EQ(client::StateAndNextOf(job), "job 7 is armed: the lamp warms up: 8 %");
   job.armed = false, job.message.clear();
-  EXPECT_EQ(client::StandingOf(job), client::NeedOf(job));
+  EXPECT_EQ(client::StateAndNextOf(job), client::NeedOf(job));
   job.state = intaglio_JOB_CANCELLED;
-  EXPECT_EQ(client::StandingOf(job), "job 7 is cancelled");
+  EXPECT_EQ(client::StateAndNextOf(job), "job 7 is cancelled");
 }
 
 TEST(JobText, AJobAtWorkHasTheTimeLeftAndTheClockTimeOfItsEnd) {

@@ -217,7 +217,7 @@ TEST(ShopStatus, ALampThatWarmsUpNeedsNobody) {
 }
 
 // In the words of `list` and `show`; programs read the name of the state.
-TEST(ShopStatus, AJobHasItsStateInWordsAndTheSpeedThatWasSet) {
+TEST(ShopStatus, AJobHasItsStateForPeopleAndTheSpeedThatWasSet) {
   ShopSnapshot shop = GoodShop();
   shop.jobs = {ShownJob(3, intaglio_JOB_WAITING_FOR_ARM)};
   EXPECT_EQ(Status(shop).jobs(0).state(), "waiting_for_arm");
