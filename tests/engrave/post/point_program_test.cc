@@ -140,7 +140,7 @@ TEST(PointProgram, TheIselTemplateWritesMicrometres) {
   const auto file = fs::path(INTAGLIO_SOURCE_DIR) / "deploy/post/isel.post";
   EXPECT_EQ(Written(Parsed(test::ContentOf(file)), {"vase", {{1.2344, -2, 0.0006}}}),
             "IMF_PBL_V1.0\r\n"
-            "N1 ; vase, 1 points\r\n"
+            "N1 ; vase, points: 1\r\n"
             "N2 FASTVEL 40000\r\n"
             "N3 SETPORT A1=00000000\r\n"
             "N4 FASTABS X1234 Y-2000 Z1\r\n"
