@@ -33,6 +33,7 @@
 #include "services/job/checks/course_check.h"
 #include "services/job/checks/job_check.h"
 #include "services/job/convert/mark_defaults.h"
+#include "services/job/convert/v_bit.h"
 #include "services/job/course/course_work.h"
 #include "services/job/files/job_file.h"
 
@@ -70,7 +71,8 @@ Result<JobSpec> ReadCourseJob(const ContourOptions& options) {
 
 /// A tool that is not given is that of the template.
 Status TakeToolOf(const ContourOptions& options, Course& course) {
-  if (options.mill_template.empty() || course.has_tool_diameter_mm()) return {};
+  if (options.mill_template.empty() || course.has_tool_diameter_mm() || IsVBit(course))
+    return {};
   const auto program = INTAGLIO_TRY(ReadMillTemplate(options.mill_template));
   if (const double radius_mm = program.SettingOf("tool-radius", 0); radius_mm > 0)
     course.set_tool_diameter_mm(2 * radius_mm);

@@ -6,9 +6,13 @@
 #include "engrave/post/tab_parts.h"
 #include "services/cli/contour/contour_programs.h"
 #include "services/client/figure_text.h"
+#include "services/job/convert/v_bit.h"
 
 namespace intaglio::cli {
 namespace {
+
+// How far a sheet is from the height at which a V-shaped tool was zeroed, for its width.
+constexpr double kUnevenMm = 0.05;
 
 /// Sums over all passes of all paths.
 struct PassSums {
@@ -60,6 +64,13 @@ std::vector<std::string> FiguresOf(const ContourWork& work, const Course& whole)
       "elements      {}, {} with {}", client::GroupedDigits(work.element_count),
       client::GroupedCount(work.hole_count, "hole"),
       Counted(work.rounds.size(), "tool"))};
+  if (IsVBit(whole)) {
+    lines.push_back(fmt::format(
+        "tool          {:.4g} mm wide at {:g} mm depth, {:.4g} mm where it is {:g} mm "
+        "deeper",
+        whole.tool_diameter_mm(), whole.depth_mm(),
+        WidthOfVBit(whole, whole.depth_mm() + kUnevenMm), kUnevenMm));
+  }
   if (work.net_count) {
     lines.push_back(fmt::format("isolation     {}, {:.3g} mm around the copper",
                                 client::GroupedCount(*work.net_count, "net"),

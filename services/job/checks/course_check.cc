@@ -1,16 +1,21 @@
 #include "services/job/checks/course_check.h"
 
+#include <cmath>
 #include <filesystem>
 #include <utility>
 
 #include "services/job/convert/mark_defaults.h"
+#include "services/job/convert/v_bit.h"
 #include "services/job/fields/field_ranges.h"
 #include "services/platform/fields/field_defaults.h"
+#include "services/platform/fields/field_rules.h"
 
 namespace intaglio {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr double kSameWidth_mm = 1e-6;
 
 void CheckCourseFiles(const Course& course, Findings& findings) {
   if (course.files().empty()) {
@@ -41,6 +46,36 @@ void CheckTool(const Course& course, Findings& findings) {
   if (course.make() != COURSE_MAKE_CUT && (course.has_lead_mm() || course.inside())) {
     findings.Wrong("course.lead_mm", course.lead_mm(),
                    "and course.inside are of cuts; remove them, or make a cut");
+  }
+}
+
+/// A service checks a job whose diameter a client has filled in.
+void CheckVBit(const Course& course, Findings& findings) {
+  if (!course.has_tip_mm() && !course.has_tool_angle_deg()) return;
+  if (!IsVBit(course)) {
+    findings.Missing(course.has_tip_mm() ? "course.tool_angle_deg" : "course.tip_mm",
+                     "give it, since a V-shaped tool has a tip and an angle");
+    return;
+  }
+  if (course.has_power_ratio()) {
+    findings.Wrong("course.tip_mm", course.tip_mm(),
+                   "is of mills, and power_ratio of lasers; remove one of them");
+    return;
+  }
+  const NumberRange range = RangeOf<Course>(Course::kToolDiameterMmFieldNumber);
+  const Course whole = WithDefaults(course);
+  const double width_mm = WidthOfVBit(whole, whole.depth_mm());
+  if (std::abs(whole.tool_diameter_mm() - width_mm) > kSameWidth_mm) {
+    findings.Wrong(
+        "course.tool_diameter_mm", course.tool_diameter_mm(),
+        "is not what a tip of {:g} mm and {:g} degrees cut at {:g} mm, {:.4g}; "
+        "remove it",
+        course.tip_mm(), course.tool_angle_deg(), whole.depth_mm(), width_mm);
+  } else if (width_mm < range.min || width_mm > range.max) {
+    findings.Wrong(
+        "course.depth_mm", whole.depth_mm(),
+        "makes the cut of the V-shaped tool {:.4g} mm wide, outside {:g}..{:g}", width_mm,
+        range.min, range.max);
   }
 }
 
@@ -85,6 +120,7 @@ std::vector<Finding> CheckCourse(const JobSpec& job) {
   }
   CheckCourseFiles(job.course(), findings);
   CheckTool(job.course(), findings);
+  CheckVBit(job.course(), findings);
   CheckTabs(job.course(), findings);
   return std::move(findings.found());
 }

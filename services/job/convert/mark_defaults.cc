@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "services/job/convert/v_bit.h"
 #include "services/platform/fields/field_defaults.h"
 
 namespace intaglio {
@@ -57,6 +58,9 @@ Marks WithDefaults(Marks marks) {
 }
 
 Course WithDefaults(Course course) {
+  if (!course.has_power_ratio()) FillDefaults(course, {Course::kDepthMmFieldNumber});
+  if (IsVBit(course) && !course.has_tool_diameter_mm())
+    course.set_tool_diameter_mm(WidthOfVBit(course, course.depth_mm()));
   FillDefaults(course,
                {Course::kToolDiameterMmFieldNumber, Course::kSpeedMmSFieldNumber,
                 Course::kTravelMmSFieldNumber, Course::kRepeatCountFieldNumber,
@@ -66,7 +70,6 @@ Course WithDefaults(Course course) {
   const bool clears = course.make() == COURSE_MAKE_POCKET;
   if (isolates || clears) FillDefaults(course, {Course::kOverlapRatioFieldNumber});
   if (!course.has_plunge_mm_s()) course.set_plunge_mm_s(course.speed_mm_s());
-  if (!course.has_power_ratio()) FillDefaults(course, {Course::kDepthMmFieldNumber});
   if (!isolates && !clears) FillTabs(course);
   return course;
 }

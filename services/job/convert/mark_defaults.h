@@ -11,9 +11,9 @@ namespace intaglio {
 /// table; of an item's pen that of the job.
 Marks WithDefaults(Marks marks);
 
-/// Every default but the speed of plunging, which is that at work, and depth_mm, which a
-/// laser does not have, with the height of tabs, half of it, is a constant of
-/// course.proto.
+/// Every default is a constant of course.proto, but the speed of plunging, which is that
+/// at work, depth_mm, which a laser does not have, the height of tabs, half of it, and
+/// the diameter of a V-bit, its width at that depth (v_bit.h).
 Course WithDefaults(Course course);
 
 /// Every default that such a job has.

@@ -68,6 +68,32 @@ class ContourCommand : public TypedCommand {
   std::string excellon_ = Write("board.drl", kExcellon);
 };
 
+// The contours beside the copper are those of a round tool of the width at that depth: a
+// tip of 0.1 mm and 60 degrees are 0.1 + 2 x 0.2 tan(30 deg) = 0.330940 mm wide.
+TEST_F(ContourCommand, AVShapedToolIsAsWideAsItsDepthMakesIt) {
+  const std::string by_angle = folder_ / "v.svg", by_width = folder_ / "round.svg";
+  ASSERT_EQ(Type({"contour", gerber_, "--make", "outline", "--depth", "0.2", "--tip",
+                  "0.1", "--tool-angle", "60", "--template", Mill("linuxcnc"), "--out",
+                  folder_ / "v.ngc", "--picture", by_angle}),
+            client::kExitGood)
+      << errors_;
+  EXPECT_THAT(output_, HasSubstr("tool          0.3309 mm wide at 0.2 mm depth, 0.3887 "
+                                 "mm where it is 0.05 mm deeper"));
+  ASSERT_EQ(Type({"contour", gerber_, "--make", "outline", "--depth", "0.2", "--tool",
+                  "0.33094010767585", "--picture", by_width}),
+            client::kExitGood)
+      << errors_;
+  EXPECT_THAT(output_, Not(HasSubstr("mm wide at")));
+  EXPECT_EQ(test::ContentOf(by_angle), test::ContentOf(by_width));
+  EXPECT_EQ(Type({"contour", gerber_, "--tip", "0.1"}), client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("course.tool_angle_deg: is missing; give it, since"));
+  EXPECT_EQ(Type({"contour", gerber_, "--tip", "0.1", "--tool-angle", "60", "--tool",
+                  "0.5", "--depth", "0.2"}),
+            client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("course.tool_diameter_mm: 0.5 is not what a tip of 0.1 "
+                                 "mm and 60 degrees cut at 0.2 mm, 0.3309; remove it"));
+}
+
 TEST_F(ContourCommand, IsolatesABoardAndDrillsIt) {
   const std::string out = folder_ / "board.ngc", picture = folder_ / "board.svg";
   ASSERT_EQ(Type({"contour", gerber_, excellon_, "--tool", "0.1", "--passes", "2",

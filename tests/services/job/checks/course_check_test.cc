@@ -27,6 +27,25 @@ TEST(CourseCheck, ItsDefaultsPassForEverythingThatIsMade) {
   }
 }
 
+TEST(CourseCheck, AVShapedToolPassesBeforeAndAfterItsWidthIsFilledIn) {
+  const auto file = test::FreshFolder() / "plate.svg";
+  std::ofstream(file) << "<svg/>";
+  JobSpec job;
+  Course& course = *job.mutable_course();
+  course.add_files(file.string());
+  course.set_tip_mm(0);
+  course.set_tool_angle_deg(90);
+  course.set_depth_mm(0.15);
+  for (const Finding& found : CheckCourse(job)) ADD_FAILURE() << found.message;
+  course = WithDefaults(course);
+  EXPECT_NEAR(course.tool_diameter_mm(), 0.3, 1e-12) << "45 degrees a side";
+  for (const Finding& found : CheckCourse(job)) ADD_FAILURE() << found.message;
+  course.set_depth_mm(0.0001);
+  course.clear_tool_diameter_mm();
+  ASSERT_EQ(CheckCourse(job).size(), 1u);
+  EXPECT_TRUE(CheckCourse(job)[0].message.starts_with("course.depth_mm: 0.0001 makes "));
+}
+
 TEST(CourseCheck, WhatIsOfOtherWorkIsRefused) {
   JobSpec job;
   job.mutable_course()->set_make(COURSE_MAKE_CUT);
