@@ -1,6 +1,7 @@
 #include "services/cli/fonts_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ostream.h>
 
 #include <algorithm>
 #include <iostream>
@@ -88,11 +89,11 @@ int Fonts(const FontsOptions& options) {
     file = std::max(file, row.font.file.size());
   }
   const bool with_text = !options.text.empty();
-  fmt::print("{:<{}}  {:<{}}  {:<{}}{}\n", "FAMILY", family, "STYLE", style, "FILE",
-             with_text ? file : 4, with_text ? "  HAS OF THE TEXT" : "");
+  fmt::print(std::cout, "{:<{}}  {:<{}}  {:<{}}{}\n", "FAMILY", family, "STYLE", style,
+             "FILE", with_text ? file : 4, with_text ? "  HAS OF THE TEXT" : "");
   for (const FontRow& row : *rows) {
-    fmt::print("{:<{}}  {:<{}}  {:<{}}{}\n", row.font.family, family, row.font.style,
-               style, row.font.file, with_text ? file : 0,
+    fmt::print(std::cout, "{:<{}}  {:<{}}  {:<{}}{}\n", row.font.family, family,
+               row.font.style, style, row.font.file, with_text ? file : 0,
                with_text ? "  " + CoverageText(row) : "");
   }
   return client::kExitGood;

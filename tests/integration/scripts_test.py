@@ -246,6 +246,22 @@ class ShopTest(Folder):
         typed_json("job", "show", accepted.job, "--json", *self.words)
         typed_json("history", "history", "--folder", self.shop_folder, "--json")
 
+    def test_what_the_shop_refuses_has_a_code(self):
+        first, second = self.shop.submit(self.knot), self.shop.submit(self.knot)
+        waits = typed_json("command_answer", "arm", second.job, "--json", *self.words,
+                           exit_codes=(4,))
+        self.assertEqual((waits["job"], waits["taken"], waits["code"]),
+                         (second.job, False, "not_yet"))
+        self.assertNotIn("not_yet", waits["message"])
+        given = typed_json("command_answer", "submit", self.knot, "--json", *self.words)
+        for job in (given["job"], second.job, first.job):
+            ended = typed_json("command_answer", "cancel", job, "--json", *self.words)
+            self.assertEqual((ended["job"], ended["code"]), (job, "taken"))
+        with self.assertRaises(intaglio.WrongInput) as unknown:
+            self.shop.job(4321)
+        self.assertEqual(unknown.exception.code, "not_found")
+        self.assertIn("4321", str(unknown.exception))
+
     def test_an_interrupted_watch_leaves_the_job_and_a_cancelled_one_raises(self):
         accepted = self.shop.submit(self.knot)
         watch = self.shop.watch(accepted.job)
@@ -256,7 +272,13 @@ class ShopTest(Folder):
         self.assertEqual(left.exception.exit_code, 6)
         self.assertIn(f"intaglio cancel {accepted.job}", watch.text)
         self.assertNotIn(self.shop.job(accepted.job).state, ("done", "failed", "cancelled"))
-        typed("cancel", accepted.job, *self.words)
+        cancelled = typed_json("command_answer", "cancel", accepted.job, "--json", *self.words)
+        self.assertEqual((cancelled["job"], cancelled["taken"], cancelled["code"]),
+                         (accepted.job, True, "taken"))
+        again = typed_json("command_answer", "cancel", accepted.job, "--json", *self.words,
+                           exit_codes=(2,))
+        self.assertEqual((again["job"], again["taken"], again["code"]),
+                         (accepted.job, False, "ended_job"))
         with self.assertRaises(intaglio.Cancelled) as ended:
             list(self.shop.watch(accepted.job))
         self.assertEqual(ended.exception.exit_code, 5)

@@ -97,8 +97,9 @@ constexpr Written kWritten[] = {
     {"stop_answer", "POST /api/v1/stop of the console", "console", "StopAnswer"},
     {"hold_answer", "POST /api/v1/jobs/N/hold of the console", "console", "HoldAnswer"},
     {"command_answer",
-     "POST /api/v1/jobs/N/arm, resume, pause, cancel, speed of the console", "console",
-     "CommandAnswer"},
+     "a command with `--json` and no message of its own, and what is refused with "
+     "`--json`; POST /api/v1/jobs/N/arm, resume, pause, cancel, speed of the console",
+     "console", "CommandAnswer"},
     {"upload_answer", "POST /api/v1/submissions/ID/files/FILE of the console", "console",
      "UploadAnswer"},
     {"submit_answer", "POST /api/v1/submissions/ID of the console", "console",
