@@ -11,6 +11,8 @@
 #include "engrave/drawing/text_coverage.h"
 #include "engrave/drawing/utf8_characters.h"
 #include "engrave/io/lower_case.h"
+#include "proto/lists.pb.h"
+#include "services/cli/json/print_json.h"
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 
@@ -24,6 +26,7 @@ constexpr std::size_t kMaxShownCharacters = 12;
 struct FontsOptions {
   std::string family;
   std::string text;
+  bool json = false;
 };
 
 struct FontRow {
@@ -67,6 +70,19 @@ std::string CoverageText(const FontRow& row) {
   return more == 0 ? text : fmt::format("{} and {} more", text, more);
 }
 
+int PrintFontList(const std::vector<FontRow>& rows) {
+  FontList list;
+  for (const FontRow& row : rows) {
+    FontRecord& font = *list.add_fonts();
+    font.set_family(row.font.family);
+    font.set_style(row.font.style);
+    font.set_file(row.font.file);
+    font.set_has_text(row.missing.empty());
+    for (const char32_t c : row.missing) font.add_missing(drawing::Utf8Of({&c, 1}));
+  }
+  return PrintJson(list);
+}
+
 int Fonts(const FontsOptions& options) {
   const auto rows = FontRowsOf(options);
   if (!rows) return Complain(rows.error(), client::kExitWrongInput);
@@ -82,6 +98,7 @@ int Fonts(const FontsOptions& options) {
          options.family},
         client::kExitWrongInput);
   }
+  if (options.json) return PrintFontList(*rows);
   std::size_t family = 6, style = 5, file = 4;
   for (const FontRow& row : *rows) {
     family = std::max(family, row.font.family.size());
@@ -109,6 +126,7 @@ void AddFontsCommand(command_line::Command app) {
   fonts.AddOption("--text", options->text,
                   "which of them have the characters of this text; those that have all "
                   "come first");
+  fonts.AddFlag("--json", options->json, "for programs");
   fonts.SetFooter(
       "Example: intaglio fonts --text \"Łódź\"\n"
       "A job names a font by its family and style, \"DejaVu Sans:Bold\", or by its "

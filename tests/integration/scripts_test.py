@@ -133,6 +133,13 @@ class SchemasTest(Folder):
         typed_json("plan", "plan", "--path", path, *block, "--compare", "--json")
         measured = typed_json("quality", "measure", cloud, "--job", self.knot, "--json")
         self.assertEqual(int(measured["point_count"]), made["point_count"])
+        fonts = typed_json("fonts", "fonts", "DejaVu Sans", "--text", "Ł\u0e01", "--json")["fonts"]
+        self.assertGreater(len(fonts), 1)
+        for font in fonts:
+            self.assertIn("DejaVu Sans", font["family"])
+            self.assertTrue(pathlib.Path(font["file"]).is_file())
+            self.assertIn("\u0e01", font["missing"])  # a Thai letter, which DejaVu has not
+            self.assertFalse(font["has_text"])
         typed_json("glass", "materials", "show", "N-BK7", "--json")
         self.assertGreater(len(typed_json("glasses", "materials", "list", "--json")), 3)
         job = json.loads((SOURCE / "deploy/jobs/rays.json").read_text())
@@ -253,6 +260,10 @@ class ShopTest(Folder):
         self.assertEqual((waits["job"], waits["taken"], waits["code"]),
                          (second.job, False, "not_yet"))
         self.assertNotIn("not_yet", waits["message"])
+        entries = typed_json("logs", "logs", second.job, "--folder", self.shop_folder,
+                             "--json")["entries"]
+        self.assertIn("job-service", [entry["service"] for entry in entries])
+        self.assertTrue(all(entry["text"] and entry["time"] and entry["level"] for entry in entries))
         given = typed_json("command_answer", "submit", self.knot, "--json", *self.words)
         for job in (given["job"], second.job, first.job):
             ended = typed_json("command_answer", "cancel", job, "--json", *self.words)

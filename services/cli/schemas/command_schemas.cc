@@ -78,6 +78,8 @@ constexpr Written kWritten[] = {
     {"job", "`intaglio show --json`", "listing", "JobRecord"},
     {"history", "`intaglio history --json`", "shop", "JobHistory"},
     {"status", "`intaglio status --json`", "shop", "ShopStatus"},
+    {"fonts", "`intaglio fonts --json`", "lists", "FontList"},
+    {"logs", "`intaglio logs --json`", "lists", "LogList"},
     {"console_state", "the WebSocket /control of the console", "console", "ConsoleState"},
     {"console_session", "POST /api/v1/login of the console", "console", "ConsoleSession"},
     {"log_in_request", "the body of POST /api/v1/login of the console", "console",
