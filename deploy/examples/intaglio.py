@@ -30,14 +30,16 @@ import threading
 
 
 class IntaglioError(Exception):
-    """A command did not end with 0. str() is what it printed for people."""
+    """A command did not end with 0. str() is what it printed for people; `code` says why
+    for programs ("not_found", docs/cli.md, Codes), or is empty: not known."""
 
-    def __init__(self, message, exit_code, command, event=None):
+    def __init__(self, message, exit_code, command, event=None, code=""):
         super().__init__(message)
         self.message = message
         self.exit_code = exit_code
         self.command = command
         self.event = event  # the last one, or None
+        self.code = code
 
 
 class WrongInput(IntaglioError):
@@ -365,5 +367,9 @@ class Intaglio:
         command = self._command(name, None, *options, on_bus=on_bus)
         done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True,
                               encoding="utf-8", errors="replace", check=False)
+        answer = json.loads(done.stdout) if done.stdout else {}
+        if done.returncode != 0 and "taken" in answer:
+            kind = _ERRORS.get(done.returncode, IntaglioError)
+            raise kind(answer["message"], done.returncode, command, code=answer["code"])
         _raise_unless_good(done.returncode, done.stderr, command)
-        return json.loads(done.stdout)
+        return answer

@@ -1,6 +1,7 @@
 #include "services/cli/fonts_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ostream.h>
 
 #include <algorithm>
 #include <iostream>
@@ -10,6 +11,8 @@
 #include "engrave/drawing/text_coverage.h"
 #include "engrave/drawing/utf8_characters.h"
 #include "engrave/io/lower_case.h"
+#include "proto/lists.pb.h"
+#include "services/cli/json/print_json.h"
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 
@@ -23,6 +26,7 @@ constexpr std::size_t kMaxShownCharacters = 12;
 struct FontsOptions {
   std::string family;
   std::string text;
+  bool json = false;
 };
 
 struct FontRow {
@@ -66,6 +70,19 @@ std::string CoverageText(const FontRow& row) {
   return more == 0 ? text : fmt::format("{} and {} more", text, more);
 }
 
+int PrintFontList(const std::vector<FontRow>& rows) {
+  FontList list;
+  for (const FontRow& row : rows) {
+    FontRecord& font = *list.add_fonts();
+    font.set_family(row.font.family);
+    font.set_style(row.font.style);
+    font.set_file(row.font.file);
+    font.set_has_text(row.missing.empty());
+    for (const char32_t c : row.missing) font.add_missing(drawing::Utf8Of({&c, 1}));
+  }
+  return PrintJson(list);
+}
+
 int Fonts(const FontsOptions& options) {
   const auto rows = FontRowsOf(options);
   if (!rows) return Complain(rows.error(), client::kExitWrongInput);
@@ -81,6 +98,7 @@ int Fonts(const FontsOptions& options) {
          options.family},
         client::kExitWrongInput);
   }
+  if (options.json) return PrintFontList(*rows);
   std::size_t family = 6, style = 5, file = 4;
   for (const FontRow& row : *rows) {
     family = std::max(family, row.font.family.size());
@@ -88,11 +106,11 @@ int Fonts(const FontsOptions& options) {
     file = std::max(file, row.font.file.size());
   }
   const bool with_text = !options.text.empty();
-  fmt::print("{:<{}}  {:<{}}  {:<{}}{}\n", "FAMILY", family, "STYLE", style, "FILE",
-             with_text ? file : 4, with_text ? "  HAS OF THE TEXT" : "");
+  fmt::print(std::cout, "{:<{}}  {:<{}}  {:<{}}{}\n", "FAMILY", family, "STYLE", style,
+             "FILE", with_text ? file : 4, with_text ? "  HAS OF THE TEXT" : "");
   for (const FontRow& row : *rows) {
-    fmt::print("{:<{}}  {:<{}}  {:<{}}{}\n", row.font.family, family, row.font.style,
-               style, row.font.file, with_text ? file : 0,
+    fmt::print(std::cout, "{:<{}}  {:<{}}  {:<{}}{}\n", row.font.family, family,
+               row.font.style, style, row.font.file, with_text ? file : 0,
                with_text ? "  " + CoverageText(row) : "");
   }
   return client::kExitGood;
@@ -108,6 +126,7 @@ void AddFontsCommand(command_line::Command app) {
   fonts.AddOption("--text", options->text,
                   "which of them have the characters of this text; those that have all "
                   "come first");
+  fonts.AddFlag("--json", options->json, "for programs");
   fonts.SetFooter(
       "Example: intaglio fonts --text \"Łódź\"\n"
       "A job names a font by its family and style, \"DejaVu Sans:Bold\", or by its "

@@ -1,6 +1,7 @@
 #include "services/cli/history_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ostream.h>
 
 #include <filesystem>
 #include <iostream>
@@ -39,6 +40,7 @@ std::string TimeOrDash(double seconds) {
 
 void PrintTable(const std::vector<JobStatistics>& jobs) {
   fmt::print(
+      std::cout,
       "{:>6}  {:<16}  {:<12} {:<10} {:<10} {:<18} {:>21}  {:>12} {:>12} {:>12} {:>6}  "
       "{}\n",
       "job", "ended (UTC)", "machine", "glass", "state", "verdict", "made / planned",
@@ -48,6 +50,7 @@ void PrintTable(const std::vector<JobStatistics>& jobs) {
     std::string ended = job.ended_utc().substr(0, 16);
     if (ended.size() > 10) ended[10] = ' ';
     fmt::print(
+        std::cout,
         "{:>6}  {:<16}  {:<12} {:<10} {:<10} {:<18} {:>21}  {:>12} {:>12} {:>12} {:>6}  "
         "{}\n",
         job.job(), ended, job.cell(), job.material(), job.state(), job.verdict(),
@@ -62,11 +65,11 @@ void PrintTable(const std::vector<JobStatistics>& jobs) {
   if (jobs.empty()) std::cerr << "no ended job matches these options\n";
   const history::EstimateScore score = history::ScoreOf(jobs);
   if (score.jobs == 0) return;
-  fmt::print(
-      "first estimate by outcome of {}: {:.2f} in the median, {:.2f} to "
-      "{:.2f}\n",
-      Counted(score.jobs, "undisturbed job"), score.median_ratio, score.min_ratio,
-      score.max_ratio);
+  fmt::print(std::cout,
+             "first estimate by outcome of {}: {:.2f} in the median, {:.2f} to "
+             "{:.2f}\n",
+             Counted(score.jobs, "undisturbed job"), score.median_ratio, score.min_ratio,
+             score.max_ratio);
 }
 
 int PrintHistory(const std::vector<JobStatistics>& jobs) {

@@ -32,6 +32,7 @@
 #include "services/cli/stop_command.h"
 #include "services/cli/teach/mount_command.h"
 #include "services/cli/teach/teach_command.h"
+#include "services/cli/terminal/command_outcome.h"
 #include "services/cli/up_command.h"
 
 namespace intaglio::cli {
@@ -88,6 +89,7 @@ std::unique_ptr<command_line::Program> IntaglioProgram() {
   AddReplayCommand(root);
   AddSecurityCommand(root);
   AddConsoleCommand(root);
+  AnswerInJson(*program);
   program->AddHelpCommand();
   return program;
 }

@@ -18,6 +18,7 @@
 #include "services/cli/status/job_text.h"
 #include "services/cli/submit_jobs.h"
 #include "services/cli/teach/mount_command.h"
+#include "services/cli/terminal/command_outcome.h"
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/client/job_client.h"
@@ -42,7 +43,7 @@ std::optional<Error> WhyEnded(const client::JobView& job) {
   if (!job.ended()) return std::nullopt;
   return Error{ErrorCode::kRefused,
                fmt::format("job {} is already {}", job.number, client::NameOf(job.state)),
-               ""};
+               client::NameOf(intaglio_ANSWER_ENDED_JOB)};
 }
 
 int CommandJob(client::JobClient& client, const client::JobView& job,
@@ -87,9 +88,11 @@ int List(const JobsOptions& options) {
   if (known.error().code != ErrorCode::kTimedOut)
     return Complain(known.error(), client::kExitMachine);
   if (client.services().empty()) {
-    std::cerr << "intaglio: no services found: start them (intaglio up), or check "
-                 "--domain, --interface and --tag\n";
-    return client::kExitWrongInput;
+    return Complain({ErrorCode::kTimedOut,
+                     "no services found: start them (intaglio up), or check --domain, "
+                     "--interface and --tag",
+                     ""},
+                    client::kExitWrongInput);
   }
   return Complain({ErrorCode::kTimedOut,
                    "other services run, but no job service: nothing is known of the jobs "
@@ -103,7 +106,9 @@ int WithJobOn(const bus::BusOptions& shop, const JobsOptions& options, const Act
   bus::Bus bus(shop);
   client::JobClient client(bus);
   const auto job = client::AwaitJob(client, options.uid, bus.discovery_time());
-  return job ? act(client, *job) : ComplainOfShop(job.error());
+  if (!job) return ComplainOfShop(job.error());
+  ReportJob(job->number);
+  return act(client, *job);
 }
 
 /// The same of what the job service alone answers.

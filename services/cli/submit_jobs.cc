@@ -11,6 +11,7 @@
 #include "services/cli/job/job_series.h"
 #include "services/cli/status/command_effect.h"
 #include "services/cli/teach/mount_command.h"
+#include "services/cli/terminal/command_outcome.h"
 #include "services/cli/terminal/complain.h"
 #include "services/cli/watch_job.h"
 #include "services/client/arm_once.h"
@@ -34,6 +35,7 @@ Result<client::JobView> SubmitOne(client::JobClient& client, const JobSpec& job,
                                   const JobsOptions& options, const std::string& key) {
   auto submitted = client.Submit(job, kSubmitTime, key);
   if (submitted) {
+    ReportJob(submitted->number);
     if (options.events) client::EventLines(std::cout).Submitted(*submitted);
     options.human() << "job " << submitted->number << " (" << submitted->uid << ") is "
                     << client::NameOf(submitted->state) << "\n";
@@ -162,7 +164,10 @@ int SubmitJob(const JobSpec& spec, const JobsOptions& options) {
   }
   if (!options.arm) options.human() << client::StateAndNextOf(job) << "\n";
   const bool asks = options.arm && job.open_consent() != nullptr;
-  return asks ? client::kExitMachine : client::kExitGood;
+  if (!asks) return client::kExitGood;
+  // Its sentence is the job's message, which is printed already.
+  ReportRefusal({ErrorCode::kRefused, "", client::NameOf(intaglio_ANSWER_NEEDS_CONSENT)});
+  return client::kExitMachine;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "services/client/refusal_code.h"
 #include "services/client/shop/job_record.h"
 #include "services/client/shop/queue_time.h"
 #include "services/client/shop/shop_status.h"
@@ -129,7 +130,7 @@ std::pair<int, HoldAnswer> ShopDesk::Hold(const std::string& job_name,
     return std::pair(status, answer);
   };
   const auto job = client().Find(job_name);
-  if (!job) return refuse(404, "", job.error().message);
+  if (!job) return refuse(404, client::RefusalCode(job.error()), job.error().message);
   const client::ShopSnapshot shop = watcher_.Take();
   const JobRecord record = client::JobRecordOf(*job);
   answer.set_job(job->number);
@@ -160,10 +161,8 @@ std::optional<client::JobView> ShopDesk::OpenJobNamed(const std::string& name,
   const auto job = client().Find(name);
   if (job && !job->ended()) return *job;
   refused.set_message(job ? EndedSentence(*job) : job.error().message);
-  if (job) {
-    refused.set_job(job->number);
-    refused.set_code(kEnded);
-  }
+  refused.set_code(job ? kEnded : client::RefusalCode(job.error()));
+  if (job) refused.set_job(job->number);
   answer(job ? 409 : 404, refused);
   return std::nullopt;
 }
@@ -200,6 +199,7 @@ void ShopDesk::Send(const client::JobView& job, const client::JobOrder& order,
   pending.set_job(job.number);
   const auto number = client().Send(job, order);
   if (!number) {
+    pending.set_code(client::RefusalCode(number.error()));
     pending.set_message(number.error().message);
     return answer(503, pending);
   }
@@ -219,6 +219,7 @@ void ShopDesk::AnswerCommands() {
     }
     if (now < command.end) return false;
     client().Withdraw(command.number);
+    command.answer.set_code(ErrorCodeName(ErrorCode::kTimedOut));
     command.answer.set_message(
         "the job service did not answer; the command is withdrawn: check that it runs");
     command.reply(504, command.answer);

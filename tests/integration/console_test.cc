@@ -61,6 +61,9 @@ TEST_F(Console, AnswersWhatTheCommandLinePrints) {
   agrees("/api/v1/status", {"status", "--json"});
   EXPECT_EQ(Get("/api/v1/jobs/99").status, 404);
   EXPECT_EQ(Post("/api/v1/jobs/" + *job_ + "/light").status, 404) << "no such command";
+  const WebAnswer unknown = Post("/api/v1/jobs/99/cancel");
+  EXPECT_EQ(unknown.status, 404);
+  EXPECT_THAT(unknown.body, HasSubstr("\"code\": \"not_found\""));
   // What was made is read from the job's folder, and grows when the job goes on.
   const WebAnswer plan = Get("/api/v1/jobs/" + *job_ + "/plan");
   ASSERT_EQ(plan.status, 200) << plan.body;

@@ -133,6 +133,13 @@ class SchemasTest(Folder):
         typed_json("plan", "plan", "--path", path, *block, "--compare", "--json")
         measured = typed_json("quality", "measure", cloud, "--job", self.knot, "--json")
         self.assertEqual(int(measured["point_count"]), made["point_count"])
+        fonts = typed_json("fonts", "fonts", "DejaVu Sans", "--text", "Ł\u0e01", "--json")["fonts"]
+        self.assertGreater(len(fonts), 1)
+        for font in fonts:
+            self.assertIn("DejaVu Sans", font["family"])
+            self.assertTrue(pathlib.Path(font["file"]).is_file())
+            self.assertIn("\u0e01", font["missing"])  # a Thai letter, which DejaVu has not
+            self.assertFalse(font["has_text"])
         typed_json("glass", "materials", "show", "N-BK7", "--json")
         self.assertGreater(len(typed_json("glasses", "materials", "list", "--json")), 3)
         job = json.loads((SOURCE / "deploy/jobs/rays.json").read_text())
@@ -246,6 +253,26 @@ class ShopTest(Folder):
         typed_json("job", "show", accepted.job, "--json", *self.words)
         typed_json("history", "history", "--folder", self.shop_folder, "--json")
 
+    def test_what_the_shop_refuses_has_a_code(self):
+        first, second = self.shop.submit(self.knot), self.shop.submit(self.knot)
+        waits = typed_json("command_answer", "arm", second.job, "--json", *self.words,
+                           exit_codes=(4,))
+        self.assertEqual((waits["job"], waits["taken"], waits["code"]),
+                         (second.job, False, "not_yet"))
+        self.assertNotIn("not_yet", waits["message"])
+        entries = typed_json("logs", "logs", second.job, "--folder", self.shop_folder,
+                             "--json")["entries"]
+        self.assertIn("job-service", [entry["service"] for entry in entries])
+        self.assertTrue(all(entry["text"] and entry["time"] and entry["level"] for entry in entries))
+        given = typed_json("command_answer", "submit", self.knot, "--json", *self.words)
+        for job in (given["job"], second.job, first.job):
+            ended = typed_json("command_answer", "cancel", job, "--json", *self.words)
+            self.assertEqual((ended["job"], ended["code"]), (job, "taken"))
+        with self.assertRaises(intaglio.WrongInput) as unknown:
+            self.shop.job(4321)
+        self.assertEqual(unknown.exception.code, "not_found")
+        self.assertIn("4321", str(unknown.exception))
+
     def test_an_interrupted_watch_leaves_the_job_and_a_cancelled_one_raises(self):
         accepted = self.shop.submit(self.knot)
         watch = self.shop.watch(accepted.job)
@@ -256,7 +283,13 @@ class ShopTest(Folder):
         self.assertEqual(left.exception.exit_code, 6)
         self.assertIn(f"intaglio cancel {accepted.job}", watch.text)
         self.assertNotIn(self.shop.job(accepted.job).state, ("done", "failed", "cancelled"))
-        typed("cancel", accepted.job, *self.words)
+        cancelled = typed_json("command_answer", "cancel", accepted.job, "--json", *self.words)
+        self.assertEqual((cancelled["job"], cancelled["taken"], cancelled["code"]),
+                         (accepted.job, True, "taken"))
+        again = typed_json("command_answer", "cancel", accepted.job, "--json", *self.words,
+                           exit_codes=(2,))
+        self.assertEqual((again["job"], again["taken"], again["code"]),
+                         (accepted.job, False, "ended_job"))
         with self.assertRaises(intaglio.Cancelled) as ended:
             list(self.shop.watch(accepted.job))
         self.assertEqual(ended.exception.exit_code, 5)

@@ -1,6 +1,7 @@
 #include "services/cli/backup/backup_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ostream.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -56,7 +57,7 @@ void PrintParts(const std::vector<backup::ArchivedFile>& files) {
     sum.bytes += file.bytes;
   }
   for (const char* part : backup::kParts) {
-    fmt::print("{:<10} {:>8} {:<5} {:>16} bytes\n", part,
+    fmt::print(std::cout, "{:<10} {:>8} {:<5} {:>16} bytes\n", part,
                client::GroupedDigits(sums[part].files), NounFor(sums[part].files, "file"),
                client::GroupedDigits(sums[part].bytes));
   }
@@ -90,8 +91,8 @@ int List(const backup::Archive& archive) {
   std::cout << "made " << archive.made_utc() << ", of the jobs in " << archive.results()
             << "\n";
   for (const backup::ArchivedFile& file : archive.files()) {
-    fmt::print("{:>16}  {:08x}  {}\n", client::GroupedDigits(file.bytes), file.crc32,
-               file.name);
+    fmt::print(std::cout, "{:>16}  {:08x}  {}\n", client::GroupedDigits(file.bytes),
+               file.crc32, file.name);
   }
   PrintParts(archive.files());
   return client::kExitGood;

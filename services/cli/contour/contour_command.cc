@@ -1,6 +1,7 @@
 #include "services/cli/contour/contour_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ostream.h>
 
 #include <filesystem>
 #include <iostream>
@@ -97,7 +98,8 @@ Status WritePrograms(const ContourOptions& options, const ContourWork& work,
   program.mill.axis_speed_deg_s = options.axis_speed_deg_s;
   program.mill.origin_mm = PlaceOf(options.origin_mm);
   const auto files = INTAGLIO_TRY(WriteContourPrograms(work, whole, typed, program));
-  for (const fs::path& file : files) fmt::print("program       {}\n", file.string());
+  for (const fs::path& file : files)
+    fmt::print(std::cout, "program       {}\n", file.string());
   return {};
 }
 
@@ -114,8 +116,9 @@ Status Simulate(const ContourOptions& options, const ContourWork& work,
   const ContourMotion motion = INTAGLIO_TRY(
       MotionOf(work, whole, machine ? &*machine : nullptr, PlaceOf(options.start_mm)));
   if (machine) {
-    fmt::print("{:<13} {} at work within {:g} um, {} in all\n", machine->name(),
-               client::ShortDuration(motion.work_s), machine->position_tolerance_um(),
+    fmt::print(std::cout, "{:<13} {} at work within {:g} um, {} in all\n",
+               machine->name(), client::ShortDuration(motion.work_s),
+               machine->position_tolerance_um(),
                client::ShortDuration(motion.duration_s));
   }
   if (motion.not_held > 0) {
@@ -130,7 +133,7 @@ Status Simulate(const ContourOptions& options, const ContourWork& work,
     const std::string title = fs::path(options.files[0]).filename().string();
     INTAGLIO_TRY(io::WriteFileAtomically(
         options.page, PageOf(work, motion, whole.tool_diameter_mm(), title)));
-    fmt::print("page          {}\n", options.page);
+    fmt::print(std::cout, "page          {}\n", options.page);
   }
   if (options.frames.empty()) return {};
   FrameOptions frames;
@@ -138,7 +141,7 @@ Status Simulate(const ContourOptions& options, const ContourWork& work,
   frames.step_s = options.frame_step_s;
   const auto count =
       INTAGLIO_TRY(WriteFrames(work, motion, whole.tool_diameter_mm(), frames));
-  fmt::print("frames        {} in {}\n", count, options.frames);
+  fmt::print(std::cout, "frames        {} in {}\n", count, options.frames);
   return {};
 }
 
@@ -156,7 +159,8 @@ Status MakeContours(const ContourOptions& options) {
   const CourseFiles& files = *read;
   const Vec2 start_mm = PlaceOf(options.start_mm);
   const ContourWork work = INTAGLIO_TRY(MakeContourWork(whole, files, start_mm));
-  for (const std::string& line : FiguresOf(work, whole)) fmt::print("{}\n", line);
+  for (const std::string& line : FiguresOf(work, whole))
+    fmt::print(std::cout, "{}\n", line);
   if (!options.xml.empty()) {
     const auto project = INTAGLIO_TRY(ProjectOf(files));
     INTAGLIO_TRY(io::WriteFileAtomically(options.xml, contour::WriteProject(project)));

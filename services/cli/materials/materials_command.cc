@@ -21,6 +21,7 @@
 #include "materials_db/numbers.h"
 #include "services/cli/job/job_options.h"
 #include "services/cli/materials/glass_text.h"
+#include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/job/files/job_file.h"
 #include "services/job/files/material_record.h"
@@ -276,16 +277,12 @@ void AddFieldFlags(command_line::Command command, Flags& flags) {
 }
 
 int Run(const Flags& flags, Action action) {
-  const auto complain = [](const Error& error) {
-    std::cerr << "intaglio: " << error.message << "\n";
-    return client::kExitWrongInput;
-  };
   auto store =
       MaterialStore::Open(flags.database.empty() ? materials_db::DefaultDatabasePath()
                                                  : std::filesystem::path(flags.database));
-  if (!store) return complain(store.error());
+  if (!store) return Complain(store.error());
   const Status status = action(flags, *store);
-  return status ? client::kExitGood : complain(status.error());
+  return status ? client::kExitGood : Complain(status.error());
 }
 
 }  // namespace

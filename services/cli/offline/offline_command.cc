@@ -1,6 +1,7 @@
 #include "services/cli/offline/offline_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ostream.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -110,7 +111,7 @@ int DiscretizeOffline(const OfflineOptions& options) {
   }
   const CloudRecord record = CloudRecordOf(options.out, *cloud);
   if (options.json) return PrintJson(record);
-  fmt::print("{}, minimum spacing {:.4f} mm, checksum {}, in {}\n",
+  fmt::print(std::cout, "{}, minimum spacing {:.4f} mm, checksum {}, in {}\n",
              client::GroupedCount(record.point_count(), "point"), record.min_spacing_mm(),
              record.checksum(), record.file());
   return client::kExitGood;

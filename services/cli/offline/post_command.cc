@@ -1,6 +1,7 @@
 #include "services/cli/offline/post_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ostream.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -186,7 +187,8 @@ Status MakeCourseProgram(const PostOptions& options, const JobSpec& job) {
   const auto written =
       INTAGLIO_TRY(WriteContourPrograms(work, whole, job.course(), program));
   const std::vector<std::string> names(written.begin(), written.end());
-  fmt::print("{} and {}: {} {}\n", client::GroupedCount(work.paths.size(), "contour"),
+  fmt::print(std::cout, "{} and {}: {} {}\n",
+             client::GroupedCount(work.paths.size(), "contour"),
              client::GroupedCount(work.hole_count, "hole"),
              NounFor(names.size(), "program"), fmt::join(names, ", "));
   return {};
@@ -206,7 +208,7 @@ Status MakeProgram(const PostOptions& options) {
   const auto program_template = INTAGLIO_TRY(TemplateOf(options, ordered.job.machine()));
   const auto program = INTAGLIO_TRY(ProgramOf(ordered));
   INTAGLIO_TRY(post::WritePointProgram(options.out, program_template, program));
-  fmt::print("{} for {}, by {}, in {}\n",
+  fmt::print(std::cout, "{} for {}, by {}, in {}\n",
              client::GroupedCount(program.axes.size(), "point"),
              ordered.job.machine().name(),
              fs::path(program_template.file).filename().string(), options.out);

@@ -13,6 +13,7 @@
 
 #include "services/cli/flags/bulk_flag.h"
 #include "services/cli/flags/bus_flags.h"
+#include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/platform/command_line/other_programs.h"
 
@@ -71,9 +72,12 @@ int Record(const RecordOptions& options) {
   const std::vector<char*> argv = command_line::PointersTo(words);
   std::cerr << "records into " << words[2] << "; Ctrl-C ends it\n";
   execv(program.c_str(), argv.data());
-  std::cerr << "intaglio: cannot start " << program << ": " << std::strerror(errno)
-            << "; it has to be in the folder of intaglio\n";
-  return client::kExitInternal;
+  return Complain({ErrorCode::kIo,
+                   fmt::format("cannot start {}: {}; it has to be in the folder of "
+                               "intaglio",
+                               program, std::strerror(errno)),
+                   program},
+                  client::kExitInternal);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "services/cli/recordings/recording_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ostream.h>
 
 #include <cmath>
 #include <fstream>
@@ -78,11 +79,12 @@ int Copy(const Options& options, const std::string& default_ending) {
   for (const std::string& damage : report->damages) {
     std::cerr << "left out    " << damage << "\n";
   }
-  fmt::print("{} in {}", Counted(report->message_count, "message"), out.string());
+  fmt::print(std::cout, "{} in {}", Counted(report->message_count, "message"),
+             out.string());
   if (report->repeat_count > 0)
-    fmt::print("; {} of present messages left out",
+    fmt::print(std::cout, "; {} of present messages left out",
                Counted(report->repeat_count, "repeat"));
-  fmt::print("\n");
+  fmt::print(std::cout, "\n");
   return client::kExitGood;
 }
 

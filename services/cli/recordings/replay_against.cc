@@ -1,6 +1,7 @@
 #include "services/cli/recordings/replay_against.h"
 
 #include <fmt/format.h>
+#include <fmt/ostream.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -73,58 +74,64 @@ void PrintCounts(const ReplayComparison& result) {
   }
   const auto tasks = static_cast<std::uint64_t>(result.tasks_size());
   if (result.service() == "synchronizer") {
-    fmt::print("{}  {}, {}, {}, {} compared\n", result.service(), Counted(tasks, "task"),
-               Counted(runs, "run"), Counted(segments, "segment"),
+    fmt::print(std::cout, "{}  {}, {}, {}, {} compared\n", result.service(),
+               Counted(tasks, "task"), Counted(runs, "run"), Counted(segments, "segment"),
                Counted(pulses, "point"));
   } else {
-    fmt::print("{}  {}, {}, {} compared\n", result.service(), Counted(tasks, "task"),
-               Counted(batches, "batch", "batches"), Counted(points, "point"));
+    fmt::print(std::cout, "{}  {}, {}, {} compared\n", result.service(),
+               Counted(tasks, "task"), Counted(batches, "batch", "batches"),
+               Counted(points, "point"));
   }
   for (const TaskComparison& task : result.tasks()) {
     if (!task.recorded_in_part()) continue;
-    fmt::print("recorded in part  job {} part {}{}{}\n", task.job_uid(), task.part(),
-               task.part_reason().empty() ? "" : ": ", task.part_reason());
+    fmt::print(std::cout, "recorded in part  job {} part {}{}{}\n", task.job_uid(),
+               task.part(), task.part_reason().empty() ? "" : ": ", task.part_reason());
   }
 }
 
 void PrintFirst(const ReplayComparison& result) {
   const SampleDifference& first = result.first();
-  fmt::print("first       {} of job {} attempt {}", first.topic(), first.job_uid(),
-             first.attempt());
+  fmt::print(std::cout, "first       {} of job {} attempt {}", first.topic(),
+             first.job_uid(), first.attempt());
   if (result.service() == "synchronizer") {
-    if (first.run() != 0) fmt::print(" run {}: place {}", first.run(), first.index());
-    if (first.topic() == "PulseEventBatch") fmt::print(", point {}", first.point());
+    if (first.run() != 0)
+      fmt::print(std::cout, " run {}: place {}", first.run(), first.index());
+    if (first.topic() == "PulseEventBatch")
+      fmt::print(std::cout, ", point {}", first.point());
   } else {
-    fmt::print(" part {}: batch {}, point {} ({} of the part)", first.part(),
+    fmt::print(std::cout, " part {}: batch {}, point {} ({} of the part)", first.part(),
                first.batch(), first.index(), first.point());
   }
-  fmt::print(": {} then {}, now {}\n", first.member(), first.then(), first.now());
+  fmt::print(std::cout, ": {} then {}, now {}\n", first.member(), first.then(),
+             first.now());
 }
 
 void Print(const ReplayComparison& result) {
   PrintCounts(result);
-  fmt::print("version     then {}, now {}\n", result.version_then(),
+  fmt::print(std::cout, "version     then {}, now {}\n", result.version_then(),
              result.version_now());
   for (const OptionDifference& option : result.options())
-    fmt::print("option      {}: then {}, now {}\n", option.field(), option.then(),
-               option.now());
-  for (const std::string& input : result.input()) fmt::print("input       {}\n", input);
+    fmt::print(std::cout, "option      {}: then {}, now {}\n", option.field(),
+               option.then(), option.now());
+  for (const std::string& input : result.input())
+    fmt::print(std::cout, "input       {}\n", input);
   if (result.identical()) {
-    fmt::print("verdict     IDENTICAL\n");
+    fmt::print(std::cout, "verdict     IDENTICAL\n");
     return;
   }
   if (!result.has_first()) {
-    fmt::print("verdict     NOT COMPARABLE: {}\n", result.explanation());
+    fmt::print(std::cout, "verdict     NOT COMPARABLE: {}\n", result.explanation());
     return;
   }
   PrintFirst(result);
-  fmt::print("cause       {}: {}\n", result.cause(), result.explanation());
+  fmt::print(std::cout, "cause       {}: {}\n", result.cause(), result.explanation());
   std::uint64_t different = 0;
   for (const TaskComparison& task : result.tasks())
     different += task.different_batch_count();
-  fmt::print("verdict     DIFFERENT");
-  if (different > 0) fmt::print(", {}", Counted(different, "batch", "batches"));
-  fmt::print("\n");
+  fmt::print(std::cout, "verdict     DIFFERENT");
+  if (different > 0)
+    fmt::print(std::cout, ", {}", Counted(different, "batch", "batches"));
+  fmt::print(std::cout, "\n");
 }
 
 /// What is compared, bit by bit, is bulk.

@@ -1,6 +1,7 @@
 #include "services/cli/recordings/replay_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ostream.h>
 
 #include <iostream>
 #include <limits>
@@ -15,6 +16,7 @@
 #include "services/cli/flags/bus_flags.h"
 #include "services/cli/recordings/log_time.h"
 #include "services/cli/recordings/replay_against.h"
+#include "services/cli/terminal/command_outcome.h"
 #include "services/cli/terminal/complain.h"
 #include "services/cli/terminal/interrupt.h"
 #include "services/client/exit_codes.h"
@@ -166,19 +168,21 @@ Result<replayer::Selection> Replay::Choose() {
 
 void Replay::Print(const replayer::PlayReport& report) const {
   for (const std::string& complaint : report.complaints)
-    std::cerr << "intaglio: " << complaint << "\n";
+    Complain({ErrorCode::kUnreadable, complaint, ""});
   if (report.restored_count > 0)
-    fmt::print("{}, ", Counted(report.restored_count, "retained sample"));
-  fmt::print("{} played\n", Counted(report.played_count, "sample"));
+    fmt::print(std::cout, "{}, ", Counted(report.restored_count, "retained sample"));
+  fmt::print(std::cout, "{} played\n", Counted(report.played_count, "sample"));
   std::cout << std::flush;
 }
 
 int Replay::EndCode(const replayer::PlayReport& report) const {
   if (!intruders_.empty()) {
-    std::cerr << "intaglio: stopped, because live services appeared that would use the "
-                 "played state: "
-              << intruders_ << "; use another --domain or --tag\n";
-    return client::kExitMachine;
+    return Complain({ErrorCode::kRefused,
+                     fmt::format("stopped, because live services appeared that would use "
+                                 "the played state: {}; use another --domain or --tag",
+                                 intruders_),
+                     ""},
+                    client::kExitMachine);
   }
   if (Interrupts() > 0) return client::kExitCancelled;
   return report.complaints.empty() || report.played_count > 0 ? client::kExitGood
@@ -226,6 +230,7 @@ int Run(const ReplayOptions& options) {
     against.file = options.file;
     return ReplayAgainst(against);
   }
+  AnswerWithText();
   auto reader = McapReader::Open(std::filesystem::path(options.file));
   if (!reader) return Complain(reader.error());
   CatchInterrupts();
@@ -270,7 +275,8 @@ void AddAgainstFlags(command_line::Command replay, AgainstOptions& options) {
                  "PATH=VALUE: with another option of the job, e.g. "
                  "discretization.min_spacing_mm=0.1")
       .Need(against);
-  replay.AddFlag("--json", options.json, "the comparison for programs").Need(against);
+  replay.AddFlag("--json", options.json,
+                 "for programs: the comparison of --against, else a CommandAnswer");
 }
 
 }  // namespace

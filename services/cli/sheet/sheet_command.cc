@@ -1,6 +1,7 @@
 #include "services/cli/sheet/sheet_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ostream.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -137,13 +138,15 @@ Result<contour::MaterialUse> UseOf(const SheetOptions& options) {
 Status PrintUse(const SheetOptions& options) {
   INTAGLIO_TRY(RequireSides(options.sheet_mm));
   const contour::MaterialUse use = INTAGLIO_TRY(UseOf(options));
-  fmt::print("sheet         {:.2f} mm2\n", use.sheet_mm2);
+  fmt::print(std::cout, "sheet         {:.2f} mm2\n", use.sheet_mm2);
   if (!INTAGLIO_TRY(IsPicture(options.files[0]))) {
-    fmt::print("parts         {}, {:.2f} mm2\n", use.part_count, use.parts_mm2);
-    fmt::print("holes         {}, {:.2f} mm2\n", use.hole_count, use.holes_mm2);
+    fmt::print(std::cout, "parts         {}, {:.2f} mm2\n", use.part_count,
+               use.parts_mm2);
+    fmt::print(std::cout, "holes         {}, {:.2f} mm2\n", use.hole_count,
+               use.holes_mm2);
   }
-  fmt::print("used          {:.2f} mm2\n", use.used_mm2);
-  fmt::print("use           {:.2f} %\n", use.use_percent);
+  fmt::print(std::cout, "used          {:.2f} mm2\n", use.used_mm2);
+  fmt::print(std::cout, "use           {:.2f} %\n", use.use_percent);
   return {};
 }
 
@@ -170,11 +173,12 @@ Status Nest(const SheetOptions& options) {
   nest_options.margin_mm = options.margin_mm;
   nest_options.turn = !options.upright;
   const contour::Nest nest = INTAGLIO_TRY(contour::NestParts(parts, nest_options));
-  fmt::print("parts         {} on {} of {:g} x {:g} mm\n", parts.size(),
+  fmt::print(std::cout, "parts         {} on {} of {:g} x {:g} mm\n", parts.size(),
              Counted(nest.sheet_count, "sheet"), options.sheet_mm[0],
              options.sheet_mm[1]);
-  fmt::print("use           {:.2f} %\n", nest.use_percent);
-  fmt::print("last sheet    used to {:.1f} mm of its height\n", nest.last_top_mm);
+  fmt::print(std::cout, "use           {:.2f} %\n", nest.use_percent);
+  fmt::print(std::cout, "last sheet    used to {:.1f} mm of its height\n",
+             nest.last_top_mm);
   std::vector<SheetDrawing> sheets(nest.sheet_count);
   for (const contour::NestedPart& place : nest.parts)
     sheets[place.sheet].parts.push_back(contour::Placed(parts[place.part], place));
@@ -182,14 +186,14 @@ Status Nest(const SheetOptions& options) {
     const render::Canvas picture =
         DrawSheets(sheets, nest_options.sheet_mm, options.margin_mm);
     INTAGLIO_TRY(render::WritePng(options.picture, picture));
-    fmt::print("picture       {}\n", options.picture);
+    fmt::print(std::cout, "picture       {}\n", options.picture);
   }
   if (options.out.empty()) return {};
   for (std::uint32_t k = 0; k < nest.sheet_count; ++k) {
     const fs::path file = FileOfSheet(options.out, k);
     INTAGLIO_TRY(io::WriteFileAtomically(
         file, SvgOfSheet(sheets[k].parts, nest_options.sheet_mm)));
-    fmt::print("sheet         {}\n", file.string());
+    fmt::print(std::cout, "sheet         {}\n", file.string());
   }
   return {};
 }

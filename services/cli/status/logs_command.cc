@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "services/cli/json/print_json.h"
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/client/shop/job_log.h"
@@ -14,11 +15,18 @@ namespace {
 struct LogsOptions {
   client::LogSelection selection;
   std::string folder = "intaglio-shop";
+  bool json = false;
 };
 
 int PrintLog(const LogsOptions& options) {
   const auto entries = client::ReadLog(options.folder, options.selection);
   if (!entries) return Complain(entries.error());
+  if (options.json) {
+    LogList list;
+    for (const std::string& entry : *entries)
+      *list.add_entries() = client::LogEntryOf(entry);
+    return PrintJson(list);
+  }
   for (const std::string& entry : *entries) std::cout << entry << "\n";
   if (entries->empty()) {
     std::cerr << (options.selection.job.empty()
@@ -44,6 +52,7 @@ void AddLogsCommand(command_line::Command app) {
   logs.AddOption("--last", options->selection.max_count, "so many of the newest")
       .Within(1, 1'000'000)
       .ShowDefault();
+  logs.AddFlag("--json", options->json, "for programs");
   logs.SetFooter(
       "Example: intaglio logs 12\n"
       "Example: intaglio logs --warnings --last 20 --folder shop\n"

@@ -17,6 +17,7 @@
 #include "services/cli/teach/teach_options.h"
 #include "services/cli/teach/teach_outline.h"
 #include "services/cli/teach/teach_pulse.h"
+#include "services/cli/terminal/command_outcome.h"
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/job/teach/profile_history.h"
@@ -197,11 +198,13 @@ void AddLimits(command_line::Command teach) {
   max.TakeValues(3).Need(min);
   min.Need(max);
   command.AddFlag("--forget", options->forget, "back to the axes' travel").Exclude(min);
+  command.AddFlag("--json", options->json, "for programs");
   command.SetFooter("Example: intaglio teach limits --min 0 0 0 --max 150 150 100");
   command.SetAction([options] {
     return WithMachine(*options, [&](TeachClient& client) {
       if (options->min.empty() && !options->forget)
         return ShowStatus(*options, client.view());
+      AnswerWithText();
       TeachOrder order;
       order.kind = intaglio_TEACH_LIMITS;
       order.forget = options->forget;

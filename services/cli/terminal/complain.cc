@@ -2,10 +2,12 @@
 
 #include <iostream>
 
+#include "services/cli/terminal/command_outcome.h"
+
 namespace intaglio::cli {
 
 int Complain(const Error& error, int exit_code) {
-  std::cerr << "intaglio: " << error.message << "\n";
+  ReportRefusal(error);
   return exit_code;
 }
 

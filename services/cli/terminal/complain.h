@@ -6,7 +6,8 @@
 
 namespace intaglio::cli {
 
-/// Prints the error on the standard error stream; returns the exit code of the command.
+/// Prints the error on the standard error stream, with --json as a CommandAnswer on the
+/// standard output (command_outcome.h); returns the exit code of the command.
 int Complain(const Error& error, int exit_code = client::kExitWrongInput);
 
 /// Warnings of texts before the work begins, on the standard error stream.

@@ -133,4 +133,20 @@ Result<std::vector<std::string>> ReadLog(const fs::path& folder,
   return chosen.Take();
 }
 
+LogEntry LogEntryOf(const std::string& entry) {
+  LogEntry parts;
+  const std::size_t service = kTimeLength + 1;
+  const std::size_t level = entry.find(' ', service);
+  const std::size_t text = level == entry.npos ? level : entry.find(": ", level);
+  if (!BeginsEntry(entry) || text == entry.npos) {
+    parts.set_text(entry);
+    return parts;
+  }
+  parts.set_time(entry.substr(0, kTimeLength));
+  parts.set_service(entry.substr(service, level - service));
+  parts.set_level(entry.substr(level + 1, text - level - 1));
+  parts.set_text(entry.substr(text + 2));
+  return parts;
+}
+
 }  // namespace intaglio::client

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engrave/core/result.h"
+#include "proto/lists.pb.h"
 
 namespace intaglio::client {
 
@@ -25,5 +26,8 @@ struct LogSelection {
 /// a folder without logs, with what to do; kIo.
 Result<std::vector<std::string>> ReadLog(const std::filesystem::path& folder,
                                          const LogSelection& selection);
+
+/// "TIME SERVICE LEVEL: TEXT" in its parts; an entry of another form is text alone.
+LogEntry LogEntryOf(const std::string& entry);
 
 }  // namespace intaglio::client

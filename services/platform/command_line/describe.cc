@@ -44,6 +44,7 @@ CommandDescription DescriptionOf(const CLI::App& app, std::vector<std::string> w
   CommandDescription description;
   description.purpose = app.get_description();
   description.footer = app.get_footer();
+  description.acts = state.with_action.contains(&app);
   AddOptions(app, state, description.options);
   if (app.get_fallthrough() && app.get_parent() != nullptr) {
     for (const CLI::Option* option : app.get_parent()->get_options()) {

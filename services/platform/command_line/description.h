@@ -25,6 +25,7 @@ struct CommandDescription {
   std::vector<std::string> words;  ///< {"recording", "info"}; of the program: none
   std::string purpose;             ///< one phrase
   std::string footer;              ///< examples, exit codes
+  bool acts = false;               ///< false: it only has commands below it
   std::vector<OptionDescription> options;    ///< also those of the command above it takes
   std::vector<CommandDescription> commands;  ///< in the order of --help
 };

@@ -150,11 +150,32 @@ Option Command::OptionOf(const std::string& name) const {
   return {app_->get_option(name), state_};
 }
 
+bool Command::HasOption(const std::string& name) const {
+  return app_->get_option_no_throw(name) != nullptr;
+}
+
+std::string Command::path() const {
+  const CLI::App* const above = app_->get_parent();
+  if (above == nullptr) return "";
+  const std::string parent = Command(app_->get_parent(), state_).path();
+  return parent.empty() ? app_->get_name() : parent + " " + app_->get_name();
+}
+
+std::vector<Command> Command::commands() const {
+  std::vector<Command> below;
+  for (CLI::App* const command : app_->get_subcommands([](CLI::App*) { return true; }))
+    below.emplace_back(command, state_);
+  return below;
+}
+
+bool Command::acts() const { return state_->with_action.contains(app_); }
+
 void Command::SetFooter(const std::string& text) const { app_->footer(text); }
 void Command::RequireCommand() const { app_->require_subcommand(1); }
 void Command::TakeOptionsOfParent() const { app_->fallthrough(); }
 
 void Command::SetAction(std::function<int()> action) const {
+  state_->with_action.insert(app_);
   app_->callback([state = state_, action = std::move(action)] {
     // The innermost command's comes first.
     if (!state->chosen) state->chosen = action;
@@ -173,6 +194,26 @@ Program::~Program() = default;
 
 void Program::SetVersion(const std::string& version) {
   app_->set_version_flag("--version", version);
+}
+
+void Program::SetRefusal(const std::string& flag,
+                         std::function<void(const Error&)> refuse) {
+  state_->refusal_flag = flag;
+  state_->refuse = std::move(refuse);
+}
+
+void Program::SetRunner(std::function<int(const std::function<int()>& action)> runner) {
+  state_->runner = std::move(runner);
+}
+
+bool Program::IsGiven(const std::string& option) const {
+  for (const CLI::App* app = app_.get(); app != nullptr;) {
+    const CLI::Option* const own = app->get_option_no_throw(option);
+    if (own != nullptr && own->count() > 0) return true;
+    const auto given = app->get_subcommands();
+    app = given.empty() ? nullptr : given.front();
+  }
+  return false;
 }
 
 void Program::AddHelpCommand() {
@@ -240,6 +281,29 @@ std::vector<Variable> VariablesOfCommands(CLI::App& app) {
 
 }  // namespace
 
+namespace {
+
+/// `unknown`: what TextOfUnknownArguments has about it, or "".
+Error RefusalOf(const CLI::ParseError& error, const std::string& unknown) {
+  if (!unknown.empty()) return {ErrorCode::kInvalidValue, unknown, ""};
+  const auto code = static_cast<CLI::ExitCodes>(error.get_exit_code());
+  const bool missing = code == CLI::ExitCodes::RequiredError;
+  return {missing ? ErrorCode::kMissing : ErrorCode::kInvalidValue, error.what(), ""};
+}
+
+}  // namespace
+
+int Program::Refuse(const std::vector<std::string>& words, const Error& error,
+                    const std::function<void()>& print) const {
+  const auto end = std::find(words.begin(), words.end(), "--");
+  const bool by_flag = std::find(words.begin(), end, state_->refusal_flag) != end;
+  if (state_->refuse && by_flag)
+    state_->refuse(error);
+  else
+    print();
+  return kExitMisunderstood;
+}
+
 std::optional<int> Program::Parse(int argc, char** argv) {
   if (argc == 3 && std::string_view(argv[1]) == kWriteShellFiles) {
     const Status written = WriteShellFiles(app_->get_name(), Describe(), argv[2]);
@@ -247,18 +311,23 @@ std::optional<int> Program::Parse(int argc, char** argv) {
     std::cerr << app_->get_name() << ": " << written.error().message << "\n";
     return kExitMisunderstood;
   }
+  const std::vector<std::string> words(argv + 1, argv + argc);
   try {
-    ParseDivided(std::vector<std::string>(argv + 1, argv + argc));
+    ParseDivided(words);
   } catch (const CLI::ParseError& error) {
-    if (const std::string unknown = UnknownIn(error); !unknown.empty()) {
-      std::cerr << unknown << "\n";
-      return kExitMisunderstood;
-    }
-    return app_->exit(error) == 0 ? 0 : kExitMisunderstood;
+    if (error.get_exit_code() == 0) return app_->exit(error);
+    const std::string unknown = UnknownIn(error);
+    return Refuse(words, RefusalOf(error, unknown), [&] {
+      if (unknown.empty())
+        app_->exit(error);
+      else
+        std::cerr << unknown << "\n";
+    });
   }
   if (const Status enough = CheckOpenFiles(); !enough) {
-    std::cerr << app_->get_name() << ": " << enough.error().message << "\n";
-    return kExitMisunderstood;
+    return Refuse(words, enough.error(), [&] {
+      std::cerr << app_->get_name() << ": " << enough.error().message << "\n";
+    });
   }
   return std::nullopt;
 }
@@ -268,8 +337,7 @@ Status Program::Parse(const std::vector<std::string>& words) {
   try {
     ParseDivided(words);
   } catch (const CLI::ParseError& error) {
-    const std::string unknown = UnknownIn(error);
-    return Fail(ErrorCode::kInvalidValue, unknown.empty() ? error.what() : unknown);
+    return tl::unexpected(RefusalOf(error, UnknownIn(error)));
   }
   return {};
 }
@@ -294,6 +362,7 @@ std::string Program::UnknownIn(const CLI::Error& error) const {
 }
 
 int Program::Run() const {
+  if (state_->chosen && state_->runner) return state_->runner(state_->chosen);
   if (state_->chosen) return state_->chosen();
   std::cout << app_->help();
   return 0;

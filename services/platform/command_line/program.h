@@ -86,6 +86,13 @@ class Command {
   Option AddFlag(const std::string& names, T& value, const std::string& text) const;
   /// One that was added before.
   Option OptionOf(const std::string& name) const;
+  bool HasOption(const std::string& name) const;
+  /// "recording info"; of the program "".
+  std::string path() const;
+  /// Those directly below it.
+  std::vector<Command> commands() const;
+  /// SetAction() was called.
+  bool acts() const;
   void SetFooter(const std::string& text) const;
   /// One of its commands has to be given.
   void RequireCommand() const;
@@ -111,13 +118,22 @@ class Program {
   void AddHelpCommand();
   /// Its commands and options as data.
   CommandDescription Describe() const;
+  /// Errors of a command line that has this flag, as "--json", go to `refuse`, and no
+  /// text for people is printed.
+  void SetRefusal(const std::string& flag, std::function<void(const Error&)> refuse);
+  /// Runs the action of the command that was given, in place of a plain call. The exit
+  /// code is returned.
+  void SetRunner(std::function<int(const std::function<int()>& action)> runner);
+  /// Whether the last parse found this option behind the command that was given, or
+  /// behind one above it.
+  bool IsGiven(const std::string& option) const;
 
   /// None when the arguments are understood and the program goes on; else the exit code
   /// to end with: 0 after --help and --version, kExitMisunderstood after the error was
   /// printed, which may be a limit of the system (open_files.h).
   std::optional<int> Parse(int argc, char** argv);
   /// The same for arguments without the program's name; an error has the code
-  /// kInvalidValue.
+  /// kInvalidValue, or kMissing for a required option.
   Status Parse(const std::vector<std::string>& words);
   /// The action of the command that was given; without one, shows the help.
   int Run() const;
@@ -127,6 +143,9 @@ class Program {
  private:
   void ParseDivided(const std::vector<std::string>& words);
   int ShowHelp() const;
+  /// The exit code, after the error was printed.
+  int Refuse(const std::vector<std::string>& words, const Error& error,
+             const std::function<void()>& print) const;
   /// About what the parse did not know; "" when the error is another one.
   std::string UnknownIn(const CLI::Error& error) const;
 

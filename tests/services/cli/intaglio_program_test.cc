@@ -17,6 +17,7 @@
 #include "services/cli/flags/job_flags.h"
 #include "services/platform/command_line/completion.h"
 #include "services/platform/command_line/man_page.h"
+#include "tests/services/cli/all_commands.h"
 
 namespace intaglio::cli {
 namespace {
@@ -45,20 +46,6 @@ std::set<std::string> OptionsIn(const std::string& text) {
 
 std::string NameOf(const CommandDescription& command) {
   return fmt::format("{}", fmt::join(command.words, " "));
-}
-
-/// The command and all below it.
-void Collect(const CommandDescription& command, std::vector<CommandDescription>& all) {
-  for (const CommandDescription& below : command.commands) {
-    all.push_back(below);
-    Collect(below, all);
-  }
-}
-
-std::vector<CommandDescription> AllCommands() {
-  std::vector<CommandDescription> all;
-  Collect(IntaglioProgram()->Describe(), all);
-  return all;
 }
 
 /// Names of the options of a command; of positional arguments without dashes.

@@ -86,5 +86,19 @@ TEST_F(JobLog, AFolderWithoutLogsIsRefusedWithWhatToDo) {
   EXPECT_THAT(refused.error().message, HasSubstr("journalctl"));
 }
 
+TEST(LogEntryOf, GivesTheParts) {
+  const LogEntry parts = LogEntryOf(
+      "2026-11-26T23:28:37.346 job-service warning: job 3-ab: paused: the door\nis open");
+  EXPECT_EQ(parts.time(), "2026-11-26T23:28:37.346");
+  EXPECT_EQ(parts.service(), "job-service");
+  EXPECT_EQ(parts.level(), "warning");
+  EXPECT_EQ(parts.text(), "job 3-ab: paused: the door\nis open");
+  for (const char* odd : {"", "no entry", "2026-11-26T23:28:37.346 cut",
+                          "2026-11-26T23:28:37.346 job-service cut"}) {
+    EXPECT_EQ(LogEntryOf(odd).text(), odd);
+    EXPECT_EQ(LogEntryOf(odd).service(), "");
+  }
+}
+
 }  // namespace
 }  // namespace intaglio::client

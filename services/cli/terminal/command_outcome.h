@@ -1,0 +1,44 @@
+#pragma once
+
+// What a command reports. A person reads sentences as they come. With --json a program
+// reads one object on the standard output: the message of the command if it has one of
+// its own (docs/cli.md), else a CommandAnswer (proto/console.proto) with the sentences
+// that would have been printed. A command that is not carried out always prints a
+// CommandAnswer with a code (services/client/refusal_code.h). The exit code is the same
+// with and without
+// --json.
+//
+//   Complain, std::cout -> CommandOutcome --(--json)--> CommandAnswer
+//                                         --(people)--> the streams themselves
+//
+// One thread runs a command, and it alone calls these.
+
+#include <cstdint>
+#include <functional>
+
+#include "engrave/core/result.h"
+#include "services/platform/command_line/program.h"
+
+namespace intaglio::cli {
+
+/// The job that the running command is about; with several of them the answer has 0.
+void ReportJob(std::uint32_t number);
+
+/// An error that ends the command, or a part of what it was to do. It becomes a part of
+/// the CommandAnswer, or a sentence on the standard error stream: for a person, and where
+/// the standard output has the command's own message already. Without a message: it was
+/// printed before, and only the answer needs its code.
+void ReportRefusal(const Error& error);
+
+/// The text of the running command becomes that of the CommandAnswer. It is called by a
+/// command with a message of its own that does not print it with the given options.
+void AnswerWithText();
+
+/// Gives --json to every command of the program that has none of its own, and makes what
+/// is refused with --json a CommandAnswer. To be called when all commands are there.
+void AnswerInJson(command_line::Program& program);
+
+/// Why this command has no --json; nullptr: it has.
+const char* ReasonForNoJson(const std::string& command);
+
+}  // namespace intaglio::cli
