@@ -5,8 +5,7 @@
 // its own (docs/cli.md), else a CommandAnswer (proto/console.proto) with the sentences
 // that would have been printed. A command that is not carried out always prints a
 // CommandAnswer with a code (services/client/refusal_code.h). The exit code is the same
-// with and without
-// --json.
+// with and without --json.
 //
 //   Complain, std::cout -> CommandOutcome --(--json)--> CommandAnswer
 //                                         --(people)--> the streams themselves
