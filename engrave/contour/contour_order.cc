@@ -14,6 +14,7 @@ constexpr int kMinEntries = 24;
 constexpr int kMaxRounds = 8;
 constexpr int kMaxSweeps = 20;
 constexpr double kShorter_mm = 1e-6;
+constexpr std::size_t kVisitsAReport = 64;
 
 Vec2 EntryOf(std::span<const Contour> contours, const ContourVisit& visit) {
   return PointAt(contours[visit.contour].edges[visit.edge], visit.way_mm);
@@ -57,7 +58,9 @@ class EntryChoice {
   double Way() const { return IdleWay_mm(places_, start_, order_); }
 
   void ImproveOrder(const ImproveOptions& options) {
-    contour::ImproveOrder(places_, start_, order_, options);
+    ImproveOptions of_round = options;
+    of_round.progress = {};  // a round is the step
+    contour::ImproveOrder(places_, start_, order_, of_round);
   }
 
   /// The best entry of each contour between those before and behind it, until none is
@@ -107,7 +110,8 @@ class EntryChoice {
 
 }  // namespace
 
-ContourVisits NearestContours(std::span<const Contour> contours, const Vec2& start_mm) {
+ContourVisits NearestContours(std::span<const Contour> contours, const Vec2& start_mm,
+                              const ProgressSink& progress) {
   std::vector<ContourVisit> corners;
   std::vector<Vec2> places;
   for (std::uint32_t c = 0; c < contours.size(); ++c) {
@@ -119,8 +123,11 @@ ContourVisits NearestContours(std::span<const Contour> contours, const Vec2& sta
   }
   ContourVisits visits;
   Vec2 at = start_mm;
+  bool is_wanted = true;
   while (visits.size() < contours.size()) {
-    const std::uint32_t nearest = NearestPlace(places, at);
+    if (progress && visits.size() % kVisitsAReport == 0)
+      is_wanted = is_wanted && progress(visits.size(), contours.size());
+    const std::uint32_t nearest = is_wanted ? NearestPlace(places, at) : 0;
     visits.push_back(corners[nearest]);
     at = places[nearest];
     // What is made leaves the list; the order of the rest stays.
@@ -141,6 +148,8 @@ void ImproveContours(std::span<const Contour> contours, const Vec2& start_mm,
   EntryChoice choice(contours, start_mm, visits);
   double way = choice.Way();
   for (int round = 0; round < kMaxRounds; ++round) {
+    const auto done = static_cast<std::uint64_t>(round);
+    if (options.progress && !options.progress(done, kMaxRounds)) break;
     choice.ImproveEntries();
     choice.ImproveOrder(options);
     choice.ImproveEntries();

@@ -25,8 +25,10 @@ using ContourVisits = std::vector<ContourVisit>;
 
 /// As the published program: to the nearest corner of all contours that are left, of
 /// several to the one with the smaller way along Y (Siwiec 2016, ch. 6.3.5 and 8). Every
-/// contour has an edge.
-ContourVisits NearestContours(std::span<const Contour> contours, const Vec2& start_mm);
+/// contour has an edge. `progress`, which may be empty: in contours; false leaves the
+/// rest in the order of `contours`.
+ContourVisits NearestContours(std::span<const Contour> contours, const Vec2& start_mm,
+                              const ProgressSink& progress = {});
 
 /// Changes the order as ImproveOrder, and the entries, in turns, until neither shortens
 /// the idle way. Entries are corners and places between them, at least 24 on a contour.

@@ -89,6 +89,15 @@ Result<double> FirstOffset(std::span<const Element> elements, const Union& coppe
   return tool_mm / 2 - kNearer_mm;
 }
 
+/// The sink of one of several unions that take about as long.
+ProgressSink PartOf(const ProgressSink& whole, std::uint64_t number,
+                    std::uint64_t count) {
+  if (!whole) return {};
+  return [&whole, number, count](std::uint64_t done, std::uint64_t total) {
+    return whole(number * total + done, count * total);
+  };
+}
+
 Status CheckPieces(std::span<const Element> elements, const GroupNets& nets,
                    const Union& grown) {
   std::vector<std::optional<std::uint32_t>> firsts(grown.group_count);
@@ -111,7 +120,9 @@ Result<Isolation> Isolate(std::span<const Element> elements,
                           const IsolationOptions& options) {
   INTAGLIO_TRY(CheckOptions(options));
   const std::vector<Element> rounded = INTAGLIO_TRY(Rounded(elements));
-  const Union copper = INTAGLIO_TRY(Unite(rounded, {0, Corners::kRound}));
+  const std::uint64_t unions = 1 + static_cast<std::uint64_t>(options.pass_count);
+  const Union copper = INTAGLIO_TRY(
+      Unite(rounded, {0, Corners::kRound, PartOf(options.progress, 0, unions)}));
   const GroupNets nets(rounded, copper);
   const double first_mm =
       INTAGLIO_TRY(FirstOffset(rounded, copper, nets, options.tool_diameter_mm));
@@ -121,7 +132,9 @@ Result<Isolation> Isolate(std::span<const Element> elements,
   isolation.net_count = copper.group_count;
   for (int k = 0; k < options.pass_count; ++k) {
     const double offset = k == 0 ? first_mm : radius + k * step;
-    Union grown = INTAGLIO_TRY(Unite(rounded, {offset, Corners::kRound}));
+    const std::uint64_t number = 1 + static_cast<std::uint64_t>(k);
+    Union grown = INTAGLIO_TRY(Unite(
+        rounded, {offset, Corners::kRound, PartOf(options.progress, number, unions)}));
     if (k == 0) {
       INTAGLIO_TRY(CheckPieces(rounded, nets, grown));
       isolation.piece_count = grown.group_count;

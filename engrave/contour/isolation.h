@@ -23,6 +23,7 @@ struct IsolationOptions {
   double tool_diameter_mm = 0.2;  ///< 0.001 .. 100; of a laser the kerf
   int pass_count = 1;             ///< 1 .. 20
   double overlap_ratio = 0.5;     ///< 0.5 .. 0.95: s = (1 - overlap) * diameter
+  ProgressSink progress = {};     ///< in shares of the work; may be empty
 };
 
 struct IsolationPass {

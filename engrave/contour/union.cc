@@ -22,6 +22,27 @@ constexpr double kMaxRadius_mm = 100;
 // Edges nearer than the first run along each other. Where that leaves the proof
 // unsatisfied (three edges, the outer ones farther from each other), the next is tried.
 constexpr double kTolerances_mm[] = {1e-7, 1e-9, 2e-6, 4e-6};
+// Shares of the work: where areas meet, what remains of their edges, the proof.
+constexpr std::uint64_t kWork = 1000, kMeetWork = 400, kRemainsWork = 600;
+constexpr std::size_t kPairsAReport = 1024;
+
+/// The sink of a union, in shares of kWork; it remembers that the work was cancelled.
+class Progress {
+ public:
+  explicit Progress(const ProgressSink& sink) : sink_(sink) {}
+  /// The share done / total of the work from `begin` to `end`; false: cancelled.
+  bool Report(std::uint64_t begin, std::uint64_t end, std::uint64_t done,
+              std::uint64_t total) {
+    const std::uint64_t part = total == 0 ? 0 : (end - begin) * done / total;
+    if (sink_ && !cancelled_) cancelled_ = !sink_(begin + part, kWork);
+    return !cancelled_;
+  }
+  bool cancelled() const { return cancelled_; }
+
+ private:
+  const ProgressSink& sink_;
+  bool cancelled_ = false;
+};
 
 /// Sets of areas that touch.
 class Groups {
@@ -51,21 +72,25 @@ struct Attempt {
 };
 
 Attempt TryTolerance(std::span<const Area> areas, std::span<const Pair> pairs,
-                     double tolerance_mm) {
+                     double tolerance_mm, Progress& progress) {
   CoverFinder finder(areas, tolerance_mm);
   Groups groups(areas.size());
   std::vector<Cover> covers;
   covers.reserve(4 * pairs.size());
-  for (const Pair& pair : pairs) {
-    if (finder.Find(pair, covers)) groups.Join(pair.first, pair.second);
-  }
   Attempt attempt;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    if (k % kPairsAReport == 0 && !progress.Report(0, kMeetWork, k, pairs.size()))
+      return attempt;
+    if (finder.Find(pairs[k], covers)) groups.Join(pairs[k].first, pairs[k].second);
+  }
   attempt.remains = RemainsOf(areas, finder, covers);
   attempt.contours = Chain(attempt.remains.fragments);
   for (std::uint32_t area = 0; area < areas.size(); ++area)
     attempt.groups.push_back(groups.Find(area));
-  attempt.refusal =
-      Prove(areas, pairs, attempt.remains, attempt.contours, attempt.groups);
+  attempt.refusal = Prove(areas, pairs, attempt.remains, attempt.contours, attempt.groups,
+                          [&](std::uint64_t done, std::uint64_t total) {
+                            return progress.Report(kRemainsWork, kWork, done, total);
+                          });
   return attempt;
 }
 
@@ -144,9 +169,13 @@ Result<Union> Unite(std::span<const Element> elements, const UnionOptions& optio
   for (const Area& area : areas) boxes.push_back({area.min_mm, area.max_mm});
   const std::vector<Pair> pairs = NearPairs(boxes, kNear_mm);
   std::optional<Refusal> first;
+  Progress progress(options.progress);
   for (const double tolerance : kTolerances_mm) {
-    const Attempt attempt = TryTolerance(areas, pairs, tolerance);
+    const Attempt attempt = TryTolerance(areas, pairs, tolerance, progress);
+    if (progress.cancelled())
+      return Fail(ErrorCode::kCancelled, "the union of the outlines was cancelled");
     if (!attempt.refusal) {
+      progress.Report(kWork, kWork, 0, 1);
       Union result;
       for (const ChainedContour& chained : attempt.contours) {
         result.contours.push_back(MakeContour(areas, attempt.remains, chained));

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "engrave/contour/element.h"
+#include "engrave/core/progress.h"
 #include "engrave/core/result.h"
 
 namespace intaglio::contour {
@@ -43,11 +44,12 @@ struct Union {
 struct UnionOptions {
   double tool_radius_mm = 0;  ///< 0 .. 100; on a laser half the kerf
   Corners corners = Corners::kSharp;
+  ProgressSink progress = {};  ///< in shares of the work; may be empty
 };
 
 /// Contours begin in the order of the elements. Errors name the element and the place:
 /// kInvalidValue (a size, a coordinate, an outline that touches itself), kUnsupported
-/// (the proof failed: elements nearly but not exactly touch).
+/// (the proof failed: elements nearly but not exactly touch), kCancelled (by progress).
 Result<Union> Unite(std::span<const Element> elements, const UnionOptions& options = {});
 
 /// The same contour in the direction of the published programs, where all contours run

@@ -10,6 +10,7 @@ constexpr double kAllowedDepth_mm = 2e-6;
 // above the rounding of doubles. Of several edges that run along each other the
 // outermost is not, so a fragment has to remain.
 constexpr double kOutside_mm = 1e-8;
+constexpr std::size_t kFragmentsAReport = 256;
 
 /// The neighbours of every area, and the fragments of every area.
 class Prover {
@@ -37,8 +38,11 @@ class Prover {
     }
   }
 
-  std::optional<Refusal> CheckFragments() const {
-    for (const Fragment& fragment : remains_.fragments) {
+  std::optional<Refusal> CheckFragments(const ProgressSink& progress) const {
+    const std::size_t count = remains_.fragments.size();
+    for (std::size_t k = 0; k < count; ++k) {
+      if (progress && k % kFragmentsAReport == 0 && !progress(k, count)) break;
+      const Fragment& fragment = remains_.fragments[k];
       for (const double part : {0.25, 0.5, 0.75}) {
         const Vec2 place = PointAt(fragment.edge, part * fragment.edge.length_mm);
         if (IsCovered(fragment.area, place, kAllowedDepth_mm))
@@ -126,10 +130,11 @@ std::optional<Refusal> CheckGroups(std::span<const Area> areas, const Remains& r
 std::optional<Refusal> Prove(std::span<const Area> areas, std::span<const Pair> pairs,
                              const Remains& remains,
                              std::span<const ChainedContour> contours,
-                             std::span<const std::uint32_t> groups) {
+                             std::span<const std::uint32_t> groups,
+                             const ProgressSink& progress) {
   if (auto refusal = CheckClosed(remains, contours)) return refusal;
   const Prover prover(areas, pairs, remains);
-  if (auto refusal = prover.CheckFragments()) return refusal;
+  if (auto refusal = prover.CheckFragments(progress)) return refusal;
   if (auto refusal = prover.CheckOmissions()) return refusal;
   return CheckGroups(areas, remains, contours, groups);
 }

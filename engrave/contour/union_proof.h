@@ -7,6 +7,7 @@
 #include <string>
 
 #include "engrave/contour/fragments.h"
+#include "engrave/core/progress.h"
 
 namespace intaglio::contour {
 
@@ -18,10 +19,12 @@ struct Refusal {
 };
 
 /// Nothing when everything holds. `pairs`: those of the areas that may meet; `groups`:
-/// one number for each area, alike for those that touch.
+/// one number for each area, alike for those that touch. `progress`, which may be empty:
+/// in fragments; false from it ends the proof without a refusal.
 std::optional<Refusal> Prove(std::span<const Area> areas, std::span<const Pair> pairs,
                              const Remains& remains,
                              std::span<const ChainedContour> contours,
-                             std::span<const std::uint32_t> groups);
+                             std::span<const std::uint32_t> groups,
+                             const ProgressSink& progress = {});
 
 }  // namespace intaglio::contour

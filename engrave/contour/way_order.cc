@@ -13,6 +13,7 @@ constexpr std::size_t kMaxSegment = 3;
 constexpr double kGain_mm = 1e-9;
 // Tries copy the path: their number is limited on large boards.
 constexpr double kMaxCopied = 6e7;
+constexpr std::uint64_t kTriesAReport = 256;
 
 /// For each place the nearest others, nearest first. The start is the last place.
 std::vector<std::vector<std::uint32_t>> NearLists(std::span<const Vec2> places) {
@@ -269,7 +270,12 @@ void ImproveOrder(std::span<const Vec2> places_mm, const Vec2& start_mm,
   std::mt19937 random(options.seed);
   const double count = static_cast<double>(order.size());
   const double tries = std::min(options.tries_per_place * count, kMaxCopied / count);
-  for (double k = 0; k < tries; ++k) path.TryKick(random);
+  const auto try_count = static_cast<std::uint64_t>(std::ceil(tries));
+  for (std::uint64_t k = 0; k < try_count; ++k) {
+    if (options.progress && k % kTriesAReport == 0 && !options.progress(k, try_count))
+      break;
+    path.TryKick(random);
+  }
   order = path.Order();
 }
 

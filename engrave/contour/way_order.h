@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "engrave/core/geometry.h"
+#include "engrave/core/progress.h"
 
 namespace intaglio::contour {
 
@@ -36,6 +37,8 @@ struct ImproveOptions {
   /// exchanged at random and the result is kept when it is shorter.
   int tries_per_place = 8;
   std::uint32_t seed = 1;
+  /// In shares of the work; false keeps the order that is found so far. May be empty.
+  ProgressSink progress = {};
 };
 
 /// The order changed until no exchange shortens it.

@@ -19,6 +19,7 @@ std::string HpglPen::Place() const {
 
 bool HpglPen::Select(double number) {
   if (!EndLine()) return false;
+  has_pen_ = number != 0;
   layer_ = number == 0 ? 0 : builder_.NameIndex(fmt::format("SP{}", number));
   return true;
 }
@@ -77,6 +78,10 @@ void HpglPen::FlushLine() {
 
 bool HpglPen::AddCurve(Curve curve) {
   if (!builder_.CountEntity(Place())) return false;
+  if (!has_pen_) {
+    builder_.LeaveOut("line without a pen (SP0)", Effect::kLost, Place());
+    return true;
+  }
   for (Piece& piece : curve.pieces) {
     Transform(unit_mm_ * Mat3::Identity(), Vec3::Zero(), piece);
   }

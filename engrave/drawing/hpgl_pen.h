@@ -28,7 +28,7 @@ class HpglPen {
   void SetPlace(std::size_t byte, std::string_view instruction);
   std::string Place() const;
 
-  /// The number is that of SP; 0 is no pen.
+  /// The number is that of SP; 0 is no pen, which draws nothing.
   bool Select(double number);
   /// Down with a first point at once.
   bool SetDown(bool down);
@@ -61,6 +61,7 @@ class HpglPen {
   std::size_t byte_ = 0;
   std::string instruction_;
   bool down_ = false;
+  bool has_pen_ = true;  ///< also before the first SP, which files leave out
   std::uint32_t layer_ = 0;
   Vec3 at_ = Vec3::Zero();  ///< plotter units, as all that is stored
   PointList line_;

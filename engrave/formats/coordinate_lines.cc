@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "engrave/core/try.h"
 #include "engrave/formats/point_table_rules.h"
@@ -13,9 +14,10 @@ namespace {
 
 constexpr std::string_view kSeparators = " \t,;";
 
-/// Takes the next number off the line.
-bool TakeNumber(std::string_view& line, double& value) {
-  line.remove_prefix(std::min(line.find_first_not_of(kSeparators), line.size()));
+/// Takes the next number off the line, and what separates it from the one before.
+bool TakeNumber(std::string_view& line, double& value, std::string_view& separator) {
+  separator = line.substr(0, line.find_first_not_of(kSeparators));
+  line.remove_prefix(separator.size());
   const std::string_view word = line.substr(0, line.find_first_of(kSeparators));
   line.remove_prefix(word.size());
   const std::optional<double> number = io::ParseNumber(word);
@@ -65,13 +67,24 @@ Status ReadLine(std::string_view line, std::size_t line_number, PointTable& tabl
   Vec3 p;
   const std::string with_points = WithDecimalPoints(line);
   std::string_view rest = with_points.empty() ? line : with_points;
+  std::array<std::string_view, 3> separators;
   for (int axis = 0; axis < 3; ++axis) {
-    if (TakeNumber(rest, p[axis])) continue;
+    if (TakeNumber(rest, p[axis], separators.at(axis))) continue;
     return Fail(
         ErrorCode::kUnreadable,
         fmt::format("line {} is not three numbers: \"{:.60}\"; write x y z in mm, "
                     "with a decimal point",
                     line_number, line));
+  }
+  // Of "1,234.5 2 3" nobody knows which of its commas and blanks divide numbers.
+  const bool are_mixed = (separators[1].find(',') == std::string_view::npos) !=
+                         (separators[2].find(',') == std::string_view::npos);
+  if (are_mixed && rest.find_first_not_of(kSeparators) != std::string_view::npos) {
+    return Fail(ErrorCode::kUnreadable,
+                fmt::format("line {} has commas and other separators between more than "
+                            "three numbers: \"{:.60}\"; write x y z in mm, with a "
+                            "decimal point and blanks",
+                            line_number, line));
   }
   if (!p.allFinite()) {
     return Fail(

@@ -94,7 +94,20 @@ class KicadReader {
     if (name == "zone") return ReadZone(item);
     if (name == "footprint" || name == "module") return ReadFootprint(item);
     if (name.starts_with("gr_")) return ReadGraphic(item, {}, {});
+    // The members of what KiCad generates are items of their own.
+    if (name != "generated") LeaveOutOnCopper(item);
     return {};
+  }
+
+  /// Dimensions, pictures, tables, texts: what is drawn on copper and is not read.
+  void LeaveOutOnCopper(const SExpression& item) {
+    const auto hide = item.Find("hide");
+    const auto items = item.items();
+    const bool is_hidden = (hide && hide->Text(1) != "no") ||
+                           std::ranges::any_of(items, [](const SExpression& part) {
+                             return !part.is_list() && part.text() == "hide";
+                           });
+    if (!is_hidden && LayersOf(item) != 0) LeaveOut(std::string(item.name()));
   }
 
   Status ReadNet(const SExpression& item) {
@@ -268,6 +281,8 @@ class KicadReader {
         INTAGLIO_TRY(ReadZone(part));
       else if (part.name().starts_with("fp_") && part.name() != "fp_text")
         INTAGLIO_TRY(ReadGraphic(part, at, {}));
+      else
+        LeaveOutOnCopper(part);
     }
     return {};
   }

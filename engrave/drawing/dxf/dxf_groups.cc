@@ -117,6 +117,9 @@ bool TakeCommon(const DxfGroup& group, const DxfEntity& entity, DrawingBuilder& 
                 DxfCommon& common) {
   double number = 0;
   switch (group.code) {
+    case 6:
+      common.line_type = group.value;
+      return true;
     case 8:
       common.layer = group.value;
       return true;

@@ -77,8 +77,9 @@ class DxfEntities {
 /// The groups that every entity may have.
 struct DxfCommon {
   std::string_view layer;
-  std::string color;         ///< number of the palette, or "#rrggbb"
-  bool paper_space = false;  ///< on a sheet, not in the model
+  std::string_view line_type;  ///< empty: that of the layer
+  std::string color;           ///< number of the palette, or "#rrggbb"
+  bool paper_space = false;    ///< on a sheet, not in the model
   bool invisible = false;
   Vec3 extrusion = Vec3::UnitZ();
 };

@@ -262,7 +262,10 @@ class DxfReader {
     if (!builder_.CountEntity(entity.Place()) || !DxfCurveOf(entity, builder_, result)) {
       return false;
     }
-    if (!IsShown(result.common, LayerOf(result.common, in), false)) return true;
+    const std::string_view layer = LayerOf(result.common, in);
+    if (!IsShown(result.common, layer, false)) return true;
+    if (layers_.IsDashed(result.common.line_type, layer))
+      builder_.LeaveOut("dashes of a line type", Effect::kChanged, entity.Place());
     if (result.curve.pieces.empty()) {
       builder_.LeaveOut(result.wrong.empty()
                             ? std::string(entity.type)
@@ -306,17 +309,14 @@ class DxfReader {
     if (!text.left_out.empty()) {
       builder_.LeaveOut(text.left_out, Effect::kLost, entity.Place());
     }
-    for (Curve& curve : text.curves) {
+    for (Curve& curve : text.curves)
       if (!Place(std::move(curve), text.common, entity, in)) return false;
-    }
     return true;
   }
 
   bool Place(Curve curve, const DxfCommon& common, const DxfEntity& entity,
              const BlockContext& in) {
-    for (Piece& piece : curve.pieces) {
-      Transform(in.place.linear, in.place.offset, piece);
-    }
+    for (Piece& piece : curve.pieces) Transform(in.place.linear, in.place.offset, piece);
     curve.layer = builder_.NameIndex(LayerOf(common, in));
     curve.color = builder_.NameIndex(common.color);
     return builder_.Add(std::move(curve), entity.Place());

@@ -1,5 +1,8 @@
 #include "engrave/drawing/svg/svg_changes.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "engrave/drawing/drawing_builder.h"
 #include "engrave/drawing/pieces.h"
 #include "engrave/drawing/svg/svg_shapes.h"
@@ -35,7 +38,31 @@ bool IsBeyond(const Box3& box, const Vec2& page_mm) {
                           box.max_mm.y() > page_mm.y() + slack_mm);
 }
 
+/// Values by which a property changes nothing.
+bool IsInert(std::string_view value) {
+  constexpr std::string_view kInert[] = {"",         "none",   "inherit", "initial",
+                                         "unset",    "normal", "auto",    "revert",
+                                         "view-box", "0",      "1",       "100%"};
+  return std::ranges::find(kInert, value) != std::end(kInert);
+}
+
 }  // namespace
+
+void AddSvgPropertiesNotObeyed(const SvgStyle& style, std::string_view transform,
+                               std::vector<std::string>& names) {
+  constexpr std::pair<SvgProperty, std::string_view> kProperties[] = {
+      {SvgProperty::kTranslate, "translate"},
+      {SvgProperty::kRotate, "rotate"},
+      {SvgProperty::kScale, "scale"},
+      {SvgProperty::kOffsetPath, "offset-path"},
+      {SvgProperty::kZoom, "zoom"},
+      {SvgProperty::kStrokeDasharray, "stroke-dasharray"}};
+  for (const auto& [property, name] : kProperties) {
+    if (!IsInert(style.value(property))) names.emplace_back(name);
+  }
+  if (!transform.empty() && !IsInert(style.value(SvgProperty::kTransformBox)))
+    names.emplace_back("transform-box");
+}
 
 std::vector<FileFinding> SvgChangesOf(const SvgStyle& style,
                                       const std::vector<std::string>& not_obeyed,
@@ -45,7 +72,7 @@ std::vector<FileFinding> SvgChangesOf(const SvgStyle& style,
   std::vector<FileFinding> met;
   const auto add = [&](const std::string& what, Effect effect,
                        std::string_view remedy = kConvertToCurves) {
-    if (met.empty() || met.back().what != what)
+    if (std::ranges::find(met, what, &FileFinding::what) == met.end())
       met.push_back({.what = what,
                      .where = {},
                      .remedy = std::string(remedy),

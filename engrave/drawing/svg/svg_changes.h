@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engrave/core/findings.h"
@@ -10,6 +11,13 @@
 #include "engrave/drawing/svg/svg_style.h"
 
 namespace intaglio::drawing {
+
+/// Adds the names of the properties of an element that move, size or dash it and what is
+/// in it, and that the reader does not obey: the transforms of CSS beside `transform`,
+/// motion along a path, zoom, dashes; of an element with a transform also transform-box,
+/// which shifts its origin.
+void AddSvgPropertiesNotObeyed(const SvgStyle& style, std::string_view transform,
+                               std::vector<std::string>& names);
 
 /// What changes the look of a shape and is not obeyed: the names of `not_obeyed` from its
 /// groups and itself, its markers and its patterns, each with the area of the box of its

@@ -151,7 +151,8 @@ std::string SvgDocument::PlaceOf(const pugi::xml_node& node) const {
 bool SvgDocument::Parse() {
   const pugi::xml_parse_result parsed = document_.load_buffer(
       text_.data(), text_.size(),
-      pugi::parse_minimal | pugi::parse_escapes | pugi::parse_cdata, pugi::encoding_auto);
+      pugi::parse_minimal | pugi::parse_escapes | pugi::parse_cdata | pugi::parse_pi,
+      pugi::encoding_auto);
   if (parsed) return true;
   return builder_.Refuse(parsed.status == pugi::status_out_of_memory
                              ? ErrorCode::kTooLarge
@@ -164,6 +165,10 @@ bool SvgDocument::Parse() {
 /// The elements by their ids and the style sheets, which apply wherever in the file
 /// they are. Without recursion, because files may be nested to any depth.
 bool SvgDocument::NoteIdsAndSheets() {
+  for (const pugi::xml_node node : document_.children()) {
+    if (node.type() == pugi::node_pi && SvgName(node.name()) == "xml-stylesheet")
+      builder_.LeaveOut("style sheet of another file", Effect::kChanged, PlaceOf(node));
+  }
   const pugi::xml_node top = root();
   pugi::xml_node node = top;
   int depth = 0;

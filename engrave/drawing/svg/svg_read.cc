@@ -112,7 +112,7 @@ class SvgReader {
     const double mm = options_.unit_mm.value_or(kPx_mm);
     page.to_page = {mm, 0, 0, -mm, 0, mm * size.y()};
     page.page = size;
-    if (!TakeChanges(style, page)) return false;
+    if (!TakeChanges(root, style, page)) return false;
     const bool has_size = size != Vec2(kDefaultWidth, kDefaultHeight);
     const std::string& overflow = style.value(SvgProperty::kOverflow);
     if (has_size && overflow != "visible") page_mm_ = mm * size;
@@ -177,7 +177,7 @@ class SvgReader {
 
   /// Clips of a convex area are cut; others, masks and filters are reported with each
   /// shape that they change.
-  bool TakeChanges(const SvgStyle& style, Context& context) {
+  bool TakeChanges(const pugi::xml_node& node, const SvgStyle& style, Context& context) {
     constexpr std::pair<SvgProperty, std::string_view> kChanging[] = {
         {SvgProperty::kClipPath, "clip-path"},
         {SvgProperty::kMask, "mask"},
@@ -192,9 +192,10 @@ class SvgReader {
         if (!TakeClip(target, context, is_cut)) return false;
         if (is_cut) continue;
       }
-      if (std::ranges::find(context.not_obeyed, name) == context.not_obeyed.end())
-        context.not_obeyed.emplace_back(name);
+      context.not_obeyed.emplace_back(name);
     }
+    AddSvgPropertiesNotObeyed(style, style.Attribute(node, "transform"),
+                              context.not_obeyed);
     return true;
   }
 
@@ -242,7 +243,7 @@ class SvgReader {
     }
     if (++context.depth > options_.limits.max_nesting) return document_.RefuseDepth(node);
     TakeTransform(node, style, context);
-    if (!TakeChanges(style, context)) return false;
+    if (!TakeChanges(node, style, context)) return false;
     if (IsSvgShape(element)) return ReadShape(node, style, context);
     if (element == "g" || element == "a" || element == "switch") {
       return ReadGroup(node, context);

@@ -12,12 +12,41 @@ namespace intaglio::drawing {
 namespace {
 
 // In the order of SvgProperty.
-constexpr std::string_view kProperties[] = {
-    "display",    "visibility", "stroke",    "fill",         "clip-path",
-    "mask",       "filter",     "marker",    "marker-start", "marker-mid",
-    "marker-end", "overflow",   "font-size", "transform",    "transform-origin",
-    "x",          "y",          "width",     "height",       "cx",
-    "cy",         "r",          "rx",        "ry",           "d"};
+constexpr std::string_view kProperties[] = {"display",
+                                            "visibility",
+                                            "stroke",
+                                            "fill",
+                                            "clip-path",
+                                            "mask",
+                                            "filter",
+                                            "marker",
+                                            "marker-start",
+                                            "marker-mid",
+                                            "marker-end",
+                                            "overflow",
+                                            "font-size",
+                                            "opacity",
+                                            "fill-opacity",
+                                            "stroke-opacity",
+                                            "stroke-dasharray",
+                                            "transform",
+                                            "transform-origin",
+                                            "transform-box",
+                                            "translate",
+                                            "rotate",
+                                            "scale",
+                                            "offset-path",
+                                            "zoom",
+                                            "x",
+                                            "y",
+                                            "width",
+                                            "height",
+                                            "cx",
+                                            "cy",
+                                            "r",
+                                            "rx",
+                                            "ry",
+                                            "d"};
 static_assert(std::size(kProperties) == static_cast<std::size_t>(SvgProperty::kCount));
 // Before it, attributes take part in the cascade.
 constexpr auto kFirstOfCssAlone = static_cast<std::size_t>(SvgProperty::kTransform);
@@ -81,6 +110,13 @@ std::string_view Cut(std::string_view& rest, std::string_view stops) {
   const std::string_view part = rest.substr(0, end);
   rest.remove_prefix(std::min(rest.size(), end + 1));
   return part;
+}
+
+/// Of an opacity: "0", ".0", "0%".
+bool IsZero(std::string_view text) {
+  if (text.ends_with('%')) text.remove_suffix(1);
+  const bool has_digit = text.find('0') != text.npos;
+  return has_digit && text.find_first_not_of("0.+-") == text.npos;
 }
 
 /// Whether a rule is about printing, fonts and time, or about what is drawn.
@@ -312,18 +348,24 @@ bool SvgStyleSheets::StyleOf(const pugi::xml_node& node, SvgStyle& style) {
     Declare(WithoutComments(text), kStyleAttribute, own);
     Prefer(own, winners);
   }
-  const auto value = [&](std::size_t i) {
-    return winners[i] ? winners[i]->value : std::string();
+  const auto value = [&](SvgProperty property) {
+    const auto& winner = winners[static_cast<std::size_t>(property)];
+    return winner ? winner->value : std::string();
   };
-  style.displayed = Lower(value(0)) != "none";
-  const std::string visibility = Lower(value(1));
+  style.displayed = Lower(value(SvgProperty::kDisplay)) != "none" &&
+                    !IsZero(value(SvgProperty::kOpacity));
+  const std::string visibility = Lower(value(SvgProperty::kVisibility));
   if (visibility == "hidden" || visibility == "collapse") style.hidden = true;
   if (visibility == "visible" || visibility == "initial") style.hidden = false;
   const auto inherited = [](const std::string& text) {
     return text == "inherit" || text == "unset" ? std::string() : text;
   };
-  style.stroke = inherited(value(2));
-  style.fill = inherited(value(3));
+  style.stroke = IsZero(value(SvgProperty::kStrokeOpacity))
+                     ? "none"
+                     : inherited(value(SvgProperty::kStroke));
+  style.fill = IsZero(value(SvgProperty::kFillOpacity))
+                   ? "none"
+                   : inherited(value(SvgProperty::kFill));
   for (std::size_t i = 0; i < winners.size(); ++i) {
     if (winners[i]) style.values[i] = std::move(winners[i]->value);
   }

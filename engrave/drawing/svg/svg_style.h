@@ -18,8 +18,9 @@
 
 namespace intaglio::drawing {
 
-/// The properties that a reader of outlines needs. From kX on: geometry, whose attributes
-/// are read by the shapes; a sheet or style attribute sets it before them.
+/// The properties that a reader of outlines needs. From kTransform on: transforms and
+/// geometry, whose attributes are read with the shapes; a sheet or style attribute sets
+/// them before these.
 enum class SvgProperty {
   kDisplay,
   kVisibility,
@@ -34,8 +35,18 @@ enum class SvgProperty {
   kMarkerEnd,
   kOverflow,
   kFontSize,
+  kOpacity,
+  kFillOpacity,
+  kStrokeOpacity,
+  kStrokeDasharray,
   kTransform,
   kTransformOrigin,
+  kTransformBox,
+  kTranslate,
+  kRotate,
+  kScale,
+  kOffsetPath,
+  kZoom,
   kX,
   kY,
   kWidth,
@@ -50,10 +61,11 @@ enum class SvgProperty {
 };
 
 struct SvgStyle {
-  bool displayed = true;       ///< display is not none
+  bool displayed = true;       ///< display is not none, and opacity not 0
   std::optional<bool> hidden;  ///< by visibility; none: as the parent is
-  std::string stroke;          ///< at most 255 bytes; empty: as the parent's
-  std::string fill;            ///< as stroke
+  /// At most 255 bytes; empty: as the parent's; "none" where its opacity is 0.
+  std::string stroke;
+  std::string fill;  ///< as stroke
   /// As written, at most 255 bytes; geometry and transforms only when CSS sets them.
   std::array<std::string, static_cast<std::size_t>(SvgProperty::kCount)> values;
 

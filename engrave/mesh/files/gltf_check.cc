@@ -103,6 +103,14 @@ Result<FileFindings> CheckGltf(const ImportSource& source, std::string_view file
                     files->front().path));
   }
   FileFindings findings;
+  const auto used = StringsOf(json, "\"extensionsUsed\"");
+  if (std::ranges::find(used, "KHR_node_visibility") != used.end()) {
+    findings.Add({.what = "visibility of nodes (KHR_node_visibility)",
+                  .where = "",
+                  .remedy = "remove the nodes that are not seen, and export it again",
+                  .count = 1,
+                  .effect = Effect::kChanged});
+  }
   if (HasWeights(json)) {
     findings.Add({.what = "morph target with a weight",
                   .where = "",

@@ -109,6 +109,7 @@ class ThreeMfReader {
     for (const pugi::xml_node item : Child(root->model, "build").children()) {
       if (Local(item.name()) != "item") continue;
       const bool wanted = source_.options.objects.empty();
+      if (wanted && !item.attribute("printable").as_bool(true)) NoteUnprintable(item);
       INTAGLIO_TRY(AddReference(item, root_path_, Place{}, wanted, 0));
     }
     for (const std::string& asked : source_.options.objects) {
@@ -253,6 +254,16 @@ class ThreeMfReader {
       }
     }
     return {};
+  }
+
+  /// Slicers write it of what they are to leave out.
+  void NoteUnprintable(const pugi::xml_node& item) {
+    mesh_.findings.Add(
+        {.what = "item that is not printable",
+         .where = fmt::format("object {:.40}", item.attribute("objectid").value()),
+         .remedy = "remove it from the file, or choose the objects by name",
+         .count = 1,
+         .effect = Effect::kChanged});
   }
 
   void AddLost(std::string what, const pugi::xml_node& object) {

@@ -43,12 +43,6 @@ Result<std::vector<McapReader>> OpenAll(const Options& options) {
   return readers;
 }
 
-/// What is missing in the file, for people, beside what a command prints for programs.
-void PrintMissing(const McapReader& reader) {
-  for (const std::string& sentence : recording::MissingSentences(reader))
-    std::cerr << "warning     " << sentence << "\n";
-}
-
 /// Prints what `message_of` makes of one file, for people or for programs.
 template <typename Message>
 int Print(const Options& options, Message (*message_of)(const McapReader&)) {

@@ -1,17 +1,18 @@
 #include "services/cli/recordings/recording_report.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
+#include <ctime>
+#include <iostream>
 #include <limits>
 #include <vector>
 
 #include "engrave/core/counted.h"
 #include "services/client/figure_text.h"
-#include "services/platform/host/times/utc_time.h"
 #include "services/platform/recording/bulk.h"
 #include "services/platform/recording/conventions.h"
 
@@ -20,10 +21,11 @@ namespace {
 
 using recording::McapReader;
 
+/// As host::UtcText, whose clock ends in 2262: times of files go up to 2^64 - 1 ns.
 std::string UtcText(std::uint64_t ns) {
-  return host::UtcText(std::chrono::system_clock::time_point(
-      std::chrono::duration_cast<std::chrono::system_clock::duration>(
-          std::chrono::nanoseconds(ns))));
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z",
+                     fmt::gmtime(static_cast<std::time_t>(ns / 1'000'000'000)),
+                     ns / 1'000'000 % 1000);
 }
 
 /// "2026-11-23 08:12:57 UTC" of an ISO time.
@@ -240,6 +242,11 @@ std::string TextOf(const RecordingChannels& channels) {
                         one.messages_per_s(), one.type());
   }
   return text + BulkText(channels.bulk());
+}
+
+void PrintMissing(const McapReader& reader) {
+  for (const std::string& sentence : recording::MissingSentences(reader))
+    std::cerr << "warning     " << sentence << "\n";
 }
 
 }  // namespace intaglio::cli

@@ -20,4 +20,8 @@ RecordingChannels ChannelsIn(const recording::McapReader& reader);
 /// A table.
 std::string TextOf(const RecordingChannels& channels);
 
+/// Prints what is missing in the file to the standard error stream, a line each, beside
+/// what a command prints for programs.
+void PrintMissing(const recording::McapReader& reader);
+
 }  // namespace intaglio::cli

@@ -11,6 +11,7 @@
 
 #include "engrave/core/counted.h"
 #include "engrave/core/try.h"
+#include "services/cli/recordings/recording_report.h"
 #include "services/cli/terminal/complain.h"
 #include "services/cli/terminal/interrupt.h"
 #include "services/client/child_process.h"
@@ -196,6 +197,7 @@ Result<ReplayComparison> Compare(const Bench& bench, bus::Bus& bus,
 int ReplayAgainst(const AgainstOptions& options) {
   auto reader = recording::McapReader::Open(fs::path(options.file));
   if (!reader) return Complain(reader.error());
+  PrintMissing(*reader);
   if (auto complete = RequireBulk(*reader); !complete) return Complain(complete.error());
   CatchInterrupts();
   bus::BusOptions bus_options;

@@ -15,6 +15,7 @@
 #include "engrave/core/try.h"
 #include "services/cli/flags/bus_flags.h"
 #include "services/cli/recordings/log_time.h"
+#include "services/cli/recordings/recording_report.h"
 #include "services/cli/recordings/replay_against.h"
 #include "services/cli/terminal/command_outcome.h"
 #include "services/cli/terminal/complain.h"
@@ -190,8 +191,7 @@ int Replay::EndCode(const replayer::PlayReport& report) const {
 }
 
 int Replay::Run() {
-  for (const std::string& sentence : recording::MissingSentences(reader_))
-    std::cerr << "warning: " << sentence << "\n";
+  PrintMissing(reader_);
   if (!Wait(bus_.discovery_time())) return client::kExitCancelled;
   auto selection = Choose();
   if (!selection) return Complain(selection.error());

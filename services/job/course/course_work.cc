@@ -35,9 +35,18 @@ struct Contours {
   }
 };
 
+/// The sink of the work from `begin` to `end` of `count` parts that take about as long.
+ProgressSink PartOf(const ProgressSink& whole, std::uint64_t begin, std::uint64_t end,
+                    std::uint64_t count) {
+  if (!whole) return {};
+  return [=, &whole](std::uint64_t done, std::uint64_t total) {
+    return whole(begin * total + (end - begin) * done, count * total);
+  };
+}
+
 Status KeepCopper(std::span<const contour::Element> elements, contour::Corners corners,
-                  ContourWork& work) {
-  const auto copper = INTAGLIO_TRY(contour::Unite(elements, {0, corners}));
+                  ContourWork& work, const ProgressSink& progress) {
+  const auto copper = INTAGLIO_TRY(contour::Unite(elements, {0, corners, progress}));
   for (const contour::Contour& contour : copper.contours)
     work.copper.push_back(contour.edges);
   return {};
@@ -45,14 +54,17 @@ Status KeepCopper(std::span<const contour::Element> elements, contour::Corners c
 
 Result<Contours> ContoursOf(const Course& course,
                             std::span<const contour::Element> elements,
-                            const std::vector<DrawnNets>& boards, ContourWork& work) {
+                            const std::vector<DrawnNets>& boards, ContourWork& work,
+                            const ProgressSink& progress) {
   Contours contours;
   if (elements.empty()) return contours;
   if (course.make() == COURSE_MAKE_ISOLATION) {
+    const std::uint64_t unions = 1 + course.pass_count();
     auto made = INTAGLIO_TRY(contour::Isolate(
         elements, {course.tool_diameter_mm(), static_cast<int>(course.pass_count()),
-                   course.overlap_ratio()}));
-    INTAGLIO_TRY(KeepCopper(elements, contour::Corners::kRound, work));
+                   course.overlap_ratio(), PartOf(progress, 0, unions, unions + 1)}));
+    INTAGLIO_TRY(KeepCopper(elements, contour::Corners::kRound, work,
+                            PartOf(progress, unions, unions + 1, unions + 1)));
     work.net_count = made.net_count;
     work.piece_count = made.piece_count;
     work.isolated_mm = made.width_mm;
@@ -68,21 +80,27 @@ Result<Contours> ContoursOf(const Course& course,
   const contour::Corners corners =
       course.round_corners() ? contour::Corners::kRound : contour::Corners::kSharp;
   const auto rounded = INTAGLIO_TRY(contour::Rounded(elements));
-  auto made =
-      INTAGLIO_TRY(contour::Unite(rounded, {course.tool_diameter_mm() / 2, corners}));
-  INTAGLIO_TRY(KeepCopper(rounded, corners, work));
+  auto made = INTAGLIO_TRY(contour::Unite(
+      rounded, {course.tool_diameter_mm() / 2, corners, PartOf(progress, 0, 1, 2)}));
+  INTAGLIO_TRY(KeepCopper(rounded, corners, work, PartOf(progress, 1, 2, 2)));
   contours.Add(std::move(made.contours), 0);
   return contours;
 }
 
 Status OrderContours(const Course& course, const Contours& contours, const Vec2& start_mm,
-                     ContourWork& work) {
+                     ContourWork& work, const ProgressSink& progress) {
   Course without_tabs = course;
   without_tabs.set_tab_count(0);
   without_tabs.clear_tab_distance_mm();
-  auto visits = contour::NearestContours(contours.all, start_mm);
+  // The improvement takes some rounds, each about as long as the nearest order.
+  auto visits =
+      contour::NearestContours(contours.all, start_mm, PartOf(progress, 0, 1, 5));
   work.nearest_idle_mm = contour::IdleWay_mm(contours.all, start_mm, visits);
-  if (!course.nearest_order()) contour::ImproveContours(contours.all, start_mm, visits);
+  if (!course.nearest_order()) {
+    contour::ImproveContours(contours.all, start_mm, visits,
+                             {.progress = PartOf(progress, 1, 5, 5)});
+  }
+  if (progress) progress(1, 1);
   work.idle_mm = contour::IdleWay_mm(contours.all, start_mm, visits);
   for (const contour::ContourVisit& visit : visits) {
     const contour::Contour& contour = contours.all[visit.contour];
@@ -97,7 +115,8 @@ Status OrderContours(const Course& course, const Contours& contours, const Vec2&
 
 /// Curves as they are, each from its begin.
 Status OrderCurves(const Course& course, const std::vector<DrawnCurve>& curves,
-                   const Vec2& start_mm, ContourWork& work) {
+                   const Vec2& start_mm, ContourWork& work,
+                   const ProgressSink& progress) {
   std::vector<Vec2> begins;
   for (const DrawnCurve& curve : curves) begins.push_back(curve.edges.front().begin_mm);
   const auto idle_mm = [&](const contour::VisitOrder& order) {
@@ -113,7 +132,7 @@ Status OrderCurves(const Course& course, const std::vector<DrawnCurve>& curves,
   work.nearest_idle_mm = work.idle_mm = idle_mm(order);
   if (!course.nearest_order()) {
     contour::VisitOrder improved = order;
-    contour::ImproveOrder(begins, start_mm, improved);
+    contour::ImproveOrder(begins, start_mm, improved, {.progress = progress});
     // It measures from begin to begin: of open curves it may be the longer one.
     if (idle_mm(improved) < work.idle_mm) order = std::move(improved);
     work.idle_mm = idle_mm(order);
@@ -129,11 +148,11 @@ Status OrderCurves(const Course& course, const std::vector<DrawnCurve>& curves,
 
 /// Pockets and cuts: in the order in which they were made.
 Status TakeAreas(const Course& course, const std::vector<contour::Element>& elements,
-                 const Vec2& start_mm, ContourWork& work) {
+                 const Vec2& start_mm, ContourWork& work, const ProgressSink& progress) {
   const AreaPaths made = INTAGLIO_TRY(course.make() == COURSE_MAKE_POCKET
                                           ? ClearAreas(course, elements, start_mm)
                                           : CutAreas(course, elements));
-  INTAGLIO_TRY(KeepCopper(elements, contour::Corners::kRound, work));
+  INTAGLIO_TRY(KeepCopper(elements, contour::Corners::kRound, work, progress));
   work.left_mm2 = made.left_mm2;
   Vec2 at_mm = start_mm;
   for (std::size_t i = 0; i < made.paths.size(); ++i) {
@@ -151,11 +170,12 @@ Status TakeAreas(const Course& course, const std::vector<contour::Element>& elem
 }
 
 void PlanHoles(const Course& course, const std::vector<contour::Hole>& holes,
-               const Vec2& start_mm, ContourWork& work) {
+               const Vec2& start_mm, ContourWork& work, const ProgressSink& progress) {
   const auto tools =
       contour::PlanDrilling(holes, start_mm,
                             course.nearest_order() ? contour::OrderKind::kNearest
-                                                   : contour::OrderKind::kImproved);
+                                                   : contour::OrderKind::kImproved,
+                            {.progress = progress});
   Vec2 at_mm = start_mm;
   for (const contour::DrillTool& tool : tools) {
     post::DrillRound round{tool.diameter_mm, {}};
@@ -188,14 +208,12 @@ Result<std::vector<contour::Hole>> HolesOf(const Course& course,
               fmt::format("{:g}", course.drill_diameter_mm()));
 }
 
-}  // namespace
-
-Result<ContourWork> MakeContourWork(const Course& course, const CourseFiles& files,
-                                    const Vec2& start_mm) {
+Result<ContourWork> MakeWork(const Course& course, const CourseFiles& files,
+                             const Vec2& start_mm, const CourseProgress& progress) {
   ContourWork work;
   const auto holes = INTAGLIO_TRY(HolesOf(course, files.holes));
   work.hole_count = holes.size();
-  PlanHoles(course, holes, start_mm, work);
+  PlanHoles(course, holes, start_mm, work, progress.order);
   if (course.drill_diameter_mm() > 0) return work;
   if (course.make() == COURSE_MAKE_CURVES) {
     if (files.curves.empty()) {
@@ -203,19 +221,39 @@ Result<ContourWork> MakeContourWork(const Course& course, const CourseFiles& fil
                   "course.make: curves are those of drawings, and the files have none; "
                   "make an isolation or an outline of a board");
     }
-    INTAGLIO_TRY(OrderCurves(course, files.curves, start_mm, work));
+    INTAGLIO_TRY(OrderCurves(course, files.curves, start_mm, work, progress.order));
     work.element_count = files.curves.size();
     return work;
   }
   const std::vector<contour::Element>& elements = files.elements;
   work.element_count = elements.size();
   if (course.make() == COURSE_MAKE_POCKET || course.make() == COURSE_MAKE_CUT) {
-    INTAGLIO_TRY(TakeAreas(course, elements, start_mm, work));
+    INTAGLIO_TRY(TakeAreas(course, elements, start_mm, work, progress.contours));
     return work;
   }
   const Contours contours =
-      INTAGLIO_TRY(ContoursOf(course, elements, files.boards, work));
-  INTAGLIO_TRY(OrderContours(course, contours, start_mm, work));
+      INTAGLIO_TRY(ContoursOf(course, elements, files.boards, work, progress.contours));
+  INTAGLIO_TRY(OrderContours(course, contours, start_mm, work, progress.order));
+  return work;
+}
+
+}  // namespace
+
+Result<ContourWork> MakeContourWork(const Course& course, const CourseFiles& files,
+                                    const Vec2& start_mm,
+                                    const CourseProgress& progress) {
+  // An order that is cancelled is the one that was found so far.
+  bool cancelled = false;
+  CourseProgress observed = progress;
+  if (progress.order) {
+    observed.order = [&](std::uint64_t done, std::uint64_t total) {
+      cancelled = cancelled || !progress.order(done, total);
+      return !cancelled;
+    };
+  }
+  auto work = MakeWork(course, files, start_mm, observed);
+  if (work && cancelled)
+    return Fail(ErrorCode::kCancelled, "the order of the contours was cancelled");
   return work;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "engrave/core/progress.h"
 #include "engrave/core/result.h"
 #include "engrave/post/cutting.h"
 #include "engrave/post/drill_program.h"
@@ -33,10 +34,18 @@ struct ContourWork {
   double nearest_idle_mm = 0;  ///< of the published order, contours
 };
 
+/// Receivers of the progress, in shares of the work of a stage; each may be empty.
+struct CourseProgress {
+  ProgressSink contours;  ///< areas are united, grown, cleared or cut
+  ProgressSink order;     ///< the order of holes, contours and curves
+};
+
 /// `course` with its defaults filled in. `start_mm`: where the tool comes from. Errors as
-/// of Isolate, Unite, ClearAreas, CutAreas and PathWithTabs, each with the place.
+/// of Isolate, Unite, ClearAreas, CutAreas and PathWithTabs, each with the place, and
+/// kCancelled by the progress.
 Result<ContourWork> MakeContourWork(const Course& course, const CourseFiles& files,
-                                    const Vec2& start_mm);
+                                    const Vec2& start_mm,
+                                    const CourseProgress& progress = {});
 
 /// Depths of the passes and the top of tabs of `course` with its defaults filled in; the
 /// rest is cutting.h's.

@@ -144,6 +144,75 @@ TEST(FilesOfOthers, MasksMarkersAndPatternsAreNamedWithTheirArea) {
     EXPECT_EQ(warning.weight, WarningWeight::kWarning);
 }
 
+std::vector<std::string> FoundIn(const Drawing& drawing) {
+  std::vector<std::string> names;
+  for (const FileFinding& finding : drawing.findings) names.push_back(finding.what);
+  return names;
+}
+
+Drawing ReadRectangle(const std::string& css, const std::string& before = {}) {
+  const auto drawing = ReadSvg(
+      before +
+      "<svg xmlns='http://www.w3.org/2000/svg' width='100mm' height='50mm' viewBox='0 0 "
+      "100 50'><g style='" +
+      css + "'><rect x='10' y='10' width='20' height='10' stroke='red'/></g></svg>");
+  EXPECT_TRUE(drawing) << css << (drawing ? "" : drawing.error().message);
+  return drawing.value_or(Drawing());
+}
+
+// Browsers move, size and dash the rectangle by each of these.
+TEST(FilesOfOthers, PropertiesThatMoveAShapeAreObeyedOrNamed) {
+  for (const auto& [css, name] :
+       {std::pair("translate: 10px 10px", "translate"),
+        std::pair("rotate: 30deg", "rotate"), std::pair("scale: 2", "scale"),
+        std::pair("zoom: 2", "zoom"),
+        std::pair("offset-path: path(\"M0 0H50\")", "offset-path"),
+        std::pair("transform: rotate(9deg);transform-box: "
+                  "fill-box",
+                  "transform-box"),
+        std::pair("stroke-dasharray: 2 1", "stroke-dasharray")}) {
+    const Drawing drawing = ReadRectangle(css);
+    EXPECT_EQ(FoundIn(drawing), std::vector<std::string>{name}) << css;
+    for (const FileFinding& finding : drawing.findings)
+      EXPECT_EQ(finding.effect, Effect::kChanged) << css;
+    EXPECT_EQ(drawing.curves.size(), 1U) << css;
+  }
+  for (const char* css : {"translate: none", "scale: 1", "rotate: 0", "zoom: 100%",
+                          "transform-box: fill-box", "stroke-dasharray: none",
+                          "transform: scale(1);transform-box: view-box"})
+    EXPECT_TRUE(ReadRectangle(css).findings.empty()) << css;
+}
+
+TEST(FilesOfOthers, WhatIsFullyTransparentIsInvisible) {
+  for (const char* css : {"opacity: 0", "opacity: 0.0%", "display: none"}) {
+    const Drawing drawing = ReadRectangle(css);
+    EXPECT_TRUE(drawing.curves.empty()) << css;
+    EXPECT_EQ(FoundIn(drawing), std::vector<std::string>{"invisible"}) << css;
+  }
+  EXPECT_EQ(ReadRectangle("opacity: 0.01").curves.size(), 1U);
+  const auto drawing = ReadSvg(
+      "<svg xmlns='http://www.w3.org/2000/svg' width='9mm' height='9mm'><path d='M0 0h1'"
+      " fill-opacity='0' stroke='red' stroke-opacity='0'/><path d='M0 0h1' stroke='red'"
+      " fill-opacity='0'/></svg>");
+  ASSERT_TRUE(drawing);
+  EXPECT_EQ(drawing->curves.size(), 1U);
+}
+
+TEST(FilesOfOthers, AStyleSheetOfAnotherFileIsNamed) {
+  EXPECT_EQ(
+      FoundIn(ReadRectangle("", "<?xml version='1.0'?><?xml-stylesheet href='a.css'?>")),
+      std::vector<std::string>{"style sheet of another file"});
+}
+
+// hp2xx draws the line with the pen alone, also behind an IN.
+TEST(FilesOfOthers, NoPenDrawsNothing) {
+  const auto drawing = ReadHpgl(
+      "IN;SP1;PU0,0;PD400,0;SP0;PU0,0;PD0,400;IN;PU0,0;PD0,800;SP2;PD40,800;PU;");
+  ASSERT_TRUE(drawing) << drawing.error().message;
+  EXPECT_EQ(drawing->curves.size(), 2U);
+  EXPECT_EQ(drawing->findings.CountOf("line without a pen (SP0)"), 2U);
+}
+
 // The arcs of three points, by points on them; hp2xx draws the same.
 TEST(FilesOfOthers, ArcsThroughThreePointsPassThem) {
   const auto drawing =

@@ -60,6 +60,18 @@ TEST(XyzFile, DecimalCommasBetweenBlanksAreDecimals) {
                                             Vec3(1, 2, 3), Vec3(0.5, 1, 2)));
 }
 
+// Commas of thousands, and decimal commas beside points, are no other point.
+TEST(XyzFile, CommasThatMayBeOfANumberAreRefused) {
+  for (const char* line :
+       {"1,234.5 2 3", "1 2,345.5 3", "1,5 2 3.5 4", "1,5;2;3 # 0.1"}) {
+    const auto table = ParseXyz(std::string("1 2 3\n") + line + "\n");
+    ASSERT_FALSE(table.has_value()) << line;
+    EXPECT_EQ(table.error().code, ErrorCode::kUnreadable);
+    EXPECT_THAT(table.error().message,
+                HasSubstr("line 2 has commas and other separators"));
+  }
+}
+
 TEST(XyzFile, TakesAnySeparatorAndPassesOverTheRest) {
   const auto table = ParseXyz(
       "#comment\r\n\r\n1 2 3\r\n  4,5,\t6 , 255\n+7;8;9e-1\n  # indented\n \t\n1 2 3.5 "

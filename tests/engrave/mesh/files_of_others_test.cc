@@ -109,6 +109,22 @@ TEST(MeshesOfOthers, APoseThatIsNotObeyedIsWarnedOf) {
   EXPECT_THAT(WarnedOf(*of_node), ElementsAre(HasSubstr("1 x morph target")));
 }
 
+// An extension that hides nodes need not be required.
+TEST(MeshesOfOthers, HiddenNodesAreWarnedOf) {
+  const std::string json =
+      "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_node_visibility\"],"
+      "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,\"extensions\":"
+      "{\"KHR_node_visibility\":{\"visible\":false}}}],\"meshes\":[{\"primitives\":[{"
+      "\"attributes\":{\"POSITION\":0}}]}],\"buffers\":[{\"byteLength\":36,\"uri\":"
+      "\"data:application/"
+      "octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AA"
+      "AAA\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"accessors\":[{"
+      "\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}]}";
+  const auto hidden = Read(json, "gltf");
+  ASSERT_TRUE(hidden) << hidden.error().message;
+  EXPECT_THAT(WarnedOf(*hidden), ElementsAre(HasSubstr("KHR_node_visibility")));
+}
+
 TEST(MeshesOfOthers, VerticesOfNoFaceAreWarnedOf) {
   const std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nv 6 6 6\nf 1 2 3\n";
   const std::string ply =

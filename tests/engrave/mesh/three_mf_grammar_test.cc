@@ -46,6 +46,19 @@ bool IsWarned(const ImportedMesh& mesh, const std::string& name) {
   return false;
 }
 
+TEST(ThreeMfGrammar, AnItemThatIsNotPrintableIsMadeAndWarnedOf) {
+  const std::string object = Object("<mesh>" + kThreeVertices + kOneTriangle + "</mesh>");
+  for (const auto& [attribute, is_warned] :
+       {std::pair("printable='0'", true), std::pair("printable='1'", false),
+        std::pair("", false)}) {
+    const auto mesh =
+        ReadPackage(object, std::string("<item objectid='1' ") + attribute + "/>");
+    ASSERT_TRUE(mesh) << mesh.error().message;
+    EXPECT_EQ(mesh->triangles.size(), 1u);
+    EXPECT_EQ(IsWarned(*mesh, "item that is not printable"), is_warned) << attribute;
+  }
+}
+
 TEST(ThreeMfGrammar, NumbersMayHaveSpacesAroundThem) {
   const auto mesh =
       ReadPackage(Object("<mesh>" + kThreeVertices + kOneTriangle + "</mesh>"),

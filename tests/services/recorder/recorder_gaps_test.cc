@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <array>
 #include <chrono>
+#include <cstdio>
+#include <string>
 
 #include "services/platform/bus/samples.h"
 #include "services/platform/recording/bulk.h"
@@ -24,6 +27,18 @@ using ::testing::HasSubstr;
 std::uint64_t MessageCount(const std::filesystem::path& file) {
   const auto reader = McapReader::Open(file);
   return reader ? reader->contents().statistics.message_count : 0;
+}
+
+/// What a command of `intaglio` prints.
+std::string OutputOf(const std::string& arguments) {
+  const std::string command = INTAGLIO_BIN_DIR "/intaglio " + arguments + " 2>&1";
+  FILE* out = popen(command.c_str(), "r");
+  std::string text;
+  std::array<char, 4096> part;
+  for (std::size_t size = 0; (size = std::fread(part.data(), 1, part.size(), out)) > 0;)
+    text.append(part.data(), size);
+  pclose(out);
+  return text;
 }
 
 TEST(RecorderGaps, AreMissingMessagesOfTheRecording) {
@@ -55,6 +70,18 @@ TEST(RecorderGaps, AreMissingMessagesOfTheRecording) {
   EXPECT_THAT(recording::MissingSentences(*reader),
               ElementsAre(AllOf(HasSubstr("13 messages of Alarm are missing"),
                                 HasSubstr("sequence numbers"))));
+  const std::string name = file.string();
+  EXPECT_THAT(OutputOf("recording info " + name),
+              AllOf(HasSubstr("13 messages are missing in it"),
+                    HasSubstr("Alarm: 13 messages, gaps in their sequence numbers")));
+  for (const std::string& command :
+       {"recording list " + name, "recording list --json " + name,
+        "recording export " + name + " --out " + name + ".jsonl",
+        "replay " + name + " --fast --tag " + test::PrivateTag(),
+        "replay " + name + " --against sorter"}) {
+    EXPECT_THAT(OutputOf(command), HasSubstr("13 messages of Alarm are missing: gaps"))
+        << command;
+  }
 }
 
 }  // namespace

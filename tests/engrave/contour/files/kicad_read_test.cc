@@ -150,6 +150,31 @@ TEST(Kicad, ReadsGraphicsOnCopper) {
   EXPECT_EQ(board.findings.CountOf("gr_text"), 1U);
 }
 
+// KiCad plots all of these on the copper; what is hidden or on other layers it does not.
+TEST(Kicad, WhatIsNotReadOnCopperIsNamed) {
+  test::KicadText text;
+  text.Net("A");
+  text.Raw(
+      " (dimension (type aligned) (layer \"F.Cu\"))\n (image (at 1 1) (layer "
+      "\"B.Cu\"))\n (table (layer \"F.Cu\"))\n (target plus (at 0 0) (layer "
+      "\"B.SilkS\"))\n (generated (type tuning_pattern) (layer \"F.Cu\"))\n");
+  text.Footprint("U1", 10, 20);
+  text.Raw(
+      "(layer \"F.Cu\") (fp_text user \"A\" (at 0 0) (layer \"F.Cu\"))"
+      "(fp_text value \"B\" (at 0 0) (layer \"F.Cu\") hide)"
+      "(property \"Value\" \"C\" (at 0 0) (layer \"F.Cu\") (hide yes))"
+      "(property \"D\" \"D\" (at 0 0) (layer \"F.Cu\") (hide no))"
+      "(fp_text_box \"E\" (layer \"F.Cu\"))");
+  text.EndFootprint();
+  std::vector<std::string> named;
+  for (const FileFinding& finding : BoardOf(text.Text()).findings) {
+    EXPECT_EQ(finding.effect, Effect::kLost);
+    named.push_back(finding.what);
+  }
+  EXPECT_THAT(named, testing::UnorderedElementsAre("dimension", "image", "table",
+                                                   "fp_text", "property", "fp_text_box"));
+}
+
 TEST(Kicad, ReadsDrillsOfAllKinds) {
   const KicadBoard board = PadBoard(
       "(pad \"1\" thru_hole oval (at 0 0) (size 3 2) (drill oval 2 1) (layers *.Cu) (net "

@@ -79,5 +79,26 @@ TEST(DxfLayers, BrokenRecordsAndTooManyEndInErrors) {
   EXPECT_EQ(error_of("0 LAYER|2 a|70 1e300|62 1", 1).message, "");
 }
 
+// A line is made through; of texts a line type has no effect.
+TEST(DxfLayers, DashesOfALineTypeAreNamed) {
+  const std::string tables = Groups(
+      "0 SECTION|2 TABLES|0 TABLE|2 LTYPE|70 3|0 LTYPE|2 Dashed|70 0|73 2|40 9|49 6|49 "
+      "-3|0 LTYPE|2 CONTINUOUS|70 0|73 0|40 0|0 ENDTAB|0 TABLE|2 LAYER|70 2|0 LAYER|2 "
+      "Bend|70 0|62 1|6 DASHED|0 LAYER|2 cut|70 0|62 1|6 CONTINUOUS|0 ENDTAB|0 ENDSEC");
+  const auto dashed_count = [&](const std::string& groups) {
+    const Drawing drawing =
+        DrawingOf(tables + Entities("0 LINE|" + groups + "|10 0|20 0|11 9|21 0"));
+    EXPECT_EQ(drawing.curves.size(), 1U);
+    for (const FileFinding& finding : drawing.findings)
+      EXPECT_EQ(finding.effect, Effect::kChanged);
+    return drawing.findings.CountOf("dashes of a line type");
+  };
+  for (const char* dashed : {"8 cut|6 DASHED", "8 BEND", "8 bend|6 ByLayer"})
+    EXPECT_EQ(dashed_count(dashed), 1U) << dashed;
+  for (const char* whole :
+       {"8 cut", "8 bend|6 Continuous", "8 other", "8 cut|6 BYLAYER", "8 cut|6 unknown"})
+    EXPECT_EQ(dashed_count(whole), 0U) << whole;
+}
+
 }  // namespace
 }  // namespace intaglio::drawing

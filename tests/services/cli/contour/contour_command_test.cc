@@ -170,6 +170,44 @@ TEST_F(ContourCommand, FiguresAreThoseOfTheGeometry) {
   EXPECT_THAT(cutting.given, testing::ElementsAre("SPEED", "DEPTH"));
 }
 
+// A bar that stands still, or runs backwards, reports nothing; what it ends has no
+// result.
+TEST_F(ContourCommand, ItsWorkReportsItsProgressAndEndsByIt) {
+  Course course;
+  course.add_files(gerber_);
+  course.set_tool_diameter_mm(0.2);
+  course.set_pass_count(2);
+  Warnings warnings;
+  const auto files = ReadCourseFiles(WithDefaults(course), 1, warnings);
+  ASSERT_TRUE(files) << files.error().message;
+  for (const CourseMake make : {COURSE_MAKE_ISOLATION, COURSE_MAKE_OUTLINE}) {
+    course.set_make(make);
+    std::vector<double> contours, order;
+    const auto into = [](std::vector<double>& shares) {
+      return [&shares](std::uint64_t done, std::uint64_t total) {
+        shares.push_back(static_cast<double>(done) / static_cast<double>(total));
+        return true;
+      };
+    };
+    const CourseProgress progress{into(contours), into(order)};
+    const auto work = MakeContourWork(WithDefaults(course), *files, {0, 0}, progress);
+    ASSERT_TRUE(work) << work.error().message;
+    for (const std::vector<double>* shares : {&contours, &order}) {
+      ASSERT_GE(shares->size(), 3U);
+      EXPECT_TRUE(std::ranges::is_sorted(*shares));
+      EXPECT_NEAR(shares->front(), 0, 1e-9);
+      EXPECT_NEAR(shares->back(), 1, 1e-9);
+    }
+    const ProgressSink end = [](std::uint64_t, std::uint64_t) { return false; };
+    for (const CourseProgress& ended :
+         {CourseProgress{end, {}}, CourseProgress{{}, end}}) {
+      const auto none = MakeContourWork(WithDefaults(course), *files, {0, 0}, ended);
+      ASSERT_FALSE(none);
+      EXPECT_EQ(none.error().code, ErrorCode::kCancelled);
+    }
+  }
+}
+
 TEST_F(ContourCommand, ATooLargeToolIsRefusedByTheNetsNames) {
   const std::string out = folder_ / "board.ngc";
   EXPECT_EQ(Type({"contour", gerber_, "--tool", "0.5", "--template", Mill("linuxcnc"),
