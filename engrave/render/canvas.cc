@@ -30,6 +30,48 @@ PixelRange Covering(double low, double high, int size) {
   return {static_cast<int>(first), static_cast<int>(last)};
 }
 
+constexpr int kRowsPerPixel = 4;
+
+struct Crossing {
+  double x = 0;
+  int turn = 0;  ///< +1 where the loop goes down, -1 where it goes up
+
+  bool operator<(const Crossing& other) const { return x < other.x; }
+};
+
+/// Columns first .. first + size of one row of pixels.
+struct Row {
+  int first = 0;
+  std::vector<float> covered;
+
+  void Cover(double begin, double end) {
+    begin = std::max(begin - first, 0.0);
+    end = std::min(end - first, static_cast<double>(covered.size()));
+    for (int x = static_cast<int>(begin); x < end; ++x) {
+      covered[static_cast<std::size_t>(x)] += static_cast<float>(
+          std::min(end, x + 1.0) - std::max(begin, static_cast<double>(x)));
+    }
+  }
+};
+
+void CoverAt(const std::vector<std::vector<Vec2>>& loops, double y, Row& row) {
+  std::vector<Crossing> crossings;
+  for (const std::vector<Vec2>& loop : loops) {
+    for (std::size_t k = 0; k < loop.size(); ++k) {
+      const Vec2 &a = loop[k], &b = loop[(k + 1) % loop.size()];
+      if ((a.y() <= y) == (b.y() <= y)) continue;
+      const double x = a.x() + (b.x() - a.x()) * (y - a.y()) / (b.y() - a.y());
+      crossings.push_back({x, a.y() <= y ? 1 : -1});
+    }
+  }
+  std::sort(crossings.begin(), crossings.end());
+  int winding = 0;
+  for (std::size_t k = 0; k + 1 < crossings.size(); ++k) {
+    winding += crossings[k].turn;
+    if (winding != 0) row.Cover(crossings[k].x, crossings[k + 1].x);
+  }
+}
+
 }  // namespace
 
 Color Srgb(std::uint32_t rgb) {
@@ -137,6 +179,29 @@ void FrameRect(Canvas& canvas, const Rect& rect, const Paint& paint) {
   FillRect(canvas, {rect.x, rect.bottom() - 1, rect.width, 1}, paint);
   FillRect(canvas, {rect.x, rect.y + 1, 1, rect.height - 2}, paint);
   FillRect(canvas, {rect.right() - 1, rect.y + 1, 1, rect.height - 2}, paint);
+}
+
+void FillLoops(Canvas& canvas, const std::vector<std::vector<Vec2>>& loops_px,
+               const Paint& paint) {
+  Vec2 low(canvas.width(), canvas.height()), high = Vec2::Zero();
+  for (const std::vector<Vec2>& loop : loops_px) {
+    for (const Vec2& p : loop) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  }
+  low = low.cwiseMax(0.0);
+  high = high.cwiseMin(Vec2(canvas.width(), canvas.height()));
+  if (low.x() >= high.x() || low.y() >= high.y()) return;
+  const int right = std::min(canvas.width(), static_cast<int>(std::ceil(high.x())));
+  Row row{static_cast<int>(low.x()), {}};
+  for (int y = static_cast<int>(low.y()); y < high.y(); ++y) {
+    row.covered.assign(static_cast<std::size_t>(right - row.first), 0.0F);
+    for (int k = 0; k < kRowsPerPixel; ++k)
+      CoverAt(loops_px, y + (k + 0.5) / kRowsPerPixel, row);
+    for (int x = row.first; x < right; ++x) {
+      const float share =
+          row.covered[static_cast<std::size_t>(x - row.first)] / kRowsPerPixel;
+      if (share > 0) canvas.Blend(x, y, paint.color, paint.alpha * std::min(share, 1.0F));
+    }
+  }
 }
 
 }  // namespace intaglio::render

@@ -94,6 +94,11 @@ void DrawDisc(Canvas& canvas, const Vec2& center_px, double radius_px,
               const Paint& paint);
 /// A convex polygon of either sense of rotation, at least 3 corners.
 void FillConvex(Canvas& canvas, const std::vector<Vec2>& corners_px, const Paint& paint);
+/// What the closed loops wind around: an outer loop and the holes in it run in opposite
+/// senses, and loops of the same sense that overlap are one area. A pixel is covered by
+/// the share of it that lies inside, summed over four rows.
+void FillLoops(Canvas& canvas, const std::vector<std::vector<Vec2>>& loops_px,
+               const Paint& paint);
 void FillRect(Canvas& canvas, const Rect& rect, const Paint& paint);
 /// The outline of a rectangle, one pixel wide, inside it.
 void FrameRect(Canvas& canvas, const Rect& rect, const Paint& paint);

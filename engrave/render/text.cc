@@ -1,5 +1,7 @@
 #include "engrave/render/text.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,14 +13,8 @@
 
 #include "engrave/core/segment.h"
 #include "engrave/render/accents.h"
-
-// A glyph is a list of strokes, separated by blanks. A stroke begins with its kind,
-//   l  straight lines from point to point
-//   s  a smooth curve: the quadratic B-spline of the points, with its ends on the first
-//      and last
-//   c  the same, closed
-// and goes on with points: a digit for x and a letter for y, d the baseline, j the
-// height of an x, m the height of a capital (9 units), a the depth of a tail.
+#include "engrave/render/letters/letter_outlines.h"
+#include "engrave/render/letters/stroke_letters.h"
 
 namespace intaglio::render {
 namespace {
@@ -28,139 +24,6 @@ constexpr double kTopUnits = 12.5;   ///< The marks of capitals.
 constexpr double kGapUnits = 2.3;    ///< Between glyphs.
 constexpr double kSpaceUnits = 4.2;  ///< A blank, gaps not counted.
 constexpr int kCurveSteps = 5;       ///< Chords for each corner of a curve.
-
-constexpr std::array<const char*, 95> kAscii = {
-    "",                                       // blank
-    "l0m0g l0d0d",                            // !
-    "l0m0k l2m2k",                            // "
-    "l1d2m l4d5m l0g6g l0j6j",                // #
-    "s5k5m0m0i5h5d0d0f l2c3n",                // $
-    "l0d6m c0j2j2m0m c4d6d6g4g",              // %
-    "s6d1j1m4m4j0g0d4d6h",                    // &
-    "l0m0k",                                  // '
-    "s2n0k0e2b",                              // (
-    "s0n2k2e0b",                              // )
-    "l2i2m l0j4l l0l4j",                      // *
-    "l0h4h l2f2j",                            // +
-    "l1d0b",                                  // ,
-    "l0h3h",                                  // -
-    "l0d0d",                                  // .
-    "l0c4m",                                  // /
-    "c0d5d5m0m",                              // 0
-    "l1k3m3d l1d5d",                          // 1
-    "s0k0m5m5i3g0d l0d5d",                    // 2
-    "s0k0m5m5i2i s2i5i5d0d0f",                // 3
-    "l4d4m0g5g",                              // 4
-    "l5m1m0i s0i2k5j5d1d0e",                  // 5
-    "s5l4m0m0g c0d5d5j0j",                    // 6
-    "l0m5m2d",                                // 7
-    "c0d5d5i0i c0i5i5m0m",                    // 8
-    "s0e1d5d5j c0g5g5m0m",                    // 9
-    "l0d0d l0i0i",                            // :
-    "l1i1i l1d0b",                            // ;
-    "l4j0h4f",                                // <
-    "l0g4g l0i4i",                            // =
-    "l0j4h0f",                                // >
-    "s0k0m4m4i2i2g l2d2d",                    // ?
-    "c2f4f4j2j s4j4f6f6m0m0d5d",              // @
-    "l0d3m6d l1g5g",                          // A
-    "l3d0d0m3m s3m5m5i3i l0i3i s3i5i5d3d",    // B
-    "s5k5m0m0d5d5f",                          // C
-    "l2d0d0m2m s2m5m5d2d",                    // D
-    "l5d0d0m5m l0i4i",                        // E
-    "l0d0m5m l0i4i",                          // F
-    "s5k5m0m0d5d5h l3h5h",                    // G
-    "l0d0m l5d5m l0i5i",                      // H
-    "l0d2d l1d1m l0m2m",                      // I
-    "l4m4g s4g4d0d0g",                        // J
-    "l0d0m l5m0g l2i5d",                      // K
-    "l0m0d5d",                                // L
-    "l0d0m3g6m6d",                            // M
-    "l0d0m5d5m",                              // N
-    "c0d6d6m0m",                              // O
-    "l0d0m3m s3m5m5h3h l3h0h",                // P
-    "c0d6d6m0m l4f6d",                        // Q
-    "l0d0m3m s3m5m5h3h l3h0h l2h5d",          // R
-    "s5k5m0m0i5h5d0d0f",                      // S
-    "l0m6m l3m3d",                            // T
-    "l0m0g s0g0d5d5g l5g5m",                  // U
-    "l0m3d6m",                                // V
-    "l0m2d4k6d8m",                            // W
-    "l0d5m l0m5d",                            // X
-    "l0m3h6m l3h3d",                          // Y
-    "l0m5m0d5d",                              // Z
-    "l2n0n0b2b",                              // [
-    "l0m4c",                                  // backslash
-    "l0n2n2b0b",                              // ]
-    "l0k2m4k",                                // ^
-    "l0c5c",                                  // _
-    "l0m1k",                                  // `
-    "c0d4d4j0j l4d4j",                        // a
-    "c0d4d4j0j l0d0m",                        // b
-    "s4i4j0j0d4d4e",                          // c
-    "c0d4d4j0j l4d4m",                        // d
-    "l0g4g s4g4j0j0d3d4e",                    // e
-    "s3m1m1k l1k1d l0j3j",                    // f
-    "c0d4d4j0j l4j4c s4c4a0a0b",              // g
-    "l0d0m s0h0j4j4g l4g4d",                  // h
-    "l0d0j l0l0l",                            // i
-    "l2j2c s2c2a0a l2l2l",                    // j
-    "l0d0m l4j0f l1g4d",                      // k
-    "l0m0f s0f0d2d",                          // l
-    "l0d0j s0h0j3j3g l3g3d s3h3j6j6g l6g6d",  // m
-    "l0d0j s0h0j4j4g l4g4d",                  // n
-    "c0d4d4j0j",                              // o
-    "c0d4d4j0j l0j0a",                        // p
-    "c0d4d4j0j l4j4a",                        // q
-    "l0d0j s0h0j3j",                          // r
-    "s4i4j0j0g4g4d0d0e",                      // s
-    "l1l1f s1f1d3d l0j3j",                    // t
-    "l0j0g s0g0d4d4f l4d4j",                  // u
-    "l0j2d4j",                                // v
-    "l0j1d3i5d6j",                            // w
-    "l0d4j l0j4d",                            // x
-    "l0j2d l4j1a",                            // y
-    "l0j4j0d4d",                              // z
-    "s3n1n1h0h s0h1h1b3b",                    // {
-    "l0n0b",                                  // |
-    "s0n2n2h3h s3h2h2b0b",                    // }
-    "s0h1j3f4h",                              // ~
-};
-
-const char* StrokesOf(char32_t sign) {
-  if (sign >= U' ' && sign <= U'~') return kAscii[sign - U' '];
-  switch (sign) {
-    case U'µ':
-    case U'μ':
-      return "l0j0a s0g0d4d4f l4d4j";
-    case U'°':
-      return "c0j3j3m0m";
-    case U'±':
-      return "l0i4i l2g2k l0e4e";
-    case U'×':
-      return "l0f4j l0j4f";
-    case U'·':
-      return "l0h0h";
-    case U'–':
-      return "l0h5h";
-    case U'²':
-      return "s0l0m2m2l0i l0i2i";
-    case U'ß':
-      return "l0d0k s0k0m4m4i2i s2i5i5d2d";
-    case U'æ':
-      return "c0d3d3j0j l3g7g s7g7j3j3d6d";
-    case U'œ':
-      return "c0d4d4j0j l4g8g s8g8j4j4d7d";
-    case U'Æ':
-      return "l0d4m7m l4m4d7d l1g4g l4i6i";
-    case U'ı':
-      return "l0d0j";
-    case U'³':
-      return "s0m2m2k1k s1k2k2i0i";
-    default:
-      return "l0d4d4m0m0d";
-  }
-}
 
 /// The signs of a UTF-8 text; a byte out of place gives U+FFFD.
 std::u32string Decode(std::string_view text) {
@@ -206,7 +69,8 @@ Polyline Smooth(const Polyline& corners, bool closed) {
 
 struct Glyph {
   std::vector<Polyline> strokes;
-  double width = 0.0;  ///< Units.
+  std::vector<Polyline> loops;  ///< filled: letters of another font
+  double width = 0.0;           ///< Units.
 };
 
 Glyph ParseGlyph(std::string_view strokes) {
@@ -248,6 +112,75 @@ Glyph GlyphOf(char32_t sign) {
   return glyph;
 }
 
+bool HasStrokes(char32_t sign) { return SplitAccent(sign) || StrokesOf(sign); }
+
+/// "<5C71>": what no font of this computer has is drawn as its number.
+std::vector<Glyph> NumberOf(char32_t sign) {
+  std::vector<Glyph> glyphs;
+  for (const char c : fmt::format("<{:04X}>", static_cast<std::uint32_t>(sign)))
+    glyphs.push_back(GlyphOf(static_cast<char32_t>(c)));
+  return glyphs;
+}
+
+/// Hebrew to Arabic Extended-A, and the presentation forms of both (Unicode 15).
+bool RunsToTheLeft(char32_t sign) {
+  return (sign >= 0x590 && sign <= 0x8FF) || (sign >= 0xFB1D && sign <= 0xFDFF) ||
+         (sign >= 0xFE70 && sign <= 0xFEFC);
+}
+
+/// The letters at the begin of `signs` that this font does not have, of one direction.
+/// Words that run to the left are one run, because their order is from the right, too.
+std::u32string_view ForeignAtBegin(std::u32string_view signs) {
+  const bool to_the_left = RunsToTheLeft(signs.front());
+  std::size_t end = 0;
+  for (std::size_t i = 0; i < signs.size(); ++i) {
+    const bool foreign = !HasStrokes(signs[i]);
+    if (foreign && RunsToTheLeft(signs[i]) == to_the_left)
+      end = i + 1;
+    else if (foreign || signs[i] != U' ' || !to_the_left)
+      break;
+  }
+  return signs.substr(0, end);
+}
+
+Glyph GlyphOf(LetterOutlines&& outlines) {
+  Glyph glyph;
+  glyph.width = kUnitsPerCap * outlines.width;
+  glyph.loops = std::move(outlines.loops);
+  for (Polyline& loop : glyph.loops)
+    for (Vec2& p : loop) p *= kUnitsPerCap;
+  return glyph;
+}
+
+/// Adds as much of a foreign run as there are letters for, and returns its length: all,
+/// the first word, the first letter; or the number of that.
+std::size_t AddForeign(std::u32string_view run, std::vector<Glyph>& glyphs) {
+  const std::size_t word = std::min(run.find(U' '), run.size());
+  for (const std::size_t length : {run.size(), word, std::size_t{1}}) {
+    auto outlines = OutlinesOfLetters(run.substr(0, length));
+    if (!outlines) continue;
+    glyphs.push_back(GlyphOf(std::move(*outlines)));
+    return length;
+  }
+  for (Glyph& glyph : NumberOf(run.front())) glyphs.push_back(std::move(glyph));
+  return 1;
+}
+
+std::vector<Glyph> GlyphsOf(std::string_view text) {
+  const std::u32string decoded = Decode(text);
+  std::u32string_view signs = decoded;
+  std::vector<Glyph> glyphs;
+  while (!signs.empty()) {
+    if (HasStrokes(signs.front())) {
+      glyphs.push_back(GlyphOf(signs.front()));
+      signs.remove_prefix(1);
+    } else {
+      signs.remove_prefix(AddForeign(ForeignAtBegin(signs), glyphs));
+    }
+  }
+  return glyphs;
+}
+
 double DistanceTo(const Polyline& line, const Vec2& p) {
   double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i + 1 < line.size(); ++i) {
@@ -259,6 +192,7 @@ double DistanceTo(const Polyline& line, const Vec2& p) {
 /// All strokes at once, so that joints are not painted twice.
 void DrawGlyph(Canvas& canvas, const Glyph& glyph, const Vec2& origin_px, double unit_px,
                double stroke_px, const TextStyle& style) {
+  if (glyph.strokes.empty()) return;
   const double margin_px = stroke_px + 1.0;
   const int left = static_cast<int>(std::floor(origin_px.x() - margin_px));
   const int right =
@@ -283,13 +217,20 @@ void DrawGlyph(Canvas& canvas, const Glyph& glyph, const Vec2& origin_px, double
   }
 }
 
+void FillGlyph(Canvas& canvas, const Glyph& glyph, const Vec2& origin_px, double unit_px,
+               const TextStyle& style) {
+  std::vector<Polyline> loops_px = glyph.loops;
+  for (Polyline& loop : loops_px) {
+    for (Vec2& p : loop) p = origin_px + unit_px * Vec2(p.x(), -p.y());
+  }
+  FillLoops(canvas, loops_px, {style.color, style.alpha});
+}
+
 }  // namespace
 
 double TextWidth(std::string_view text, double cap_height_px) {
   double units = 0.0;
-  for (const char32_t sign : Decode(text)) {
-    units += GlyphOf(sign).width + kGapUnits;
-  }
+  for (const Glyph& glyph : GlyphsOf(text)) units += glyph.width + kGapUnits;
   return std::max(0.0, units - kGapUnits) * cap_height_px / kUnitsPerCap;
 }
 
@@ -346,8 +287,8 @@ void DrawText(Canvas& canvas, const Vec2& at_px, std::string_view text,
   const double width_px = TextWidth(text, style.cap_height_px);
   // Whole pixels keep stems and baselines equally sharp wherever the text is placed.
   Vec2 pen(std::round(at_px.x() - share * width_px), std::round(at_px.y()));
-  for (const char32_t sign : Decode(text)) {
-    const Glyph glyph = GlyphOf(sign);
+  for (const Glyph& glyph : GlyphsOf(text)) {
+    FillGlyph(canvas, glyph, pen, unit_px, style);
     DrawGlyph(canvas, glyph, pen, unit_px, stroke_px, style);
     pen.x() += (glyph.width + kGapUnits) * unit_px;
   }

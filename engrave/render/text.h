@@ -3,7 +3,8 @@
 // Text in a built-in stroke font: ASCII, the Latin letters with marks that names of
 // people have, and the symbols used with numbers (µ ° ± × · – ² ³). Strokes scale to any
 // size without a font file at run time; digits have equal widths, so that columns of
-// numbers are aligned.
+// numbers are aligned. Letters of other scripts are those of the computer's fonts
+// (letters/letter_outlines.h), as high as its capitals.
 
 #include <string>
 #include <string_view>
@@ -28,7 +29,8 @@ struct TextStyle {
 double TextWidth(std::string_view text, double cap_height_px);
 
 /// Draws a line of UTF-8 text; `at_px` is on the baseline, at the side that `align`
-/// names. A character that the font does not have is drawn as a box.
+/// names. A character that no font has is drawn as its number, "<5C71>", a byte that is
+/// not UTF-8 as a box.
 void DrawText(Canvas& canvas, const Vec2& at_px, std::string_view text,
               const TextStyle& style);
 

@@ -63,7 +63,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"engrave/formats", {"engrave/core", "engrave/io"}},
     {"engrave/proof",
      {"engrave/core", "engrave/formats", "engrave/mark", "engrave/mesh"}},
-    {"engrave/render", {"engrave/core", "engrave/io"}},
+    {"engrave/render", {"engrave/core", "engrave/drawing", "engrave/io"}},
     {"materials_db", {"engrave/*"}},
     {"proto", {}},
     {"services/platform/bus", {"engrave/core", "idl"}},

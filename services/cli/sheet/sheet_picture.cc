@@ -19,8 +19,7 @@ using render::Srgb;
 constexpr std::size_t kMaxSheets = 100;
 constexpr int kWidth = 1400, kGap = 40, kCaption = 44, kRest = 50;
 constexpr double kMinSheetPx = 120;
-constexpr double kChordPx = 2;    // of arcs
-constexpr int kRowsPerPixel = 4;  // that the coverage of a pixel is summed over
+constexpr double kChordPx = 2;  // of arcs
 constexpr double kDashPx = 6;
 constexpr std::uint32_t kPaper = 0x10141a, kSheet = 0x232a35, kPart = 0xe8c9a0,
                         kLine = 0x8a94a3, kLetters = 0xd8dee8;
@@ -73,54 +72,12 @@ std::vector<Vec2> ChordsOf(const contour::Edges& loop, const Vec2& lower_left_px
   return chords;
 }
 
-/// Adds the share of each pixel of a row that lies in begin .. end.
-void Cover(double begin, double end, std::vector<float>& row) {
-  begin = std::max(begin, 0.0), end = std::min(end, static_cast<double>(row.size()));
-  for (int x = static_cast<int>(begin); x < end; ++x)
-    row[static_cast<std::size_t>(x)] += static_cast<float>(
-        std::min(end, x + 1.0) - std::max(begin, static_cast<double>(x)));
-}
-
-/// What an odd number of the loops encloses, at one height.
-void CoverRow(const std::vector<std::vector<Vec2>>& loops, double y,
-              std::vector<float>& row) {
-  std::vector<double> crossings;
-  for (const std::vector<Vec2>& loop : loops) {
-    for (std::size_t k = 0; k < loop.size(); ++k) {
-      const Vec2 &a = loop[k], &b = loop[(k + 1) % loop.size()];
-      if ((a.y() <= y) == (b.y() <= y)) continue;
-      crossings.push_back(a.x() + (b.x() - a.x()) * (y - a.y()) / (b.y() - a.y()));
-    }
-  }
-  std::sort(crossings.begin(), crossings.end());
-  for (std::size_t k = 0; k + 1 < crossings.size(); k += 2)
-    Cover(crossings[k], crossings[k + 1], row);
-}
-
-void Fill(const std::vector<std::vector<Vec2>>& loops, Canvas& canvas) {
-  double low = canvas.height(), high = 0;
-  for (const std::vector<Vec2>& loop : loops) {
-    for (const Vec2& p : loop) low = std::min(low, p.y()), high = std::max(high, p.y());
-  }
-  std::vector<float> row(static_cast<std::size_t>(canvas.width()));
-  for (int y = std::max(0, static_cast<int>(low)); y <= high && y < canvas.height();
-       ++y) {
-    std::fill(row.begin(), row.end(), 0.0F);
-    for (int k = 0; k < kRowsPerPixel; ++k)
-      CoverRow(loops, y + (k + 0.5) / kRowsPerPixel, row);
-    for (int x = 0; x < canvas.width(); ++x) {
-      const float share = row[static_cast<std::size_t>(x)] / kRowsPerPixel;
-      if (share > 0) canvas.Blend(x, y, Srgb(kPart), std::min(share, 1.0F));
-    }
-  }
-}
-
 void DrawPart(const contour::Region& part, const Vec2& lower_left_px, double px_per_mm,
               Canvas& canvas) {
   std::vector<std::vector<Vec2>> loops;
   for (const contour::Edges& loop : part.loops)
     loops.push_back(ChordsOf(loop, lower_left_px, px_per_mm));
-  Fill(loops, canvas);
+  render::FillLoops(canvas, loops, {Srgb(kPart)});
   for (const std::vector<Vec2>& loop : loops) {
     for (std::size_t k = 0; k < loop.size(); ++k)
       DrawLine(canvas, loop[k], loop[(k + 1) % loop.size()], 1, {Srgb(kPaper)});

@@ -42,7 +42,49 @@ TEST(Text, SignsOfFiguresAreThere) {
     EXPECT_FALSE(IsBlank(Print(sign))) << sign;
     EXPECT_NE(Print(sign), box) << sign;
   }
-  EXPECT_EQ(Print("漢"), box);
+}
+
+/// How bright the middle of a pixel is in a text of this height, its first letter at x 10
+/// with the baseline y 28.
+float At(const std::string& text, double cap_px, double right_px, double up_px) {
+  Canvas canvas(120, 40);
+  DrawText(canvas, {10, 28}, text, {.cap_height_px = cap_px});
+  return canvas.at(static_cast<int>(10 + right_px), static_cast<int>(28 - up_px)).g;
+}
+
+// Names in other scripts come from the fonts of the computer: the stems and the bar of a
+// Cyrillic H, and the ring of an O, by the form of the letters.
+TEST(Text, LettersOfOtherScriptsAreThoseOfAFont) {
+  const double width = TextWidth("Н", 20);  // U+041D
+  EXPECT_NEAR(width, 15, 3) << "as high as 20";
+  EXPECT_GT(At("Н", 20, width - 1.5, 3), 0.9F) << "right stem, which ends its width";
+  EXPECT_GT(At("Н", 20, width - 1.5, 18), 0.9F);
+  EXPECT_LT(At("Н", 20, width / 2, 4), 0.1F) << "below the bar";
+  EXPECT_GT(At("Н", 20, width / 2, 10.5), 0.9F) << "the bar";
+  EXPECT_LT(At("Н", 20, width / 2, 22), 0.1F) << "a capital is 20 high";
+  EXPECT_LT(At("О", 20, TextWidth("О", 20) / 2, 10), 0.1F) << "the hole of U+041E";
+  EXPECT_NE(Print("Ваня"), Print("Вася"));
+  // A Latin word beside it keeps its place.
+  EXPECT_GT(TextWidth("Ivan Ваня", 10),
+            TextWidth("Ivan ", 10) + TextWidth("Ваня", 10) - 1);
+}
+
+// Arabic letters are joined: in the middle of the word there is ink from its one end to
+// the other, and the word is shorter than its letters one by one.
+TEST(Text, LettersOfAScriptAreJoined) {
+  EXPECT_LT(TextWidth("بيت", 20),
+            TextWidth("ب", 20) + TextWidth("ي", 20) + TextWidth("ت", 20));
+}
+
+TEST(Text, ACharacterThatNoFontHasIsDrawnAsItsNumber) {
+  // The letters beside it are not lost.
+  const std::string unknown = "\xF3\xB0\x80\x80";
+  EXPECT_NEAR(TextWidth("Н" + unknown, 9),
+              TextWidth("Н", 9) + 2.3 + TextWidth("<F0000>", 9), 0.01);
+  EXPECT_NEAR(TextWidth("بيت " + unknown, 9),
+              TextWidth("بيت", 9) + TextWidth(" ", 9) + 4.6 + TextWidth("<F0000>", 9),
+              0.01);
+  EXPECT_EQ(Print("\xF3\xB0\x80\x80", 6), Print("<F0000>", 6)) << "for private use";
 }
 
 TEST(Text, LettersOfNamesHaveTheirMarks) {
