@@ -65,6 +65,16 @@ void AddToolOptions(command_line::Command contour, ContourOptions& options) {
           "mm, of the line along y about which it is; default the middle of a board "
           "of KiCad, else 0")
       .Within(-10000.0, 10000.0);
+  const auto align = contour.AddOption(
+      "--align", options.alignment_y_mm,
+      "Y1 Y2, mm: holes for pins on this line, beside the board, which hold it where it "
+      "is turned over");
+  align.TakeValues(2);
+  contour
+      .AddOption("--align-diameter", options.alignment_diameter_mm, "mm, of these holes")
+      .Within(0.1, 50.0)
+      .ShowDefault()
+      .Need(align);
   contour.AddOption("--drill-units", options.drill_units,
                     "of drill files that declare none: the line of their header, e.g. "
                     "INCH,TZ or METRIC,LZ,000.000");
@@ -185,6 +195,8 @@ CourseFileOptions TypedFileOptions(const ContourOptions& options) {
   typed.drill_units = options.drill_units;
   if (options.mirror != "auto") typed.mirror = options.mirror == "yes";
   typed.mirror_x_mm = options.mirror_x_mm;
+  typed.alignment_y_mm = options.alignment_y_mm;
+  typed.alignment_diameter_mm = options.alignment_diameter_mm;
   return typed;
 }
 

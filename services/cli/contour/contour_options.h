@@ -21,6 +21,8 @@ struct ContourOptions {
   std::string make = "isolation", order = "improved", corners = "sharp";
   std::string layer, mirror = "auto";
   std::optional<double> mirror_x_mm;
+  std::vector<double> alignment_y_mm;
+  double alignment_diameter_mm = 3;
   bool inside = false;
   /// Fields of the course that are numbers, by their number in the schema.
   std::map<int, std::optional<double>> numbers;

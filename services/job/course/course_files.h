@@ -38,6 +38,10 @@ struct CourseFileOptions {
   std::optional<bool> mirror;  ///< turn all over; default: when a file draws the back
   /// About this line along y; default the middle of a board of KiCad, else 0.
   std::optional<double> mirror_x_mm;
+  /// Holes for pins on this line, where the board lies the same on both of its sides: y
+  /// of each, mm, beside the board; empty: none.
+  std::vector<double> alignment_y_mm = {};
+  double alignment_diameter_mm = 3;
 };
 
 /// Of `course.files`, whose contents are `texts`: drawings by their extension (.dxf,

@@ -1,8 +1,11 @@
 #include "services/job/course/course_side.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "engrave/contour/mirror.h"
 
@@ -23,13 +26,33 @@ void MirrorFiles(double line_x_mm, CourseFiles& files) {
   }
 }
 
-}  // namespace
+double LineOf(const CourseFileOptions& options, const CourseSide& side) {
+  return options.mirror_x_mm.value_or(side.middle_x_mm.value_or(0));
+}
 
-void TurnToSide(const CourseFileOptions& options, const CourseSide& side,
-                CourseFiles& files, Warnings& warnings) {
+/// They lie on the line, so that they are the same for both sides.
+void AddAlignmentHoles(const CourseFileOptions& options, double line_x_mm,
+                       CourseFiles& files, Warnings& warnings) {
+  if (options.alignment_y_mm.empty()) return;
+  std::vector<std::string> places;
+  for (const double y_mm : options.alignment_y_mm) {
+    files.holes.push_back({Vec2(line_x_mm, y_mm), options.alignment_diameter_mm});
+    places.push_back(fmt::format("({:.6g}, {:.6g})", line_x_mm, y_mm));
+  }
+  warnings.push_back(MakeWarning(
+      WarningCode::kChosen,
+      fmt::format(
+          "alignment holes of {:g} mm at {} mm, on the line about which the board "
+          "is turned over: drill them into what it lies on, too, and put pins "
+          "into them; leave --align out for the other side",
+          options.alignment_diameter_mm, fmt::join(places, " and "))));
+}
+
+void MirrorToSide(const CourseFileOptions& options, const CourseSide& side,
+                  CourseFiles& files, Warnings& warnings) {
   const bool is_back = !side.back.empty();
   if (options.mirror.value_or(is_back)) {
-    const double line_x_mm = options.mirror_x_mm.value_or(side.middle_x_mm.value_or(0));
+    const double line_x_mm = LineOf(options, side);
     MirrorFiles(line_x_mm, files);
     warnings.push_back(MakeWarning(
         WarningCode::kChosen,
@@ -47,6 +70,14 @@ void TurnToSide(const CourseFileOptions& options, const CourseSide& side,
           "fit, unless the file is mirrored already; leave --mirror out");
   warning.weight = WarningWeight::kWarning;
   warnings.push_back(std::move(warning));
+}
+
+}  // namespace
+
+void TurnToSide(const CourseFileOptions& options, const CourseSide& side,
+                CourseFiles& files, Warnings& warnings) {
+  MirrorToSide(options, side, files, warnings);
+  AddAlignmentHoles(options, LineOf(options, side), files, warnings);
 }
 
 }  // namespace intaglio

@@ -22,7 +22,8 @@ struct CourseSide {
 
 /// Mirrors as options.mirror says, by default what draws the back; about
 /// options.mirror_x_mm, by default the middle of the board, else 0. `warnings`: a note
-/// that has the line, or a warning of a back that is not mirrored.
+/// that has the line, or a warning of a back that is not mirrored. Then adds the holes of
+/// options.alignment_y_mm on that line, with a note.
 void TurnToSide(const CourseFileOptions& options, const CourseSide& side,
                 CourseFiles& files, Warnings& warnings);
 

@@ -36,7 +36,7 @@ TEST(ContourOptions, SetTheFieldsOfTheirRules) {
     EXPECT_FALSE(CourseWith({option, fmt::format("{}", range.max + 1)})) << option;
     ++count;
   }
-  EXPECT_EQ(count, 16);
+  EXPECT_EQ(count, 18);
 }
 
 TEST(ContourOptions, ExcludeEachOther) {

@@ -77,6 +77,26 @@ TEST(CourseSide, TheBackIsTurnedOverAboutTheMiddleOfTheBoardWithANote) {
               AllOf(HasSubstr("layer B.Cu of a.kicad_pcb"), HasSubstr("x = 20 mm")));
 }
 
+// Both sides have the same holes: what lies on the line stays where it is when the board
+// is turned over about it.
+TEST(CourseSide, AlignmentHolesLieOnTheLineOfBothSides) {
+  CourseFileOptions options;
+  options.alignment_y_mm = {-5, 15};
+  options.alignment_diameter_mm = 2.5;
+  for (const char* layer : {"F.Cu", "B.Cu"}) {
+    const auto read = Read("a.kicad_pcb", Board(), layer, options);
+    ASSERT_TRUE(read.files) << read.files.error().message;
+    ASSERT_THAT(read.files->holes, SizeIs(3));
+    for (int k = 0; k < 2; ++k) {
+      const contour::Hole& hole = read.files->holes[static_cast<std::size_t>(1 + k)];
+      EXPECT_EQ(hole.center_mm, Vec2(20, k == 0 ? -5 : 15)) << layer;
+      EXPECT_EQ(hole.diameter_mm, 2.5);
+    }
+    EXPECT_THAT(read.warnings.back().text,
+                HasSubstr("alignment holes of 2.5 mm at (20, -5) and (20, 15) mm"));
+  }
+}
+
 TEST(CourseSide, ABackThatIsNotTurnedOverIsAWarning) {
   const auto read = Read("a.kicad_pcb", Board(), "B.Cu", {{}, false, {}});
   EXPECT_NEAR(PadX(read), 13, 1e-9);
