@@ -57,6 +57,22 @@ std::string CommentOf(std::string_view line) {
   return OneLine(line);
 }
 
+/// "1,5,2,5,3,5": three numbers with decimal commas, or six.
+bool MayHaveDecimalCommas(std::string_view line) {
+  return std::count(line.begin(), line.end(), ',') == 5 &&
+         line.find_first_not_of("0123456789+-,") == std::string_view::npos;
+}
+
+/// Numbers of a file whose every line may have decimal commas have nothing that says
+/// whether they are; one other line says that commas divide.
+struct DoubtfulLines {
+  std::size_t count = 0, first = 0;
+
+  void See(std::string_view line, std::size_t line_number) {
+    if (MayHaveDecimalCommas(line) && ++count == 1) first = line_number;
+  }
+};
+
 Status ReadLine(std::string_view line, std::size_t line_number, PointTable& table) {
   const std::size_t first = line.find_first_not_of(kSeparators);
   if (first == std::string_view::npos) return {};
@@ -108,6 +124,7 @@ tl::unexpected<Error> MorePointsThanAllowed(const PointFileLimits& limits) {
 Result<PointTable> ParseCoordinateLines(std::string_view bytes,
                                         const PointFileLimits& limits) {
   PointTable table;
+  DoubtfulLines doubtful;
   std::size_t line_number = 1;
   for (std::size_t begin = 0; begin < bytes.size(); ++line_number) {
     const std::size_t end = std::min(bytes.find('\n', begin), bytes.size());
@@ -115,10 +132,19 @@ Result<PointTable> ParseCoordinateLines(std::string_view bytes,
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
     begin = end + 1;
     INTAGLIO_TRY(ReadLine(line, line_number, table));
+    doubtful.See(line, line_number);
     if (table.points_mm.size() > limits.max_points) return MorePointsThanAllowed(limits);
   }
   if (table.points_mm.empty()) {
     return Fail(ErrorCode::kMissing, "it has no points; write x y z a line, in mm");
+  }
+  if (doubtful.count == table.points_mm.size()) {
+    return Fail(
+        ErrorCode::kUnreadable,
+        fmt::format("line {} and all others have six numbers divided by commas, or "
+                    "three with decimal commas; write x y z in mm, with a decimal "
+                    "point and blanks",
+                    doubtful.first));
   }
   return table;
 }

@@ -72,6 +72,17 @@ TEST(XyzFile, CommasThatMayBeOfANumberAreRefused) {
   }
 }
 
+// 1.5 2.5 3.5, or 1 5 2 and what follows: one line that has no such reading decides.
+TEST(XyzFile, SixWholeNumbersAreRefusedWhereAllLinesMayHaveDecimalCommas) {
+  const auto doubtful = ParseXyz("# x,y,z\n1,5,2,5,3,5\n2,0,1,25,3,0\n");
+  ASSERT_FALSE(doubtful);
+  EXPECT_THAT(doubtful.error().message,
+              HasSubstr("line 2 and all others have six numbers divided by commas, or"));
+  const auto colours = ParseXyz("10,20,30,255,0,0\n10.5,20,30,255,0,0\n");
+  ASSERT_TRUE(colours) << colours.error().message;
+  EXPECT_EQ(colours->points_mm[0], Vec3(10, 20, 30));
+}
+
 TEST(XyzFile, TakesAnySeparatorAndPassesOverTheRest) {
   const auto table = ParseXyz(
       "#comment\r\n\r\n1 2 3\r\n  4,5,\t6 , 255\n+7;8;9e-1\n  # indented\n \t\n1 2 3.5 "
