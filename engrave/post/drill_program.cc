@@ -136,4 +136,11 @@ Result<ProgramTexts> DrillPrograms(const Template& program,
   return texts;
 }
 
+bool HasOwnDepth(const Template& program) {
+  for (std::size_t k = 0; k < kDrillRules.fragments.size(); ++k) {
+    if (UsesVariable(program, kDrillRules, k, "DEPTH")) return false;
+  }
+  return true;
+}
+
 }  // namespace intaglio::post

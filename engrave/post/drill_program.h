@@ -39,4 +39,7 @@ Result<ProgramTexts> DrillPrograms(const Template& program,
                                    const Vec2& origin_mm = Vec2::Zero(),
                                    std::optional<std::size_t> max_bytes = {});
 
+/// Whether no fragment uses DEPTH: how deep the holes are is in the template.
+bool HasOwnDepth(const Template& program);
+
 }  // namespace intaglio::post

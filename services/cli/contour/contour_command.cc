@@ -32,7 +32,6 @@
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
-#include "services/client/warning_text.h"
 #include "services/job/checks/course_check.h"
 #include "services/job/checks/job_check.h"
 #include "services/job/convert/mark_defaults.h"
@@ -99,7 +98,10 @@ Status WritePrograms(const ContourOptions& options, const ContourWork& work,
   if (options.max_bytes) program.mill.max_bytes = *options.max_bytes;
   program.mill.axis_speed_deg_s = options.axis_speed_deg_s;
   program.mill.origin_mm = PlaceOf(options.origin_mm);
-  const auto files = INTAGLIO_TRY(WriteContourPrograms(work, whole, typed, program));
+  Warnings warnings;
+  const auto files =
+      INTAGLIO_TRY(WriteContourPrograms(work, whole, typed, program, warnings));
+  PrintWarningLines(warnings);
   for (const fs::path& file : files)
     fmt::print(std::cout, "program       {}\n", file.string());
   return {};
@@ -159,8 +161,7 @@ Status MakeContours(const ContourOptions& options) {
   const auto read =
       ReadCourseFiles(whole, options.size_limits, warnings, TypedFileOptions(options));
   meter.reset();
-  for (const Warning& warning : warnings)
-    std::cerr << client::WarningLine(warning) << "\n";
+  PrintWarningLines(warnings);
   if (!read) return tl::unexpected(read.error());
   const CourseFiles& files = *read;
   const Vec2 start_mm = PlaceOf(options.start_mm);

@@ -34,6 +34,16 @@ Result<post::Template> ReadDrillTemplate(const ContourProgramOptions& options) {
   return post::ParseDrillTemplate(text, file->string(), options.parameters);
 }
 
+/// Its holes are as deep as its parameters and text say, whatever the course has.
+void NoteOwnDepth(const post::Template& program, const Course& whole,
+                  Warnings& warnings) {
+  warnings.push_back(MakeWarning(
+      WarningCode::kChosen,
+      fmt::format("{}: has the depth of the holes itself, by its parameters or its text; "
+                  "the time is that of holes of {:g} mm (drill_depth_mm)",
+                  program.file, whole.drill_depth_mm())));
+}
+
 Status WriteParts(const fs::path& first, const post::ProgramTexts& texts,
                   std::vector<fs::path>& files) {
   for (std::size_t part = 0; part < texts.size(); ++part) {
@@ -92,7 +102,8 @@ Result<post::Template> ReadMillTemplate(const std::string& name_or_file,
 Result<std::vector<fs::path>> WriteContourPrograms(const ContourWork& work,
                                                    const Course& whole,
                                                    const Course& typed,
-                                                   const ContourProgramOptions& options) {
+                                                   const ContourProgramOptions& options,
+                                                   Warnings& warnings) {
   const fs::path out = options.out;
   // All texts first: a fault in the second program leaves no first one behind.
   post::ProgramTexts mill_texts, drill_texts;
@@ -111,6 +122,7 @@ Result<std::vector<fs::path>> WriteContourPrograms(const ContourWork& work,
   if (!work.rounds.empty()) {
     const auto program = INTAGLIO_TRY(ReadDrillTemplate(options));
     used.push_back(program);
+    if (post::HasOwnDepth(program)) NoteOwnDepth(program, whole, warnings);
     if (!work.paths.empty()) {
       drill_file =
           out.parent_path() / (out.stem().string() + "_drill" +

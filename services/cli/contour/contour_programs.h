@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "engrave/core/warning.h"
 #include "engrave/post/cutting.h"
 #include "engrave/post/mill_program.h"
 #include "services/job/course/course_work.h"
@@ -37,9 +38,10 @@ Result<post::Template> ReadMillTemplate(const std::string& name_or_file,
 /// The contours in `out`, the holes in a file beside it, board.ngc and board_drill.ngc,
 /// and further parts in board_2.ngc and so on; which files, in their order. A program's
 /// NAME is that of its file. What there is none of gets no file; holes alone are `out`.
-/// kInvalidValue: a parameter that none of the templates has.
+/// `warnings`: a note where a template has another depth of holes than the course may
+/// have. kInvalidValue: a parameter that none of the templates has.
 Result<std::vector<std::filesystem::path>> WriteContourPrograms(
     const ContourWork& work, const Course& whole, const Course& typed,
-    const ContourProgramOptions& options);
+    const ContourProgramOptions& options, Warnings& warnings);
 
 }  // namespace intaglio::cli

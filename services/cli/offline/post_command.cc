@@ -178,14 +178,15 @@ Status MakeCourseProgram(const PostOptions& options, const JobSpec& job) {
   Warnings warnings;
   const CourseFiles files =
       INTAGLIO_TRY(ReadCourseFiles(whole, options.job.size_limits, warnings));
-  for (const Warning& warning : warnings)
-    std::cerr << client::WarningLine(warning) << "\n";
+  PrintWarningLines(warnings);
   const ContourWork work = INTAGLIO_TRY(MakeContourWork(whole, files, Vec2(0, 0)));
   ContourProgramOptions program;
   program.mill_template = options.program_template;
   program.out = options.out;
+  Warnings of_programs;
   const auto written =
-      INTAGLIO_TRY(WriteContourPrograms(work, whole, job.course(), program));
+      INTAGLIO_TRY(WriteContourPrograms(work, whole, job.course(), program, of_programs));
+  PrintWarningLines(of_programs);
   const std::vector<std::string> names(written.begin(), written.end());
   fmt::print(std::cout, "{} and {}: {} {}\n",
              client::GroupedCount(work.paths.size(), "contour"),

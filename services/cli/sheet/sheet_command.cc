@@ -26,7 +26,6 @@
 #include "services/cli/sheet/sheet_picture.h"
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
-#include "services/client/warning_text.h"
 #include "services/job/convert/model_kind.h"
 #include "services/job/models/flat_models.h"
 #include "services/job/models/read_limits.h"
@@ -65,8 +64,7 @@ Result<std::vector<contour::Edges>> ReadLoops(const std::string& file,
   Warnings warnings;
   const auto drawing = ReadDrawing(file, text, limits.drawings, warnings);
   if (!drawing) return tl::unexpected(WithRemedy(drawing.error(), limits));
-  for (const Warning& warning : warnings)
-    std::cerr << client::WarningLine(warning) << "\n";
+  PrintWarningLines(warnings);
   auto loops = contour::LoopsOfDrawing(*drawing);
   if (!loops) loops.error().message = file + ": " + loops.error().message;
   return loops;

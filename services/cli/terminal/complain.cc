@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "services/cli/terminal/command_outcome.h"
+#include "services/client/warning_text.h"
 
 namespace intaglio::cli {
 
@@ -15,6 +16,11 @@ void PrintTextWarnings(const Warnings& warnings) {
   for (const Warning& warning : warnings) {
     std::cerr << WarningWeightName(warning.weight) << ": " << warning.text << "\n";
   }
+}
+
+void PrintWarningLines(const Warnings& warnings) {
+  for (const Warning& warning : warnings)
+    std::cerr << client::WarningLine(warning) << "\n";
 }
 
 }  // namespace intaglio::cli

@@ -13,4 +13,7 @@ int Complain(const Error& error, int exit_code = client::kExitWrongInput);
 /// Warnings of texts before the work begins, on the standard error stream.
 void PrintTextWarnings(const Warnings& warnings);
 
+/// Warnings and notes of files, as reports have them, on the standard error stream.
+void PrintWarningLines(const Warnings& warnings);
+
 }  // namespace intaglio::cli

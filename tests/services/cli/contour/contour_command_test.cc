@@ -126,6 +126,19 @@ TEST_F(ContourCommand, IsolatesABoardAndDrillsIt) {
   EXPECT_LT(holes.find("X2.50000 Y1.00000"), holes.find("X0.00000 Y0.00000"));
   EXPECT_THAT(holes, HasSubstr("(board_drill)"));
   EXPECT_THAT(holes, HasSubstr("Z-3.0000"));
+  EXPECT_THAT(errors_, Not(HasSubstr("the depth of the holes")));
+}
+
+// The published short form drills DEEP - ABOVE = 2 mm, whatever the course has.
+TEST_F(ContourCommand, ATemplateThatHasTheDepthOfHolesItselfIsNamed) {
+  ASSERT_EQ(
+      Type({"contour", gerber_, excellon_, "--tool", "0.1", "--template", Mill("krl"),
+            "--drill-template", Drill("krl"), "--out", folder_ / "board.src"}),
+      client::kExitGood)
+      << errors_;
+  EXPECT_THAT(errors_, HasSubstr("krl.post: has the depth of the holes itself, by its "
+                                 "parameters or its text; the time is that of holes of "
+                                 "3 mm (drill_depth_mm)"));
 }
 
 // A robot of another shop: its base, and where it comes from, in both programs.
