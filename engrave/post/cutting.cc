@@ -7,18 +7,6 @@
 #include "engrave/core/counted.h"
 
 namespace intaglio::post {
-namespace {
-
-bool AnyFragmentUses(const Template& program, const TemplateRules& rules,
-                     std::string_view variable, std::size_t from = 0) {
-  for (std::size_t i = from; i < rules.fragments.size(); ++i) {
-    if (UsesVariable(program, rules, i, variable)) return true;
-  }
-  return false;
-}
-
-}  // namespace
-
 std::string ProgramName(std::string_view text) {
   std::string name;
   for (const char c : text) {

@@ -137,10 +137,7 @@ Result<ProgramTexts> DrillPrograms(const Template& program,
 }
 
 bool HasOwnDepth(const Template& program) {
-  for (std::size_t k = 0; k < kDrillRules.fragments.size(); ++k) {
-    if (UsesVariable(program, kDrillRules, k, "DEPTH")) return false;
-  }
-  return true;
+  return !AnyFragmentUses(program, kDrillRules, "DEPTH");
 }
 
 }  // namespace intaglio::post

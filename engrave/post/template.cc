@@ -280,16 +280,9 @@ class Reader {
     return {};
   }
 
-  bool IsUsed(std::string_view variable) const {
-    for (std::size_t i = 0; i < rules_.fragments.size(); ++i) {
-      if (UsesVariable(out_, rules_, i, variable)) return true;
-    }
-    return false;
-  }
-
   Status RequireUsed() {
     for (const auto& [variable, line] : number_lines_) {
-      if (IsUsed(variable)) continue;
+      if (AnyFragmentUses(out_, rules_, variable)) continue;
       line_number_ = line;
       return Wrong(
           fmt::format("#number: no fragment uses @{}@; remove the variable here, or use "
@@ -360,6 +353,14 @@ bool UsesVariable(const Template& program, const TemplateRules& rules,
     return piece.variable >= 0 &&
            variables[static_cast<std::size_t>(piece.variable)] == variable;
   });
+}
+
+bool AnyFragmentUses(const Template& program, const TemplateRules& rules,
+                     std::string_view variable, std::size_t from) {
+  for (std::size_t i = from; i < rules.fragments.size(); ++i) {
+    if (UsesVariable(program, rules, i, variable)) return true;
+  }
+  return false;
 }
 
 Result<Template> ParseTemplate(std::string_view text, std::string_view file,

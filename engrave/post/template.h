@@ -91,6 +91,9 @@ struct Template {
 /// Whether fragment `fragment` uses the variable.
 bool UsesVariable(const Template& program, const TemplateRules& rules,
                   std::size_t fragment, std::string_view variable);
+/// Whether a fragment from this one on uses it.
+bool AnyFragmentUses(const Template& program, const TemplateRules& rules,
+                     std::string_view variable, std::size_t from = 0);
 
 /// Texts of parameters by their name, in place of those in the template: of one line, 1
 /// to 200 characters; a number where the template has one.

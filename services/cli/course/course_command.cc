@@ -16,7 +16,6 @@
 #include "services/cli/json/print_json.h"
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
-#include "services/client/warning_text.h"
 #include "services/job/drive/drive_profile.h"
 #include "services/job/files/job_file.h"
 #include "services/platform/command_line/supplied_files.h"
@@ -88,8 +87,7 @@ Result<CourseProgram> MakeProgram(const CourseOptions& options) {
   auto paths =
       INTAGLIO_TRY(ReadContours(options.file, options.feed_mm_s.value_or(FeedOf(machine)),
                                 options.size_limits, warnings));
-  for (const Warning& warning : warnings)
-    std::cerr << client::WarningLine(warning) << "\n";
+  PrintWarningLines(warnings);
   return PlanProgram(std::move(paths), axes, PlanOptionsOf(options, machine),
                      {options.frequency_percent / 100, options.damping_percent / 100},
                      options.reserve);

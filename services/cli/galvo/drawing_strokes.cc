@@ -1,11 +1,9 @@
 #include "services/cli/galvo/drawing_strokes.h"
 
-#include <iostream>
-
 #include "engrave/core/try.h"
 #include "services/cli/course/course_job.h"
 #include "services/cli/flags/size_limits_flag.h"
-#include "services/client/warning_text.h"
+#include "services/cli/terminal/complain.h"
 
 namespace intaglio::cli {
 namespace {
@@ -29,8 +27,7 @@ Result<std::vector<galvo::MarkStroke>> ReadMarkStrokes(const DrawingOptions& opt
   Warnings warnings;
   const auto paths = INTAGLIO_TRY(
       ReadContours(options.file, kAnyFeedMmS, options.size_limits, warnings));
-  for (const Warning& warning : warnings)
-    std::cerr << client::WarningLine(warning) << "\n";
+  PrintWarningLines(warnings);
   std::vector<galvo::MarkStroke> strokes;
   Box3 box;
   for (const course::Path& path : paths) {

@@ -31,7 +31,6 @@
 #include "services/client/proof/evidence/proof_pictures.h"
 #include "services/client/proof/evidence/verdict_text.h"
 #include "services/client/proof/proof_folder.h"
-#include "services/client/warning_text.h"
 #include "services/job/models/program_limits.h"
 #include "services/job/verdict/warnings.h"
 
@@ -106,9 +105,7 @@ int DiscretizeOffline(const OfflineOptions& options) {
   if (auto written = WritePoints(options.out, table); !written) {
     return Complain(written.error(), client::kExitWrongInput);
   }
-  for (const Warning& warning : cloud->warnings) {
-    std::cerr << client::WarningLine(warning) << "\n";
-  }
+  PrintWarningLines(cloud->warnings);
   const CloudRecord record = CloudRecordOf(options.out, *cloud);
   if (options.json) return PrintJson(record);
   fmt::print(std::cout, "{}, minimum spacing {:.4f} mm, checksum {}, in {}\n",

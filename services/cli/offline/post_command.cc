@@ -29,7 +29,6 @@
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
-#include "services/client/warning_text.h"
 #include "services/job/beams/energy_by_place.h"
 #include "services/job/checks/course_check.h"
 #include "services/job/checks/job_check.h"
@@ -84,9 +83,7 @@ Result<OrderedJob> OrderNamedJob(const PostOptions& options) {
   const auto made = INTAGLIO_TRY(MakeMeteredCloud(
       ordered.job.job(), mesh_reader::LimitsOfProgram(options.job.size_limits)));
   INTAGLIO_TRY(RequireOneChannel(ordered.job.job(), made.cloud.source));
-  for (const Warning& warning : made.warnings) {
-    std::cerr << client::WarningLine(warning) << "\n";
-  }
+  PrintWarningLines(made.warnings);
   Meter meter("order");
   const auto order = INTAGLIO_TRY(
       sort::MakeOrder(made.cloud.points_mm, host::OrderingOf(ordered.job), meter.Sink()));

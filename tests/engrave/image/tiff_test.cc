@@ -193,7 +193,7 @@ TEST_F(Tiff, IsTurnedUpright) {
       TiffKind kind{.orientation = orientation, .tiled = tiled};
       const auto turned = ParseImage(Encode(16, ColourRows(16, 16), kind));
       ASSERT_TRUE(turned) << turned.error().message;
-      const auto jpeg_like = [&](int x, int y) {
+      const auto upright = [&](int x, int y) {
         const int right = 15 - x, below = 15 - y;
         switch (orientation) {
           case 2:
@@ -214,7 +214,7 @@ TEST_F(Tiff, IsTurnedUpright) {
             return Colours(x, y);
         }
       };
-      EXPECT_NEAR(turned->at(3, 1), 65535 * LuminanceOf(jpeg_like(3, 1)), 0.6)
+      EXPECT_NEAR(turned->at(3, 1), 65535 * LuminanceOf(upright(3, 1)), 0.6)
           << orientation << ", " << tiled;
     }
   }
