@@ -55,36 +55,6 @@ TEST(Jpeg, GreyIsRead) {
   }
 }
 
-/// Where EXIF 2.3 (table 6) puts pixel x, y of the picture as seen in the file.
-void StoredPlace(int orientation, int width, int height, int x, int y, int& u, int& v) {
-  switch (orientation) {
-    case 2:
-      u = width - 1 - x, v = y;
-      return;
-    case 3:
-      u = width - 1 - x, v = height - 1 - y;
-      return;
-    case 4:
-      u = x, v = height - 1 - y;
-      return;
-    case 5:
-      u = y, v = x;
-      return;
-    case 6:
-      u = y, v = width - 1 - x;
-      return;
-    case 7:
-      u = height - 1 - y, v = width - 1 - x;
-      return;
-    case 8:
-      u = height - 1 - y, v = x;
-      return;
-    default:
-      u = x, v = y;
-      return;
-  }
-}
-
 TEST(Jpeg, IsTurnedUprightByItsOrientation) {
   constexpr int kWidth = 24, kHeight = 40;  // as seen
   const auto seen = [](int x, int y) { return 20 + 4 * x + 3 * y; };

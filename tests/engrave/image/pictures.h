@@ -27,6 +27,37 @@ inline Rgb Colours(int x, int y) {
           static_cast<std::uint8_t>(5 * x + 7 * y)};
 }
 
+/// Where EXIF 2.3 (table 6) puts pixel x, y of the picture as seen in the file.
+inline void StoredPlace(int orientation, int width, int height, int x, int y, int& u,
+                        int& v) {
+  switch (orientation) {
+    case 2:
+      u = width - 1 - x, v = y;
+      return;
+    case 3:
+      u = width - 1 - x, v = height - 1 - y;
+      return;
+    case 4:
+      u = x, v = height - 1 - y;
+      return;
+    case 5:
+      u = y, v = x;
+      return;
+    case 6:
+      u = y, v = width - 1 - x;
+      return;
+    case 7:
+      u = height - 1 - y, v = width - 1 - x;
+      return;
+    case 8:
+      u = height - 1 - y, v = x;
+      return;
+    default:
+      u = x, v = y;
+      return;
+  }
+}
+
 using Painter = std::function<Rgb(int x, int y)>;
 
 /// Linear light of a byte of sRGB, 0..1 (IEC 61966-2-1).

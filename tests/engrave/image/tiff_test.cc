@@ -193,28 +193,9 @@ TEST_F(Tiff, IsTurnedUpright) {
       TiffKind kind{.orientation = orientation, .tiled = tiled};
       const auto turned = ParseImage(Encode(16, ColourRows(16, 16), kind));
       ASSERT_TRUE(turned) << turned.error().message;
-      const auto upright = [&](int x, int y) {
-        const int right = 15 - x, below = 15 - y;
-        switch (orientation) {
-          case 2:
-            return Colours(right, y);
-          case 3:
-            return Colours(right, below);
-          case 4:
-            return Colours(x, below);
-          case 5:
-            return Colours(y, x);
-          case 6:
-            return Colours(y, right);
-          case 7:
-            return Colours(below, right);
-          case 8:
-            return Colours(below, x);
-          default:
-            return Colours(x, y);
-        }
-      };
-      EXPECT_NEAR(turned->at(3, 1), 65535 * LuminanceOf(upright(3, 1)), 0.6)
+      int u = 0, v = 0;
+      StoredPlace(orientation, 16, 16, 3, 1, u, v);
+      EXPECT_NEAR(turned->at(3, 1), 65535 * LuminanceOf(Colours(u, v)), 0.6)
           << orientation << ", " << tiled;
     }
   }
