@@ -181,7 +181,7 @@ void JobQueue::HandOut(JobRecord& job, Nanoseconds now) {
        {intaglio_STAGE_ENGRAVE, intaglio_STAGE_SORT, intaglio_STAGE_DISCRETIZE}) {
     workers[stage] = tasks_.workers().Free(RoleOf(stage), job.cell);
     if (workers[stage].empty())
-      missing.push_back(tasks_.workers().WhyNone(RoleOf(stage), job.cell));
+      missing.push_back(tasks_.workers().WhyNone(RoleOf(stage), job.cell, job.maker()));
   }
   if (missing.empty()) return Begin(job, workers, now);
   WaitFor(job, fmt::format("{}", fmt::join(missing, ", ")));

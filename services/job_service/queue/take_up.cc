@@ -43,9 +43,8 @@ void TakeUp::Lose(JobRecord& job, const std::string& why, Nanoseconds now) {
   job.stage(intaglio_STAGE_ENGRAVE).worker.clear();
   book_.ChangeToPaused(
       job, intaglio_PAUSE_SYNCHRONIZER_LOST,
-      fmt::format(
-          "{}: the next synchronizer of {} continues the job where the journal ends{}",
-          why, job.cell, job.arm.armed() ? "" : "; then resume it"));
+      fmt::format("{}: the next {} of {} continues the job where the journal ends{}", why,
+                  job.maker(), job.cell, job.arm.armed() ? "" : "; then resume it"));
   tasks_.RevokeAndStopFeed(job, given, now);
 }
 

@@ -11,14 +11,14 @@ using namespace std::chrono_literals;
 // there before, and nothing of the task is left.
 constexpr Nanoseconds kReadyAgain = 1s;
 
-const char* NameOf(intaglio_ServiceRole role) {
+std::string NameOf(intaglio_ServiceRole role, std::string_view maker) {
   switch (role) {
     case intaglio_ROLE_DISCRETIZER:
       return "a discretizer";
     case intaglio_ROLE_SORTER:
       return "a sorter";
     case intaglio_ROLE_SYNCHRONIZER:
-      return "a synchronizer";
+      return fmt::format("a {}", maker);
     default:
       return "a service";
   }
@@ -97,9 +97,9 @@ std::vector<std::string> WorkerBook::WithoutNext(intaglio_ServiceRole role,
   return without;
 }
 
-std::string WorkerBook::WhyNone(intaglio_ServiceRole role,
-                                const std::string& cell) const {
-  std::string text = NameOf(role);
+std::string WorkerBook::WhyNone(intaglio_ServiceRole role, const std::string& cell,
+                                std::string_view maker) const {
+  std::string text = NameOf(role, maker);
   if (role == intaglio_ROLE_SYNCHRONIZER) text += " of " + cell;
   const Worker* seen = nullptr;
   for (const auto& [instance, worker] : workers_) {

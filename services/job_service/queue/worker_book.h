@@ -71,8 +71,10 @@ class WorkerBook {
   std::vector<std::string> WithoutNext(intaglio_ServiceRole role,
                                        const std::string& job_uid,
                                        std::uint32_t attempt) const;
-  /// Why there is none, e.g. "a sorter (all are busy)".
-  std::string WhyNone(intaglio_ServiceRole role, const std::string& cell) const;
+  /// Why there is none, e.g. "a sorter (all are busy)"; that of a machine is called as
+  /// `maker` says.
+  std::string WhyNone(intaglio_ServiceRole role, const std::string& cell,
+                      std::string_view maker) const;
 
   void Assign(const std::string& instance, const TaskId& task, Nanoseconds now);
   /// To be begun when what it works on has ended.

@@ -107,6 +107,8 @@ struct JobRecord {
     return state == intaglio_JOB_DONE || state == intaglio_JOB_FAILED ||
            state == intaglio_JOB_CANCELLED;
   }
+  /// The service of its machine, as people are told.
+  std::string_view maker() const { return makes == "marks" ? "marker" : "synchronizer"; }
   /// The warning that a person has to accept before the arm; nullptr: none.
   const Warning* open_consent() const {
     return arm.kept().breakage_accepted_by.empty() ? FindConsent(warnings) : nullptr;

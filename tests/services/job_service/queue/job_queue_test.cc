@@ -57,6 +57,11 @@ TEST_F(JobQueueTest, TheFirstEstimateIsKeptWhenTheMotionIsPlanned) {
   EXPECT_EQ(job().first_estimate_ticks, 90u);
 }
 
+TEST_F(JobQueueTest, AJobOfMarksWaitsForAMarker) {
+  Add(1, "c", 0, "marks");
+  EXPECT_THAT(job().message, HasSubstr("waits for a marker of c (none runs)"));
+}
+
 TEST_F(JobQueueTest, WaitsForWorkersAndReportsWhich) {
   Add(1);
   EXPECT_EQ(job().state, intaglio_JOB_QUEUED);

@@ -75,14 +75,15 @@ class JobQueueTest : public testing::Test {
     Ready("s", intaglio_ROLE_SORTER);
     Ready("y", intaglio_ROLE_SYNCHRONIZER);
   }
-  void Add(std::uint32_t number, const std::string& cell = "c",
-           std::int32_t priority = 0) {
+  void Add(std::uint32_t number, const std::string& cell = "c", std::int32_t priority = 0,
+           const std::string& makes = "points") {
     JobRecord job;
     job.number = number;
     job.uid = fmt::format("j{}", number);
     job.epoch = kEpoch;
     job.cell = cell;
     job.priority = priority;
+    job.makes = makes;
     queue_.Add(job);
     queue_.Turn(now_);
   }

@@ -42,8 +42,8 @@ TEST_F(WorkerBookTest, ASynchronizerServesItsCellAlone) {
   Update("y", intaglio_HEALTH_READY, intaglio_ROLE_SYNCHRONIZER, "c");
   EXPECT_THAT(book_.Free(intaglio_ROLE_SYNCHRONIZER, "c"), ElementsAre("y"));
   EXPECT_THAT(book_.Free(intaglio_ROLE_SYNCHRONIZER, "another"), IsEmpty());
-  EXPECT_EQ(book_.WhyNone(intaglio_ROLE_SYNCHRONIZER, "another"),
-            "a synchronizer of another (none runs)");
+  EXPECT_EQ(book_.WhyNone(intaglio_ROLE_SYNCHRONIZER, "another", "marker"),
+            "a marker of another (none runs)");
 }
 
 // A task to a worker that still drops an older one could be lost.
