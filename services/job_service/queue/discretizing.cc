@@ -69,8 +69,8 @@ void Discretizing::PublishMessage(JobRecord& job) {
   const WorkerBook& workers = tasks_.workers();
   if (!job.parts.any_at_work() &&
       workers.Free(intaglio_ROLE_DISCRETIZER, job.cell).empty()) {
-    sentences.push_back(
-        "waits for " + workers.WhyNone(intaglio_ROLE_DISCRETIZER, job.cell, job.maker()));
+    sentences.push_back("waits for " + workers.WhyNone(intaglio_ROLE_DISCRETIZER,
+                                                       job.cell, job.maker(), true));
   }
   const std::string message = fmt::format("{}", fmt::join(sentences, "; "));
   if (message != job.message) book_.Publish(job, job.state, message);

@@ -17,6 +17,9 @@ using namespace std::chrono_literals;
 // A worker's loop turns many times a second, and its health comes five times: one that is
 // silent so long never got its task, or hangs.
 constexpr Nanoseconds kAnswerWithin = 10s;
+// The health of the services of a cell is read from its first open job on: it comes every
+// 600 ms from each, and from all that run within this.
+constexpr Nanoseconds kReportsWithin = 2s;
 
 // A part that failed for want of its neighbour waits until a dead sorter, which may be
 // the reason, is missed (its lease is 1.5 s): that costs the attempt, and none of the
@@ -175,13 +178,16 @@ void JobQueue::WaitForTurn(JobRecord& job) {
 }
 
 void JobQueue::HandOut(JobRecord& job, Nanoseconds now) {
+  if (!job.first_handout) job.first_handout = now;
+  const bool all_reported = now - *job.first_handout >= kReportsWithin;
   std::array<std::vector<std::string>, 3> workers;
   std::vector<std::string> missing;
   for (const intaglio_Stage stage :
        {intaglio_STAGE_ENGRAVE, intaglio_STAGE_SORT, intaglio_STAGE_DISCRETIZE}) {
     workers[stage] = tasks_.workers().Free(RoleOf(stage), job.cell);
     if (workers[stage].empty())
-      missing.push_back(tasks_.workers().WhyNone(RoleOf(stage), job.cell, job.maker()));
+      missing.push_back(
+          tasks_.workers().WhyNone(RoleOf(stage), job.cell, job.maker(), all_reported));
   }
   if (missing.empty()) return Begin(job, workers, now);
   WaitFor(job, fmt::format("{}", fmt::join(missing, ", ")));

@@ -98,14 +98,15 @@ std::vector<std::string> WorkerBook::WithoutNext(intaglio_ServiceRole role,
 }
 
 std::string WorkerBook::WhyNone(intaglio_ServiceRole role, const std::string& cell,
-                                std::string_view maker) const {
+                                std::string_view maker, bool all_reported) const {
   std::string text = NameOf(role, maker);
   if (role == intaglio_ROLE_SYNCHRONIZER) text += " of " + cell;
   const Worker* seen = nullptr;
   for (const auto& [instance, worker] : workers_) {
     if (Serves(worker, role, cell)) seen = &worker;
   }
-  if (seen == nullptr) return text + " (none runs)";
+  if (seen == nullptr)
+    return text + (all_reported ? " (none runs)" : " (none has reported yet)");
   if (seen->view.state == intaglio_HEALTH_FAULT) {
     return fmt::format("{} ({} has a fault: {})", text, seen->view.instance,
                        seen->view.message);

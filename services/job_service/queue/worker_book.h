@@ -72,9 +72,9 @@ class WorkerBook {
                                        const std::string& job_uid,
                                        std::uint32_t attempt) const;
   /// Why there is none, e.g. "a sorter (all are busy)"; that of a machine is called as
-  /// `maker` says.
+  /// `maker` says. Unless `all_reported`, one that has not reported may run.
   std::string WhyNone(intaglio_ServiceRole role, const std::string& cell,
-                      std::string_view maker) const;
+                      std::string_view maker, bool all_reported) const;
 
   void Assign(const std::string& instance, const TaskId& task, Nanoseconds now);
   /// To be begun when what it works on has ended.

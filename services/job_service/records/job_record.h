@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -77,11 +78,12 @@ struct JobRecord {
   std::string mount_misfit;           ///< of what is mounted, as of
   std::uint64_t mount_revision = 0;   ///< this MountBook::revision; 0: not compared
   std::uint32_t speed_percent = 100;  ///< override, 1..140
-  std::string last_loss;              ///< why the attempt before this one broke
-  std::string arm_loss;               ///< why its arm was spent before it had a path
-  intaglio_PointCounts counts{};      ///< of the newest engraving
-  std::string alarm;                  ///< why that makes no progress; empty: it does
-  bool taken_up = false;  ///< the newest engraving task: begun by another worker
+  std::optional<Nanoseconds> first_handout;  ///< when its workers were first asked for
+  std::string last_loss;                     ///< why the attempt before this one broke
+  std::string arm_loss;           ///< why its arm was spent before it had a path
+  intaglio_PointCounts counts{};  ///< of the newest engraving
+  std::string alarm;              ///< why that makes no progress; empty: it does
+  bool taken_up = false;          ///< the newest engraving task: begun by another worker
 
   StageRecord& stage(intaglio_Stage s) { return stages[s]; }
   const StageRecord& stage(intaglio_Stage s) const { return stages[s]; }

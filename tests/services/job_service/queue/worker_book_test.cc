@@ -42,7 +42,7 @@ TEST_F(WorkerBookTest, ASynchronizerServesItsCellAlone) {
   Update("y", intaglio_HEALTH_READY, intaglio_ROLE_SYNCHRONIZER, "c");
   EXPECT_THAT(book_.Free(intaglio_ROLE_SYNCHRONIZER, "c"), ElementsAre("y"));
   EXPECT_THAT(book_.Free(intaglio_ROLE_SYNCHRONIZER, "another"), IsEmpty());
-  EXPECT_EQ(book_.WhyNone(intaglio_ROLE_SYNCHRONIZER, "another", "marker"),
+  EXPECT_EQ(book_.WhyNone(intaglio_ROLE_SYNCHRONIZER, "another", "marker", true),
             "a marker of another (none runs)");
 }
 
