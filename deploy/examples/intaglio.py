@@ -140,6 +140,7 @@ class Event:
     @property
     def ended(self):
         return self.event == "ended"
+    code: str = ""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -301,7 +302,8 @@ def _raise_unless_good(exit_code, text, command, event=None):
     reasons = [line for line in lines if line.startswith("intaglio")] or lines[-1:]
     message = "\n".join(reasons) or (event.message if event else "")
     kind = _ERRORS.get(exit_code, IntaglioError)
-    raise kind(message or f"ended with {exit_code}", exit_code, command, event)
+    raise kind(message or f"ended with {exit_code}", exit_code, command, event,
+               event.code if event else "")
 
 
 class Intaglio:

@@ -10,6 +10,8 @@
 
 #include "engrave/drawing/utf8_characters.h"
 #include "proto/console.pb.h"
+#include "proto/shop.pb.h"
+#include "services/client/event_lines.h"
 #include "services/client/exit_codes.h"
 #include "services/client/job_view.h"
 #include "services/client/refusal_code.h"
@@ -66,8 +68,9 @@ class CoutBuffer {
   std::streambuf* before_;
 };
 
-/// What the command that runs with --json has reported so far.
+/// What the command that runs with --json or --events has reported so far.
 struct Outcome {
+  bool is_of_events = false;
   std::ostringstream text;  ///< for the answer, of a command without a message of its own
   WatchedBuffer watched{std::cout.rdbuf()};
   std::vector<Error> refusals;
@@ -151,6 +154,14 @@ CommandAnswer AnswerOf(const Outcome& outcome, int exit_code) {
   return answer;
 }
 
+void PrintEvent(const Error& error) {
+  JobEvent event;
+  event.set_event("refused");
+  event.set_code(client::RefusalCode(error));
+  event.set_message(SentenceOf(error));
+  client::EventLines(std::cout).Write(std::move(event));
+}
+
 /// What main() makes of an exception, with a code.
 int RunKeepingExceptions(const std::function<int()>& action) {
   try {
@@ -181,6 +192,21 @@ int RunForProgram(const std::function<int()>& action, bool collects) {
   return exit_code;
 }
 
+/// Sentences go to people as they come; a command that has written no event ends with one
+/// for each error.
+int RunForEvents(const std::function<int()>& action) {
+  Outcome outcome;
+  outcome.is_of_events = true;
+  int exit_code = client::kExitGood;
+  {
+    const Running mark(outcome);
+    const CoutBuffer buffer(&outcome.watched);
+    exit_code = RunKeepingExceptions(action);
+  }
+  for (const Error& error : outcome.refusals) PrintEvent(error);
+  return exit_code;
+}
+
 void AddFlag(const command_line::Command& command, bool& answers) {
   for (const command_line::Command& below : command.commands()) AddFlag(below, answers);
   if (!command.acts() || command.HasOption("--json")) return;
@@ -193,10 +219,9 @@ void AddFlag(const command_line::Command& command, bool& answers) {
 }  // namespace
 
 void ReportRefusal(const Error& error) {
-  if (running == nullptr || running->watched.written())
-    PrintForPeople(error);
-  else
-    running->refusals.push_back(error);
+  const bool is_kept = running != nullptr && !running->watched.written();
+  if (!is_kept || running->is_of_events) PrintForPeople(error);
+  if (is_kept) running->refusals.push_back(error);
 }
 
 void AnswerWithText() {
@@ -220,7 +245,12 @@ void AnswerInJson(command_line::Program& program) {
   const auto answers = std::make_shared<bool>(false);
   AddFlag(program.root(), *answers);
   program.SetRefusal("--json", [](const Error& error) { PrintAnswer(RefusalOf(error)); });
+  program.SetRefusal("--events", [](const Error& error) {
+    PrintForPeople(error);
+    PrintEvent(error);
+  });
   program.SetRunner([&program, answers](const std::function<int()>& action) {
+    if (program.IsGiven("--events")) return RunForEvents(action);
     return program.IsGiven("--json") ? RunForProgram(action, *answers) : action();
   });
 }

@@ -4,10 +4,12 @@
 // reads one object on the standard output: the message of the command if it has one of
 // its own (docs/cli.md), else a CommandAnswer (proto/console.proto) with the sentences
 // that would have been printed. A command that is not carried out always prints a
-// CommandAnswer with a code (services/client/refusal_code.h). The exit code is the same
-// with and without --json.
+// CommandAnswer with a code (services/client/refusal_code.h). With --events what is
+// refused before any event is an event `refused` with that code, beside the sentence for
+// people on the standard error stream. The exit code is the same in each form.
 //
 //   Complain, std::cout -> CommandOutcome --(--json)--> CommandAnswer
+//                                         --(--events)--> JobEvent `refused`
 //                                         --(people)--> the streams themselves
 //
 // One thread runs a command, and it alone calls these.

@@ -198,8 +198,7 @@ void Program::SetVersion(const std::string& version) {
 
 void Program::SetRefusal(const std::string& flag,
                          std::function<void(const Error&)> refuse) {
-  state_->refusal_flag = flag;
-  state_->refuse = std::move(refuse);
+  state_->refusals[flag] = std::move(refuse);
 }
 
 void Program::SetRunner(std::function<int(const std::function<int()>& action)> runner) {
@@ -296,11 +295,14 @@ Error RefusalOf(const CLI::ParseError& error, const std::string& unknown) {
 int Program::Refuse(const std::vector<std::string>& words, const Error& error,
                     const std::function<void()>& print) const {
   const auto end = std::find(words.begin(), words.end(), "--");
-  const bool by_flag = std::find(words.begin(), end, state_->refusal_flag) != end;
-  if (state_->refuse && by_flag)
-    state_->refuse(error);
-  else
+  const auto given = std::find_if(
+      state_->refusals.begin(), state_->refusals.end(), [&](const auto& refusal) {
+        return std::find(words.begin(), end, refusal.first) != end;
+      });
+  if (given == state_->refusals.end())
     print();
+  else
+    given->second(error);
   return kExitMisunderstood;
 }
 

@@ -21,8 +21,8 @@ struct ProgramState {
   std::function<int()> chosen;  ///< action of the command that was given
   std::set<const CLI::App*> with_action;
   std::function<int(const std::function<int()>& action)> runner;  ///< none: a call
-  std::string refusal_flag;
-  std::function<void(const Error&)> refuse;  ///< of lines with that flag
+  /// Of lines with a flag, by the flag.
+  std::map<std::string, std::function<void(const Error&)>> refusals;
   std::map<const CLI::Option*, std::vector<std::string>> choices;
   std::set<std::string> of_several_values;  ///< options of a fixed number of values
   std::vector<std::string> help_command;    ///< of the command `help`

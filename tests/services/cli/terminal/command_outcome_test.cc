@@ -15,6 +15,7 @@
 #include <stdexcept>
 
 #include "proto/console.pb.h"
+#include "proto/shop.pb.h"
 #include "services/cli/terminal/complain.h"
 #include "services/client/job_view.h"
 #include "services/client/refusal_code.h"
@@ -49,11 +50,12 @@ class JsonOfCommands : public TypedCommand {
   int Act(const std::function<int()>& act) {
     return Run([&](command_line::Command command) { command.SetAction(act); });
   }
-  int Run(const std::function<void(command_line::Command)>& describe) {
+  int Run(const std::function<void(command_line::Command)>& describe,
+          const char* form = "--json") {
     command_line::Program program("intaglio", "");
     describe(program.root().AddCommand("try", "for a test"));
     AnswerInJson(program);
-    EXPECT_TRUE(program.Parse({"try", "--json"}));
+    EXPECT_TRUE(program.Parse({"try", form}));
     ::testing::internal::CaptureStdout();
     ::testing::internal::CaptureStderr();
     const int code = program.Run();
@@ -240,6 +242,31 @@ TEST_F(JsonOfCommands, ARefusalOfTheJobServiceHasItsCodeAndItsSentence) {
   EXPECT_EQ(AnswerIn(output_).message(), "the stop was pressed");
   EXPECT_EQ(client::RefusalCode({ErrorCode::kRefused, "", "door"}), "refused");
   EXPECT_EQ(client::RefusalCode({ErrorCode::kTimedOut, "", "superseded"}), "timed_out");
+}
+
+// One line for a program that reads events, beside the sentence for people.
+TEST_F(JsonOfCommands, WithEventsARefusalIsAnEventWithItsCode) {
+  bool events = false;
+  const auto run = [&](const std::function<void()>& before) {
+    return Run(
+        [&](command_line::Command command) {
+          command.AddFlag("--events", events, "for programs");
+          command.SetAction([&] {
+            before();
+            return Complain({ErrorCode::kNotFound, "no glass N-XX", ""});
+          });
+        },
+        "--events");
+  };
+  EXPECT_EQ(run([] {}), client::kExitWrongInput);
+  JobEvent event;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(output_, &event).ok());
+  EXPECT_EQ(event.event(), "refused");
+  EXPECT_EQ(event.code(), "not_found");
+  EXPECT_EQ(event.message(), "no glass N-XX");
+  EXPECT_EQ(errors_, "intaglio: no glass N-XX\n");
+  run([] { std::cout << "{\"event\":\"submitted\"}\n"; });
+  EXPECT_EQ(output_, "{\"event\":\"submitted\"}\n");
 }
 
 TEST(CodesOfRefusals, AreInTheDocumentation) {
