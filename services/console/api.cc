@@ -62,11 +62,9 @@ const JobFile* JobFileOf(std::string_view part) {
 web::Response BytesResponse(const Result<CloudReader::Bytes>& bytes,
                             const char* content_type) {
   if (bytes) return {200, content_type, *bytes};
-  const ErrorCode code = bytes.error().code;
-  return ErrorResponse(code == ErrorCode::kNotFound  ? 404
-                       : code == ErrorCode::kRefused ? 503
-                                                     : 500,
-                       bytes.error().message);
+  if (bytes.error().code == ErrorCode::kRefused)
+    return ErrorResponse(503, bytes.error().message);
+  return ErrorResponse(StatusOf(bytes.error().code), bytes.error());
 }
 
 std::optional<std::uint32_t> NumberIn(const web::Request& request, const char* name) {
@@ -160,26 +158,20 @@ std::string Api::AnswerMessage(web::PeerId page, const web::Caller& caller,
                                const std::string& text) {
   const auto request = ParseConsoleRequest(text);
   const auto visitor = access_.VisitorOf(caller);
-  ConsoleError error;
-  if (!visitor) {
-    error.set_message(kNobody);
-  } else if (!request) {
-    error.set_message(request.error().message);
-  } else if (request->has_stop()) {
+  if (!visitor) return LineOf(ErrorOf(401, kNobody));
+  if (!request) return LineOf(ErrorOf(request.error()));
+  if (request->has_stop()) {
     const StopAnswer stop = desk_.Press(request->stop().reason());
     audit_.Add(EntryOf(*visitor, caller, "WebSocket stop", stop.sent() ? 200 : 500));
     return LineOf(stop);
-  } else if (request->has_jog()) {
-    error.set_message(Jog(page, caller, *visitor, request->jog()));
-    if (error.message().empty()) return {};
-  } else {
-    error.set_message("a request has a stop or a jog");
   }
-  return LineOf(error);
+  if (!request->has_jog()) return LineOf(ErrorOf(400, "a request has a stop or a jog"));
+  const auto refused = Jog(page, caller, *visitor, request->jog());
+  return refused ? LineOf(*refused) : "";
 }
 
-std::string Api::Jog(web::PeerId page, const web::Caller& caller, const Visitor& visitor,
-                     const JogRequest& request) {
+std::optional<ConsoleError> Api::Jog(web::PeerId page, const web::Caller& caller,
+                                     const Visitor& visitor, const JogRequest& request) {
   // Who has lost the right lets go: that always passes.
   const bool moves = !request.kind().empty();
   const auto refusal =
@@ -187,7 +179,7 @@ std::string Api::Jog(web::PeerId page, const web::Caller& caller, const Visitor&
   const auto passed =
       refusal ? Result<bool>(Fail(ErrorCode::kRefused, refusal->message))
               : jogs_.Pass(page, request, visitor.name, JogDesk::Clock::now());
-  if (passed && !*passed) return {};
+  if (passed && !*passed) return std::nullopt;
   if (passed) access_.log_ins().Act(visitor.session, access::LogIns::Clock::now());
   const int status = passed ? 200 : refusal ? refusal->status : 400;
   if (moves) {
@@ -195,7 +187,10 @@ std::string Api::Jog(web::PeerId page, const web::Caller& caller, const Visitor&
                        fmt::format("WebSocket jog {} {}", request.cell(), request.kind()),
                        status));
   }
-  return passed ? "" : passed.error().message;
+  if (passed) return std::nullopt;
+  ConsoleError error = ErrorOf(passed.error());
+  if (refusal) error.set_code(refusal->code);
+  return error;
 }
 
 std::optional<Visitor> Api::Admit(const web::Request& request, web::Reply& reply) {
@@ -337,7 +332,7 @@ void Api::AnswerJob(const std::string& job, const std::string& part, std::uint32
     return reply(Unknown());
   desk_.Order([this, job, part, file, from, reply](ShopDesk& desk) {
     const auto found = desk.client().Find(job);
-    if (!found) return reply(ErrorResponse(404, found.error().message));
+    if (!found) return reply(ErrorResponse(404, found.error()));
     if (part.empty()) return reply(JsonResponse(200, client::JobRecordOf(*found)));
     const std::filesystem::path folder = found->result_directory;
     const char* type = file != nullptr ? file->content_type : kBytes;
@@ -377,7 +372,7 @@ void Api::AnswerPost(const std::string& path, const web::Request& request,
   const auto kind = CommandNamed(job_and_name.second);
   if (!kind) return reply(Unknown());
   const auto command = ReadCommand(*kind, request.body);
-  if (!command) return reply(ErrorResponse(400, command.error().message));
+  if (!command) return reply(ErrorResponse(400, command.error()));
   desk_.Order([job, command = *command, reply](ShopDesk& desk) {
     const auto answer = [reply](int status, const CommandAnswer& answered) {
       reply(JsonResponse(status, answered));

@@ -52,8 +52,9 @@ class Api {
   /// Who sends it, and may; nullopt: it is refused and answered. POST is audited.
   std::optional<Visitor> Admit(const web::Request& request, web::Reply& reply);
   /// Empty: passed on, and nothing is answered; else why not.
-  std::string Jog(web::PeerId page, const web::Caller& caller, const Visitor& visitor,
-                  const JogRequest& request);
+  /// Why it was not passed on; nullopt: it was.
+  std::optional<ConsoleError> Jog(web::PeerId page, const web::Caller& caller,
+                                  const Visitor& visitor, const JogRequest& request);
   void LogIn(const web::Request& request, const web::Reply& reply);
   void AnswerSession(const std::string& path, const Visitor& visitor,
                      const web::Reply& reply);

@@ -22,7 +22,9 @@ constexpr auto kStopAnswerTime = 1s;
 constexpr std::size_t kEndedJobsShown = 20;
 
 constexpr char kPressTheButton[] = "press the machine's own button";
-constexpr char kEnded[] = "ended";
+
+/// As a job service names it.
+std::string EndedCode() { return client::NameOf(intaglio_ANSWER_ENDED_JOB); }
 
 std::string EndedSentence(const client::JobView& job) {
   return fmt::format("job {} is already {}", job.number, client::NameOf(job.state));
@@ -138,7 +140,7 @@ std::pair<int, HoldAnswer> ShopDesk::Hold(const std::string& job_name,
   answer.set_cell(job->cell);
   answer.set_block(BlockIn(shop, job->cell));
   *answer.mutable_warnings() = record.warnings();
-  if (job->ended()) return refuse(409, kEnded, EndedSentence(*job));
+  if (job->ended()) return refuse(409, EndedCode(), EndedSentence(*job));
   if (const Obstacle obstacle = ObstacleOf(shop, job->cell); !obstacle.code.empty())
     return refuse(409, obstacle.code, obstacle.message);
   if (block != answer.block()) {
@@ -161,7 +163,7 @@ std::optional<client::JobView> ShopDesk::OpenJobNamed(const std::string& name,
   const auto job = client().Find(name);
   if (job && !job->ended()) return *job;
   refused.set_message(job ? EndedSentence(*job) : job.error().message);
-  refused.set_code(job ? kEnded : client::RefusalCode(job.error()));
+  refused.set_code(job ? EndedCode() : client::RefusalCode(job.error()));
   if (job) refused.set_job(job->number);
   answer(job ? 409 : 404, refused);
   return std::nullopt;

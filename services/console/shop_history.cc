@@ -19,10 +19,7 @@ std::string ValueIn(const std::map<std::string, std::string>& query, const char*
 constexpr std::size_t kMaxCsvBytes = 16 << 20;
 
 web::Response Failed(const Error& error) {
-  return ErrorResponse(error.code == ErrorCode::kNotFound   ? 404
-                       : error.code == ErrorCode::kTooLarge ? 413
-                                                            : 500,
-                       error.message);
+  return ErrorResponse(StatusOf(error.code), error);
 }
 
 }  // namespace
@@ -48,7 +45,7 @@ web::Response HistoryResponse(HistoryForm form, const std::filesystem::path& dat
   filter.verdict = ValueIn(query, "verdict");
   filter.cell = ValueIn(query, "cell");
   if (const auto good = history::CheckFilter(filter); !good)
-    return ErrorResponse(400, good.error().message);
+    return ErrorResponse(400, good.error());
   if (form != HistoryForm::kJson) {
     const auto rows =
         form == HistoryForm::kDays ? history::CsvRows::kDays : history::CsvRows::kJobs;

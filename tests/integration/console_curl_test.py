@@ -89,6 +89,16 @@ def check_submissions(folder, schemas):
     picture = subprocess.run(["curl", "-sf", "-b", "cookies", url + order + "/preview"], cwd=folder,
                              check=True, capture_output=True).stdout
     assert picture[:4] == b"\x89PNG", picture[:60]
+    (folder / "ice.textproto").write_text(
+        re.sub('glass: "[^"]*"', 'glass: "ICE"', (folder / "knot.textproto").read_text()))
+    curl("/submissions/order-9/files/sample.obj", "--data-binary", "@sample.obj")
+    for target, reason in ((order + "/preview", "not_found"),
+                           ("/submissions/order-9", "refused")):
+        code, refused = curl(target, "--data-binary", "@ice.textproto")
+        assert code == 422 and refused["code"] == reason, (target, code, refused)
+        assert refused["message"].startswith('glass: there is no glass "ICE"'), refused
+    code, nothing = curl("/nothing")
+    assert code == 404 and nothing["code"] == "not_found", (code, nothing)
     code, other = curl(file, "--data-binary", "@other.textproto")
     assert code == 409, (code, other)
     (folder / "wrong.textproto").write_text('models { file: "/etc/passwd" }')
@@ -157,7 +167,7 @@ def check_client(folder):
         shop.pause(1)
         raise AssertionError("a job that has ended was paused")
     except intaglio_console.Refused as refused:
-        assert refused.status == 409 and refused.code == "ended", refused.answer
+        assert refused.status == 409 and refused.code == "ended_job", refused.answer
     assert shop.stop("smoke")["sent"]
     # The dashboard of deploy/ shows figures that there are.
     shown = set(re.findall(r"\bintaglio_[a-z_]+", (ROOT / "deploy/grafana/shop.json").read_text()))

@@ -81,7 +81,7 @@ class Finger:
             if "held_here" in message:
                 self.view = message
                 return True
-            if list(message) == ["message"]:
+            if set(message) == {"message", "code"}:
                 self.refusal = message["message"]
         return False
 

@@ -1,6 +1,7 @@
 #include "services/console/submit/program_run.h"
 
 #include <fmt/format.h>
+#include <google/protobuf/util/json_util.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -10,6 +11,7 @@
 #include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
 #include "services/client/child_process.h"
+#include "services/client/exit_codes.h"
 #include "services/platform/command_line/other_programs.h"
 
 namespace intaglio::console {
@@ -32,6 +34,24 @@ struct Scratch {
 };
 
 }  // namespace
+
+ConsoleError RefusalOf(const ProgramEnd& end) {
+  google::protobuf::util::JsonParseOptions lenient;
+  lenient.ignore_unknown_fields = true;
+  ConsoleError refusal;
+  for (const std::string& json : end.json) {
+    // A CommandAnswer and a JobEvent have these two fields of it.
+    ConsoleError read;
+    const auto parsed = google::protobuf::util::JsonStringToMessage(json, &read, lenient);
+    if (parsed.ok() && !read.code().empty()) refusal = std::move(read);
+  }
+  if (!refusal.code().empty()) return refusal;
+  refusal.set_message(end.text);
+  refusal.set_code(ErrorCodeName(end.exit_code == client::kExitWrongInput
+                                     ? ErrorCode::kInvalidValue
+                                     : ErrorCode::kFault));
+  return refusal;
+}
 
 ProgramEnd EndOfProgram(int exit_code, const std::string& output) {
   ProgramEnd end;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engrave/core/result.h"
+#include "proto/console.pb.h"
 
 namespace intaglio::console {
 
@@ -23,6 +24,10 @@ struct ProgramEnd {
 Result<ProgramEnd> RunIntaglio(std::vector<std::string> words,
                                const std::filesystem::path& scratch,
                                std::chrono::milliseconds timeout);
+
+/// Why it did not do what it was called for, with the code: by its CommandAnswer or its
+/// event `refused`, else what it printed for people.
+ConsoleError RefusalOf(const ProgramEnd& end);
 
 /// The same from the text that it printed.
 ProgramEnd EndOfProgram(int exit_code, const std::string& output);

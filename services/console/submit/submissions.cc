@@ -11,6 +11,7 @@
 #include "engrave/io/crc32.h"
 #include "proto/shop.pb.h"
 #include "services/client/exit_codes.h"
+#include "services/console/answers/json_response.h"
 #include "services/console/submit/program_run.h"
 #include "services/job/convert/model_kind.h"
 #include "services/job/files/job_file.h"
@@ -46,9 +47,12 @@ bool IsNameOfAProfile(const std::string& machine) {
   return machine.find_first_of("./\\") == std::string::npos;
 }
 
-int StatusOf(int exit_code) {
-  if (exit_code == client::kExitGood) return 200;
+int StatusOfExit(int exit_code) {
   return exit_code == client::kExitWrongInput ? 422 : 503;
+}
+
+int StatusOfRun(const Error& error) {
+  return error.code == ErrorCode::kTimedOut ? 504 : 503;
 }
 
 }  // namespace
@@ -90,19 +94,18 @@ SubmissionAnswer Submissions::Submit(const std::string& id,
                                      const std::string& job_file) const {
   SubmissionAnswer submission;
   submission.answer.set_id(id);
-  const auto fail = [&submission](int status, const std::string& message) {
+  const auto fail = [&submission](int status, const ConsoleError& refusal) {
     submission.status = status;
-    submission.answer.set_message(message);
+    submission.answer.set_message(refusal.message());
+    submission.answer.set_code(refusal.code());
     return submission;
   };
   const auto file = Write(id, job_file);
-  if (!file) return fail(422, file.error().message);
+  if (!file) return fail(422, ErrorOf(file.error()));
   std::vector<std::string> words = {"submit", file->string(), "--id", id, "--events"};
   words.insert(words.end(), shop_arguments_.begin(), shop_arguments_.end());
   const auto end = RunIntaglio(std::move(words), file->parent_path(), kSubmitTime);
-  if (!end)
-    return fail(end.error().code == ErrorCode::kTimedOut ? 504 : 503,
-                end.error().message);
+  if (!end) return fail(StatusOfRun(end.error()), ErrorOf(end.error()));
   google::protobuf::util::JsonParseOptions lenient;
   lenient.ignore_unknown_fields = true;
   for (const std::string& line : end->json) {
@@ -114,29 +117,27 @@ SubmissionAnswer Submissions::Submit(const std::string& id,
     submission.answer.set_uid(event.uid());
     submission.answer.set_state(event.state());
   }
-  if (!submission.answer.submitted()) return fail(StatusOf(end->exit_code), end->text);
+  if (!submission.answer.submitted())
+    return fail(StatusOfExit(end->exit_code), RefusalOf(*end));
   return submission;
 }
 
 PreviewAnswer Submissions::Preview(const std::string& id,
                                    const std::string& job_file) const {
   const auto file = Write(id, job_file);
-  if (!file) return {422, {}, file.error().message};
+  if (!file) return {422, {}, ErrorOf(file.error())};
   const fs::path folder = file->parent_path();
   std::vector<std::string> words = {"preview", file->string(), "--json", "--out",
                                     (folder / kPreviewPicture).parent_path().string()};
   if (!materials_.empty()) words.insert(words.end(), {"--materials", materials_});
   const auto end = RunIntaglio(std::move(words), folder, kSubmitTime);
-  if (!end) {
-    return {
-        end.error().code == ErrorCode::kTimedOut ? 504 : 503, {}, end.error().message};
-  }
-  PreviewAnswer answer;
-  const bool made = !end->json.empty() && google::protobuf::util::JsonStringToMessage(
-                                              end->json.front(), &answer.preview)
-                                              .ok();
-  if (made) return answer;
-  return {StatusOf(end->exit_code), {}, end->text};
+  if (!end) return {StatusOfRun(end.error()), {}, ErrorOf(end.error())};
+  JobPreview preview;
+  const bool made =
+      !end->json.empty() &&
+      google::protobuf::util::JsonStringToMessage(end->json.front(), &preview).ok();
+  if (made) return {200, std::move(preview), {}};
+  return {StatusOfExit(end->exit_code), {}, RefusalOf(*end)};
 }
 
 }  // namespace intaglio::console

@@ -6,6 +6,7 @@
 // for it (upload_folder.h), never from others of the console's computer.
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,9 +24,9 @@ struct SubmissionAnswer {
 };
 
 struct PreviewAnswer {
-  int status = 200;
-  JobPreview preview;
-  std::string message;  ///< why there is none
+  int status = 200;  ///< of HTTP
+  std::optional<JobPreview> preview;
+  ConsoleError refusal;  ///< why there is none
 };
 
 /// Beside the files of a submission, once its preview was made.

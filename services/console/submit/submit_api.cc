@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "engrave/io/whole_file.h"
+#include "services/client/refusal_code.h"
 #include "services/console/answers/json_response.h"
 #include "services/job/files/job_file.h"
 
@@ -14,27 +15,13 @@ constexpr std::string_view kFiles = "/files/";
 constexpr std::string_view kPreview = "/preview";
 constexpr std::uint64_t kMaxPictureBytes = 64 << 20;
 constexpr char kBusy[] = "too many files come at once: try again";
-
-int StatusOf(ErrorCode code) {
-  switch (code) {
-    case ErrorCode::kInvalidValue:
-      return 400;
-    case ErrorCode::kNotFound:
-    case ErrorCode::kMissing:
-      return 404;
-    case ErrorCode::kRefused:
-      return 409;
-    case ErrorCode::kTooLarge:
-      return 413;
-    default:
-      return 507;
-  }
-}
+constexpr int kNoSpace = 507;
 
 web::Response RefusalOf(const Error& error) {
   UploadAnswer answer;
   answer.set_message(error.message);
-  return JsonResponse(StatusOf(error.code), answer);
+  answer.set_code(client::RefusalCode(error));
+  return JsonResponse(StatusOf(error.code, kNoSpace), answer);
 }
 
 /// `fallback` without the name; nullopt: no whole number.
@@ -186,8 +173,8 @@ void SubmitApi::Submit(const std::string& id, std::string job_file, web::Reply r
 void SubmitApi::Preview(const std::string& id, std::string job_file, web::Reply reply) {
   const bool taken = previews_.Add([this, id, job_file = std::move(job_file), reply] {
     const PreviewAnswer made = submissions_.Preview(id, job_file);
-    reply(made.message.empty() ? JsonResponse(made.status, made.preview)
-                               : ErrorResponse(made.status, made.message));
+    reply(made.preview ? JsonResponse(200, *made.preview)
+                       : JsonResponse(made.status, made.refusal));
   });
   if (!taken) reply(ErrorResponse(503, "too many previews are made at once: try again"));
 }

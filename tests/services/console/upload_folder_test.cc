@@ -131,5 +131,24 @@ TEST(ProgramEnds, SeparateWhatIsForProgramsFromWhatIsForPeople) {
   EXPECT_EQ(end.text, "models: none\nand more");
 }
 
+TEST(ProgramEnds, HaveTheReasonOfARefusalWithItsCode) {
+  const auto refusal = [](const std::string& output) {
+    return RefusalOf(EndOfProgram(2, output));
+  };
+  const ConsoleError answer = refusal(
+      "points  [###--]  70 %\n{\n \"job\": 0,\n \"taken\": false,\n"
+      " \"code\": \"not_found\",\n \"message\": \"glass: none\"\n}\n");
+  EXPECT_EQ(answer.code(), "not_found");
+  EXPECT_EQ(answer.message(), "glass: none");
+  const ConsoleError event = refusal(
+      "{\"time\":\"\",\"event\":\"refused\",\"job\":0,\"message\":\"models: none\","
+      "\"code\":\"missing\"}\nintaglio: models: none\n");
+  EXPECT_EQ(event.code(), "missing");
+  EXPECT_EQ(event.message(), "models: none");
+  const ConsoleError text = refusal("intaglio: models: none\n");
+  EXPECT_EQ(text.code(), "invalid_value");
+  EXPECT_EQ(text.message(), "models: none");
+}
+
 }  // namespace
 }  // namespace intaglio::console
