@@ -5,16 +5,34 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 
+#include "engrave/io/number_text.h"
 #include "services/platform/command_line/joined_values.h"
 #include "services/platform/command_line/open_files.h"
 #include "services/platform/command_line/shell_files.h"
 #include "services/platform/command_line/state.h"
 
 namespace intaglio::command_line {
+namespace {
+
+/// Refuses a value that is not `wanted`, in its words. `kind`: as --help shows it.
+void CheckNumber(CLI::Option& option, const std::function<bool(double)>& fits,
+                 const std::string& wanted, const std::string& kind) {
+  option.check(
+      [fits, wanted](const std::string& value) {
+        const auto number = io::ParseFinite(value);
+        return number && fits(*number) ? std::string()
+                                       : fmt::format("'{}' is no {}", value, wanted);
+      },
+      kind);
+}
+
+}  // namespace
 
 // ---- Options -------------------------------------------------------------------------
 
@@ -24,17 +42,27 @@ Option Option::Require() const {
 }
 
 Option Option::Within(int smallest, int largest) const {
-  option_->check(CLI::Range(smallest, largest));
+  CheckNumber(
+      *option_,
+      [=](double number) {
+        return number >= smallest && number <= largest && number == std::floor(number);
+      },
+      fmt::format("whole number from {} to {}", smallest, largest),
+      fmt::format("INT in [{} - {}]", smallest, largest));
   return *this;
 }
 
 Option Option::Within(double smallest, double largest) const {
-  option_->check(CLI::Range(smallest, largest));
+  CheckNumber(
+      *option_, [=](double number) { return number >= smallest && number <= largest; },
+      fmt::format("number from {} to {}", smallest, largest),
+      fmt::format("FLOAT in [{} - {}]", smallest, largest));
   return *this;
 }
 
 Option Option::Positive() const {
-  option_->check(CLI::PositiveNumber);
+  CheckNumber(
+      *option_, [](double number) { return number > 0; }, "number above 0", "POSITIVE");
   return *this;
 }
 

@@ -124,11 +124,13 @@ TEST(Option, ThatIsNotAsItHasToBeIsNamed) {
   };
   EXPECT_EQ(output({"--rate", "2", "--count", "4", "--format", "ply"}), "understood");
   EXPECT_THAT(Output(program, {}), HasSubstr("--out is required"));
-  EXPECT_THAT(output({"--rate", "2.1"}), HasSubstr("--rate"));
-  EXPECT_THAT(output({"--rate", "fast"}), HasSubstr("--rate"));
-  EXPECT_THAT(output({"--count", "0"}), HasSubstr("--count"));
-  EXPECT_THAT(output({"--count", "1.5"}), HasSubstr("--count"));
-  EXPECT_THAT(output({"--width", "0"}), HasSubstr("--width"));
+  EXPECT_THAT(output({"--rate", "2.1"}),
+              HasSubstr("--rate: '2.1' is no number from 0.5 to 2"));
+  EXPECT_THAT(output({"--rate", "fast"}), HasSubstr("--rate: 'fast' is no number"));
+  EXPECT_THAT(output({"--count", "0"}),
+              HasSubstr("--count: '0' is no whole number from 1 to 4"));
+  EXPECT_THAT(output({"--count", "1.5"}), HasSubstr("--count: '1.5' is no whole"));
+  EXPECT_THAT(output({"--width", "0"}), HasSubstr("--width: '0' is no number above 0"));
   EXPECT_THAT(output({"--format", "doc"}), HasSubstr("--format"));
   EXPECT_THAT(output({"--height", "1", "--size", "2"}), HasSubstr("--height"));
   EXPECT_THAT(output({"--format", "csv", "--corner", "1", "2"}), HasSubstr("--corner"));
