@@ -13,6 +13,7 @@
 
 #include "engrave/io/number_text.h"
 #include "services/platform/command_line/joined_values.h"
+#include "services/platform/command_line/line_parse.h"
 #include "services/platform/command_line/open_files.h"
 #include "services/platform/command_line/shell_files.h"
 #include "services/platform/command_line/state.h"
@@ -266,50 +267,6 @@ int Program::ShowHelp() const {
 
 namespace {
 
-/// An option of a command, and the variable of the environment that it reads.
-struct Variable {
-  CLI::Option* option;
-  std::string name;
-};
-
-void Restore(const std::vector<Variable>& variables) {
-  for (const Variable& variable : variables) variable.option->envname(variable.name);
-}
-
-/// Gives the options their variables back, which help and manual pages print.
-class Restored {
- public:
-  explicit Restored(const std::vector<Variable>& variables) : variables_(variables) {}
-  ~Restored() { Restore(variables_); }
-  Restored(const Restored&) = delete;
-  Restored& operator=(const Restored&) = delete;
-
- private:
-  const std::vector<Variable>& variables_;
-};
-
-/// All variables of the commands below `app`. A command that is given gets its own back
-/// before it is parsed.
-std::vector<Variable> VariablesOfCommands(CLI::App& app) {
-  std::vector<Variable> all;
-  for (CLI::App* const command : app.get_subcommands([](CLI::App*) { return true; })) {
-    std::vector<Variable> own;
-    for (CLI::Option* const option : command->get_options()) {
-      if (const std::string name = option->get_envname(); !name.empty())
-        own.push_back({option, name});
-    }
-    command->preparse_callback([own](std::size_t) { Restore(own); });
-    all.insert(all.end(), own.begin(), own.end());
-    const std::vector<Variable> below = VariablesOfCommands(*command);
-    all.insert(all.end(), below.begin(), below.end());
-  }
-  return all;
-}
-
-}  // namespace
-
-namespace {
-
 /// `unknown`: what TextOfUnknownArguments has about it, or "".
 Error RefusalOf(const CLI::ParseError& error, const std::string& unknown) {
   if (!unknown.empty()) return {ErrorCode::kInvalidValue, unknown, ""};
@@ -372,15 +329,8 @@ Status Program::Parse(const std::vector<std::string>& words) {
   return {};
 }
 
-// The library reads the variables of every command's options, also of those that were not
-// given. Commands that share their values would so replace an option that was given.
 void Program::ParseDivided(const std::vector<std::string>& words) {
-  const std::vector<Variable> variables = VariablesOfCommands(*app_);
-  const Restored restored(variables);
-  for (const Variable& variable : variables) variable.option->envname("");
-  auto divided = DivideJoinedValues(words, state_->of_several_values);
-  std::reverse(divided.begin(), divided.end());  // the library takes them from the end
-  app_->parse(std::move(divided));
+  ParseLine(*app_, DivideJoinedValues(words, state_->of_several_values));
 }
 
 // A required option may be missing because it is mistyped: the mistyped one is reported.

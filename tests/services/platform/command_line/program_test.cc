@@ -169,6 +169,31 @@ TEST(Option, ThatIsGivenPrecedesTheVariableOfAnotherCommand) {
   unsetenv("INTAGLIO_TEST_SHOP");
 }
 
+// teach --domain 33 jog moved the machine of another domain.
+TEST(Option, ThatIsGivenBeforeACommandIsOfThatCommand) {
+  std::string screens, shop;
+  double size = 0;
+  Program program("p", "");
+  const auto teach = program.root().AddCommand("teach", "");
+  teach.AddOption("--shop", screens, "").FromEnvironment("INTAGLIO_TEST_SHOP");
+  teach.AddOption("--size", size, "");
+  const auto status = teach.AddCommand("status", "");
+  status.AddOption("--shop", shop, "").FromEnvironment("INTAGLIO_TEST_SHOP");
+  status.SetAction([] { return 0; });
+  for (const bool has_variable : {false, true}) {
+    if (has_variable) setenv("INTAGLIO_TEST_SHOP", "there", 1);
+    EXPECT_EQ(Output(program, {"teach", "--shop", "here", "status"}), "understood");
+    EXPECT_EQ(shop, "here");
+    EXPECT_EQ(Output(program, {"teach", "status", "--shop", "near"}), "understood");
+    EXPECT_EQ(shop, "near");
+  }
+  EXPECT_EQ(Output(program, {"teach", "status"}), "understood");
+  EXPECT_EQ(shop, "there");
+  unsetenv("INTAGLIO_TEST_SHOP");
+  EXPECT_THAT(Output(program, {"teach", "--size", "3", "status"}),
+              HasSubstr("--size: is an option of p teach, and not of p teach status"));
+}
+
 TEST(Command, ThatWasGivenActs) {
   Program program("intaglio", "");
   const Command recording = program.root().AddCommand("recording", "");
