@@ -19,6 +19,7 @@ using namespace std::chrono_literals;
 using ::testing::AllOf;
 using testing::Ended;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::Program;
 using testing::Running;
 using testing::TextIn;
@@ -48,6 +49,18 @@ class PreviewCommand : public ::testing::Test {
   fs::path folder_ = test::FreshFolder();
   int count_ = 0;
 };
+
+TEST_F(PreviewCommand, OfManyPointsShowsADraftFirst) {
+  const std::string folder = (folder_ / "d").string();
+  const Tokens words = {"preview", kSample, "--spacing", "0.1", "--out", folder};
+  const Ended people = Type(words);
+  EXPECT_THAT(people.output, HasSubstr("d/preview.html: DRAFT of "));
+  EXPECT_EQ(Figures("d").draft_count(), 0u) << "the preview takes its place";
+  EXPECT_THAT(TextIn(folder_ / "d/preview.html"), Not(HasSubstr("DRAFT")));
+  Tokens program = words;
+  program.push_back("--json");
+  EXPECT_THAT(Type(program).output, Not(HasSubstr("DRAFT")));
+}
 
 TEST_F(PreviewCommand, OfAJobFileShowsWhatRunMakes) {
   const Ended preview = Type(

@@ -20,6 +20,7 @@
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
 #include "services/client/folder_name.h"
+#include "services/client/preview/draft.h"
 #include "services/client/preview/preview.h"
 #include "services/client/preview/preview_text.h"
 #include "services/client/proof/proof_folder.h"
@@ -76,6 +77,20 @@ void Print(const client::Preview& preview, const fs::path& folder) {
                            (folder / client::kPreviewPage).string());
 }
 
+fs::path FolderOf(const PreviewCommandOptions& options, const std::string& name) {
+  return options.out.empty() ? fs::path("intaglio-preview") / client::FolderNameOf(name)
+                             : fs::path(options.out);
+}
+
+/// A person looks at it meanwhile; what is wrong is reported by the preview.
+void ShowDraft(const FrozenJob& job, const client::PreviewOptions& how,
+               const fs::path& folder) {
+  const auto draft = client::MakeDraft(job, how);
+  if (!draft || !client::WritePreview(folder, *draft)) return;
+  std::cerr << fmt::format("{}: {}\n", (folder / client::kPreviewPage).string(),
+                           client::VerdictText(draft->figures));
+}
+
 int MakeAndWrite(const PreviewCommandOptions& given) {
   PreviewCommandOptions options = given;
   if (const auto taken = TakeAnswers(options.accept, options.job); !taken)
@@ -88,6 +103,8 @@ int MakeAndWrite(const PreviewCommandOptions& given) {
   how.executor = host::AllCores();
   how.made_utc = client::UtcNow();
   how.found = job->of_arrangement;
+  const fs::path folder = FolderOf(options, job->frozen.job().name());
+  if (!options.json) ShowDraft(job->frozen, how, folder);
   std::optional<LateMeter> meter(std::in_place);
   const auto preview = client::MakePreview(
       job->frozen, how, [&](const char* stage, std::uint64_t done, std::uint64_t total) {
@@ -95,10 +112,6 @@ int MakeAndWrite(const PreviewCommandOptions& given) {
       });
   meter.reset();
   if (!preview) return Complain(preview.error());
-  const fs::path folder =
-      options.out.empty()
-          ? fs::path("intaglio-preview") / client::FolderNameOf(preview->figures.name())
-          : fs::path(options.out);
   if (auto written = client::WritePreview(folder, *preview); !written) {
     return Complain(written.error());
   }

@@ -175,11 +175,7 @@ JobPreview FiguresOf(const FrozenJob& job, const MadeCloud& made,
   *figures.mutable_warnings() = RecordsOf(AtLeast(WarningWeight::kNote, warnings));
   figures.set_point_count(made.cloud.size());
   figures.set_min_spacing_mm(spec.discretization().min_spacing_mm());
-  const Box3 box = BoundsOf(made.cloud.points_mm);
-  Set(box.size_mm(), *figures.mutable_size_mm());
-  Set(box.min_mm, *figures.mutable_low_mm());
-  *figures.mutable_block_size_mm() = spec.block().size_mm();
-  figures.set_margin_mm(spec.block().margin_mm());
+  SetPlace(spec, made.cloud.points_mm, figures);
   AddQuality(found, figures);
   if (job.optics().has_thermal_strength_k()) {
     figures.set_thermal_strength_k(job.optics().thermal_strength_k());
@@ -188,7 +184,7 @@ JobPreview FiguresOf(const FrozenJob& job, const MadeCloud& made,
     figures.set_local_thermal_strength_k(job.optics().local_thermal_strength_k());
   }
   *figures.mutable_pulse() = PulseFocusOf(job);
-  AddLight(job, box.min_mm.z(), figures);
+  AddLight(job, figures.low_mm().z(), figures);
   figures.set_glass(job.material().name());
   figures.set_machine(job.machine().name());
   AddModels(spec, made.cloud, figures);
@@ -199,7 +195,7 @@ JobPreview FiguresOf(const FrozenJob& job, const MadeCloud& made,
 
 void DrawPictures(const MadeCloud& made, Preview& preview) {
   const std::vector<ChannelMask> channels = DistinctChannels(made.masks);
-  preview.figures.set_picture("preview.png");
+  preview.figures.set_picture(kPreviewFile);
   for (const ChannelMask channel : channels) {
     if (channels.size() < 2) break;
     const int number = std::countr_zero(channel) + 1;
@@ -219,6 +215,14 @@ void DrawPictures(const MadeCloud& made, Preview& preview) {
 }
 
 }  // namespace
+
+void SetPlace(const JobSpec& job, const PointList& points_mm, JobPreview& figures) {
+  const Box3 box = BoundsOf(points_mm);
+  Set(box.size_mm(), *figures.mutable_size_mm());
+  Set(box.min_mm, *figures.mutable_low_mm());
+  *figures.mutable_block_size_mm() = job.block().size_mm();
+  figures.set_margin_mm(job.block().margin_mm());
+}
 
 Result<Preview> MakePreview(const FrozenJob& job, const PreviewOptions& options,
                             const PreviewProgress& progress) {

@@ -56,6 +56,10 @@ struct Preview {
 Result<Preview> MakePreview(const FrozenJob& job, const PreviewOptions& options,
                             const PreviewProgress& progress);
 
+/// Size and place of the points in the block of the job.
+void SetPlace(const JobSpec& job, const PointList& points_mm, JobPreview& figures);
+
+inline constexpr const char* kPreviewFile = "preview.png";
 inline constexpr const char* kPreviewPage = "preview.html";
 inline constexpr const char* kPreviewFigures = "preview.json";
 

@@ -21,6 +21,7 @@ constexpr std::string_view kStyle = R"(
              color: #fff; background: #1d7a3c; }
   .verdict.warning { background: #a86400; }
   .verdict.consent { background: #b3261e; }
+  .verdict.draft { background: #5f6368; }
   canvas { width: 100%; height: auto; margin: 1rem 0; border-radius: .3rem;
            touch-action: none; cursor: grab; }
   img { width: 100%; height: auto; margin: 1rem 0; border-radius: .3rem; }
@@ -38,6 +39,7 @@ constexpr std::string_view kStyle = R"(
 
 std::string ClassOf(const JobPreview& figures) {
   if (figures.verdict() == kReady) return "";
+  if (figures.verdict() == kDraft) return " draft";
   return figures.verdict() == kReadyWithWarnings ? " warning" : " consent";
 }
 
@@ -118,7 +120,8 @@ std::string PageOf(const Preview& preview) {
   }
   const Vector3& block = figures.block_size_mm();
   page += TurningView(preview.points_mm, Vec3(block.x(), block.y(), block.z()));
-  page += FigureTable(figures) + WarningTexts(figures) + ModelTable(figures);
+  page += FigureTable(figures);
+  if (figures.verdict() != kDraft) page += WarningTexts(figures) + ModelTable(figures);
   for (std::size_t i = 1; i < preview.pictures.size(); ++i) {
     page += PictureOf(preview.pictures[i], preview.pictures[i].file);
   }

@@ -21,7 +21,8 @@ std::vector<std::uint8_t> Draw(const JobPreview& figures, const PointList& point
 }
 
 Tone ToneOf(const JobPreview& figures) {
-  return figures.verdict() == kReady               ? Tone::kGood
+  return figures.verdict() == kDraft               ? Tone::kPlain
+         : figures.verdict() == kReady             ? Tone::kGood
          : figures.verdict() == kReadyWithWarnings ? Tone::kWarning
                                                    : Tone::kBad;
 }
@@ -39,6 +40,11 @@ std::vector<render::Note> NotesOf(const JobPreview& figures) {
 }
 
 std::vector<render::Figure> FiguresBesideOf(const JobPreview& figures) {
+  if (figures.verdict() == kDraft) {
+    return {{"points", "about " + GroupedDigits(figures.point_count())},
+            {"in this draft", GroupedDigits(figures.draft_count())},
+            {"piece", SizeText(figures.size_mm())}};
+  }
   std::vector<render::Figure> beside = {
       {"points", GroupedDigits(figures.point_count())},
       {"piece", SizeText(figures.size_mm())},
@@ -67,7 +73,8 @@ std::vector<std::uint8_t> DrawPreview(const JobPreview& figures,
                                      block.x(), block.y(), block.z()),
                          "preview: planned, not engraved"};
   caption.figures = FiguresBesideOf(figures);
-  caption.verdict = figures.verdict() == kReady               ? "READY"
+  caption.verdict = figures.verdict() == kDraft               ? "DRAFT"
+                    : figures.verdict() == kReady             ? "READY"
                     : figures.verdict() == kReadyWithWarnings ? "READY, WITH WARNINGS"
                                                               : "NOT READY";
   caption.verdict_tone = ToneOf(figures);

@@ -47,6 +47,10 @@ std::string TimeText(const JobPreview& figures) {
 }
 
 std::string PointsText(const JobPreview& figures) {
+  if (figures.verdict() == kDraft) {
+    return fmt::format("about {} ({:g} mm required)",
+                       GroupedDigits(figures.point_count()), figures.min_spacing_mm());
+  }
   std::string text = GroupedDigits(figures.point_count());
   if (figures.measured_spacing_mm() > 0) {
     text += fmt::format(", nearest two {:.4g} mm apart", figures.measured_spacing_mm());
@@ -115,6 +119,10 @@ std::string GlassText(const JobPreview& figures) {
 std::string VerdictText(const JobPreview& figures) {
   if (figures.verdict() == kReady) return "READY";
   if (figures.verdict() == kReadyWithWarnings) return "READY, with warnings";
+  if (figures.verdict() == kDraft) {
+    return fmt::format("DRAFT of {}; the preview follows",
+                       GroupedCount(figures.draft_count(), "point"));
+  }
   const Warnings warnings = WarningsOf(figures.warnings());
   const Warning* consent = FindConsent(warnings);
   return fmt::format("NOT READY: arm it with {} if you accept what may happen",
@@ -134,10 +142,11 @@ std::vector<PreviewLine> LinesOf(const JobPreview& figures) {
                             "{:.1f}) mm",
                             PlainSizeText(figures.block_size_mm()), figures.margin_mm(),
                             low.x(), low.y(), low.z())},
-      {"points", PointsText(figures)},
-      {"time", TimeText(figures)},
-      {"glass", GlassText(figures)},
-      {"machine", figures.machine()}};
+      {"points", PointsText(figures)}};
+  if (figures.verdict() == kDraft) return lines;
+  lines.push_back({"time", TimeText(figures)});
+  lines.push_back({"glass", GlassText(figures)});
+  lines.push_back({"machine", figures.machine()});
   if (figures.has_pulse()) {
     const std::string& condition = figures.pulse().condition();
     lines.push_back(

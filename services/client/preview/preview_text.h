@@ -14,6 +14,7 @@ namespace intaglio::client {
 inline constexpr const char* kReady = "ready";
 inline constexpr const char* kReadyWithWarnings = "ready_with_warnings";
 inline constexpr const char* kNeedsConsent = "needs_consent";
+inline constexpr const char* kDraft = "draft";  ///< draft.h
 
 /// "READY", ...; of one that needs a consent with the option that gives it.
 std::string VerdictText(const JobPreview& figures);
@@ -24,7 +25,7 @@ struct PreviewLine {
   bool bad = false;   ///< the glass may break
 };
 
-/// Piece, points, time, glass, machine; in this order.
+/// Piece, points, time, glass, machine; in this order. Of a draft what it has.
 std::vector<PreviewLine> LinesOf(const JobPreview& figures);
 
 /// "40.4 x 31.3 x 39.9 mm".
