@@ -27,13 +27,6 @@ namespace {
 
 constexpr double kLatticeStepsPerDistance = 5;
 
-/// Not below it: thinning compares in single precision.
-float UpwardSingle(double value) {
-  const auto single = static_cast<float>(value);
-  if (static_cast<double>(single) >= value) return single;
-  return std::nextafter(single, std::numeric_limits<float>::infinity());
-}
-
 /// Rows: across the rise, across it once more, and the rise.
 Mat3 RiseFromGlass() {
   const Vec3 rise = ObliqueRise(), level = Vec3::UnitZ().cross(rise).normalized();

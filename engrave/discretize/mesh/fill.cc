@@ -17,7 +17,7 @@ class FillSource final : public PointSource {
  public:
   FillSource(mesh::TriangleMesh mesh, const FillOptions& options)
       : mesh_(std::move(mesh)),
-        spacing_mm_(static_cast<float>(options.vertex_distance_mm)),
+        spacing_mm_(UpwardSingle(options.vertex_distance_mm)),
         grid_(mesh_, {spacing_mm_ / kStepsPerDistance * kRoundingAllowance,
                       options.full_fill, options.full_fill}) {}
 

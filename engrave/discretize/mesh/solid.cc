@@ -46,7 +46,7 @@ class SolidSource final : public PointSource {
  public:
   SolidSource(const SolidOptions& options, const Box3& bounds,
               std::array<Lines, 3> lattices)
-      : spacing_mm_(static_cast<float>(options.distance_mm)),
+      : spacing_mm_(UpwardSingle(options.distance_mm)),
         layer_mm_(std::sqrt(2.0 / 3) * options.height_ratio * spacing_mm_ *
                   kRoundingAllowance),
         bounds_(bounds),
@@ -155,7 +155,7 @@ Result<std::unique_ptr<PointSource>> MakeSolid(const mesh::TriangleMesh& mesh,
           options.distance_mm);
   Require(options.height_ratio >= 1 && options.height_ratio <= 10,
           "height_ratio must be 1..10, is {}", options.height_ratio);
-  const double step_mm = static_cast<float>(options.distance_mm) * kRoundingAllowance;
+  const double step_mm = UpwardSingle(options.distance_mm) * kRoundingAllowance;
   std::array<Lines, 3> lattices;
   for (int k = 0; k < 3; ++k) {
     const Vec3 shift_mm = k * step_mm * Vec3(0.5, 0.5 / std::numbers::sqrt3, 0);

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace intaglio::discretize {
 
@@ -9,6 +11,14 @@ namespace intaglio::discretize {
 /// the minimum spacing apart nearer than that, and thinning would remove every second
 /// one.
 inline constexpr double kRoundingAllowance = 1 + 1e-9;
+
+/// The spacing of a point in single precision, as clouds have it: not below the given
+/// one. A lattice whose nodes are exactly that far apart is made of this number.
+inline float UpwardSingle(double spacing_mm) {
+  const auto single = static_cast<float>(spacing_mm);
+  if (static_cast<double>(single) >= spacing_mm) return single;
+  return std::nextafter(single, std::numeric_limits<float>::infinity());
+}
 
 /// The statistics of a method on one model.
 struct MethodStatistics {

@@ -28,6 +28,14 @@ TEST(Solid, PointsAreExactlyApartAndThinningKeepsThemAll) {
   EXPECT_EQ(Thinned(*source).size(), points.size());
 }
 
+// 0.48 in single precision is less than 0.48: three quarters of the points were thinned.
+TEST(Solid, ThinningKeepsThemAllWhateverTheirDistance) {
+  for (double d = 0.3; d < 0.6; d += 0.0137) {
+    const SpacedCloud points = PointsOf(*Solid(Cube(5), {d, 1}));
+    EXPECT_EQ(Thin(points, {d, 1}).size(), points.size()) << d;
+  }
+}
+
 TEST(Solid, PointsAreThoseOfTheLatticeInside) {
   const Vec3 centre(5, 6, 7);
   const double r = 4, d = 0.25;
