@@ -23,7 +23,7 @@ std::string WithSpaces(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(words, " "));
 }
 
-std::string WordsOf(const CommandDescription& command) {
+std::string JoinedPath(const CommandDescription& command) {
   return WithSpaces(command.words);
 }
 
@@ -68,8 +68,8 @@ std::string BranchesOfPaths(const CommandDescription& root) {
     if (command.words.empty()) return;
     const CommandDescription& c = command;
     text += fmt::format("      {}) at={} ;;\n",
-                        ForPosix((c.words.size() == 1 ? " " : "") + WordsOf(c)),
-                        ForPosix(WordsOf(c)));
+                        ForPosix((c.words.size() == 1 ? " " : "") + JoinedPath(c)),
+                        ForPosix(JoinedPath(c)));
   });
   return text;
 }
@@ -82,7 +82,7 @@ std::string BranchesOfChoices(const CommandDescription& root,
     for (const OptionDescription& option : command.options) {
       if (option.positional || option.choices.empty() || IsHidden(option)) continue;
       for (const std::string& name : option.names) {
-        text += fmt::format("    {}) {} ;;\n", ForPosix(WordsOf(command) + " " + name),
+        text += fmt::format("    {}) {} ;;\n", ForPosix(JoinedPath(command) + " " + name),
                             action(WithSpaces(option.choices)));
       }
     }
@@ -104,7 +104,7 @@ std::string BashTables(const CommandDescription& root) {
     std::vector<std::string> below;
     for (const auto& next : command.commands) below.push_back(next.words.back());
     text +=
-        fmt::format("    {}) commands={} options={} ;;\n", ForPosix(WordsOf(command)),
+        fmt::format("    {}) commands={} options={} ;;\n", ForPosix(JoinedPath(command)),
                     ForPosix(WithSpaces(below)), ForPosix(WithSpaces(NamesOf(command))));
   });
   return text;
@@ -122,9 +122,9 @@ std::string ZshTables(const CommandDescription& root) {
       for (const auto& name : option.names)
         options.push_back(Described(name, option.meaning));
     }
-    text +=
-        fmt::format("    {})\n      commands=({})\n      options=({})\n      ;;\n",
-                    ForPosix(WordsOf(command)), WithSpaces(below), WithSpaces(options));
+    text += fmt::format("    {})\n      commands=({})\n      options=({})\n      ;;\n",
+                        ForPosix(JoinedPath(command)), WithSpaces(below),
+                        WithSpaces(options));
   });
   return text;
 }
