@@ -15,6 +15,7 @@
 #include "engrave/render/png_file.h"
 #include "engrave/render/views.h"
 #include "proto/listing.pb.h"
+#include "services/cli/flags/accept_flag.h"
 #include "services/cli/flags/camera_flags.h"
 #include "services/cli/flags/customer_picture_flags.h"
 #include "services/cli/flags/size_limits_flag.h"
@@ -41,6 +42,7 @@ namespace fs = std::filesystem;
 
 struct OfflineOptions {
   JobFlags job;
+  AcceptFlag accept;
   std::string input, out, materials_db, glass_folder;
   std::vector<double> block_mm;
   std::vector<int> only;  // models, from 1; none: all
@@ -86,7 +88,10 @@ CloudRecord CloudRecordOf(const std::string& file, const JobCloud& made) {
   return record;
 }
 
-int DiscretizeOffline(const OfflineOptions& options) {
+int DiscretizeOffline(const OfflineOptions& given) {
+  OfflineOptions options = given;
+  if (const auto taken = TakeAnswers(options.accept, options.job); !taken)
+    return Complain(taken.error());
   auto job = BuildJob(options.job);
   if (!job) return Complain(job.error(), client::kExitWrongInput);
   // The cloud does not depend on the glass; the job that it is made for does.
@@ -226,6 +231,7 @@ void AddOfflineCommands(command_line::Command app) {
   AddPointFlags(discretize, options->job);
   AddMachineFlags(discretize, options->job);
   AddSetFlag(discretize, options->job);
+  AddAnswers(discretize, options->accept);
   discretize.AddOption("--only", options->only,
                        "write only the points of these models, numbered from 1; the "
                        "others still take their place");

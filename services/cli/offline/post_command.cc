@@ -21,6 +21,7 @@
 #include "engrave/sort/order.h"
 #include "services/cli/contour/contour_files.h"
 #include "services/cli/contour/contour_programs.h"
+#include "services/cli/flags/accept_flag.h"
 #include "services/cli/flags/size_limits_flag.h"
 #include "services/cli/job/job_glass.h"
 #include "services/cli/job/job_options.h"
@@ -48,6 +49,7 @@ namespace fs = std::filesystem;
 
 struct PostOptions {
   JobFlags job;
+  AcceptFlag accept;
   std::string path, program_template, out, materials_db;
 };
 
@@ -220,6 +222,7 @@ void AddPostCommand(command_line::Command app) {
   command_line::Command post = app.AddCommand(
       "post", "write the program of a job for a controller of another maker");
   AddJobFlags(post, options->job);
+  AddAnswers(post, options->accept);
   post.AddOption("--path", options->path,
                  "instead of models: points in the order of engraving, glass frame: " +
                      formats::PointExtensions());
@@ -234,12 +237,13 @@ void AddPostCommand(command_line::Command app) {
   post.SetFooter(
       "The program moves the machine's axes to every point in the job's order, and fires "
       "one pulse there; it knows neither lamp nor interlocks. The program of a job with "
-      "a "
-      "course follows its contours.\n"
+      "a course follows its contours.\n"
       "Example: intaglio post job.textproto --machine els-03 --template linuxcnc --out "
       "job.ngc\n"
       "Exit code: 0 written, 2 wrong input.");
   post.SetAction([options] {
+    if (const Status taken = TakeAnswers(options->accept, options->job); !taken)
+      return Complain(taken.error());
     const Status made = MakeProgram(*options);
     return made ? client::kExitGood : Complain(made.error());
   });

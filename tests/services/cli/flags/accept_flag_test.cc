@@ -2,8 +2,14 @@
 
 #include "services/cli/flags/accept_flag.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/services/cli/all_commands.h"
 
 namespace intaglio::cli {
 namespace {
@@ -45,6 +51,23 @@ TEST(AcceptFlag, TwoAnswersToOneQuestionAreRefused) {
   EXPECT_THAT(refused.error().message, HasSubstr("--accept up=y"));
   job.unit_mm = 1;
   EXPECT_FALSE(TakeAnswers({{"unit=1000"}}, job));
+}
+
+// The question about a mesh names the answer: discretize and post refused it.
+TEST(AcceptFlag, EveryCommandThatMayAskTakesTheAnswer) {
+  const auto has = [](const command_line::CommandDescription& command,
+                      const std::string& name) {
+    return std::any_of(command.options.begin(), command.options.end(),
+                       [&](const auto& option) { return option.names.front() == name; });
+  };
+  std::size_t asking = 0;
+  for (const auto& command : AllCommands()) {
+    if (!has(command, "--up")) continue;
+    ++asking;
+    EXPECT_TRUE(has(command, "--accept"))
+        << fmt::format("{}", fmt::join(command.words, " "));
+  }
+  EXPECT_GE(asking, 5u);
 }
 
 TEST(AcceptFlag, ACommandTakesWhatItCanUse) {
