@@ -106,16 +106,16 @@ void EdgeTree::ForEach(const Accept& accept, const Visit& visit) const {
   }
 }
 
-// Parity: an edge that lies above, below or to the left of the point changes nothing.
-bool EdgeTree::IsInside(const Vec2& point_mm) const {
-  bool inside = false;
+// An edge that lies above, below or to the left of the point changes nothing.
+int EdgeTree::Winding(const Vec2& point_mm) const {
+  int winding = 0;
   ForEach(
       [&](const FlatBox& box) {
         return box.min_mm.y() <= point_mm.y() && box.max_mm.y() >= point_mm.y() &&
                box.max_mm.x() >= point_mm.x();
       },
-      [&](std::uint32_t k) { inside ^= CountsInLoops(edges_[k], point_mm); });
-  return inside;
+      [&](std::uint32_t k) { winding += TurnsAround(edges_[k], point_mm); });
+  return winding;
 }
 
 std::vector<std::uint32_t> EdgeTree::EdgesIn(const FlatBox& box_mm) const {

@@ -23,7 +23,9 @@ class EdgeTree {
   /// To the nearest edge.
   double DistanceTo(const Vec2& point_mm) const;
   /// As IsInLoops of the same edges.
-  bool IsInside(const Vec2& point_mm) const;
+  bool IsInside(const Vec2& point_mm) const { return Winding(point_mm) % 2 != 0; }
+  /// How often closed loops run around the point; on an edge: the number of either side.
+  int Winding(const Vec2& point_mm) const;
   /// The numbers of the edges whose boxes meet this one, ascending.
   std::vector<std::uint32_t> EdgesIn(const FlatBox& box_mm) const;
 

@@ -101,12 +101,13 @@ tl::unexpected<Error> Wrong(const std::string& what, const Vec2& at) {
 
 }  // namespace
 
-// Parity of the polygon of all chords, and of the segments between chords and arcs.
-bool CountsInLoops(const Edge& e, const Vec2& p) {
+// The polygon of all chords, and the segments between chords and arcs.
+int TurnsAround(const Edge& e, const Vec2& p) {
   const double side = Cross(e.end_mm - e.begin_mm, p - e.begin_mm);
   const bool up = e.end_mm.y() > e.begin_mm.y();
-  const bool of_polygon =
+  const bool counts =
       (e.begin_mm.y() <= p.y()) != (e.end_mm.y() <= p.y()) && (side > 0) == up;
+  const int of_polygon = counts ? (up ? 1 : -1) : 0;
   if (!e.is_arc()) return of_polygon;
   // The segment of an arc that turns left lies to the right of the chord. A point on
   // the chord is to the right of it, as for the polygon, which takes a point at the
@@ -114,7 +115,8 @@ bool CountsInLoops(const Edge& e, const Vec2& p) {
   const bool above = e.begin_mm.y() == e.end_mm.y() && e.end_mm.x() > e.begin_mm.x();
   const bool right = side < 0 || (side == 0 && !above);
   if (e.begin_mm != e.end_mm && right != (e.sweep_rad > 0)) return of_polygon;
-  return of_polygon != ((p - e.center_mm).squaredNorm() < e.radius_mm * e.radius_mm);
+  const bool in_segment = (p - e.center_mm).squaredNorm() < e.radius_mm * e.radius_mm;
+  return of_polygon + (in_segment ? (e.sweep_rad > 0 ? 1 : -1) : 0);
 }
 
 bool IsInLoops(const Edges& edges, const Vec2& p) {

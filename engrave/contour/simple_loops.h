@@ -15,8 +15,14 @@ namespace intaglio::contour {
 /// that comes back to a corner becomes several.
 Result<std::vector<Edges>> OrientedLoops(const std::vector<Edges>& loops);
 
+/// The edge's part of the winding number of loops about the point: their sum is how often
+/// these run around it, counter-clockwise less clockwise. On an edge: of either side.
+int TurnsAround(const Edge& edge, const Vec2& point_mm);
+
 /// Whether the edge is one of those whose odd number puts the point inside of loops.
-bool CountsInLoops(const Edge& edge, const Vec2& point_mm);
+inline bool CountsInLoops(const Edge& edge, const Vec2& point_mm) {
+  return TurnsAround(edge, point_mm) % 2 != 0;
+}
 
 /// True where an odd number of the loops encloses the point. On an edge: either.
 bool IsInLoops(const Edges& edges, const Vec2& point_mm);

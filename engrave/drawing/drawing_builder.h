@@ -61,6 +61,7 @@ class DrawingBuilder {
   /// Drawing::unit_mm.
   void SetUnit(double unit_mm) { drawing_.unit_mm = unit_mm; }
 
+  std::uint64_t unfolded_bytes() const { return unfolded_bytes_; }
   const DrawingLimits& limits() const { return limits_; }
 
   /// The drawing or the first error.

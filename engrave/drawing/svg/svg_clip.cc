@@ -1,155 +1,215 @@
 #include "engrave/drawing/svg/svg_clip.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "engrave/drawing/flatten.h"
-#include "engrave/drawing/pieces.h"
-
-// Sutherland and Hodgman (1974), "Reentrant polygon clipping": a polygon is cut by one
-// half-plane after the other. Where the result has several parts they hang together by
-// edges along the clip, which enclose nothing. A line is cut to the interval of its
-// parameter in which it is inside of all half-planes (Cyrus and Beck, 1978).
+#include "engrave/drawing/svg/svg_changes.h"
+#include "engrave/drawing/svg/svg_elements.h"
+#include "engrave/drawing/svg/svg_shapes.h"
 
 namespace intaglio::drawing {
 namespace {
 
-using Points = std::vector<Vec2>;
+constexpr int kMaxClipsOfClips = 8;
 
-// Corners of a flattened circle turn by far more; of a rounding error by less.
-constexpr double kConvexSlack = 1e-9;
-
-double Cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-std::optional<FlatCurve> FlatOf(const Curve& curve) {
-  Drawing one;
-  one.curves.push_back(curve);
-  auto flat = Flatten(one);
-  if (!flat || flat->curves.size() != 1) return std::nullopt;
-  return std::move(flat->curves.front());
-}
-
-/// Positive inside of the half-plane to the left of the side.
-double Inside(const Vec2& from, const Vec2& to, const Vec2& p) {
-  return Cross(to - from, p - from);
-}
-
-Points CutPolygon(const Points& polygon, const Vec2& from, const Vec2& to) {
-  Points cut;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Vec2& p = polygon[i];
-    const Vec2& q = polygon[(i + 1) % polygon.size()];
-    const double a = Inside(from, to, p), b = Inside(from, to, q);
-    if (a >= 0) cut.push_back(p);
-    if ((a < 0) != (b < 0)) cut.emplace_back(p + (q - p) * (a / (a - b)));
-  }
-  return cut;
-}
-
-/// The share of the segment within the clip; nothing when it is outside.
-std::optional<std::pair<double, double>> ShareInside(const ConvexClip& clip,
-                                                     const Vec2& p, const Vec2& q) {
-  double begin = 0, end = 1;
-  for (std::size_t i = 0; i < clip.corners_mm.size(); ++i) {
-    const Vec2& from = clip.corners_mm[i];
-    const Vec2& to = clip.corners_mm[(i + 1) % clip.corners_mm.size()];
-    const double a = Inside(from, to, p), b = Inside(from, to, q);
-    if (a < 0 && b < 0) return std::nullopt;
-    if (a < 0) begin = std::max(begin, a / (a - b));
-    if (b < 0) end = std::min(end, a / (a - b));
-  }
-  if (begin > end) return std::nullopt;
-  return std::pair(begin, end);
-}
-
-Curve CurveLike(const Curve& model, const Points& points, bool closed) {
-  Polyline line;
-  for (const Vec2& p : points) line.points_mm.emplace_back(p.x(), p.y(), 0);
-  return {{std::move(line)}, closed, model.layer, model.color};
-}
-
-void CutLine(const Curve& model, const Points& points, bool closed,
-             const ConvexClip& clip, std::vector<Curve>& clipped) {
-  Points open;
-  const auto end_line = [&] {
-    if (open.size() > 1) clipped.push_back(CurveLike(model, open, false));
-    open.clear();
-  };
-  const std::size_t count = closed ? points.size() : points.size() - 1;
-  for (std::size_t i = 0; i < count; ++i) {
-    const Vec2& p = points[i];
-    const Vec2& q = points[(i + 1) % points.size()];
-    const auto share = ShareInside(clip, p, q);
-    if (!share || share->first > 0) end_line();
-    if (!share) continue;
-    if (open.empty()) open.emplace_back(p + share->first * (q - p));
-    open.emplace_back(p + share->second * (q - p));
-    if (share->second < 1) end_line();
-  }
-  end_line();
+/// Properties that move what a clip is made of and that are not obeyed.
+bool IsMovedByOthers(const pugi::xml_node& node, const SvgStyle& style) {
+  std::vector<std::string> names;
+  AddSvgPropertiesNotObeyed(style, style.Attribute(node, "transform"), names);
+  return std::ranges::any_of(names,
+                             [](const auto& name) { return name != "stroke-dasharray"; });
 }
 
 }  // namespace
 
-void ToPage(const SvgTransform& t, Piece& piece) {
-  Mat3 linear = Mat3::Identity();
-  linear.topLeftCorner<2, 2>() << t.a, t.c, t.b, t.d;
-  Transform(linear, Vec3(t.e, t.f, 0), piece);
-}
-
-Curve SvgBoxOf(const SvgTransform& transform, const Vec2& size) {
-  const Vec3 right(size.x(), 0, 0), down(0, size.y(), 0);
-  Curve box{{Polyline{{Vec3::Zero(), right, right + down, down}}}, true};
-  ToPage(transform, box.pieces.front());
+Box3 ExtentOf(const std::vector<Curve>& curves) {
+  Drawing drawing;
+  drawing.curves = curves;
+  Box3 box;
+  const auto flat = Flatten(drawing);
+  if (!flat) return box;
+  for (const FlatCurve& curve : flat->curves) {
+    for (const Vec3& p : curve.points_mm) box.Extend(p);
+  }
   return box;
 }
 
-std::optional<ConvexClip> ConvexClipOf(const Curve& curve) {
-  const auto flat = FlatOf(curve);
-  if (!flat || flat->points_mm.size() < 3) return std::nullopt;
-  ConvexClip clip;
-  for (const Vec3& p : flat->points_mm) clip.corners_mm.emplace_back(p.x(), p.y());
-  Points& corners = clip.corners_mm;
-  const std::size_t n = corners.size();
-  double area = 0, turn = 0;
-  for (std::size_t i = 0; i < n; ++i) area += Cross(corners[i], corners[(i + 1) % n]);
-  if (area < 0) std::reverse(corners.begin(), corners.end());
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vec2 a = corners[(i + 1) % n] - corners[i];
-    const Vec2 b = corners[(i + 2) % n] - corners[(i + 1) % n];
-    if (Cross(a, b) < -kConvexSlack * a.norm() * b.norm()) return std::nullopt;
-    turn += std::atan2(Cross(a, b), a.dot(b));
+bool SvgClips::Take(const pugi::xml_node& node, const BoxSource& box, SvgScope& scope,
+                    bool& is_read) {
+  const SvgTransform& t = scope.to_page;
+  const std::array<double, 9> place = {
+      t.a, t.b, t.c, t.d, t.e, t.f, scope.page.x(), scope.page.y(), scope.em};
+  Known& known = known_[node.hash_value()];
+  // Boxes differ from element to element; clips of clips may refer to them.
+  const bool is_known = known.place == place && known.is_read && known.areas.size() == 1;
+  const std::string_view units = node.attribute("clipPathUnits").value();
+  if (!is_known || units == "objectBoundingBox") {
+    Reading reading;
+    if (!Read(node, box, scope, reading)) return false;
+    known = {place, {}, reading.is_read};
+    if (reading.is_read) {
+      auto area = ClipArea::OfShapes(reading.shapes, work_);
+      known.is_read = area.has_value();
+      known.areas = std::move(reading.within);
+      if (area) known.areas.push_back(std::make_shared<const ClipArea>(std::move(*area)));
+    }
   }
-  // A star turns to one side, too, but more than once.
-  if (area == 0 || turn > 7) return std::nullopt;
-  return clip;
+  is_read = known.is_read;
+  if (is_read)
+    scope.clips.insert(scope.clips.end(), known.areas.begin(), known.areas.end());
+  return true;
 }
 
-bool ClipCurve(const Curve& curve, bool filled, const ConvexClip& clip,
-               DrawingBuilder& builder, std::vector<Curve>& clipped) {
-  const auto flat = FlatOf(curve);
-  if (!flat || flat->points_mm.empty()) return true;
-  Points points;
-  for (const Vec3& p : flat->points_mm) points.emplace_back(p.x(), p.y());
-  if (!builder.CountUnfolded(points.size() * clip.corners_mm.size(), "clip-path"))
-    return false;
-  const bool within = std::ranges::all_of(points, [&](const Vec2& p) {
-    const auto share = ShareInside(clip, p, p);
-    return share.has_value();
-  });
-  if (within) {
-    clipped.push_back(curve);
-  } else if (!filled || points.size() < 3) {
-    CutLine(curve, points, flat->closed, clip, clipped);
+void SvgClips::TakeViewport(const Vec2& size, SvgScope& scope) {
+  auto area = ClipArea::OfShapes({{{SvgBoxOf(scope.to_page, size)}, false}}, work_);
+  if (area) {
+    scope.clips.push_back(std::make_shared<const ClipArea>(std::move(*area)));
   } else {
-    const std::size_t n = clip.corners_mm.size();
-    for (std::size_t i = 0; i < n && !points.empty(); ++i) {
-      points = CutPolygon(points, clip.corners_mm[i], clip.corners_mm[(i + 1) % n]);
+    scope.not_obeyed.emplace_back("viewport");
+  }
+}
+
+bool SvgClips::Cut(const SvgScope& scope, std::vector<Curve>& curves) {
+  std::vector<Curve> left = curves;
+  for (const auto& clip : scope.clips) {
+    std::vector<Curve> inside;
+    for (const Curve& curve : left) {
+      if (!clip->Cut(curve, scope.filled, work_, inside)) return false;
     }
-    if (points.size() > 2) clipped.push_back(CurveLike(curve, points, true));
+    left = std::move(inside);
+  }
+  curves = std::move(left);
+  return true;
+}
+
+/// The style of the groups around a clip path, and not of those around its user.
+bool SvgClips::InheritStyle(const pugi::xml_node& node, SvgScope& scope) {
+  std::vector<pugi::xml_node> groups;
+  for (pugi::xml_node group = node.parent(); group.type() == pugi::node_element;
+       group = group.parent())
+    groups.push_back(group);
+  for (auto group = groups.rbegin(); group != groups.rend(); ++group) {
+    SvgStyle style;
+    if (!scopes_.TakeStyle(*group, scope, style)) return false;
   }
   return true;
+}
+
+bool SvgClips::Read(const pugi::xml_node& node, const BoxSource& box,
+                    const SvgScope& user, Reading& reading) {
+  reading.is_read =
+      SvgName(node.name()) == "clipPath" && reading.depth < kMaxClipsOfClips;
+  if (!reading.is_read) return true;
+  if (!builder_.CountEntity("clip-path")) return false;
+  SvgScope scope;
+  scope.to_page = user.to_page;
+  scope.page = user.page;
+  scope.references = user.references;
+  SvgStyle style;
+  if (!InheritStyle(node, scope) || !scopes_.TakeStyle(node, scope, style)) return false;
+  // Whether a transform of the clip path also moves its own clip is not defined.
+  const bool has_transform = !style.Attribute(node, "transform").empty();
+  const std::string& own = style.value(SvgProperty::kClipPath);
+  if (IsMovedByOthers(node, style) ||
+      (has_transform && !own.empty() && own != "none" && own != "inherit")) {
+    reading.is_read = false;
+    return true;
+  }
+  if (!ReadOwnClip(style, box, user, reading, reading.within)) return false;
+  if (std::string_view(node.attribute("clipPathUnits").value()) == "objectBoundingBox") {
+    Box3 of_user;
+    if (!box(of_user)) return false;
+    const Vec3 size = of_user.size_mm();
+    if (!(size.x() > 0 && size.y() > 0)) {
+      reading.is_read = false;
+      return true;
+    }
+    scope.to_page = scope.to_page.Then(
+        {size.x(), 0, 0, size.y(), of_user.min_mm.x(), of_user.min_mm.y()});
+    scope.page = Vec2::Ones();
+  }
+  scopes_.TakeTransform(node, style, scope);
+  for (const pugi::xml_node child : node.children()) {
+    if (!reading.is_read) break;
+    if (child.type() == pugi::node_element && !ReadChild(child, scope, {}, reading))
+      return false;
+  }
+  return true;
+}
+
+/// The clip path that an element of a clip path, or itself, is clipped with.
+bool SvgClips::ReadOwnClip(const SvgStyle& style, const BoxSource& box,
+                           const SvgScope& scope, Reading& reading, Areas& within) {
+  const std::string& value = style.value(SvgProperty::kClipPath);
+  if (value.empty() || value == "none" || value == "inherit") return true;
+  const pugi::xml_node target = document_.Find(value);
+  if (value.starts_with("url(#") && !target) return true;  // as no clip
+  Reading own;
+  own.depth = reading.depth + 1;
+  if (!Read(target, box, scope, own)) return false;
+  std::optional<ClipArea> area;
+  if (own.is_read) area = ClipArea::OfShapes(own.shapes, work_);
+  reading.is_read = reading.is_read && area.has_value();
+  if (!area) return true;
+  within.insert(within.end(), own.within.begin(), own.within.end());
+  within.push_back(std::make_shared<const ClipArea>(std::move(*area)));
+  return true;
+}
+
+bool SvgClips::ReadChild(const pugi::xml_node& node, SvgScope scope, Areas within,
+                         Reading& reading) {
+  const std::string_view element = SvgName(node.name());
+  if (!IsSvgShape(element) && element != "use" && element != "text") return true;
+  SvgStyle style;
+  if (!HoldsSvgCondition(node)) return true;
+  if (!scopes_.TakeStyle(node, scope, style)) return false;
+  if (style.value(SvgProperty::kDisplay) == "none") return true;
+  if (element == "text" || IsMovedByOthers(node, style)) {
+    reading.is_read = false;
+    return true;
+  }
+  scopes_.TakeTransform(node, style, scope);
+  std::vector<Curve> curves;
+  if (element != "use" && !scopes_.CurvesOf(node, style, scope, curves)) return false;
+  const auto box = [&](Box3& extent) {
+    extent = ExtentOf(curves);
+    return true;
+  };
+  if (!ReadOwnClip(style, box, scope, reading, within)) return false;
+  if (element == "use") return ReadUse(node, style, scope, within, reading);
+  if (scope.hidden) return true;
+  for (Curve& curve : curves) {
+    for (Piece& piece : curve.pieces) ToPage(scope.to_page, piece);
+  }
+  AddShape({std::move(curves), scope.clips_even_odd}, within, reading);
+  return true;
+}
+
+/// Of a shape or text; others are not drawn in a clip path.
+bool SvgClips::ReadUse(const pugi::xml_node& node, const SvgStyle& style, SvgScope& scope,
+                       const Areas& within, Reading& reading) {
+  std::string_view target = node.attribute("href").value();
+  if (target.empty()) target = node.attribute("xlink:href").value();
+  const pugi::xml_node found = document_.Find(target);
+  if (!found || SvgName(found.name()) == "use") return true;
+  if (!builder_.CountEntity("use")) return false;
+  ++scope.references;
+  Vec2 at = Vec2::Zero();
+  scopes_.TakeLength(node, style, "x", scope.page.x(), scope.em, at.x());
+  scopes_.TakeLength(node, style, "y", scope.page.y(), scope.em, at.y());
+  scope.to_page = scope.to_page.Then({1, 0, 0, 1, at.x(), at.y()});
+  return ReadChild(found, scope, within, reading);
+}
+
+void SvgClips::AddShape(ClipShape shape, const Areas& within, Reading& reading) {
+  if (within.empty()) return reading.shapes.push_back(std::move(shape));
+  auto area = ClipArea::OfShapes({std::move(shape)}, work_);
+  for (const auto& other : within) {
+    if (area) area = ClipArea::OfBoth(*area, *other, work_);
+  }
+  reading.is_read = reading.is_read && area.has_value();
+  if (area) reading.shapes.push_back(area->AsShape());
 }
 
 }  // namespace intaglio::drawing

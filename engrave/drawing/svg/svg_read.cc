@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <pugixml.hpp>
 
 #include "engrave/drawing/pieces.h"
@@ -13,91 +12,41 @@
 #include "engrave/drawing/svg/svg_document.h"
 #include "engrave/drawing/svg/svg_elements.h"
 #include "engrave/drawing/svg/svg_path.h"
+#include "engrave/drawing/svg/svg_scope.h"
 #include "engrave/drawing/svg/svg_shapes.h"
 #include "engrave/drawing/svg/svg_style.h"
-#include "engrave/io/lower_case.h"
 
 namespace intaglio::drawing {
 namespace {
 
 constexpr double kPx_mm = 25.4 / 96;
-// When neither width nor height is given: the default sizes of browsers.
-constexpr double kDefaultWidth = 300, kDefaultHeight = 150;
-constexpr double kDefaultEm = 16;
 
-/// What a group passes on to its children.
-struct Context {
-  SvgTransform to_page;  ///< user space to the page's px, y down
-  Vec2 page = Vec2(kDefaultWidth, kDefaultHeight);
-  double em = kDefaultEm;
-  std::uint32_t layer = 0;
-  std::uint32_t color = 0;
-  bool hidden = false;
-  bool filled = true;
-  bool stroked = false;
-  int depth = 0;
-  int references = 0;
-  std::vector<std::shared_ptr<const ConvexClip>> clips;
-  std::vector<std::string> not_obeyed;  ///< what changes the shapes below: "mask"
-};
-
+/// Walks through the elements and adds the curves of shapes.
 class SvgReader {
  public:
-  SvgReader(std::string_view text, const ReadOptions& options, std::string_view name)
-      : options_(options), builder_(name, options.limits), document_(text, builder_) {}
+  /// `measures`: shapes are taken for their boxes, seen or not, and not clipped.
+  SvgReader(DrawingBuilder& builder, SvgDocument& document, const ReadOptions& options,
+            bool measures)
+      : options_(options),
+        measures_(measures),
+        builder_(builder),
+        document_(document),
+        scopes_(builder, document),
+        clips_(builder, document, scopes_) {}
 
-  Result<Drawing> Read() {
-    if (document_.Load()) ReadPage(document_.root());
-    return builder_.Take();
-  }
-
- private:
-  std::string PlaceOf(const pugi::xml_node& node) const {
-    return document_.PlaceOf(node);
-  }
-
-  /// A length that cannot be read is as one that is not given, which is what browsers do.
-  void Length(const pugi::xml_node& node, const SvgStyle& style, const char* attribute,
-              double whole, double em, double& length) {
-    const std::string_view text = style.Attribute(node, attribute);
-    if (text.empty() || text == "auto") return;
-    const std::optional<double> value = ParseSvgLength(text, whole, em);
-    if (value) {
-      length = *value;
-    } else {
-      LeaveOutAttribute(node, attribute);
-    }
-  }
-  void LeaveOutAttribute(const pugi::xml_node& node, std::string_view attribute) {
-    builder_.LeaveOutAt(
-        fmt::format("{} with a wrong {}", SvgName(node.name()), attribute),
-        Effect::kChanged, [&] { return PlaceOf(node); });
-  }
-
-  /// The viewBox of an element of this size: its transform, and its own page.
-  void ApplyViewBox(const pugi::xml_node& node, const Vec2& size, Context& context) {
-    context.page = size;
-    const char* text = node.attribute("viewBox").value();
-    if (*text == '\0') return;
-    const auto box = ParseSvgViewBox(text);
-    if (!box) return LeaveOutAttribute(node, "viewBox");
-    context.to_page = context.to_page.Then(
-        FitSvgViewBox(*box, size, node.attribute("preserveAspectRatio").value()));
-    context.page = box->size;
-  }
-
-  bool ReadPage(const pugi::xml_node& root) {
+  bool ReadPage() {
+    const pugi::xml_node root = document_.root();
     // A page without size is as large as its viewBox.
-    Vec2 natural(kDefaultWidth, kDefaultHeight);
+    Vec2 natural(kSvgWidth_px, kSvgHeight_px);
     if (const auto box = ParseSvgViewBox(root.attribute("viewBox").value())) {
       natural = box->size;
     }
     Vec2 size = natural;
-    Context page;
+    SvgScope page;
     SvgStyle style;
-    if (!TakeStyle(root, page, style)) return false;
-    Length(root, style, "width", natural.x(), page.em, size.x());
-    Length(root, style, "height", natural.y(), page.em, size.y());
+    if (!scopes_.TakeStyle(root, page, style)) return false;
+    scopes_.TakeLength(root, style, "width", natural.x(), page.em, size.x());
+    scopes_.TakeLength(root, style, "height", natural.y(), page.em, size.y());
     if (!style.Attribute(root, "transform").empty()) {
       builder_.LeaveOutAt("transform of the page", Effect::kChanged,
                           [&] { return PlaceOf(root); });
@@ -112,72 +61,45 @@ class SvgReader {
     const double mm = options_.unit_mm.value_or(kPx_mm);
     page.to_page = {mm, 0, 0, -mm, 0, mm * size.y()};
     page.page = size;
-    if (!TakeChanges(root, style, page)) return false;
-    const bool has_size = size != Vec2(kDefaultWidth, kDefaultHeight);
+    const auto no_box = [](Box3&) { return true; };
+    if (!TakeChanges(root, style, no_box, page)) return false;
+    const bool has_size = size != Vec2(kSvgWidth_px, kSvgHeight_px);
     const std::string& overflow = style.value(SvgProperty::kOverflow);
     if (has_size && overflow != "visible") page_mm_ = mm * size;
-    ApplyViewBox(root, size, page);
+    scopes_.TakeViewBox(root, size, page);
     builder_.SetUnit(std::abs(page.to_page.d));
     if (style.displayed && HoldsSvgCondition(root)) return ReadChildren(root, page);
     builder_.LeaveOut("invisible", Effect::kNothingSeen);
     return true;
   }
 
-  bool ReadChildren(const pugi::xml_node& node, const Context& context) {
+ private:
+  std::string PlaceOf(const pugi::xml_node& node) const {
+    return document_.PlaceOf(node);
+  }
+
+  bool ReadChildren(const pugi::xml_node& node, const SvgScope& scope) {
     for (const pugi::xml_node child : node.children()) {
-      if (child.type() == pugi::node_element && !ReadElement(child, child, context))
+      if (child.type() == pugi::node_element && !ReadElement(child, child, scope))
         return false;
     }
     return true;
   }
 
   /// The first child whose conditions hold, alone (SVG 1.1, 5.8.1).
-  bool ReadSwitch(const pugi::xml_node& node, const Context& context) {
+  bool ReadSwitch(const pugi::xml_node& node, const SvgScope& scope) {
     for (const pugi::xml_node child : node.children()) {
       if (child.type() == pugi::node_element && HoldsSvgCondition(child))
-        return ReadElement(child, child, context);
+        return ReadElement(child, child, scope);
     }
     return true;
   }
 
-  /// Applies the element's style to the context.
-  bool TakeStyle(const pugi::xml_node& node, Context& context, SvgStyle& style) {
-    if (context.references > 0 && !CountAgain(node, {"style", "class", "transform"})) {
-      return false;
-    }
-    if (!document_.sheets().StyleOf(node, style)) return false;
-    context.hidden = style.hidden.value_or(context.hidden);
-    if (!style.stroke.empty()) {
-      context.color = builder_.NameIndex(style.stroke);
-      context.stroked = IsSvgPaint(style.stroke);
-    }
-    if (!style.fill.empty()) context.filled = IsSvgPaint(style.fill);
-    const std::string& letters = style.value(SvgProperty::kFontSize);
-    context.em = ParseSvgLength(letters, context.em, context.em).value_or(context.em);
-    return true;
-  }
-
-  void TakeTransform(const pugi::xml_node& node, const SvgStyle& style,
-                     Context& context) {
-    const std::string_view text = style.Attribute(node, "transform");
-    if (text.empty()) return;
-    const std::optional<SvgTransform> parsed = ParseSvgTransform(text);
-    if (!parsed) return LeaveOutAttribute(node, "transform");
-    Vec2 origin = Vec2::Zero();
-    if (const std::string_view at = style.Attribute(node, "transform-origin");
-        !at.empty()) {
-      const auto point = ParseSvgOrigin(at, context.page, context.em);
-      if (!point) LeaveOutAttribute(node, "transform-origin");
-      origin = point.value_or(origin);
-    }
-    context.to_page = context.to_page.Then({1, 0, 0, 1, origin.x(), origin.y()})
-                          .Then(*parsed)
-                          .Then({1, 0, 0, 1, -origin.x(), -origin.y()});
-  }
-
-  /// Clips of a convex area are cut; others, masks and filters are reported with each
-  /// shape that they change.
-  bool TakeChanges(const pugi::xml_node& node, const SvgStyle& style, Context& context) {
+  /// Clip paths are cut; those that cannot be read, masks and filters are reported with
+  /// each shape that they change.
+  bool TakeChanges(const pugi::xml_node& node, const SvgStyle& style,
+                   const SvgClips::BoxSource& box, SvgScope& scope) {
+    if (measures_) return true;
     constexpr std::pair<SvgProperty, std::string_view> kChanging[] = {
         {SvgProperty::kClipPath, "clip-path"},
         {SvgProperty::kMask, "mask"},
@@ -188,68 +110,61 @@ class SvgReader {
       if (property == SvgProperty::kClipPath) {
         const pugi::xml_node target = document_.Find(value);
         if (value.starts_with("url(#") && !target) continue;  // as no clip
-        bool is_cut = false;
-        if (!TakeClip(target, context, is_cut)) return false;
-        if (is_cut) continue;
+        bool is_read = false;
+        if (!clips_.Take(target, box, scope, is_read)) return false;
+        if (is_read) continue;
       }
-      context.not_obeyed.emplace_back(name);
+      scope.not_obeyed.emplace_back(name);
     }
     AddSvgPropertiesNotObeyed(style, style.Attribute(node, "transform"),
-                              context.not_obeyed);
+                              scope.not_obeyed);
     return true;
   }
 
-  /// A clipPath of one shape whose area is convex.
-  bool TakeClip(const pugi::xml_node& node, Context& context, bool& is_cut) {
-    const std::string_view units = node.attribute("clipPathUnits").value();
-    const pugi::xml_node child = node.first_child();
-    if (!child || child.next_sibling() || !IsSvgShape(SvgName(child.name())) ||
-        units == "objectBoundingBox" || SvgName(node.name()) != "clipPath") {
-      return true;
+  /// The box of an element's shapes in its user space.
+  bool MeasureElement(const pugi::xml_node& node, const pugi::xml_node& sized,
+                      const SvgStyle& style, SvgScope scope, Box3& box) {
+    DrawingBuilder probe("", options_.limits);
+    SvgReader reader(probe, document_, options_, true);
+    scope.to_page = {};
+    ++scope.references;  // its elements are read again, and counted so
+    const bool is_read = reader.ReadContent(node, sized, style, scope);
+    if (!builder_.CountUnfolded(probe.unfolded_bytes(), "clip-path")) return false;
+    const auto drawing = probe.Take();
+    if (!drawing) {
+      const Error& error = drawing.error();
+      return builder_.Refuse(error.code, PlaceOf(node), error.message, error.value);
     }
-    if (!builder_.CountEntity("clip-path")) return false;
-    SvgStyle own, of_shape;
-    Context clip = context;
-    if (!TakeStyle(node, clip, own)) return false;
-    TakeTransform(node, own, clip);
-    if (!TakeStyle(child, clip, of_shape)) return false;
-    TakeTransform(child, of_shape, clip);
-    // A clip that is clipped itself.
-    if (!own.value(SvgProperty::kClipPath).empty() ||
-        !of_shape.value(SvgProperty::kClipPath).empty()) {
-      return true;
-    }
-    std::vector<Curve> curves;
-    if (!CurvesOf(child, of_shape, clip, curves)) return false;
-    if (curves.size() != 1) return true;
-    for (Piece& piece : curves.front().pieces) ToPage(clip.to_page, piece);
-    auto area = ConvexClipOf(curves.front());
-    is_cut = area.has_value();
-    if (is_cut) {
-      context.clips.push_back(std::make_shared<const ConvexClip>(std::move(*area)));
-    }
-    return true;
+    box = ExtentOf(drawing->curves);
+    return is_read;
   }
 
   /// `sized` gives a viewport its size: the element, or the use that refers to it.
   bool ReadElement(const pugi::xml_node& node, const pugi::xml_node& sized,
-                   Context context) {
-    const std::string_view element = SvgName(node.name());
+                   SvgScope scope) {
     SvgStyle style;
-    if (!TakeStyle(node, context, style)) return false;
+    if (!scopes_.TakeStyle(node, scope, style)) return false;
     if (!style.displayed || !HoldsSvgCondition(node)) {
       builder_.LeaveOut("invisible", Effect::kNothingSeen);
       return true;
     }
-    if (++context.depth > options_.limits.max_nesting) return document_.RefuseDepth(node);
-    TakeTransform(node, style, context);
-    if (!TakeChanges(node, style, context)) return false;
-    if (IsSvgShape(element)) return ReadShape(node, style, context);
+    if (++scope.depth > options_.limits.max_nesting) return document_.RefuseDepth(node);
+    scopes_.TakeTransform(node, style, scope);
+    const auto box = [&](Box3& extent) {
+      return MeasureElement(node, sized, style, scope, extent);
+    };
+    return TakeChanges(node, style, box, scope) && ReadContent(node, sized, style, scope);
+  }
+
+  bool ReadContent(const pugi::xml_node& node, const pugi::xml_node& sized,
+                   const SvgStyle& style, SvgScope& scope) {
+    const std::string_view element = SvgName(node.name());
+    if (IsSvgShape(element)) return ReadShape(node, style, scope);
     if (element == "g" || element == "a" || element == "switch") {
-      return ReadGroup(node, context);
+      return ReadGroup(node, scope);
     }
-    if (element == "svg") return ReadViewport(node, sized, style, context);
-    if (element == "use") return ReadUse(node, style, context);
+    if (element == "svg") return ReadViewport(node, sized, style, scope);
+    if (element == "use") return ReadUse(node, style, scope);
     const std::string_view whole = node.name();
     const bool foreign = whole.size() > element.size() && !whole.starts_with("svg:");
     if (IsSvgDefinition(element)) return true;
@@ -259,40 +174,38 @@ class SvgReader {
     return true;
   }
 
-  bool ReadGroup(const pugi::xml_node& node, Context& context) {
+  bool ReadGroup(const pugi::xml_node& node, SvgScope& scope) {
     std::string_view layer = node.attribute("inkscape:label").value();
     if (layer.empty()) layer = node.attribute("id").value();
-    if (!layer.empty()) context.layer = builder_.NameIndex(layer);
-    return SvgName(node.name()) == "switch" ? ReadSwitch(node, context)
-                                            : ReadChildren(node, context);
+    if (!layer.empty()) scope.layer = builder_.NameIndex(layer);
+    return SvgName(node.name()) == "switch" ? ReadSwitch(node, scope)
+                                            : ReadChildren(node, scope);
   }
 
   /// An svg or symbol in its place; its size from `sized`, itself or the use.
   bool ReadViewport(const pugi::xml_node& node, const pugi::xml_node& sized,
-                    const SvgStyle& style, Context& context) {
-    Vec2 at = Vec2::Zero(), size = context.page;
+                    const SvgStyle& style, SvgScope& scope) {
+    Vec2 at = Vec2::Zero(), size = scope.page;
     for (const pugi::xml_node& from : {node, sized}) {
       const SvgStyle& own = from == node ? style : SvgStyle();
-      Length(from, own, "width", context.page.x(), context.em, size.x());
-      Length(from, own, "height", context.page.y(), context.em, size.y());
+      scopes_.TakeLength(from, own, "width", scope.page.x(), scope.em, size.x());
+      scopes_.TakeLength(from, own, "height", scope.page.y(), scope.em, size.y());
     }
     if (SvgName(node.name()) == "svg") {
-      Length(node, style, "x", context.page.x(), context.em, at.x());
-      Length(node, style, "y", context.page.y(), context.em, at.y());
+      scopes_.TakeLength(node, style, "x", scope.page.x(), scope.em, at.x());
+      scopes_.TakeLength(node, style, "y", scope.page.y(), scope.em, at.y());
     }
     if (!(size.minCoeff() > 0)) return true;  // not drawn, as the standard defines
-    context.to_page = context.to_page.Then({1, 0, 0, 1, at.x(), at.y()});
+    scope.to_page = scope.to_page.Then({1, 0, 0, 1, at.x(), at.y()});
     const std::string& overflow = style.value(SvgProperty::kOverflow);
     if (overflow != "visible" && overflow != "auto") {
-      if (auto area = ConvexClipOf(SvgBoxOf(context.to_page, size))) {
-        context.clips.push_back(std::make_shared<const ConvexClip>(std::move(*area)));
-      }
+      clips_.TakeViewport(size, scope);
     }
-    ApplyViewBox(node, size, context);
-    return ReadChildren(node, context);
+    scopes_.TakeViewBox(node, size, scope);
+    return ReadChildren(node, scope);
   }
 
-  bool ReadUse(const pugi::xml_node& node, const SvgStyle& style, Context& context) {
+  bool ReadUse(const pugi::xml_node& node, const SvgStyle& style, SvgScope& scope) {
     std::string_view target = node.attribute("href").value();
     if (target.empty()) target = node.attribute("xlink:href").value();
     const pugi::xml_node found = document_.Find(target);
@@ -302,42 +215,45 @@ class SvgReader {
       return true;
     }
     if (!builder_.CountEntity("use")) return false;
-    if (++context.references > options_.limits.max_nesting)
+    if (++scope.references > options_.limits.max_nesting)
       return document_.RefuseDepth(node);
     Vec2 at = Vec2::Zero();
-    Length(node, style, "x", context.page.x(), context.em, at.x());
-    Length(node, style, "y", context.page.y(), context.em, at.y());
-    context.to_page = context.to_page.Then({1, 0, 0, 1, at.x(), at.y()});
-    if (SvgName(found.name()) != "symbol") return ReadElement(found, node, context);
+    scopes_.TakeLength(node, style, "x", scope.page.x(), scope.em, at.x());
+    scopes_.TakeLength(node, style, "y", scope.page.y(), scope.em, at.y());
+    scope.to_page = scope.to_page.Then({1, 0, 0, 1, at.x(), at.y()});
+    if (SvgName(found.name()) != "symbol") return ReadElement(found, node, scope);
     SvgStyle own;  // display of the symbol itself, which is never drawn, has no effect
-    return TakeStyle(found, context, own) && ReadViewport(found, node, own, context);
+    return scopes_.TakeStyle(found, scope, own) && ReadViewport(found, node, own, scope);
+  }
+
+  bool IsSeen(const SvgScope& scope) {
+    std::string_view reason;
+    if (!scope.filled && !scope.stroked)
+      reason = "shape that is neither filled nor stroked";
+    if (scope.hidden) reason = "invisible";
+    if (!reason.empty()) builder_.LeaveOut(reason, Effect::kNothingSeen);
+    return reason.empty();
   }
 
   bool ReadShape(const pugi::xml_node& node, const SvgStyle& style,
-                 const Context& context) {
+                 const SvgScope& scope) {
     // Lines are counted for errors alone: it takes the whole file.
     if (!builder_.CountEntity("") ||
-        (context.references > 0 && !CountAgain(node, {"d", "points"}))) {
+        (scope.references > 0 && !scopes_.CountAgain(node, {"d", "points"}))) {
       return false;
     }
-    if (context.hidden) {
-      builder_.LeaveOut("invisible", Effect::kNothingSeen);
-      return true;
-    }
-    if (!context.filled && !context.stroked) {
-      builder_.LeaveOut("shape that is neither filled nor stroked", Effect::kNothingSeen);
-      return true;
-    }
+    if (!measures_ && !IsSeen(scope)) return true;
     std::vector<Curve> curves;
-    if (!CurvesOf(node, style, context, curves)) return false;
+    if (!scopes_.CurvesOf(node, style, scope, curves)) return false;
     for (Curve& curve : curves) {
-      for (Piece& piece : curve.pieces) ToPage(context.to_page, piece);
-      curve.layer = context.layer;
-      curve.color = context.color;
+      for (Piece& piece : curve.pieces) ToPage(scope.to_page, piece);
+      curve.layer = scope.layer;
+      curve.color = scope.color;
     }
-    if (!Clip(context, curves)) return false;
+    std::vector<std::string> not_obeyed = scope.not_obeyed;
+    if (!measures_ && !clips_.Cut(scope, curves)) not_obeyed.emplace_back("clip-path");
     for (const FileFinding& met :
-         SvgChangesOf(style, context.not_obeyed, document_, curves, page_mm_)) {
+         SvgChangesOf(style, not_obeyed, document_, curves, page_mm_)) {
       builder_.LeaveOutAt(
           met.what, met.effect, [&] { return PlaceOf(node); }, met.area_mm2, met.remedy);
     }
@@ -347,43 +263,12 @@ class SvgReader {
     return true;
   }
 
-  bool Clip(const Context& context, std::vector<Curve>& curves) {
-    for (const auto& clip : context.clips) {
-      std::vector<Curve> inside;
-      for (const Curve& curve : curves) {
-        if (!ClipCurve(curve, context.filled, *clip, builder_, inside)) return false;
-      }
-      curves = std::move(inside);
-    }
-    return true;
-  }
-
-  /// A wrong attribute ends a shape, and not the file.
-  bool CurvesOf(const pugi::xml_node& node, const SvgStyle& style, const Context& context,
-                std::vector<Curve>& curves) {
-    DrawingBuilder probe("", options_.limits);
-    const SvgScale scale{context.page, context.em};
-    if (SvgShapeCurves(node, style, scale, "", probe, curves)) return true;
-    const Error error = probe.Take().error();
-    if (error.code != ErrorCode::kInvalidValue)
-      return builder_.Refuse(error.code, PlaceOf(node), error.message, error.value);
-    builder_.LeaveOutAt(
-        fmt::format("{}, {}", SvgName(node.name()), error.message.substr(2)),
-        Effect::kChanged, [&] { return PlaceOf(node); });
-    return true;
-  }
-  bool CountAgain(const pugi::xml_node& node,
-                  std::initializer_list<const char*> attributes) {
-    std::size_t bytes = 50;
-    for (const char* attribute : attributes) {
-      bytes += std::string_view(node.attribute(attribute).value()).size();
-    }
-    return builder_.CountUnfolded(bytes, "use");
-  }
-
   ReadOptions options_;
-  DrawingBuilder builder_;
-  SvgDocument document_;
+  bool measures_;
+  DrawingBuilder& builder_;
+  SvgDocument& document_;
+  SvgScopes scopes_;
+  SvgClips clips_;
   std::optional<Vec2> page_mm_;  ///< where viewers end the drawing, from 0 0
 };
 
@@ -392,7 +277,10 @@ class SvgReader {
 Result<Drawing> ReadSvg(std::string_view text, const ReadOptions& options,
                         std::string_view name) {
   RequireUsable(options);
-  return SvgReader(text, options, name).Read();
+  DrawingBuilder builder(name, options.limits);
+  SvgDocument document(text, builder);
+  if (document.Load()) SvgReader(builder, document, options, false).ReadPage();
+  return builder.Take();
 }
 
 }  // namespace intaglio::drawing

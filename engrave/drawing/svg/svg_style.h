@@ -27,6 +27,7 @@ enum class SvgProperty {
   kStroke,
   kFill,
   kClipPath,
+  kClipRule,
   kMask,
   kFilter,
   kMarker,
