@@ -160,6 +160,7 @@ ClipArea::ClipArea(std::vector<Edges> loops)
 
 std::optional<ClipArea> ClipArea::OfShapes(const std::vector<ClipShape>& shapes,
                                            ClipWork& work) {
+  if (work.pairs_left == 0) return std::nullopt;
   std::vector<Edges> loops;
   for (const ClipShape& shape : shapes) {
     std::vector<PointList> polygons;
@@ -183,6 +184,7 @@ std::optional<ClipArea> ClipArea::OfShapes(const std::vector<ClipShape>& shapes,
 
 std::optional<ClipArea> ClipArea::OfBoth(const ClipArea& a, const ClipArea& b,
                                          ClipWork& work) {
+  if (work.pairs_left == 0) return std::nullopt;
   std::vector<PointList> polygons = PolygonsOf(a.loops_);
   for (PointList& polygon : PolygonsOf(b.loops_)) polygons.push_back(std::move(polygon));
   auto loops = LoopsBy(

@@ -8,12 +8,22 @@ namespace intaglio::drawing {
 bool ReadDxfInsert(const DxfEntity& entity, DrawingBuilder& builder, DxfInsert& insert) {
   DxfGroups groups(entity.groups, builder);
   DxfGroup group;
+  bool in_dictionary = false;
   while (groups.Next(group)) {
     if (!TakeCommon(group, entity, builder, insert.common)) return false;
     double* number = nullptr;
     switch (group.code) {
       case 2:
         insert.block = group.value;
+        break;
+      case 66:
+        insert.has_attributes = group.value != "0";
+        break;
+      case 102:
+        in_dictionary = group.value == "{ACAD_XDICTIONARY";
+        break;
+      case 360:
+        if (in_dictionary) insert.dictionary = group.value;
         break;
       case 10:
       case 20:

@@ -16,6 +16,8 @@ struct DxfAffine {
 /// The numbers of an INSERT that matter.
 struct DxfInsert {
   std::string_view block;
+  std::string_view dictionary;  ///< handle of the extension dictionary
+  bool has_attributes = false;
   DxfCommon common;
   Vec3 at = Vec3::Zero();
   Vec3 scale = Vec3::Ones();

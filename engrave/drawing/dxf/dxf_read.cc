@@ -4,16 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
-#include <unordered_map>
 
+#include "engrave/drawing/clip.h"
 #include "engrave/drawing/drawing_builder.h"
+#include "engrave/drawing/dxf/dxf_blocks.h"
 #include "engrave/drawing/dxf/dxf_curves.h"
 #include "engrave/drawing/dxf/dxf_encoding.h"
 #include "engrave/drawing/dxf/dxf_hatch.h"
 #include "engrave/drawing/dxf/dxf_insert.h"
 #include "engrave/drawing/dxf/dxf_layers.h"
 #include "engrave/drawing/dxf/dxf_text.h"
+#include "engrave/drawing/dxf/dxf_xclip.h"
 #include "engrave/drawing/pieces.h"
 #include "engrave/io/dxf_unit.h"
 #include "engrave/io/lower_case.h"
@@ -21,17 +24,13 @@
 namespace intaglio::drawing {
 namespace {
 
-struct Block {
-  DxfText text;
-  Vec3 base = Vec3::Zero();
-};
-
 /// The place of entities: the drawing, or a block that is inserted.
 struct BlockContext {
   DxfAffine place;
   std::vector<std::string> blocks;  ///< names, from the outermost to the innermost
   std::string_view layer;           ///< of the insertion; entities on layer "0" are
                                     ///< on it
+  std::vector<std::shared_ptr<const ClipArea>> clips;  ///< of all these blocks
 };
 
 class DxfReader {
@@ -121,8 +120,8 @@ class DxfReader {
         const DxfText text{groups.From(begin, end), first_line};
         if (section == "ENTITIES") entities_.push_back(text);
         if (section == "TABLES") return layers_.Read(text, builder_);
-        if (section == "OBJECTS") return ReadObjects(text);
-        return section != "BLOCKS" || ReadBlocks(text);
+        if (section == "OBJECTS") return xclips_.Read(text, builder_);
+        return section != "BLOCKS" || blocks_.Read(text, builder_);
       }
       if (group.code == 9) variable = group.value;
       if (section == "HEADER" && group.code == 70 && variable == "$INSUNITS" &&
@@ -155,61 +154,6 @@ class DxfReader {
     }
     unit_mm_ = *unit_mm;
     return true;
-  }
-
-  /// XCLIP: a block is shown within a boundary.
-  bool ReadObjects(const DxfText& section) {
-    DxfEntities objects(section, builder_);
-    DxfEntity object;
-    while (objects.Next(object)) {
-      if (object.type == "SPATIAL_FILTER") {
-        builder_.LeaveOut("XCLIP of a block (SPATIAL_FILTER)", Effect::kChanged,
-                          object.Place());
-      }
-    }
-    return objects.good();
-  }
-
-  bool ReadBlocks(const DxfText& section) {
-    DxfGroups groups(section, builder_);
-    DxfGroup group;
-    bool inside = false, in_head = false;
-    Block block;
-    std::string_view name;
-    std::size_t begin = 0, end = 0;
-    while (groups.Next(group)) {
-      if (group.code == 0) {
-        in_head = false;
-        if (inside && group.value == "ENDBLK") {
-          block.text.text = groups.From(begin, std::max(begin, end));
-          blocks_.insert_or_assign(io::LowerCase(name), block);
-          inside = false;
-        } else if (!inside && group.value == "BLOCK") {
-          if (blocks_.size() >= options_.limits.max_entities) {
-            return builder_.Refuse(ErrorCode::kTooLarge,
-                                   fmt::format("line {}", group.line),
-                                   fmt::format("more than {} blocks; purge the drawing",
-                                               options_.limits.max_entities));
-          }
-          inside = in_head = true;
-          block = Block{{{}, groups.line()}, Vec3::Zero()};
-          begin = groups.position();
-          name = {};
-        }
-      } else if (in_head) {
-        if (group.code == 2) name = group.value;
-        if (group.code == 10 || group.code == 20 || group.code == 30) {
-          const DxfEntity head{"BLOCK", {}};
-          if (!DxfNumber(group, head, builder_, block.base[group.code / 10 - 1])) {
-            return false;
-          }
-        }
-        begin = groups.position();
-        block.text.line = groups.line();
-      }
-      end = groups.position();
-    }
-    return groups.good();
   }
 
   bool Unfold(const DxfText& text, const BlockContext& in) {
@@ -272,7 +216,7 @@ class DxfReader {
                             : fmt::format("{} {}", entity.type, result.wrong),
                         Effect::kLost, entity.Place());
     }
-    return Place(std::move(result.curve), result.common, entity, in);
+    return Place(std::move(result.curve), false, result.common, entity, in);
   }
 
   bool AddHatch(const DxfEntity& entity, const BlockContext& in) {
@@ -283,7 +227,7 @@ class DxfReader {
       builder_.LeaveOut("pattern of a HATCH", Effect::kLost, entity.Place());
     }
     for (Curve& contour : hatch.contours) {
-      if (!Place(std::move(contour), hatch.common, entity, in)) return false;
+      if (!Place(std::move(contour), true, hatch.common, entity, in)) return false;
     }
     return true;
   }
@@ -310,16 +254,52 @@ class DxfReader {
       builder_.LeaveOut(text.left_out, Effect::kLost, entity.Place());
     }
     for (Curve& curve : text.curves)
-      if (!Place(std::move(curve), text.common, entity, in)) return false;
+      if (!Place(std::move(curve), true, text.common, entity, in)) return false;
     return true;
   }
 
-  bool Place(Curve curve, const DxfCommon& common, const DxfEntity& entity,
+  /// Areas (hatches, letters) are cut as areas, all others as lines.
+  bool Place(Curve curve, bool filled, const DxfCommon& common, const DxfEntity& entity,
              const BlockContext& in) {
     for (Piece& piece : curve.pieces) Transform(in.place.linear, in.place.offset, piece);
     curve.layer = builder_.NameIndex(LayerOf(common, in));
     curve.color = builder_.NameIndex(common.color);
-    return builder_.Add(std::move(curve), entity.Place());
+    std::vector<Curve> seen;
+    seen.push_back(std::move(curve));
+    for (const auto& clip : in.clips) {
+      std::vector<Curve> inside;
+      bool is_cut = true;
+      for (const Curve& part : seen)
+        is_cut = is_cut && clip->Cut(part, filled, clip_work_, inside);
+      if (is_cut) {
+        seen = std::move(inside);
+      } else {
+        builder_.LeaveOut("XCLIP of a block, of this entity", Effect::kChanged,
+                          entity.Place());
+      }
+    }
+    for (Curve& part : seen)
+      if (!builder_.Add(std::move(part), entity.Place())) return false;
+    return true;
+  }
+
+  /// The clip of an inserted block at its place.
+  void TakeClip(const DxfXclip& clip, const DxfInsert& insert, BlockContext& block) {
+    std::string reason = clip.not_read;
+    if (insert.columns > 1 || insert.rows > 1) reason = "of an array";
+    if (reason.empty()) {
+      if (auto area = clip.AreaOf(block.place, clip_work_)) {
+        block.clips.push_back(std::make_shared<const ClipArea>(std::move(*area)));
+      } else {
+        reason = "not along z, or of too many edges";
+      }
+    }
+    const auto leave_out = [&](std::string_view what) {
+      builder_.LeaveOut(what, Effect::kChanged, clip.place);
+    };
+    if (!reason.empty()) return leave_out(fmt::format("XCLIP of a block, {}", reason));
+    if (clip.has_planes) leave_out("plane of an XCLIP in front or behind");
+    if (insert.has_attributes && options_.text_font) leave_out("XCLIP of an ATTRIB");
   }
 
   bool CheckInsert(const DxfEntity& entity, const DxfInsert& insert,
@@ -327,7 +307,7 @@ class DxfReader {
     const auto refuse = [&](ErrorCode code, std::string_view sentence) {
       return builder_.Refuse(code, entity.Place(), sentence, insert.block);
     };
-    if (!blocks_.contains(name)) {
+    if (blocks_.Find(name) == nullptr) {
       return refuse(ErrorCode::kNotFound,
                     "the block that it inserts is not in the file; bind external "
                     "references before the export");
@@ -358,8 +338,9 @@ class DxfReader {
       builder_.LeaveOut("INSERT with a scale of 0", Effect::kLost, entity.Place());
       return true;
     }
-    const Block& block = blocks_.at(name);
-    BlockContext deeper{{}, in.blocks, layer};
+    const DxfBlock& block = *blocks_.Find(name);
+    const DxfXclip* clip = xclips_.Find(insert.dictionary);
+    BlockContext deeper{{}, in.blocks, layer, {}};
     deeper.blocks.push_back(name);
     // Files write 0 for "no array"; the entity limit bounds the loops.
     const double columns = std::max(1.0, insert.columns);
@@ -372,6 +353,8 @@ class DxfReader {
         }
         const Vec3 cell(column * insert.column_step, row * insert.row_step, 0);
         deeper.place = in.place.Then(DxfPlaceOf(insert, block.base, cell));
+        deeper.clips = in.clips;
+        if (clip != nullptr) TakeClip(*clip, insert, deeper);
         if (!Unfold(block.text, deeper)) return false;
       }
     }
@@ -386,7 +369,9 @@ class DxfReader {
   std::optional<Typesetter> typesetter_;  ///< when a text was met
   DxfLayers layers_;
   std::vector<DxfText> entities_;
-  std::unordered_map<std::string, Block> blocks_;  ///< by name in small letters
+  DxfBlocks blocks_;
+  DxfXclips xclips_;
+  ClipWork clip_work_;
 };
 
 }  // namespace

@@ -4,10 +4,11 @@
 //
 // What is read: LINE, POINT, CIRCLE, ARC, ELLIPSE, LWPOLYLINE and POLYLINE with bulges,
 // SPLINE by control points and weights or by fit points, the boundary of HATCH, INSERT of
-// blocks with scale, rotation and arrays, blocks in blocks, extrusion directions; with a
-// font TEXT, MTEXT and ATTRIB, all in this font. All else (dimensions, patterns, meshes,
-// sheets, entities that are invisible or on a layer that is off or frozen) is counted in
-// the findings. Units: $INSUNITS; millimetres when the file names none.
+// blocks with scale, rotation and arrays, blocks in blocks, clips of blocks (XCLIP),
+// extrusion directions; with a font TEXT, MTEXT and ATTRIB, all in this font. All else
+// (dimensions, patterns, meshes, sheets, entities that are invisible or on a layer that
+// is off or frozen) is counted in the findings. Units: $INSUNITS; millimetres when the
+// file names none.
 //
 // Own code, not dxflib 3.26: of seven damaged files of a hundred bytes, one crashed the
 // process, the second took 16 GB and the third never returned.

@@ -71,6 +71,7 @@ void SvgClips::TakeViewport(const Vec2& size, SvgScope& scope) {
 }
 
 bool SvgClips::Cut(const SvgScope& scope, std::vector<Curve>& curves) {
+  if (scope.clips.empty()) return true;
   std::vector<Curve> left = curves;
   for (const auto& clip : scope.clips) {
     std::vector<Curve> inside;
