@@ -109,15 +109,13 @@ bool SvgClips::Read(const pugi::xml_node& node, const BoxSource& box,
   scope.references = user.references;
   SvgStyle style;
   if (!InheritStyle(node, scope) || !scopes_.TakeStyle(node, scope, style)) return false;
-  // Whether a transform of the clip path also moves its own clip is not defined.
-  const bool has_transform = !style.Attribute(node, "transform").empty();
-  const std::string& own = style.value(SvgProperty::kClipPath);
-  if (IsMovedByOthers(node, style) ||
-      (has_transform && !own.empty() && own != "none" && own != "inherit")) {
+  if (IsMovedByOthers(node, style)) {
     reading.is_read = false;
     return true;
   }
+  // The transform of a clip path does not move its own clip: as browsers do.
   if (!ReadOwnClip(style, box, user, reading, reading.within)) return false;
+  scopes_.TakeTransform(node, style, scope);
   if (std::string_view(node.attribute("clipPathUnits").value()) == "objectBoundingBox") {
     Box3 of_user;
     if (!box(of_user)) return false;
@@ -128,9 +126,7 @@ bool SvgClips::Read(const pugi::xml_node& node, const BoxSource& box,
     }
     scope.to_page = scope.to_page.Then(
         {size.x(), 0, 0, size.y(), of_user.min_mm.x(), of_user.min_mm.y()});
-    scope.page = Vec2::Ones();
   }
-  scopes_.TakeTransform(node, style, scope);
   for (const pugi::xml_node child : node.children()) {
     if (!reading.is_read) break;
     if (child.type() == pugi::node_element && !ReadChild(child, scope, {}, reading))
@@ -171,6 +167,7 @@ bool SvgClips::ReadChild(const pugi::xml_node& node, SvgScope scope, Areas withi
     return true;
   }
   scopes_.TakeTransform(node, style, scope);
+  if (element == "use") scopes_.TakePlaceOfUse(node, style, scope);
   std::vector<Curve> curves;
   if (element != "use" && !scopes_.CurvesOf(node, style, scope, curves)) return false;
   const auto box = [&](Box3& extent) {
@@ -178,7 +175,7 @@ bool SvgClips::ReadChild(const pugi::xml_node& node, SvgScope scope, Areas withi
     return true;
   };
   if (!ReadOwnClip(style, box, scope, reading, within)) return false;
-  if (element == "use") return ReadUse(node, style, scope, within, reading);
+  if (element == "use") return ReadUse(node, scope, within, reading);
   if (scope.hidden) return true;
   for (Curve& curve : curves) {
     for (Piece& piece : curve.pieces) ToPage(scope.to_page, piece);
@@ -188,18 +185,14 @@ bool SvgClips::ReadChild(const pugi::xml_node& node, SvgScope scope, Areas withi
 }
 
 /// Of a shape or text; others are not drawn in a clip path.
-bool SvgClips::ReadUse(const pugi::xml_node& node, const SvgStyle& style, SvgScope& scope,
-                       const Areas& within, Reading& reading) {
+bool SvgClips::ReadUse(const pugi::xml_node& node, SvgScope& scope, const Areas& within,
+                       Reading& reading) {
   std::string_view target = node.attribute("href").value();
   if (target.empty()) target = node.attribute("xlink:href").value();
   const pugi::xml_node found = document_.Find(target);
   if (!found || SvgName(found.name()) == "use") return true;
   if (!builder_.CountEntity("use")) return false;
   ++scope.references;
-  Vec2 at = Vec2::Zero();
-  scopes_.TakeLength(node, style, "x", scope.page.x(), scope.em, at.x());
-  scopes_.TakeLength(node, style, "y", scope.page.y(), scope.em, at.y());
-  scope.to_page = scope.to_page.Then({1, 0, 0, 1, at.x(), at.y()});
   return ReadChild(found, scope, within, reading);
 }
 

@@ -65,8 +65,8 @@ class SvgClips {
   bool InheritStyle(const pugi::xml_node& node, SvgScope& scope);
   bool ReadChild(const pugi::xml_node& node, SvgScope scope, Areas within,
                  Reading& reading);
-  bool ReadUse(const pugi::xml_node& node, const SvgStyle& style, SvgScope& scope,
-               const Areas& within, Reading& reading);
+  bool ReadUse(const pugi::xml_node& node, SvgScope& scope, const Areas& within,
+               Reading& reading);
   void AddShape(ClipShape shape, const Areas& within, Reading& reading);
 
   DrawingBuilder& builder_;

@@ -150,6 +150,7 @@ class SvgReader {
     }
     if (++scope.depth > options_.limits.max_nesting) return document_.RefuseDepth(node);
     scopes_.TakeTransform(node, style, scope);
+    if (SvgName(node.name()) == "use") scopes_.TakePlaceOfUse(node, style, scope);
     const auto box = [&](Box3& extent) {
       return MeasureElement(node, sized, style, scope, extent);
     };
@@ -164,7 +165,7 @@ class SvgReader {
       return ReadGroup(node, scope);
     }
     if (element == "svg") return ReadViewport(node, sized, style, scope);
-    if (element == "use") return ReadUse(node, style, scope);
+    if (element == "use") return ReadUse(node, scope);
     const std::string_view whole = node.name();
     const bool foreign = whole.size() > element.size() && !whole.starts_with("svg:");
     if (IsSvgDefinition(element)) return true;
@@ -205,7 +206,7 @@ class SvgReader {
     return ReadChildren(node, scope);
   }
 
-  bool ReadUse(const pugi::xml_node& node, const SvgStyle& style, SvgScope& scope) {
+  bool ReadUse(const pugi::xml_node& node, SvgScope& scope) {
     std::string_view target = node.attribute("href").value();
     if (target.empty()) target = node.attribute("xlink:href").value();
     const pugi::xml_node found = document_.Find(target);
@@ -217,10 +218,6 @@ class SvgReader {
     if (!builder_.CountEntity("use")) return false;
     if (++scope.references > options_.limits.max_nesting)
       return document_.RefuseDepth(node);
-    Vec2 at = Vec2::Zero();
-    scopes_.TakeLength(node, style, "x", scope.page.x(), scope.em, at.x());
-    scopes_.TakeLength(node, style, "y", scope.page.y(), scope.em, at.y());
-    scope.to_page = scope.to_page.Then({1, 0, 0, 1, at.x(), at.y()});
     if (SvgName(found.name()) != "symbol") return ReadElement(found, node, scope);
     SvgStyle own;  // display of the symbol itself, which is never drawn, has no effect
     return scopes_.TakeStyle(found, scope, own) && ReadViewport(found, node, own, scope);

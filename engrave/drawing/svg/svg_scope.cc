@@ -87,6 +87,14 @@ void SvgScopes::TakeTransform(const pugi::xml_node& node, const SvgStyle& style,
                       .Then({1, 0, 0, 1, -origin.x(), -origin.y()});
 }
 
+void SvgScopes::TakePlaceOfUse(const pugi::xml_node& node, const SvgStyle& style,
+                               SvgScope& scope) {
+  Vec2 at = Vec2::Zero();
+  TakeLength(node, style, "x", scope.page.x(), scope.em, at.x());
+  TakeLength(node, style, "y", scope.page.y(), scope.em, at.y());
+  scope.to_page = scope.to_page.Then({1, 0, 0, 1, at.x(), at.y()});
+}
+
 bool SvgScopes::CurvesOf(const pugi::xml_node& node, const SvgStyle& style,
                          const SvgScope& scope, std::vector<Curve>& curves) {
   DrawingBuilder probe("", builder_.limits());

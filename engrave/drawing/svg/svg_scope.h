@@ -59,6 +59,8 @@ class SvgScopes {
   void TakeViewBox(const pugi::xml_node& node, const Vec2& size, SvgScope& scope);
   bool TakeStyle(const pugi::xml_node& node, SvgScope& scope, SvgStyle& style);
   void TakeTransform(const pugi::xml_node& node, const SvgStyle& style, SvgScope& scope);
+  /// The x and y of a use, which end its transform: its clip moves with them.
+  void TakePlaceOfUse(const pugi::xml_node& node, const SvgStyle& style, SvgScope& scope);
 
   /// The curves of a shape in its user space. A wrong attribute ends a shape, and not the
   /// file.
