@@ -4,8 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "engrave/contour/edge_tree.h"
 #include "engrave/contour/option_range.h"
+#include "engrave/contour/region/region_index.h"
+#include "engrave/contour/region/simplify.h"
 #include "engrave/core/try.h"
 
 namespace intaglio::contour {
@@ -15,11 +19,13 @@ namespace {
 constexpr double kNothing_mm2 = 1e-6;
 // The search for the largest tool that fits ends here, mm.
 constexpr double kDiameter_mm = 1e-3;
-constexpr std::size_t kPassesFromWall = 16;
 constexpr double kMinStepRatio = 0.05;
 // Where passes of two walls meet exactly, as in a slot of whole steps, the proof of their
 // union fails: then with these parts of the step.
-constexpr double kSmallerSteps[] = {0.98, 0.95};
+constexpr double kParts[] = {1, 0.98, 0.95, 0.9};
+constexpr double kMaxTolerance_mm = 0.002;
+constexpr double kToleranceOfStep = 0.01;
+constexpr int kPassesFromWall = 16;
 
 Status CheckPocketOptions(const PocketOptions& options) {
   INTAGLIO_TRY(CheckOption("the tool's diameter", options.tool_diameter_mm, 0.001, 100));
@@ -28,27 +34,46 @@ Status CheckPocketOptions(const PocketOptions& options) {
   return CheckOption("the number of passes", options.max_pass_count, 1, 1'000'000);
 }
 
+/// Insets of one area and of the passes in it: exact, or in stages.
+struct Insets {
+  double tolerance_mm = 0;  ///< 0: exact
+
+  /// At least so far from the wall, and at most twice the tolerance more.
+  Result<Region> FromWall(const Region& area, double distance_mm) const {
+    if (tolerance_mm == 0) return Inset(area, distance_mm);
+    return InsetInStages(area, distance_mm + tolerance_mm, tolerance_mm);
+  }
+  /// At most so far from a pass, and at least twice the tolerance less.
+  Result<Region> FromPass(const Region& paths, double distance_mm) const {
+    if (tolerance_mm == 0) return Inset(paths, distance_mm);
+    return InsetInStages(paths, distance_mm - tolerance_mm, tolerance_mm);
+  }
+};
+
 /// Halves the interval between a diameter that fits and one that does not.
-double LargestTool_mm(const Region& part, double allowance_mm, double too_large_mm) {
+double LargestTool_mm(const Region& part, const Insets& insets, double allowance_mm,
+                      double too_large_mm) {
   double fits = 0;
   double fits_not = too_large_mm;
   while (fits_not - fits > kDiameter_mm) {
     const double middle = 0.5 * (fits + fits_not);
-    const auto inset = Inset(part, middle / 2 + allowance_mm);
+    const auto inset = insets.FromWall(part, middle / 2 + allowance_mm);
     (inset && !inset->loops.empty() ? fits : fits_not) = middle;
   }
   return std::floor(fits / kDiameter_mm) * kDiameter_mm;
 }
 
 /// A part into which the tool fits nowhere would stay as it is.
-Status CheckParts(const Region& area, const Region& first, const PocketOptions& options) {
+Status CheckParts(const Region& area, const Region& first, const Insets& insets,
+                  const PocketOptions& options) {
   for (const Region& part : ConnectedParts(area)) {
+    const RegionIndex index(part);
     const auto is_in_part = [&](const Edges& path) {
-      return IsInside(part, path.front().begin_mm);
+      return index.IsInside(path.front().begin_mm);
     };
     if (std::any_of(first.loops.begin(), first.loops.end(), is_in_part)) continue;
     const double largest =
-        LargestTool_mm(part, options.allowance_mm, options.tool_diameter_mm);
+        LargestTool_mm(part, insets, options.allowance_mm, options.tool_diameter_mm);
     const Vec2& at = part.loops[0][0].begin_mm;
     return Fail(ErrorCode::kUnsupported,
                 fmt::format("the tool of {:.4g} mm does not fit into the pocket at "
@@ -62,9 +87,10 @@ Status CheckParts(const Region& area, const Region& first, const PocketOptions& 
 /// The passes from the wall on.
 class Clearing {
  public:
-  Clearing(const Region& area, const PocketOptions& options)
+  Clearing(const Region& area, const PocketOptions& options, const Insets& insets)
       : area_(area),
         options_(options),
+        insets_(insets),
         radius_(options.tool_diameter_mm / 2),
         step_(options.tool_diameter_mm * options.step_ratio) {}
 
@@ -72,40 +98,67 @@ class Clearing {
     double offset = radius_ + options_.allowance_mm;
     Region paths = std::move(first);
     while (!paths.loops.empty()) {
-      Region next = INTAGLIO_TRY(Farther(paths, step_, offset + step_));
+      Neighbour next = INTAGLIO_TRY(Farther(paths, offset, step_));
       INTAGLIO_TRY(Append(offset, false, paths));
-      if (step_ > radius_) INTAGLIO_TRY(AppendStrips(paths, offset + radius_, next));
-      paths = std::move(next);
-      offset += step_;
+      if (step_ > radius_) INTAGLIO_TRY(AppendStrips(paths, offset, next.paths));
+      passes_from_wall_ = next.from_wall ? 1 : passes_from_wall_ + 1;
+      paths = std::move(next.paths);
+      offset += next.apart_mm;
     }
     return std::move(passes_);
   }
 
  private:
-  /// What is farther than border_mm from the wall is not yet cut: of its parts those stay
+  struct Neighbour {
+    Region paths;
+    double apart_mm = 0;  ///< from the pass
+    bool from_wall = false;
+  };
+
+  /// What is by_mm farther from the wall than a pass: from the pass, which has few edges
+  /// near each other. Of few edges every so often, and where that is refused, from the
+  /// wall, so that roundings do not add up. Where both fail it is nearer.
+  Result<Neighbour> Farther(const Region& paths, double offset_mm, double by_mm) const {
+    const bool exact = insets_.tolerance_mm == 0;
+    const bool wall_first = exact && passes_from_wall_ % kPassesFromWall == 0;
+    std::optional<Error> first;
+    for (const double part : kParts) {
+      for (const bool wall : {wall_first, !wall_first}) {
+        if (wall && !exact) continue;
+        const double apart_mm = part * by_mm;
+        auto next = wall ? insets_.FromWall(area_, offset_mm + apart_mm)
+                         : insets_.FromPass(paths, apart_mm);
+        if (next) return Neighbour{std::move(*next), apart_mm, wall};
+        if (next.error().code != ErrorCode::kUnsupported)
+          return tl::unexpected(next.error());
+        if (!first) first = next.error();
+      }
+    }
+    return tl::unexpected(*first);
+  }
+
+  /// What is farther than the radius from a pass is not yet cut: of its parts those stay
   /// that the next pass does not cut wholly, and their borders are a pass themselves.
-  Status AppendStrips(const Region& paths, double border_mm, const Region& next) {
-    const Region open = INTAGLIO_TRY(Farther(paths, radius_, border_mm));
+  Status AppendStrips(const Region& paths, double offset_mm, const Region& next) {
+    const Neighbour border = INTAGLIO_TRY(Farther(paths, offset_mm, radius_));
+    const Region& open = border.paths;
     if (open.loops.empty()) return {};
+    const double border_mm = offset_mm + border.apart_mm;
     const auto uncut = Uncut(open, next);
     // Where that cannot be decided the whole border is run along: too much, never wrong.
     if (!uncut) return Append(border_mm, true, open);
     if (AreaOf(*uncut) < kNothing_mm2) return {};
+    const std::vector<Vec2> places = PlacesOf(*uncut);
     Region strips;
     for (const Edges& loop : open.loops) {
-      if (Touches(loop, *uncut)) strips.loops.push_back(loop);
+      const EdgeTree tree(loop);
+      const double reach_mm = step_ - border.apart_mm + kDiameter_mm;
+      if (std::any_of(places.begin(), places.end(), [&](const Vec2& place) {
+            return tree.DistanceTo(place) < reach_mm;
+          }))
+        strips.loops.push_back(loop);
     }
     return Append(border_mm, true, std::move(strips));
-  }
-
-  /// What is by_mm farther from the wall than a pass: from the pass, which has few edges
-  /// near each other, but every so often, and where that is refused, from the wall, so
-  /// that roundings do not add up.
-  Result<Region> Farther(const Region& paths, double by_mm, double offset_mm) const {
-    if (passes_.size() % kPassesFromWall != 0) {
-      if (auto inset = Inset(paths, by_mm)) return inset;
-    }
-    return Inset(area_, offset_mm);
   }
 
   /// The rest of what is open that neither the next pass cuts nor those behind it: they
@@ -117,17 +170,15 @@ class Clearing {
     return Difference(beside, next);
   }
 
-  bool Touches(const Edges& loop, const Region& uncut) const {
+  /// Places on the borders of the parts, but for those that are nothing.
+  static std::vector<Vec2> PlacesOf(const Region& uncut) {
+    std::vector<Vec2> places;
     for (const Region& part : ConnectedParts(uncut)) {
       if (AreaOf(part) < kNothing_mm2) continue;
-      for (const Edge& edge : part.loops[0]) {
-        const Vec2 place = PointAt(edge, edge.length_mm / 2);
-        for (const Edge& border : loop) {
-          if (DistanceTo(border, place) < step_ - radius_ + kDiameter_mm) return true;
-        }
-      }
+      for (const Edge& edge : part.loops[0])
+        places.push_back(PointAt(edge, edge.length_mm / 2));
     }
-    return false;
+    return places;
   }
 
   Status Append(double offset_mm, bool between, Region paths) {
@@ -141,45 +192,34 @@ class Clearing {
 
   const Region& area_;
   const PocketOptions& options_;
+  const Insets& insets_;
   double radius_;
   double step_;
+  int passes_from_wall_ = 0;  ///< made since the last one that was
   std::vector<PocketPass> passes_;
 };
-
-Result<Region> CutBy(const std::vector<PocketPass>& passes, double tool_diameter_mm) {
-  std::vector<Edges> paths;
-  for (const PocketPass& pass : passes)
-    paths.insert(paths.end(), pass.paths.begin(), pass.paths.end());
-  return Swept(paths, tool_diameter_mm);
-}
-
-Result<Pocket> ClearWithStep(const Region& area, const PocketOptions& options) {
-  Region first =
-      INTAGLIO_TRY(Inset(area, options.tool_diameter_mm / 2 + options.allowance_mm));
-  INTAGLIO_TRY(CheckParts(area, first, options));
-  Pocket pocket;
-  pocket.passes = INTAGLIO_TRY(Clearing(area, options).Run(std::move(first)));
-  std::reverse(pocket.passes.begin(), pocket.passes.end());
-  const Region cut = INTAGLIO_TRY(CutBy(pocket.passes, options.tool_diameter_mm));
-  pocket.cut_area_mm2 = AreaOf(cut);
-  const double whole_mm2 = options.allowance_mm > 0
-                               ? AreaOf(INTAGLIO_TRY(Inset(area, options.allowance_mm)))
-                               : AreaOf(area);
-  pocket.left_area_mm2 = std::max(whole_mm2 - pocket.cut_area_mm2, 0.0);
-  return pocket;
-}
 
 }  // namespace
 
 Result<Pocket> ClearPocket(const Region& area, const PocketOptions& options) {
   INTAGLIO_TRY(CheckPocketOptions(options));
-  auto pocket = ClearWithStep(area, options);
-  PocketOptions smaller = options;
-  for (const double part : kSmallerSteps) {
-    if (pocket || pocket.error().code != ErrorCode::kUnsupported) break;
-    smaller.step_ratio = std::max(kMinStepRatio, part * options.step_ratio);
-    if (auto again = ClearWithStep(area, smaller)) pocket = std::move(again);
-  }
+  const double radius_mm = options.tool_diameter_mm / 2;
+  const double tolerance_mm = std::min(
+      kMaxTolerance_mm, kToleranceOfStep * options.step_ratio * options.tool_diameter_mm);
+  Pocket pocket;
+  const Insets insets{HasManyEdges(area) ? tolerance_mm : 0};
+  pocket.tolerance_mm = 2 * insets.tolerance_mm;
+  Region first = INTAGLIO_TRY(insets.FromWall(area, radius_mm + options.allowance_mm));
+  INTAGLIO_TRY(CheckParts(area, first, insets, options));
+  // The passes leave nothing inside of the first one.
+  pocket.cut_area_mm2 = AreaOf(INTAGLIO_TRY(Outset(first, radius_mm)));
+  const double whole_mm2 =
+      options.allowance_mm > 0
+          ? AreaOf(INTAGLIO_TRY(insets.FromWall(area, options.allowance_mm)))
+          : AreaOf(area);
+  pocket.left_area_mm2 = std::max(whole_mm2 - pocket.cut_area_mm2, 0.0);
+  pocket.passes = INTAGLIO_TRY(Clearing(area, options, insets).Run(std::move(first)));
+  std::reverse(pocket.passes.begin(), pocket.passes.end());
   return pocket;
 }
 

@@ -3,16 +3,24 @@
 // Pocket clearing: closed paths side by side along the wall of an area, islands in it
 // left standing. Frame: drawing, mm.
 //
-// Pass k runs at r + k s from the wall, r the tool's radius, s the step. Every sixteenth
-// pass is made from the wall itself, those between from the one before, so roundings stay
-// below 0.02 um. What lies at r + k s .. 2 r + k s
-// from the wall is cut by pass k: on the straight way to the nearest place of the wall
-// lies a point at r + k s, which is on the pass, and no farther than r. With s <= r these
-// ranges join. With s > r a strip at 2 r + k s .. r + (k + 1) s may remain, where pass
-// k + 1 does not come near: there a pass at 2 r + k s is put in, from which no point of
-// the strip is farther than s - r < r. So what is cut is all that the tool can reach
-// without cutting the wall, and nothing else; what remains are inner corners sharper than
-// the tool and necks narrower than it.
+// Pass k runs at r + k s from the wall, r the tool's radius, s the step. Each is made
+// from the one before: what is at least s from it, inside of it. Of what lies inside of
+// pass k that pass cuts all that is at most r from it. With s <= r pass k + 1 lies within
+// that, or there is nothing farther inside: so nothing is left between them. With s > r a
+// strip beyond r may remain, where pass k + 1 does not come near: there a pass at r from
+// pass k is put in, from which no point of the strip is farther than s - r < r. So what
+// is cut is all that the tool can reach without cutting the wall, and nothing else; what
+// remains are inner corners sharper than the tool and necks narrower than it. None of
+// this compares a pass with more than its neighbours, and none of it needs pass k to be
+// exactly at r + k s.
+//
+// An outline of more than 256 edges (a zone of a layout program, divided curves) and the
+// passes made from it are simplified by a tolerance t = 0.002 mm, or a hundredth of the
+// step where that is less. Then the first pass is r to r + 2 t from the wall and cuts
+// nothing outside, and each other one is s - 2 t to s from the one before: as in the rule
+// above, whose offsets are not exact. What stays uncut for that is at most 2 t from the
+// wall, or from what the tool cannot reach. Of fewer edges every sixteenth pass is made
+// from the wall itself, so that roundings stay below 0.02 um.
 
 #include <vector>
 
@@ -36,7 +44,9 @@ struct PocketPass {
 struct Pocket {
   std::vector<PocketPass> passes;  ///< in the order of milling: along the wall last
   double cut_area_mm2 = 0;         ///< what the tool sweeps: all of it is in the area
-  double left_area_mm2 = 0;        ///< corners and necks, without the allowance
+  /// Corners and necks, without the allowance; along the length of the walls to t.
+  double left_area_mm2 = 0;
+  double tolerance_mm = 0;  ///< 2 t, or 0: passes are at their offsets exactly
 };
 
 /// Where passes would coincide the step is up to a twentieth less than asked for.

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "engrave/contour/contour_order.h"
+#include "engrave/contour/edge_tree.h"
 #include "engrave/contour/region/region_index.h"
 
 namespace intaglio::contour {
@@ -33,14 +34,14 @@ double DistanceToBox(const EdgeBox& box, const Vec2& place) {
   return outside.norm();
 }
 
-bool LiesWithin(const Edges& path, const PocketNode& other, double distance_mm) {
+bool LiesWithin(const Edges& path, const EdgeBox& box, const EdgeTree& other,
+                double distance_mm) {
   for (const Edge& edge : path) {
     for (const double part : {0.5, 0.0}) {
       const Vec2 place = PointAt(edge, part * edge.length_mm);
-      if (DistanceToBox(other.box, place) > distance_mm) continue;
-      for (const Edge& border : *other.path) {
-        if (DistanceTo(border, place) <= distance_mm) return true;
-      }
+      if (DistanceToBox(box, place) <= distance_mm &&
+          other.DistanceTo(place) <= distance_mm)
+        return true;
     }
   }
   return false;
@@ -75,7 +76,7 @@ class PocketOrder {
         nodes_.push_back({&path, pass, BoxOfEdges(path), {}, 0, false});
     }
     first_of_pass_.push_back(static_cast<std::uint32_t>(nodes_.size()));
-    for (std::uint32_t node = 0; node < nodes_.size(); ++node) FindBeside(node);
+    for (std::uint32_t pass = 0; pass < pocket.passes.size(); ++pass) FindBeside(pass);
   }
 
   std::vector<PocketStep> Run(const Vec2& start_mm) {
@@ -95,21 +96,29 @@ class PocketOrder {
   }
 
  private:
-  /// Passes are ordered from the deepest one on; those put in between may be missing in
-  /// places, so the one behind them counts as well.
-  void FindBeside(std::uint32_t deep) {
-    const Edges& path = *nodes_[deep].path;
-    const double offset_mm = pocket_.passes[nodes_[deep].pass].offset_mm;
-    for (std::uint32_t pass = nodes_[deep].pass + 1; pass < pocket_.passes.size();
-         ++pass) {
-      const double apart_mm = offset_mm - pocket_.passes[pass].offset_mm;
-      for (std::uint32_t k = first_of_pass_[pass]; k < first_of_pass_[pass + 1]; ++k) {
-        if (!LiesWithin(path, nodes_[k], apart_mm + kBesideMm)) continue;
+  /// The deeper paths that those of a pass lie beside. Passes are ordered from the
+  /// deepest one on; those put in between may be missing in places, so the one before
+  /// them counts as well. One tree is kept at a time.
+  void FindBeside(std::uint32_t pass) {
+    const double beside_mm = kBesideMm + pocket_.tolerance_mm;
+    for (std::uint32_t k = first_of_pass_[pass]; k < first_of_pass_[pass + 1]; ++k) {
+      const EdgeTree tree(*nodes_[k].path);
+      for (std::uint32_t deep = FirstBeside(pass); deep < first_of_pass_[pass]; ++deep) {
+        const double apart_mm =
+            pocket_.passes[nodes_[deep].pass].offset_mm - pocket_.passes[pass].offset_mm;
+        if (!LiesWithin(*nodes_[deep].path, nodes_[k].box, tree, apart_mm + beside_mm))
+          continue;
         nodes_[deep].towards_wall.push_back(k);
         ++nodes_[k].deeper_left;
       }
-      if (!pocket_.passes[pass].between) return;
     }
+  }
+
+  /// The first node of the deepest pass that paths of this one may lie beside.
+  std::uint32_t FirstBeside(std::uint32_t pass) const {
+    std::uint32_t deepest = pass > 0 ? pass - 1 : 0;
+    while (deepest > 0 && pocket_.passes[deepest].between) --deepest;
+    return first_of_pass_[deepest];
   }
 
   Entry NextFrom(const PocketNode* before, const Vec2& at) const {

@@ -106,6 +106,41 @@ TEST(Pocket, CutsWhatTheToolReachesAndNothingElse) {
   }
 }
 
+/// Around a centre, waves and a fine noise as of a zone of a layout program.
+Edges FineOutline(const Vec2& center, double radius, double wave_mm, int count) {
+  std::mt19937 random(7);
+  std::vector<Vec2> points;
+  for (int k = 0; k < count; ++k) {
+    const double a = 2 * pi * k / count;
+    const double r = radius + wave_mm * std::sin(11 * a) + 1e-4 * test::Random(random);
+    points.push_back(center + r * Vec2(std::cos(a), std::sin(a)));
+  }
+  Edges loop;
+  for (std::size_t k = 0; k < points.size(); ++k)
+    loop.push_back(MakeLine(points[k], points[(k + 1) % points.size()]));
+  return loop;
+}
+
+// Edges of 10 um. With all of them in all passes, and all passes united with all, this
+// took minutes and gigabytes; a pass needs as many edges as its tolerance of 2 um asks
+// for.
+TEST(Pocket, OfManyEdgesCutsAllWithFewEdges) {
+  const Region area =
+      Area({FineOutline({14, 12}, 10, 0.6, 6000), FineOutline({15, 12}, 3, 0.2, 2000)});
+  for (const double step : {0.45, 0.8}) {
+    const auto pocket = ClearPocket(area, {0.8, step});
+    ASSERT_TRUE(pocket) << pocket.error().message;
+    for (const PocketPass& pass : pocket->passes) {
+      std::size_t count = 0;
+      for (const Edges& path : pass.paths) count += path.size();
+      EXPECT_LT(count, 2500U) << "at " << pass.offset_mm;
+    }
+    ExpectEverythingReachableCut(area, *pocket, 0.8);
+    // Both outlines are wide enough for the tool all along: 4 um along 100 mm.
+    EXPECT_LT(pocket->left_area_mm2, 0.4);
+  }
+}
+
 // All distances anew, from the wall itself: roundings of 16 passes at most.
 TEST(Pocket, PassesKeepTheirDistanceFromTheWall) {
   const Region area = Irregular();
