@@ -21,6 +21,7 @@
 #include "services/job/convert/model_kind.h"
 #include "services/job/course/course_holes.h"
 #include "services/job/course/course_side.h"
+#include "services/job/course/course_slots.h"
 #include "services/job/models/flat_models.h"
 
 namespace intaglio {
@@ -102,13 +103,8 @@ struct CourseReading {
   CourseSide side;
 };
 
-void AddWarnings(const std::string& file, FileFindings findings,
-                 const std::vector<contour::Element>& slots, Warnings& warnings) {
-  if (!slots.empty()) {
-    findings.Add({"slots", contour::Describe(slots.front()),
-                  "mill them from a drawing with --make curves", slots.size(), 0,
-                  Effect::kLost});
-  }
+void AddWarnings(const std::string& file, const FileFindings& findings,
+                 Warnings& warnings) {
   std::ranges::move(WarningsOf(FileName(file), findings), std::back_inserter(warnings));
 }
 
@@ -161,7 +157,8 @@ std::optional<double> MiddleOf(const std::vector<contour::Edges>& outline) {
 Status AddKicadBoard(const std::string& file, std::string_view text, const Course& course,
                      CourseReading& reading, Warnings& warnings) {
   auto board = INTAGLIO_TRY(contour::ReadKicadBoard(text, file));
-  AddWarnings(file, board.findings, board.slots, warnings);
+  AddWarnings(file, board.findings, warnings);
+  INTAGLIO_TRY(AddSlots(course, FileName(file), board.slots, reading.files, warnings));
   std::ranges::move(board.holes, std::back_inserter(reading.files.holes));
   if (!reading.side.middle_x_mm) reading.side.middle_x_mm = MiddleOf(board.outline);
   if (course.layer() == kOutlineLayer ||
@@ -178,14 +175,15 @@ Status AddKicadBoard(const std::string& file, std::string_view text, const Cours
   return {};
 }
 
-Status AddDrillFile(const std::string& file, std::string_view text,
-                    const std::string& units, std::vector<DrilledFile>& drilled,
+Status AddDrillFile(const Course& course, const std::string& file, std::string_view text,
+                    const std::string& units, CourseReading& reading,
                     Warnings& warnings) {
   contour::ExcellonOptions options;
   options.units = units;
   auto read = INTAGLIO_TRY(contour::ReadExcellon(text, file, options));
-  AddWarnings(file, read.findings, read.slots, warnings);
-  drilled.push_back({FileName(file), std::move(read.holes)});
+  AddWarnings(file, read.findings, warnings);
+  INTAGLIO_TRY(AddSlots(course, FileName(file), read.slots, reading.files, warnings));
+  reading.drilled.push_back({FileName(file), std::move(read.holes)});
   return {};
 }
 
@@ -265,12 +263,12 @@ Status AddFile(const Course& course, const std::string& file, std::string_view t
   const auto kind = KindOf(model);
   if (!kind || *kind != ModelKind::kDrawing) {
     return IsDrillFile(file, text)
-               ? AddDrillFile(file, text, options.drill_units, reading.drilled, warnings)
+               ? AddDrillFile(course, file, text, options.drill_units, reading, warnings)
                : AddBoard(file, text, course, reading, warnings);
   }
   const auto drawing = ReadDrawing(file, text, limits.drawings, warnings);
   if (!drawing) return tl::unexpected(WithRemedy(drawing.error(), limits));
-  AddWarnings(file, PointsIn(*drawing), {}, warnings);
+  AddWarnings(file, PointsIn(*drawing), warnings);
   return course.make() == COURSE_MAKE_CURVES ? AddCurves(file, *drawing, reading.files)
                                              : AddLoops(file, *drawing, reading.loops);
 }

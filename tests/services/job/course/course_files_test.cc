@@ -95,18 +95,24 @@ TEST(CourseFiles, UnitsThatADrillFileLacksAreGiven) {
   EXPECT_THAT(wrong.files.error().message, HasSubstr("--drill-units"));
 }
 
-TEST(CourseFiles, OnlySlotsAreNamed) {
+// A slot of 0.8 mm, 3 mm long: 9 parts of at most 0.43 of its width.
+TEST(CourseFiles, SlotsAloneAreDrilledOrMilled) {
   Course course;
   course.add_files("slots.drl");
+  course.set_tool_diameter_mm(0.8);
   Warnings warnings;
   const std::string text =
       intaglio::test::ContentOf(INTAGLIO_SOURCE_DIR "/tests/data/boards/slots_only.drl");
-  const auto files = CourseFilesOf(course, {text}, {}, warnings);
-  ASSERT_FALSE(files);
-  EXPECT_THAT(files.error().message, AllOf(HasSubstr("holds nothing to make"),
-                                           HasSubstr("track 0.8 from (1, 1) to (4, 1)"),
-                                           HasSubstr("--make curves")));
-  EXPECT_THAT(warnings, SizeIs(1));
+  const auto drilled = CourseFilesOf(course, {text}, {}, warnings);
+  ASSERT_TRUE(drilled) << drilled.error().message;
+  EXPECT_THAT(drilled->holes, SizeIs(10));
+  EXPECT_THAT(warnings, SizeIs(1)) << "rows of holes are not holes over each other";
+  course.set_make(COURSE_MAKE_CURVES);
+  const auto milled = CourseFilesOf(course, {text}, {}, warnings);
+  ASSERT_TRUE(milled) << milled.error().message;
+  EXPECT_TRUE(milled->holes.empty());
+  ASSERT_THAT(milled->curves, SizeIs(1));
+  EXPECT_NEAR(contour::LengthOf(milled->curves[0].edges), 3, 1e-9);
 }
 
 // A job on a machine has them, too.

@@ -1,0 +1,147 @@
+#include "services/job/course/course_slots.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace intaglio {
+namespace {
+
+using std::numbers::pi;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+Course SlotCourse(CourseMake make, double tool_mm) {
+  Course course;
+  course.set_make(make);
+  course.set_tool_diameter_mm(tool_mm);
+  course.set_depth_mm(1.7);
+  return course;
+}
+
+struct Added {
+  CourseFiles files;
+  Warnings warnings;
+};
+
+Added Add(const Course& course, const std::vector<contour::Element>& slots) {
+  Added added;
+  const Status done = AddSlots(course, "a.drl", slots, added.files, added.warnings);
+  EXPECT_TRUE(done) << done.error().message;
+  return added;
+}
+
+contour::Element Straight(double length_mm, double width_mm) {
+  return {contour::Track{{1, 1}, {1 + length_mm, 1}, width_mm}};
+}
+contour::Element Round(double radius_mm, double sweep_rad, double width_mm) {
+  return {
+      contour::ArcTrack{contour::MakeArc({3, 2}, radius_mm, 0.4, sweep_rad), width_mm}};
+}
+
+contour::Edge MiddleOf(const contour::Element& slot) {
+  if (const auto* arc = std::get_if<contour::ArcTrack>(&slot.shape)) return arc->arc;
+  const auto& track = std::get<contour::Track>(slot.shape);
+  return contour::MakeLine(track.begin_mm, track.end_mm);
+}
+
+// The oracle: a raster of points. One in the slot by more than a twentieth of its width
+// is in a hole, and one beside it in none.
+TEST(CourseSlots, RowsOfHolesLeaveCuspsOfATwentieth) {
+  for (const double width_mm : {0.6, 1.0, 3.0}) {
+    for (const contour::Element& slot :
+         {Straight(0.1, width_mm), Straight(2.5, width_mm), Straight(40, width_mm),
+          Round(1.6, 1, width_mm), Round(1.6, 2 * pi, width_mm)}) {
+      const Added added =
+          Add(SlotCourse(COURSE_MAKE_ISOLATION, 0.2), {contour::Element{slot.shape}});
+      const contour::Edge middle = MiddleOf(slot);
+      for (double x = -2; x < 44; x += 0.037) {
+        for (double y = -3; y < 7; y += 0.037) {
+          const double depth_mm = width_mm / 2 - contour::DistanceTo(middle, Vec2(x, y));
+          bool cut = false;
+          for (const contour::Hole& hole : added.files.holes)
+            cut |= (hole.center_mm - Vec2(x, y)).norm() <= hole.diameter_mm / 2;
+          if (depth_mm > 0.0501 * width_mm) {
+            ASSERT_TRUE(cut) << x << " " << y;
+          }
+          if (depth_mm < -1e-9) {
+            ASSERT_FALSE(cut) << x << " " << y;
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(CourseSlots, ANoteHasTheHolesAndTheirCusps) {
+  const Added added =
+      Add(SlotCourse(COURSE_MAKE_ISOLATION, 0.2), {Straight(3, 0.8), Straight(0, 0.8)});
+  // 9 parts of at most 0.43 * 0.8 mm and their ends; the slot of no length is a hole.
+  EXPECT_THAT(added.files.holes, SizeIs(11));
+  ASSERT_THAT(added.warnings, SizeIs(1));
+  EXPECT_EQ(added.warnings[0].weight, WarningWeight::kNote);
+  // (0.8 - sqrt(0.8^2 - (1 / 3)^2)) / 2
+  EXPECT_THAT(added.warnings[0].text,
+              AllOf(HasSubstr("a.drl: 2 slots of 0.8 mm are drilled as 11 holes"),
+                    HasSubstr("cusps of up to 0.0364 mm"), HasSubstr("--make curves")));
+}
+
+TEST(CourseSlots, AToolAsWideFollowsTheMiddle) {
+  const Added added =
+      Add(SlotCourse(COURSE_MAKE_CURVES, 0.8), {Straight(3, 0.8), Round(2, 1, 0.8)});
+  EXPECT_TRUE(added.files.holes.empty());
+  ASSERT_THAT(added.files.curves, SizeIs(2));
+  EXPECT_FALSE(added.files.curves[0].closed);
+  EXPECT_EQ(added.files.curves[0].edges[0].end_mm, Vec2(4, 1));
+  EXPECT_NEAR(contour::LengthOf(added.files.curves[1].edges), 2, 1e-9);
+}
+
+// By geometry: along the wall the tool's centre is (width - tool) / 2 from the middle.
+TEST(CourseSlots, ASmallerToolFollowsTheWall) {
+  for (const contour::Element& slot :
+       {Straight(3, 1.5), Straight(0, 1.5), Round(2, 1, 1.5), Round(2, 2 * pi, 1.5)}) {
+    const Added added = Add(SlotCourse(COURSE_MAKE_CURVES, 0.6), {slot});
+    ASSERT_FALSE(added.files.curves.empty());
+    double length_mm = 0;
+    for (const DrawnCurve& curve : added.files.curves) {
+      EXPECT_TRUE(curve.closed);
+      length_mm += contour::LengthOf(curve.edges);
+      for (const contour::Edge& edge : curve.edges) {
+        for (const double part : {0.0, 0.3, 0.7}) {
+          const Vec2 place = contour::PointAt(edge, part * edge.length_mm);
+          const contour::Edge middle = MiddleOf(slot);
+          const double from_mm = middle.length_mm == 0
+                                     ? (place - middle.begin_mm).norm()
+                                     : contour::DistanceTo(middle, place);
+          EXPECT_NEAR(from_mm, 0.45, 1e-5);
+        }
+      }
+    }
+    EXPECT_GT(length_mm, 2 * MiddleOf(slot).length_mm);
+    EXPECT_THAT(added.warnings[0].text,
+                AllOf(HasSubstr("1 slot of 1.5 mm is cut with the tool of 0.6 mm"),
+                      HasSubstr("1.7 mm deep")));
+  }
+}
+
+TEST(CourseSlots, AWiderToolAndALaserAreWarningsWithFigures) {
+  const Added wide =
+      Add(SlotCourse(COURSE_MAKE_CURVES, 1), {Straight(3, 0.8), Straight(3, 0.7)});
+  EXPECT_TRUE(wide.files.curves.empty());
+  ASSERT_THAT(wide.warnings, SizeIs(1));
+  EXPECT_EQ(wide.warnings[0].weight, WarningWeight::kWarning);
+  EXPECT_THAT(wide.warnings[0].text,
+              AllOf(HasSubstr("2 slots of 0.7 to 0.8 mm are left out"),
+                    HasSubstr("the tool of 1 mm is wider; use one of 0.7 mm or less")));
+  Course laser = SlotCourse(COURSE_MAKE_ISOLATION, 0.1);
+  laser.set_power_ratio(0.5);
+  const Added burnt = Add(laser, {Straight(3, 0.8)});
+  EXPECT_TRUE(burnt.files.holes.empty());
+  ASSERT_THAT(burnt.warnings, SizeIs(1));
+  EXPECT_EQ(burnt.warnings[0].weight, WarningWeight::kWarning);
+}
+
+}  // namespace
+}  // namespace intaglio
