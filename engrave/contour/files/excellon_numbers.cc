@@ -27,27 +27,48 @@ tl::unexpected<Error> UnitsMissing() {
       "units, or give its line of units, e.g. --drill-units METRIC,TZ");
 }
 
+std::string TextOf(double unit_mm) { return unit_mm == 1 ? "METRIC" : "INCH"; }
+std::string TextOf(Zeros zeros) { return zeros == Zeros::kLeading ? "LZ" : "TZ"; }
+std::string TextOf(const std::pair<int, int>& digits) {
+  return fmt::format("{}:{} digits", digits.first, digits.second);
+}
+
+/// Takes what a file declares, unless something replaces it.
+template <typename Field, typename Value>
+void Take(const std::optional<Field>& declared, const std::optional<Field>& replacing,
+          Value& value, std::vector<std::string>& replaced) {
+  if (!declared) return;
+  if (!replacing) {
+    value = *declared;
+  } else if (*declared != *replacing) {
+    replaced.push_back(fmt::format("{} of the file, {} as given", TextOf(*declared),
+                                   TextOf(*replacing)));
+  }
+}
+
 }  // namespace
 
-Status ExcellonNumbers::ReadUnits(std::string_view line) {
+Result<ExcellonNumbers::Declared> ExcellonNumbers::Read(std::string_view line) {
   const bool metric = line.starts_with("METRIC");
   if (!metric && !line.starts_with("INCH"))
     return WrongNumber(ErrorCode::kUnreadable,
                        "expected METRIC or INCH, then LZ, TZ or digits, such as "
                        "METRIC,TZ,000.000; correct it",
                        line);
-  unit_mm_ = metric ? 1 : kInch_mm;
+  Declared declared;
+  declared.unit_mm = metric ? 1 : kInch_mm;
   line.remove_prefix(metric ? 6 : 4);
   while (!line.empty()) {
     const std::size_t end = line.find(',', 1);
     const std::string_view field = line.substr(1, end - 1);
     const std::size_t point = field.find('.');
     if (line.front() == ',' && (field == "LZ" || field == "TZ")) {
-      zeros_ = field == "LZ" ? Zeros::kLeading : Zeros::kTrailing;
+      declared.zeros = field == "LZ" ? Zeros::kLeading : Zeros::kTrailing;
     } else if (line.front() == ',' && point != std::string_view::npos &&
                field.size() <= kMaxDigits + 1 && field.size() > 1 &&
                field.find_first_not_of("0.") == std::string_view::npos) {
-      digits_ = {static_cast<int>(point), static_cast<int>(field.size() - point) - 1};
+      declared.digits = {static_cast<int>(point),
+                         static_cast<int>(field.size() - point) - 1};
     } else {
       return WrongNumber(ErrorCode::kUnreadable,
                          "expected LZ, TZ or digits such as 000.000; correct the header",
@@ -55,8 +76,28 @@ Status ExcellonNumbers::ReadUnits(std::string_view line) {
     }
     line.remove_prefix(std::min(end, line.size()));
   }
+  return declared;
+}
+
+void ExcellonNumbers::Declare(const Declared& declared) {
+  Take(declared.unit_mm, replacing_.unit_mm, unit_mm_, replaced_texts_);
+  Take(declared.zeros, replacing_.zeros, zeros_, replaced_texts_);
+  Take(declared.digits, replacing_.digits, digits_, replaced_texts_);
+}
+
+Status ExcellonNumbers::ReadUnits(std::string_view line) {
+  Declare(INTAGLIO_TRY(Read(line)));
   return {};
 }
+
+Status ExcellonNumbers::Replace(std::string_view line) {
+  const Declared declared = INTAGLIO_TRY(Read(line));
+  Declare(declared);
+  replacing_ = declared;
+  return {};
+}
+
+void ExcellonNumbers::SetUnit(double unit_mm) { Declare({unit_mm, {}, {}}); }
 
 Status ExcellonNumbers::ReadComment(std::string_view line) {
   const std::size_t mark = line.find("FILE_FORMAT=");
@@ -71,7 +112,7 @@ Status ExcellonNumbers::ReadComment(std::string_view line) {
     return WrongNumber(ErrorCode::kUnreadable,
                        "expected digits such as ;FILE_FORMAT=4:4; correct the header",
                        line);
-  digits_ = {before, behind};
+  Declare({{}, {}, std::pair(before, behind)});
   return {};
 }
 

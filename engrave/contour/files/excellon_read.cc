@@ -30,13 +30,19 @@ class ExcellonReader {
                    fmt::format("the file has {} bytes, the limit is {}; divide it",
                                text_.size(), options_.max_file_bytes));
     if (!options_.units.empty()) {
-      if (auto read = numbers_.ReadUnits(options_.units); !read)
+      const auto read = options_.replace_units ? numbers_.Replace(options_.units)
+                                               : numbers_.ReadUnits(options_.units);
+      if (!read)
         return Fail(read.error().code, "--drill-units: " + read.error().message,
                     options_.units);
     }
     for (std::size_t at = 0; at < text_.size() && !ended_;) {
       const std::size_t end = std::min(text_.find_first_of("\r\n", at), text_.size());
       INTAGLIO_TRY(ReadLine(text_.substr(at, end - at)));
+      for (std::string& what : numbers_.TakeReplaced())
+        file_.findings.Add({std::move(what), fmt::format("line {}", line_number_),
+                            "leave --replace-drill-units out where the file is right", 1,
+                            0, Effect::kChanged});
       if (end < text_.size() && text_[end] == '\n') ++line_number_;
       if (end + 1 < text_.size() && text_[end] == '\r' && text_[end + 1] != '\n')
         ++line_number_;

@@ -32,6 +32,9 @@ struct ExcellonOptions {
   /// The line of units that a file lacks, as it would be in its header: METRIC or INCH,
   /// then LZ, TZ or digits, e.g. "INCH,TZ,00.0000". What the file declares goes first.
   std::string units;
+  /// `units` goes first, of a file that declares what is wrong; what it has no field for
+  /// (zeros, digits) is the file's. What differs is a finding that names both.
+  bool replace_units = false;
   std::uint64_t max_file_bytes = std::uint64_t{64} << 20;
   std::uint64_t max_holes = 1'000'000;  ///< and slots together
 };
@@ -39,7 +42,7 @@ struct ExcellonOptions {
 struct DrillFile {
   std::vector<Hole> holes;
   std::vector<Element> slots;  ///< tracks and arc tracks, as wide as their tool
-  FileFindings findings;       ///< commands that are skipped
+  FileFindings findings;       ///< commands that are skipped, units that are replaced
 };
 
 /// Errors name the file, the line and the remedy: kUnreadable (no drill file, a line that

@@ -75,9 +75,14 @@ void AddToolOptions(command_line::Command contour, ContourOptions& options) {
       .Within(0.1, 50.0)
       .ShowDefault()
       .Need(align);
-  contour.AddOption("--drill-units", options.drill_units,
-                    "of drill files that declare none: the line of their header, e.g. "
-                    "INCH,TZ or METRIC,LZ,000.000");
+  const auto units = contour.AddOption(
+      "--drill-units", options.drill_units,
+      "of drill files that declare none: the line of their header, e.g. "
+      "INCH,TZ or METRIC,LZ,000.000");
+  contour
+      .AddFlag("--replace-drill-units", options.replace_drill_units,
+               "--drill-units goes before what drill files declare, which is a warning")
+      .Need(units);
   contour.AddFlag("--inside", options.inside,
                   "of cuts: openings into a sheet, and not parts out of it");
   contour
@@ -193,6 +198,7 @@ Result<post::Parameters> TypedParameters(const ContourOptions& options) {
 CourseFileOptions TypedFileOptions(const ContourOptions& options) {
   CourseFileOptions typed;
   typed.drill_units = options.drill_units;
+  typed.replace_drill_units = options.replace_drill_units;
   if (options.mirror != "auto") typed.mirror = options.mirror == "yes";
   typed.mirror_x_mm = options.mirror_x_mm;
   typed.alignment_y_mm = options.alignment_y_mm;

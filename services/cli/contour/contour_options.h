@@ -23,7 +23,7 @@ struct ContourOptions {
   std::optional<double> mirror_x_mm;
   std::vector<double> alignment_y_mm;
   double alignment_diameter_mm = 3;
-  bool inside = false;
+  bool inside = false, replace_drill_units = false;
   /// Fields of the course that are numbers, by their number in the schema.
   std::map<int, std::optional<double>> numbers;
   std::optional<double> chord_um, axis_speed_deg_s;

@@ -176,10 +176,11 @@ Status AddKicadBoard(const std::string& file, std::string_view text, const Cours
 }
 
 Status AddDrillFile(const Course& course, const std::string& file, std::string_view text,
-                    const std::string& units, CourseReading& reading,
+                    const CourseFileOptions& typed, CourseReading& reading,
                     Warnings& warnings) {
   contour::ExcellonOptions options;
-  options.units = units;
+  options.units = typed.drill_units;
+  options.replace_units = typed.replace_drill_units;
   auto read = INTAGLIO_TRY(contour::ReadExcellon(text, file, options));
   AddWarnings(file, read.findings, warnings);
   INTAGLIO_TRY(AddSlots(course, FileName(file), read.slots, reading.files, warnings));
@@ -263,7 +264,7 @@ Status AddFile(const Course& course, const std::string& file, std::string_view t
   const auto kind = KindOf(model);
   if (!kind || *kind != ModelKind::kDrawing) {
     return IsDrillFile(file, text)
-               ? AddDrillFile(course, file, text, options.drill_units, reading, warnings)
+               ? AddDrillFile(course, file, text, options, reading, warnings)
                : AddBoard(file, text, course, reading, warnings);
   }
   const auto drawing = ReadDrawing(file, text, limits.drawings, warnings);

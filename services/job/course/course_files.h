@@ -42,6 +42,7 @@ struct CourseFileOptions {
   /// of each, mm, beside the board; empty: none.
   std::vector<double> alignment_y_mm = {};
   double alignment_diameter_mm = 3;
+  bool replace_drill_units = false;  ///< drill_units go before what drill files declare
 };
 
 /// Of `course.files`, whose contents are `texts`: drawings by their extension (.dxf,

@@ -67,6 +67,45 @@ TEST(Excellon, KnowsWhichZerosAreLeftOut) {
   ExpectHole(FileOf(open, trailing), 0, 12.34, 0.5, 1);
 }
 
+// A header that is wrong: 12.34 mm and 0.5 mm, written otherwise than declared.
+TEST(Excellon, UnitsThatAreGivenGoFirstWhenThatIsAsked) {
+  const auto replacing = [](const char* units) {
+    ExcellonOptions options;
+    options.units = units;
+    options.replace_units = true;
+    return options;
+  };
+  const auto expect = [&](const std::string& text, const char* units,
+                          const std::vector<std::string>& whats) {
+    const DrillFile file = FileOf(text, replacing(units));
+    ExpectHole(file, 0, 12.34, 0.5, 1);
+    std::vector<std::string> found;
+    for (const FileFinding& finding : file.findings) {
+      found.push_back(finding.what);
+      EXPECT_EQ(finding.effect, Effect::kChanged);
+      EXPECT_THAT(finding.where, HasSubstr("line "));
+    }
+    EXPECT_EQ(found, whats);
+  };
+  expect("M48\nINCH,TZ\nT1C1\n%\nT1\nX12.34Y.5\n", "METRIC",
+         {"INCH of the file, METRIC as given"});
+  expect("M48\nINCH,LZ\nT1C1\n%\nT1\nX12340Y500\n", "METRIC,TZ",
+         {"INCH of the file, METRIC as given", "LZ of the file, TZ as given"});
+  expect("M48\n;FILE_FORMAT=2:4\nMETRIC,TZ\nT1C1\n%\nT1\nX1234Y50\n", "METRIC,TZ,0000.00",
+         {"2:4 digits of the file, 4:2 digits as given"});
+  expect("M48\nM72\nT1C1\n%\nT1\nX12.34Y0.5\n", "METRIC",
+         {"INCH of the file, METRIC as given"});
+  // What is given has no digits: those of the file. What is the same is no finding.
+  expect("M48\nMETRIC,LZ,0000.00\nT1C1\n%\nT1\nX1234Y50\n", "METRIC,TZ",
+         {"LZ of the file, TZ as given"});
+  expect("M48\nMETRIC,TZ\nT1C1\n%\nT1\nX12340Y500\n", "METRIC,TZ", {});
+  // Without being asked to replace them the file's go first.
+  ExcellonOptions given;
+  given.units = "INCH,LZ";
+  ExpectHole(FileOf("M48\nMETRIC,TZ\nT1C1\n%\nT1\nX12340Y500\n", given), 0, 12.34, 0.5,
+             1);
+}
+
 TEST(Excellon, AddsStepsAndRepeats) {
   const DrillFile file =
       FileOf("M48\nM71\nT01F00S00C0.9\n%\nG91\nT01\nX1.0Y1.0\nX2.0\nR3Y0.5\nM30\nX9.0\n");

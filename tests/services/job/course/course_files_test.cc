@@ -95,6 +95,23 @@ TEST(CourseFiles, UnitsThatADrillFileLacksAreGiven) {
   EXPECT_THAT(wrong.files.error().message, HasSubstr("--drill-units"));
 }
 
+TEST(CourseFiles, UnitsThatADrillFileHasWrongAreReplacedWithAWarning) {
+  Course course;
+  course.add_files("a.drl");
+  Warnings warnings;
+  CourseFileOptions options;
+  options.drill_units = "METRIC";
+  options.replace_drill_units = true;
+  const auto files = CourseFilesOf(course, {"M48\nINCH\nT1C0.8\n%\nT1\nX10.0Y0.0\nM30\n"},
+                                   {}, warnings, options);
+  ASSERT_TRUE(files) << files.error().message;
+  EXPECT_NEAR(files->holes[0].center_mm.x(), 10, 1e-9);
+  ASSERT_THAT(warnings, SizeIs(1));
+  EXPECT_EQ(warnings[0].weight, WarningWeight::kWarning);
+  EXPECT_THAT(warnings[0].text,
+              HasSubstr("a.drl: 1 x INCH of the file, METRIC as given (line 2)"));
+}
+
 // A slot of 0.8 mm, 3 mm long: 9 parts of at most 0.43 of its width.
 TEST(CourseFiles, SlotsAloneAreDrilledOrMilled) {
   Course course;
