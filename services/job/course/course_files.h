@@ -23,6 +23,7 @@ struct DrawnCurve {
   std::string name;  ///< "plate.dxf, curve 3"
   contour::Edges edges;
   bool closed = false;
+  bool opening = false;  ///< of a slot: nothing is held by it, so it has no tabs
 };
 
 struct CourseFiles {

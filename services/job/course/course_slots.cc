@@ -137,7 +137,7 @@ Status MillSlots(const Course& course, const std::string& file,
     for (contour::Edges& path : INTAGLIO_TRY(MilledSlot(element, slot, tool_mm))) {
       const bool closed = (path.back().end_mm - path.front().begin_mm).norm() < 1e-6;
       files.curves.push_back(
-          {fmt::format("{}, slot {}", file, made.slots), std::move(path), closed});
+          {fmt::format("{}, slot {}", file, made.slots), std::move(path), closed, true});
     }
   }
   if (made.slots > 0)

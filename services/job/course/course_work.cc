@@ -87,11 +87,15 @@ Result<Contours> ContoursOf(const Course& course,
   return contours;
 }
 
+Course WithoutTabs(Course course) {
+  course.set_tab_count(0);
+  course.clear_tab_distance_mm();
+  return course;
+}
+
 Status OrderContours(const Course& course, const Contours& contours, const Vec2& start_mm,
                      ContourWork& work, const ProgressSink& progress) {
-  Course without_tabs = course;
-  without_tabs.set_tab_count(0);
-  without_tabs.clear_tab_distance_mm();
+  const Course without_tabs = WithoutTabs(course);
   // The improvement takes some rounds, each about as long as the nearest order.
   auto visits =
       contour::NearestContours(contours.all, start_mm, PartOf(progress, 0, 1, 5));
@@ -139,7 +143,8 @@ Status OrderCurves(const Course& course, const std::vector<DrawnCurve>& curves,
   }
   for (const std::uint32_t i : order) {
     work.paths.push_back(
-        INTAGLIO_TRY(PathWithTabs(course, curves[i].edges, curves[i].name)));
+        INTAGLIO_TRY(PathWithTabs(curves[i].opening ? WithoutTabs(course) : course,
+                                  curves[i].edges, curves[i].name)));
     work.passes.push_back(0);
     work.work_mm += contour::LengthOf(curves[i].edges);
   }

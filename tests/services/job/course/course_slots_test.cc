@@ -5,6 +5,9 @@
 
 #include <numbers>
 
+#include "engrave/post/tab_parts.h"
+#include "services/job/convert/mark_defaults.h"
+#include "services/job/course/course_work.h"
 namespace intaglio {
 namespace {
 
@@ -124,6 +127,22 @@ TEST(CourseSlots, ASmallerToolFollowsTheWall) {
                 AllOf(HasSubstr("1 slot of 1.5 mm is cut with the tool of 0.6 mm"),
                       HasSubstr("1.7 mm deep")));
   }
+}
+
+TEST(CourseSlots, HaveNoTabs) {
+  Course course = SlotCourse(COURSE_MAKE_CURVES, 0.6);
+  course.set_tab_count(1);
+  course.set_tab_width_mm(2);
+  Added added = Add(course, {Straight(30, 1.5)});
+  const auto work = MakeContourWork(WithDefaults(course), added.files, Vec2::Zero());
+  ASSERT_TRUE(work) << work.error().message;
+  ASSERT_THAT(work->paths, SizeIs(1));
+  EXPECT_FALSE(post::HasTabs(work->paths[0]));
+  // The same as a curve of a drawing.
+  added.files.curves[0].opening = false;
+  const auto part = MakeContourWork(WithDefaults(course), added.files, Vec2::Zero());
+  ASSERT_TRUE(part) << part.error().message;
+  EXPECT_TRUE(post::HasTabs(part->paths[0]));
 }
 
 TEST(CourseSlots, AWiderToolAndALaserAreWarningsWithFigures) {
