@@ -12,6 +12,7 @@
 #include "engrave/proof/cloud_quality.h"
 #include "engrave/render/png_file.h"
 #include "engrave/render/spacing_map.h"
+#include "services/cli/flags/accept_flag.h"
 #include "services/cli/flags/size_limits_flag.h"
 #include "services/cli/job/job_options.h"
 #include "services/cli/offline/offline_steps.h"
@@ -38,6 +39,7 @@ constexpr std::size_t kMaxTriangles = 50'000'000;
 
 struct MeasureOptions {
   JobFlags job;
+  AcceptFlag accept;
   std::string cloud, picture;
   std::optional<double> height_ratio;
   std::optional<std::uint32_t> channel;
@@ -201,7 +203,10 @@ Status DrawPicture(const MeasureOptions& options, const PointList& points_mm,
           CaptionOf(options, record)));
 }
 
-int Measure(const MeasureOptions& options) {
+int Measure(const MeasureOptions& given) {
+  MeasureOptions options = given;
+  if (const auto taken = TakeAnswers(options.accept, options.job); !taken)
+    return Complain(taken.error());
   auto all = ReadCloud(options.cloud, ReadLimitsTimes(options.job.size_limits));
   if (!all) return Complain(all.error(), client::kExitWrongInput);
   const auto job = BuildJobOfPoints(options.job, all->cloud.points_mm);
@@ -251,6 +256,7 @@ void AddMeasureCommand(command_line::Command app) {
   measure.AddOption("CLOUD", options->cloud, "points, in any format that can be read")
       .Require();
   AddPlacementFlags(measure, options->job);
+  AddAnswers(measure, options->accept);
   measure
       .AddOption("--height-ratio", options->height_ratio,
                  "divide heights by this when pairs are compared, 1..10, default the "

@@ -13,6 +13,7 @@
 
 #include "engrave/core/counted.h"
 #include "engrave/core/try.h"
+#include "services/cli/flags/accept_flag.h"
 #include "services/cli/job/job_glass.h"
 #include "services/cli/preview/named_job.h"
 #include "services/cli/teach/teach_options.h"
@@ -37,6 +38,7 @@ constexpr double kGuideSpeedMmS = 2000;
 
 struct OutlineOptions : TeachOptions {
   JobFlags job;
+  AcceptFlag accept;
   ShopOfJob shop;
   std::string materials_db;
   double speed_mm_s = kGuideSpeedMmS;
@@ -74,6 +76,7 @@ Result<std::vector<Vec2>> OutlineOfPoints(JobAndMachine& job,
 Result<std::vector<Vec2>> CornersOf(const OutlineOptions& options,
                                     const client::MachineView& view) {
   JobFlags flags = options.job;
+  INTAGLIO_TRY(TakeAnswers(options.accept, flags));
   if (!flags.machine) flags.machine = view.profile;
   auto job = INTAGLIO_TRY(FindNamedJob(flags, options.shop));
   if (job.job.has_course()) {
@@ -151,6 +154,7 @@ void AddOutlineCommand(command_line::Command teach) {
   AddBlockFlags(command, options->job);
   AddPointFlags(command, options->job);
   AddMachineFlags(command, options->job);
+  AddAnswers(command, options->accept);
   command.AddOption("--materials", options->materials_db,
                     "material base, default the user's");
   AddShopOfJob(command, options->shop);
