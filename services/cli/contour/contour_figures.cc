@@ -90,8 +90,11 @@ std::vector<std::string> FiguresOf(const ContourWork& work, const Course& whole)
   }
   if (whole.make() == COURSE_MAKE_POCKET) {
     lines.push_back(fmt::format(
-        "left over     {:.3g} mm2 in corners and necks narrower than the tool",
-        work.left_mm2));
+        "left over     {:.3g} mm2 in corners and necks narrower than the tool{}",
+        work.left_mm2,
+        work.left_at_wall_mm > 0 ? fmt::format(", and up to {:g} um along the walls",
+                                               1000 * work.left_at_wall_mm)
+                                 : ""));
   }
   const WorkTime time = TimeOf(work, whole);
   lines.push_back(fmt::format("contours      {}, {:.1f} mm at work, {}",

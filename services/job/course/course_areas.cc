@@ -1,5 +1,6 @@
 #include "services/job/course/course_areas.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "engrave/contour/milling/cut.h"
@@ -39,6 +40,7 @@ Result<AreaPaths> ClearAreas(const Course& course,
   for (const contour::Region& part : contour::ConnectedParts(region)) {
     auto pocket = INTAGLIO_TRY(contour::ClearPocket(part, options));
     made.left_mm2 += pocket.left_area_mm2;
+    made.left_at_wall_mm = std::max(made.left_at_wall_mm, pocket.tolerance_mm);
     const Vec2 at_mm = made.paths.empty() ? start_mm : made.paths.back().back().end_mm;
     for (contour::PocketStep& step : contour::OrderPocket(pocket, at_mm)) {
       made.paths.push_back(std::move(step.path));

@@ -17,6 +17,7 @@ struct AreaPaths {
   std::vector<int> passes;              ///< of each path, from 0
   std::vector<std::vector<bool>> tabs;  ///< of cuts: of each edge whether a tab stays
   double left_mm2 = 0;                  ///< of pockets: corners and necks that stay
+  double left_at_wall_mm = 0;           ///< of pockets: Pocket::tolerance_mm
 };
 
 /// With a step of the tool's diameter times 1 - overlap_ratio. The tool comes from

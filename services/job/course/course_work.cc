@@ -159,6 +159,7 @@ Status TakeAreas(const Course& course, const std::vector<contour::Element>& elem
                                           : CutAreas(course, elements));
   INTAGLIO_TRY(KeepCopper(elements, contour::Corners::kRound, work, progress));
   work.left_mm2 = made.left_mm2;
+  work.left_at_wall_mm = made.left_at_wall_mm;
   Vec2 at_mm = start_mm;
   for (std::size_t i = 0; i < made.paths.size(); ++i) {
     const contour::Edges& edges = made.paths[i];

@@ -28,8 +28,9 @@ struct ContourWork {
   /// Of boards whose file has the nets: how many the copper that is left has, all of them
   /// as drawn.
   std::optional<std::size_t> proved_net_count;
-  double left_mm2 = 0;     ///< of pockets: corners and necks that stay
-  double isolated_mm = 0;  ///< width that is cut around the copper
+  double left_mm2 = 0;         ///< of pockets: corners and necks that stay
+  double left_at_wall_mm = 0;  ///< of pockets: how wide that may be along the walls
+  double isolated_mm = 0;      ///< width that is cut around the copper
   double work_mm = 0, idle_mm = 0, drill_idle_mm = 0;
   double nearest_idle_mm = 0;  ///< of the published order, contours
 };

@@ -1,8 +1,10 @@
 // `intaglio contour` of boards whose nets are known, of pockets and of cuts.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <numbers>
 
@@ -73,6 +75,30 @@ constexpr const char* kPlate =
     R"(<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="30mm" viewBox="0 0 40 30">)"
     R"(<rect x="5" y="5" width="30" height="20"/><rect x="16" y="11" width="8" height="8"/></svg>)";
 
+TEST_F(ContourAreas, APocketOfManyEdgesKeepsAStripAlongItsWalls) {
+  std::string points;
+  for (int i = 0; i < 2000; ++i) {
+    const double turn = 2 * std::numbers::pi * i / 2000;
+    points +=
+        fmt::format("{:.5f},{:.5f} ", 20 + 15 * std::cos(turn), 20 + 15 * std::sin(turn));
+  }
+  Course course;
+  course.add_files(Write(
+      "zone.svg",
+      fmt::format(R"(<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="40mm" )"
+                  R"(viewBox="0 0 40 40"><polygon points="{}"/></svg>)",
+                  points)));
+  course.set_tool_diameter_mm(2);
+  course.set_make(COURSE_MAKE_POCKET);
+  Warnings warnings;
+  const auto files = ReadCourseFiles(WithDefaults(course), 1, warnings);
+  ASSERT_TRUE(files) << files.error().message;
+  const auto pocket = MakeContourWork(WithDefaults(course), *files, Vec2(0, 0));
+  ASSERT_TRUE(pocket) << pocket.error().message;
+  EXPECT_NEAR(pocket->left_at_wall_mm, 0.004, 1e-9);
+  EXPECT_LE(pocket->left_mm2, 2 * std::numbers::pi * 15 * pocket->left_at_wall_mm);
+}
+
 TEST_F(ContourAreas, APocketIsClearedAndACutGoesAroundIt) {
   Course course;
   course.add_files(Write("plate.svg", kPlate));
@@ -86,6 +112,7 @@ TEST_F(ContourAreas, APocketIsClearedAndACutGoesAroundIt) {
   // Each outer corner keeps a square of the radius less its quarter of a disc; those of
   // the hole point away from the tool.
   EXPECT_NEAR(pocket->left_mm2, 4 * (1 - std::numbers::pi / 4), 1e-3);
+  EXPECT_EQ(pocket->left_at_wall_mm, 0) << "its outlines have few edges";
   for (const post::ToolPath& path : pocket->paths) {
     EXPECT_GE(path.begin_mm.x(), 6 - 1e-6);
     EXPECT_LE(path.begin_mm.x(), 34 + 1e-6);
