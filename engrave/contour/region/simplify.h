@@ -15,10 +15,9 @@
 namespace intaglio::contour {
 
 /// Runs of edges as lines, arcs as chords, that are nowhere farther from the run than
-/// tolerance_mm > 0, nor the run from them; a loop keeps its first point. Where that
-/// would leave more than half of the edges the region is returned as it is: exactly.
-/// Loops that are nearer to each other, or to themselves, than twice the tolerance may
-/// cross. Time n log n.
+/// tolerance_mm > 0, nor the run from them; a loop keeps its first point. Loops that are
+/// nearer to each other, or to themselves, than twice the tolerance may cross. Time
+/// n log n.
 Region Simplified(const Region& region, double tolerance_mm);
 
 /// More than 256: an inset is worth its stages.
