@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -13,6 +12,7 @@
 #include "services/job/convert/model_kind.h"
 #include "services/job/models/model_sources.h"
 #include "tests/services/job/test_job.h"
+#include "tests/test_folder.h"
 
 namespace intaglio {
 namespace {
@@ -50,8 +50,7 @@ class DeclaredUnit : public testing::Test {
     return made.sources.empty() ? 0 : made.sources.front()->Bounds().size_mm().x();
   }
 
-  const std::string name_ =
-      testing::TempDir() + "/declared_unit_" + std::to_string(::getpid());
+  const std::string name_ = (test::FreshFolder() / "declared_unit").string();
 };
 
 TEST_F(DeclaredUnit, OfADrawingIsAppliedOnce) {

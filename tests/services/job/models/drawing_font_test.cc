@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -15,6 +14,7 @@
 #include "services/job/models/model_sources.h"
 #include "services/job/models/text_model.h"
 #include "tests/services/job/test_job.h"
+#include "tests/test_folder.h"
 
 namespace intaglio {
 namespace {
@@ -56,8 +56,7 @@ class DrawingFont : public testing::Test {
     return made.sources.front()->Bounds().size_mm().z();
   }
 
-  const std::string file_ =
-      testing::TempDir() + "/drawing_font_" + std::to_string(::getpid()) + ".dxf";
+  const std::string file_ = (test::FreshFolder() / "drawing_font.dxf").string();
 };
 
 TEST_F(DrawingFont, IsTheUsualOneAndTravelsWithTheJob) {
