@@ -5,12 +5,16 @@
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/prctl.h>
+#include <sys/shm.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
+#include <optional>
+#include <sstream>
 #include <thread>
 #include <vector>
 
@@ -49,6 +53,19 @@ int FreePort() {
   return ntohs(address.sin_port);
 }
 
+/// The number of the segment that the server has written: behind its key, in the seventh
+/// line.
+std::optional<int> SegmentOf(const fs::path& file) {
+  std::ifstream in(file);
+  std::string line;
+  for (int i = 0; i < 7; ++i) std::getline(in, line);
+  std::istringstream numbers(line);
+  long key = 0;
+  int segment = -1;
+  if (numbers >> key >> segment) return segment;
+  return std::nullopt;
+}
+
 }  // namespace
 
 bool PostgresServer::IsInstalled() { return !Programs().empty(); }
@@ -73,8 +90,12 @@ PostgresServer::PostgresServer() : port_(FreePort()) {
   Start();
 }
 
+// A server that is killed leaves its segment of shared memory, which the next one of the
+// same folder would remove: there is none.
 PostgresServer::~PostgresServer() {
+  const std::optional<int> segment = SegmentOf(folder_ / "data/postmaster.pid");
   Kill();
+  if (segment) shmctl(*segment, IPC_RMID, nullptr);
   std::error_code ignored;
   if (!folder_.empty()) fs::remove_all(folder_, ignored);
 }
@@ -123,7 +144,9 @@ bool PostgresServer::Answers() const {
 void PostgresServer::Start() {
   RunProgram((Programs() / "postgres").string(),
              {"-D", (folder_ / "data").string(), "-h", "127.0.0.1", "-p",
-              std::to_string(port_), "-k", "", "-F"},
+              std::to_string(port_), "-k", "", "-F",
+              // Files of its own folder, in place of some in /dev/shm that stay.
+              "-c", "dynamic_shared_memory_type=mmap"},
              false);
   const test::Patience patience(kPatience);
   while (!Answers()) {
