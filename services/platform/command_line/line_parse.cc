@@ -86,6 +86,32 @@ std::vector<Variable> VariablesOfCommands(CLI::App& app) {
   return all;
 }
 
+/// The option of that name of the command that was given; nullptr: none.
+const CLI::Option* FindGiven(const CLI::App& app, const std::string& name) {
+  for (const CLI::App* const command : app.get_subcommands()) {
+    if (const CLI::Option* const option = FindGiven(*command, name)) return option;
+  }
+  return app.get_option_no_throw(name);
+}
+
+/// What the library says as "Could not convert: --block = a,b,c".
+CLI::ValidationError ForPeople(const CLI::App& app, const CLI::ConversionError& error) {
+  const std::string text = error.what();
+  const std::size_t colon = text.find(": "), equals = text.find(" = ");
+  if (colon == std::string::npos || equals == std::string::npos || equals < colon)
+    return CLI::ValidationError(text);
+  const std::string name = text.substr(colon + 2, equals - colon - 2);
+  const CLI::Option* const option = FindGiven(app, name);
+  const std::string kind = option == nullptr ? "" : option->get_type_name();
+  const bool is_whole = kind.find("INT") != std::string::npos;
+  return CLI::ValidationError(
+      name,
+      fmt::format("'{}' cannot be read as {}", text.substr(equals + 3),
+                  option != nullptr && option->get_items_expected_max() > 1 ? "numbers"
+                  : is_whole ? "a whole number"
+                             : "a number"));
+}
+
 }  // namespace
 
 // The library reads the variables of every command's options, also of those that were not
@@ -95,7 +121,11 @@ void ParseLine(CLI::App& app, std::vector<std::string> words) {
   const Restored restored(variables);
   for (const Variable& variable : variables) variable.option->envname("");
   std::reverse(words.begin(), words.end());  // the library takes them from the end
-  app.parse(std::move(words));
+  try {
+    app.parse(std::move(words));
+  } catch (const CLI::ConversionError& error) {
+    throw ForPeople(app, error);
+  }
   PassOptionsDown(app);
 }
 

@@ -131,6 +131,10 @@ TEST(Option, ThatIsNotAsItHasToBeIsNamed) {
               HasSubstr("--count: '0' is no whole number from 1 to 4"));
   EXPECT_THAT(output({"--count", "1.5"}), HasSubstr("--count: '1.5' is no whole"));
   EXPECT_THAT(output({"--width", "0"}), HasSubstr("--width: '0' is no number above 0"));
+  EXPECT_THAT(output({"--height", "tall"}),
+              HasSubstr("--height: 'tall' cannot be read as a number"));
+  EXPECT_THAT(output({"--format", "csv", "--corner", "a", "b", "c"}),
+              HasSubstr("--corner: 'a,b,c' cannot be read as numbers"));
   EXPECT_THAT(output({"--format", "doc"}), HasSubstr("--format"));
   EXPECT_THAT(output({"--height", "1", "--size", "2"}), HasSubstr("--height"));
   EXPECT_THAT(output({"--format", "csv", "--corner", "1", "2"}), HasSubstr("--corner"));
