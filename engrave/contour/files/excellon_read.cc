@@ -315,7 +315,12 @@ class ExcellonReader {
       file_.holes.push_back({place_, diameter});
       return {};
     }
-    if (motion_ == 0 || !down_) return {};
+    if (motion_ == 0) return {};
+    if (!down_) {
+      file_.findings.Add({"route with the tool up", fmt::format("line {}", line_number_),
+                          "M15 before it lowers the tool", 1, 0, Effect::kLost});
+      return {};
+    }
     if (motion_ == 1) return AddSlot(MakeLine(from, place_));
     return AddArc(from, request);
   }

@@ -130,6 +130,19 @@ TEST(Excellon, RoutesLinesAndArcs) {
   ExpectHole(file, 0, 2, 2, 2);
 }
 
+// A file of such routes alone was refused as one that holds nothing, without a word.
+TEST(Excellon, NamesRoutesThatNothingLowersTheToolFor) {
+  const DrillFile file = FileOf(
+      "M48\nMETRIC\nT1C2.0\n%\nT1\nG00X0.0Y0.0\nG01X5.0\nG01X5.0Y5.0\n"
+      "M15\nG01X0.0\nM16\n");
+  EXPECT_EQ(file.slots.size(), 1U);
+  ASSERT_EQ(file.findings.size(), 1U);
+  const FileFinding& finding = *file.findings.begin();
+  EXPECT_EQ(finding.what, "route with the tool up");
+  EXPECT_EQ(finding.where, "line 7");
+  EXPECT_EQ(finding.count, 2U);
+}
+
 TEST(Excellon, RefusesWhatItWouldGuess) {
   EXPECT_THAT(RefusalOf(""), HasSubstr("no drill file"));
   EXPECT_THAT(RefusalOf("M48\nT1C1\n"), HasSubstr("neither METRIC nor INCH"));
