@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -68,17 +69,32 @@ bool IsOfAppearance(std::string_view extension) {
   });
 }
 
-/// The JSON of a GLB is its first chunk.
-std::string_view JsonOf(std::string_view file) {
-  if (!file.starts_with("glTF") || file.size() < 20) return file;
+/// The size of the first chunk of a GLB; nullopt: it is none.
+std::optional<std::uint32_t> FirstChunkOf(std::string_view file) {
+  if (!file.starts_with("glTF") || file.size() < 20) return std::nullopt;
   std::uint32_t size = 0;
   std::copy_n(file.data() + 12, sizeof size, reinterpret_cast<char*>(&size));
-  return file.substr(20, size);
+  return size;
+}
+
+/// The JSON of a GLB is its first chunk.
+std::string_view JsonOf(std::string_view file) {
+  const auto size = FirstChunkOf(file);
+  return size ? file.substr(20, *size) : file;
 }
 
 }  // namespace
 
 Result<FileFindings> CheckGltf(const ImportSource& source, std::string_view file) {
+  if (const auto size = FirstChunkOf(file); size && *size % 4 != 0) {
+    return source.Refuse(
+        ErrorCode::kUnreadable,
+        fmt::format(
+            "its first chunk has {} bytes, which is no multiple of 4, so that no "
+            "program can be sure where its points begin (glTF 2.0, 4.4.3); export "
+            "it with a newer program, or as .gltf or .stl",
+            *size));
+  }
   const std::string_view json = JsonOf(file);
   auto changing = StringsOf(json, "\"extensionsRequired\"");
   std::erase_if(changing, IsOfAppearance);

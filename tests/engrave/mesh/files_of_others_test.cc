@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "engrave/io/whole_file.h"
 #include "engrave/mesh/files/polygon.h"
 #include "tests/engrave/mesh/mesh_file.h"
 #include "tests/test_folder.h"
@@ -69,6 +70,20 @@ TEST(MeshesOfOthers, WhatCannotBeReadRightIsRefusedByName) {
     EXPECT_THAT(mesh.error().message, HasSubstr(name));
     EXPECT_THAT(mesh.error().message, HasSubstr(file));
   }
+}
+
+// As an old exporter wrote them; the import library found no reader for the file.
+TEST(MeshesOfOthers, AGlbWhoseChunkIsNotAlignedIsRefusedByItsSize) {
+  const auto bytes = io::ReadWholeFile(kFolder + "quantized.glb", 1 << 20);
+  ASSERT_TRUE(bytes);
+  std::string glb = *bytes;
+  glb[12] = static_cast<char>(glb[12] | 2);
+  const auto file = test::FreshFolder() / "odd.glb";
+  std::ofstream(file, std::ios::binary) << glb;
+  const auto mesh = ImportMesh(file);
+  ASSERT_FALSE(mesh);
+  EXPECT_THAT(mesh.error().message, HasSubstr("odd.glb"));
+  EXPECT_THAT(mesh.error().message, HasSubstr("no multiple of 4"));
 }
 
 std::vector<std::string> WarnedOf(const ImportedMesh& mesh) {
