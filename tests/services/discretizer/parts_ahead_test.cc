@@ -65,8 +65,9 @@ class PartsAheadTest : public testing::Test {
 
 TEST_F(PartsAheadTest, TheNextOneIsMadeWhileTheOneBeforeWaitsToBeSent) {
   Give(0);
-  ASSERT_TRUE(Feed());
+  // Before its model comes: then it is at work, and what it reported before is gone.
   ASSERT_TRUE(Reports(0, intaglio_TASK_ACCEPTED));
+  ASSERT_TRUE(Feed());
   Give(1);
   ASSERT_TRUE(IsMade(0));
   EXPECT_TRUE(IsMade(1));
@@ -115,8 +116,8 @@ TEST_F(PartsAheadTest, ARevocationTakesAllOfTheChain) {
 
 TEST_F(PartsAheadTest, ATaskOfAnotherChainTakesThePlaceOfAll) {
   Give(0);
-  ASSERT_TRUE(Feed());
   ASSERT_TRUE(Reports(0, intaglio_TASK_ACCEPTED));
+  ASSERT_TRUE(Feed());
   Give(1);
   ASSERT_TRUE(Reports(1, intaglio_TASK_ACCEPTED));
   shop.Give(FrozenJobOf("other", BoxJob()), 1, "");
