@@ -89,8 +89,7 @@ Status DrillSlot(const Slot& slot, Made& made, std::vector<contour::Hole>& holes
   made.holes = holes.size();
   if (holes.size() <= kMaxHoles) return {};
   return Fail(ErrorCode::kTooLarge,
-              fmt::format("the slots need more than {} holes; mill them with --make "
-                          "curves",
+              fmt::format("the slots need more than {} holes; --make curves mills them",
                           kMaxHoles));
 }
 
