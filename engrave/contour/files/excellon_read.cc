@@ -107,9 +107,9 @@ class ExcellonReader {
     return ReadCommand(line);
   }
 
-  Status LeaveOut(std::string_view command) {
-    file_.findings.Add({std::string(command), fmt::format("line {}", line_number_), "", 1,
-                        0, Effect::kLost});
+  Status LeaveOut(std::string_view command, std::string remedy = "") {
+    file_.findings.Add({std::string(command), fmt::format("line {}", line_number_),
+                        std::move(remedy), 1, 0, Effect::kLost});
     return {};
   }
 
@@ -316,11 +316,8 @@ class ExcellonReader {
       return {};
     }
     if (motion_ == 0) return {};
-    if (!down_) {
-      file_.findings.Add({"route with the tool up", fmt::format("line {}", line_number_),
-                          "M15 before it lowers the tool", 1, 0, Effect::kLost});
-      return {};
-    }
+    if (!down_)
+      return LeaveOut("route with the tool up", "M15 before it lowers the tool");
     if (motion_ == 1) return AddSlot(MakeLine(from, place_));
     return AddArc(from, request);
   }
