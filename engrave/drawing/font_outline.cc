@@ -10,6 +10,7 @@
 #include "engrave/core/try.h"
 #include "engrave/drawing/pieces.h"
 #include "engrave/drawing/typesetter.h"
+#include "engrave/drawing/united_letters.h"
 #include "engrave/drawing/utf8_characters.h"
 
 namespace intaglio::drawing {
@@ -28,6 +29,8 @@ Result<Drawing> SetLines(std::u32string_view text, const Typesetter& typesetter,
                             options.max_characters));
   }
   Drawing drawing;
+  std::vector<std::uint32_t> letters;
+  std::uint32_t letter_count = 0;
   const double step = options.line_spacing_ratio * typesetter.line_height();
   double baseline = 0;
   for (std::u32string_view rest = text;; baseline -= step) {
@@ -38,6 +41,9 @@ Result<Drawing> SetLines(std::u32string_view text, const Typesetter& typesetter,
       for (Piece& piece : curve.pieces) Transform(Mat3::Identity(), shift, piece);
       drawing.curves.push_back(std::move(curve));
     }
+    for (const std::uint32_t letter : line.letters)
+      letters.push_back(letter_count + letter);
+    letter_count += line.letter_count;
     if (end == rest.npos) break;
     rest.remove_prefix(end + 1);
   }
@@ -46,6 +52,7 @@ Result<Drawing> SetLines(std::u32string_view text, const Typesetter& typesetter,
   }
   Transform(options.cap_height_mm / typesetter.cap_height() * Mat3::Identity(),
             Vec3::Zero(), drawing);
+  UniteLetters(letters, drawing.curves);
   return drawing;
 }
 

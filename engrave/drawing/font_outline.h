@@ -31,7 +31,8 @@ struct TextOptions {
 };
 
 /// UTF-8 text, lines divided by \n. The first line's baseline is y = 0, further ones lie
-/// below; x = 0 is the left, the middle or the right of the lines. To be filled with
+/// below; x = 0 is the left, the middle or the right of the lines. Letters that overlap,
+/// as those of joined scripts do, are one outline (united_letters.h). To be filled with
 /// non-zero winding: letters may overlap themselves. Errors: kNotFound (font),
 /// kUnreadable (a file that is not a font, a bitmap font, a text that is not UTF-8),
 /// kMissing (a character that no font has, named; a text without a visible character),

@@ -99,7 +99,6 @@ Result<TextLine> Typesetter::SetLine(std::u32string_view text, bool kerning) con
     run.push_back(character);
   }
   INTAGLIO_TRY(end_run());
-  std::erase_if(line.curves, [](const Curve& curve) { return curve.pieces.empty(); });
   return line;
 }
 
@@ -118,11 +117,18 @@ Status Typesetter::AddRun(std::u32string_view run, const FontFace& face, bool ke
                               placed.glyph, face.Name()),
                   face.Name());
     }
-    Pen pen{line.curves};
+    std::vector<Curve> outlines;
+    Pen pen{outlines};
     pen.scale = scale;
     pen.shift_x = line.width + scale * placed.x;
     pen.shift_y = scale * placed.y;
     FT_Outline_Decompose(&face.get()->glyph->outline, &walk, &pen);
+    for (Curve& outline : outlines) {
+      if (outline.pieces.empty()) continue;
+      line.curves.push_back(std::move(outline));
+      line.letters.push_back(line.letter_count);
+    }
+    ++line.letter_count;
   }
   line.width += scale * width;
   return {};

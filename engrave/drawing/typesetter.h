@@ -3,6 +3,7 @@
 // Letters beside each other, as closed curves. For the sources of this folder and its
 // readers: FontFace names the types of FreeType.
 
+#include <cstdint>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -17,7 +18,9 @@ namespace intaglio::drawing {
 /// In units of the first font; the baseline is y = 0, the line begins at x = 0.
 struct TextLine {
   std::vector<Curve> curves;
-  double width = 0;  ///< with blanks at its ends
+  std::vector<std::uint32_t> letters;  ///< of each curve, the number of its letter
+  std::uint32_t letter_count = 0;      ///< also of those without a curve
+  double width = 0;                    ///< with blanks at its ends
 };
 
 class Typesetter {
