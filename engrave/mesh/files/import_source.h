@@ -23,12 +23,14 @@ struct ImportSource {
                                std::string_view problem_and_remedy) const {
     return Fail(code, fmt::format("{}: {}", name, problem_and_remedy), name);
   }
-  /// For a file that is damaged, or not of the format of its extension.
+  /// For a file that is damaged, or not of the format of its extension. A library may
+  /// give as its reason what the file has there: only the beginning of `why` is printed.
   tl::unexpected<Error> RefuseAsUnreadable(std::string_view why) const {
-    return Refuse(ErrorCode::kUnreadable,
-                  fmt::format("it cannot be read as {} ({}); check that it is complete "
-                              "and has this format, or export it again",
-                              extension, why));
+    return Refuse(
+        ErrorCode::kUnreadable,
+        fmt::format("it cannot be read as {} ({:.200}); check that it is complete "
+                    "and has this format, or export it again",
+                    extension, why));
   }
   tl::unexpected<Error> RefuseTriangleCount() const {
     return Refuse(ErrorCode::kTooLarge,
