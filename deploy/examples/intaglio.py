@@ -136,11 +136,11 @@ class Event:
     makes: str = ""
     awaits_block: bool = False
     block_id: str = ""
+    code: str = ""
 
     @property
     def ended(self):
         return self.event == "ended"
-    code: str = ""
 
 
 @dataclasses.dataclass(frozen=True)
