@@ -39,14 +39,6 @@ bool IsWithinReach(const Curve& curve) {
   });
 }
 
-std::optional<FlatCurve> FlatOf(const Curve& curve) {
-  Drawing one;
-  one.curves.push_back(curve);
-  auto flat = Flatten(one);
-  if (!flat || flat->curves.size() != 1) return std::nullopt;
-  return std::move(flat->curves.front());
-}
-
 /// -1 .. 1, the same for the same place and different for its neighbours.
 double Noise(const Vec2& place, double salt) {
   std::uint64_t bits = 0;
@@ -166,7 +158,7 @@ std::optional<ClipArea> ClipArea::OfShapes(const std::vector<ClipShape>& shapes,
     std::vector<PointList> polygons;
     for (const Curve& curve : shape.outlines) {
       if (!IsWithinReach(curve)) return std::nullopt;
-      if (auto flat = FlatOf(curve)) polygons.push_back(std::move(flat->points_mm));
+      if (auto flat = FlattenCurve(curve)) polygons.push_back(std::move(flat->points_mm));
     }
     auto inside = LoopsBy(
         polygons,
@@ -317,8 +309,8 @@ bool ClipArea::CutFilled(const Curve& curve, const PointList& points,
 bool ClipArea::Cut(const Curve& curve, bool filled, ClipWork& work,
                    std::vector<Curve>& inside) const {
   if (!IsWithinReach(curve)) return false;
-  const auto flat = FlatOf(curve);
-  if (!flat || flat->points_mm.empty()) return true;
+  const auto flat = FlattenCurve(curve);
+  if (!flat) return true;
   const PointList& points = flat->points_mm;
   if (!Count(points.size(), work)) return false;
   const auto near =

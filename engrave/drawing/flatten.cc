@@ -157,4 +157,11 @@ Result<FlatDrawing> Flatten(const Drawing& drawing, const FlattenOptions& option
   return flat;
 }
 
+std::optional<FlatCurve> FlattenCurve(const Curve& curve) {
+  Flattener flattener{FlattenOptions()};
+  FlatCurve flat = flattener.Flat(curve);
+  if (flattener.too_many() || flat.points_mm.empty()) return std::nullopt;
+  return flat;
+}
+
 }  // namespace intaglio::drawing

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "engrave/core/result.h"
 #include "engrave/drawing/drawing.h"
@@ -34,6 +35,9 @@ struct FlattenOptions {
 /// The curves as polylines, in the frame of the drawing. Corners, where two pieces join
 /// at an angle, stay points.
 Result<FlatDrawing> Flatten(const Drawing& drawing, const FlattenOptions& options = {});
+
+/// One curve; nullopt: it has no point, or more than the limit.
+std::optional<FlatCurve> FlattenCurve(const Curve& curve);
 
 /// Joins open curves end to end into longer ones, closed where they come back, when
 /// exactly two ends of the same layer are nearer than the tolerance: CAD programs write

@@ -44,12 +44,10 @@ bool Meet(const FlatBox& a, const FlatBox& b) {
 
 /// The edges of a closed curve; none when it cannot be flattened.
 Edges EdgesOf(const Curve& curve) {
-  Drawing one;
-  one.curves.push_back(curve);
-  const auto flat = Flatten(one);
+  const auto flat = FlattenCurve(curve);
   Edges edges;
-  if (!flat || flat->curves.empty()) return edges;
-  const PointList& points = flat->curves.front().points_mm;
+  if (!flat) return edges;
+  const PointList& points = flat->points_mm;
   for (std::size_t i = 0; i < points.size(); ++i) {
     edges.push_back(contour::MakeLine(points[i].head<2>(),
                                       points[(i + 1) % points.size()].head<2>()));
@@ -75,7 +73,7 @@ bool Cross(const Curve& a, const Curve& b) {
 /// Sets of letters that are joined, by the first of each.
 class Groups {
  public:
-  explicit Groups(std::size_t count) : parents_(count) {
+  explicit Groups(std::size_t count) : parents_(count), joined_(count) {
     std::iota(parents_.begin(), parents_.end(), 0u);
   }
   std::uint32_t Of(std::uint32_t letter) {
@@ -86,10 +84,14 @@ class Groups {
   void Join(std::uint32_t a, std::uint32_t b) {
     const std::uint32_t of_a = Of(a), of_b = Of(b);
     parents_[std::max(of_a, of_b)] = std::min(of_a, of_b);
+    joined_[a] = joined_[b] = true;
   }
+  /// Of more than one letter.
+  bool IsJoined(std::uint32_t letter) const { return joined_[letter]; }
 
  private:
   std::vector<std::uint32_t> parents_;
+  std::vector<bool> joined_;
 };
 
 }  // namespace
@@ -102,7 +104,6 @@ void UniteLetters(const std::vector<std::uint32_t>& letters, std::vector<Curve>&
   std::vector<std::size_t> by_x(curves.size());
   std::iota(by_x.begin(), by_x.end(), 0u);
   std::ranges::sort(by_x, {}, [&](std::size_t i) { return boxes[i].min_mm.x(); });
-  bool any = false;
   for (std::size_t a = 0; a < by_x.size(); ++a) {
     const std::size_t i = by_x[a];
     for (std::size_t b = a + 1; b < by_x.size(); ++b) {
@@ -112,23 +113,19 @@ void UniteLetters(const std::vector<std::uint32_t>& letters, std::vector<Curve>&
         continue;
       if (!Cross(curves[i], curves[j])) continue;
       groups.Join(letters[i], letters[j]);
-      any = true;
     }
   }
-  if (!any) return;
   std::map<std::uint32_t, std::vector<Curve>> joined;  // by the first letter
-  std::map<std::uint32_t, std::uint32_t> counts;       // of letters, by the first
-  for (std::uint32_t letter = 0; letter <= *std::ranges::max_element(letters); ++letter)
-    ++counts[groups.Of(letter)];
   for (std::size_t i = 0; i < curves.size(); ++i) {
-    const std::uint32_t group = groups.Of(letters[i]);
-    if (counts[group] > 1) joined[group].push_back(curves[i]);
+    const std::uint32_t first = groups.Of(letters[i]);
+    if (groups.IsJoined(letters[i])) joined[first].push_back(curves[i]);
   }
+  if (joined.empty()) return;
   ClipWork work;
   std::map<std::uint32_t, std::vector<Curve>> united;
-  for (const auto& [group, outlines] : joined) {
+  for (const auto& [first, outlines] : joined) {
     if (const auto area = ClipArea::OfShapes({{outlines, false}}, work))
-      united[group] = area->AsShape().outlines;
+      united[first] = area->AsShape().outlines;
   }
   std::vector<Curve> all;
   for (std::size_t i = 0; i < curves.size(); ++i) {
