@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
 
 #include "engrave/contour/area.h"
@@ -12,6 +11,7 @@
 #include "engrave/contour/fragments.h"
 #include "engrave/contour/near_pairs.h"
 #include "engrave/contour/union_proof.h"
+#include "engrave/core/groups.h"
 #include "engrave/core/try.h"
 
 namespace intaglio::contour {
@@ -42,26 +42,6 @@ class Progress {
  private:
   const ProgressSink& sink_;
   bool cancelled_ = false;
-};
-
-/// Sets of areas that touch.
-class Groups {
- public:
-  explicit Groups(std::size_t count) : parents_(count) {
-    std::iota(parents_.begin(), parents_.end(), 0U);
-  }
-  std::uint32_t Find(std::uint32_t k) {
-    while (parents_[k] != k) k = parents_[k] = parents_[parents_[k]];
-    return k;
-  }
-  void Join(std::uint32_t a, std::uint32_t b) {
-    a = Find(a);
-    b = Find(b);
-    if (a != b) parents_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parents_;
 };
 
 struct Attempt {

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
-#include <optional>
+#include <set>
 #include <utility>
 
 #include "engrave/contour/crossings.h"
 #include "engrave/contour/edge_tree.h"
+#include "engrave/core/groups.h"
 #include "engrave/drawing/clip.h"
 #include "engrave/drawing/flatten.h"
 
@@ -70,30 +71,6 @@ bool Cross(const Curve& a, const Curve& b) {
   });
 }
 
-/// Sets of letters that are joined, by the first of each.
-class Groups {
- public:
-  explicit Groups(std::size_t count) : parents_(count), joined_(count) {
-    std::iota(parents_.begin(), parents_.end(), 0u);
-  }
-  std::uint32_t Of(std::uint32_t letter) {
-    while (parents_[letter] != letter)
-      letter = parents_[letter] = parents_[parents_[letter]];
-    return letter;
-  }
-  void Join(std::uint32_t a, std::uint32_t b) {
-    const std::uint32_t of_a = Of(a), of_b = Of(b);
-    parents_[std::max(of_a, of_b)] = std::min(of_a, of_b);
-    joined_[a] = joined_[b] = true;
-  }
-  /// Of more than one letter.
-  bool IsJoined(std::uint32_t letter) const { return joined_[letter]; }
-
- private:
-  std::vector<std::uint32_t> parents_;
-  std::vector<bool> joined_;
-};
-
 }  // namespace
 
 void UniteLetters(const std::vector<std::uint32_t>& letters, std::vector<Curve>& curves) {
@@ -101,6 +78,7 @@ void UniteLetters(const std::vector<std::uint32_t>& letters, std::vector<Curve>&
   std::vector<FlatBox> boxes;
   for (const Curve& curve : curves) boxes.push_back(BoxOf(curve));
   Groups groups(*std::ranges::max_element(letters) + 1);
+  std::set<std::uint32_t> joined;  // letters
   std::vector<std::size_t> by_x(curves.size());
   std::iota(by_x.begin(), by_x.end(), 0u);
   std::ranges::sort(by_x, {}, [&](std::size_t i) { return boxes[i].min_mm.x(); });
@@ -109,27 +87,28 @@ void UniteLetters(const std::vector<std::uint32_t>& letters, std::vector<Curve>&
     for (std::size_t b = a + 1; b < by_x.size(); ++b) {
       const std::size_t j = by_x[b];
       if (boxes[j].min_mm.x() > boxes[i].max_mm.x()) break;
-      if (!Meet(boxes[i], boxes[j]) || groups.Of(letters[i]) == groups.Of(letters[j]))
+      if (!Meet(boxes[i], boxes[j]) || groups.Find(letters[i]) == groups.Find(letters[j]))
         continue;
       if (!Cross(curves[i], curves[j])) continue;
       groups.Join(letters[i], letters[j]);
+      joined.insert({letters[i], letters[j]});
     }
   }
-  std::map<std::uint32_t, std::vector<Curve>> joined;  // by the first letter
-  for (std::size_t i = 0; i < curves.size(); ++i) {
-    const std::uint32_t first = groups.Of(letters[i]);
-    if (groups.IsJoined(letters[i])) joined[first].push_back(curves[i]);
-  }
   if (joined.empty()) return;
+  std::map<std::uint32_t, std::vector<Curve>> outlines;  // by the first letter
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    if (joined.contains(letters[i]))
+      outlines[groups.Find(letters[i])].push_back(curves[i]);
+  }
   ClipWork work;
   std::map<std::uint32_t, std::vector<Curve>> united;
-  for (const auto& [first, outlines] : joined) {
-    if (const auto area = ClipArea::OfShapes({{outlines, false}}, work))
+  for (const auto& [first, apart] : outlines) {
+    if (const auto area = ClipArea::OfShapes({{apart, false}}, work))
       united[first] = area->AsShape().outlines;
   }
   std::vector<Curve> all;
   for (std::size_t i = 0; i < curves.size(); ++i) {
-    const auto found = united.find(groups.Of(letters[i]));
+    const auto found = united.find(groups.Find(letters[i]));
     if (found == united.end()) {
       all.push_back(std::move(curves[i]));
       continue;

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <optional>
 #include <set>
 
 #include "engrave/contour/area.h"
 #include "engrave/contour/gaps.h"
 #include "engrave/contour/region/region_index.h"
+#include "engrave/core/groups.h"
 #include "engrave/core/try.h"
 
 namespace intaglio::contour {
@@ -35,8 +35,7 @@ class Islands {
         islands_.push_back({RegionIndex(part), BoxOfEdges(part.loops[0])});
     }
     begins_.push_back(static_cast<std::uint32_t>(islands_.size()));
-    parents_.resize(islands_.size());
-    std::iota(parents_.begin(), parents_.end(), 0U);
+    groups_ = Groups(islands_.size());
   }
 
   std::uint32_t At(std::uint32_t layer, const Vec2& place) const {
@@ -54,20 +53,13 @@ class Islands {
   }
   std::uint32_t Count() const { return begins_.back(); }
 
-  std::uint32_t Conductor(std::uint32_t island) const {
-    while (parents_[island] != island) island = parents_[island];
-    return island;
-  }
-  void Connect(std::uint32_t a, std::uint32_t b) {
-    a = Conductor(a);
-    b = Conductor(b);
-    parents_[std::max(a, b)] = std::min(a, b);
-  }
+  std::uint32_t Conductor(std::uint32_t island) { return groups_.Find(island); }
+  void Connect(std::uint32_t a, std::uint32_t b) { groups_.Join(a, b); }
 
  private:
   std::vector<Island> islands_;
   std::vector<std::uint32_t> begins_;  ///< of each layer
-  std::vector<std::uint32_t> parents_;
+  Groups groups_{0};
 };
 
 /// An element's areas, and places where it may have copper: the middles of its areas and
