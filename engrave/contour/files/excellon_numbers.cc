@@ -33,10 +33,11 @@ std::string TextOf(const std::pair<int, int>& digits) {
   return fmt::format("{}:{} digits", digits.first, digits.second);
 }
 
-/// Takes what a file declares, unless something replaces it.
+/// Sets what a file declares, unless something replaces it.
 template <typename Field, typename Value>
-void Take(const std::optional<Field>& declared, const std::optional<Field>& replacing,
-          Value& value, std::vector<std::string>& replaced) {
+void SetUnlessReplaced(const std::optional<Field>& declared,
+                       const std::optional<Field>& replacing, Value& value,
+                       std::vector<std::string>& replaced) {
   if (!declared) return;
   if (!replacing) {
     value = *declared;
@@ -80,9 +81,9 @@ Result<ExcellonNumbers::Declared> ExcellonNumbers::Read(std::string_view line) {
 }
 
 void ExcellonNumbers::Declare(const Declared& declared) {
-  Take(declared.unit_mm, replacing_.unit_mm, unit_mm_, replaced_texts_);
-  Take(declared.zeros, replacing_.zeros, zeros_, replaced_texts_);
-  Take(declared.digits, replacing_.digits, digits_, replaced_texts_);
+  SetUnlessReplaced(declared.unit_mm, replacing_.unit_mm, unit_mm_, replaced_texts_);
+  SetUnlessReplaced(declared.zeros, replacing_.zeros, zeros_, replaced_texts_);
+  SetUnlessReplaced(declared.digits, replacing_.digits, digits_, replaced_texts_);
 }
 
 Status ExcellonNumbers::ReadUnits(std::string_view line) {
