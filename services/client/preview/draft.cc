@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "services/client/preview/preview_picture.h"
 #include "services/client/preview/preview_text.h"
@@ -14,6 +15,7 @@
 namespace intaglio::client {
 namespace {
 
+namespace fs = std::filesystem;
 namespace pb = google::protobuf;
 
 // A part of the block's diagonal: some thousand points of a surface, in milliseconds.
@@ -28,6 +30,17 @@ bool IsOfMeshes(const JobSpec& job) {
     const auto kind = KindOf(model);
     return kind && *kind == ModelKind::kMesh;
   });
+}
+
+bool IsQuicklyRead(const JobSpec& job) {
+  std::uintmax_t bytes = 0;
+  for (const std::string& file : FilesOf(job)) {
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(file, error);
+    if (error || size > kMaxDraftBytes - bytes) return false;
+    bytes += size;
+  }
+  return true;
 }
 
 bool IsSpacing(const pb::FieldDescriptor& field) {
@@ -103,7 +116,8 @@ std::optional<Preview> MakeDraft(const FrozenJob& job, const PreviewOptions& opt
   const JobSpec& spec = job.job();
   const double spacing_mm = spec.discretization().min_spacing_mm();
   const double probe = kProbeSpacing * DiagonalOf(spec) / spacing_mm;
-  if (!IsOfMeshes(spec) || probe <= kProbeRatio) return std::nullopt;
+  if (!IsOfMeshes(spec) || !IsQuicklyRead(spec) || probe <= kProbeRatio)
+    return std::nullopt;
   const auto coarse = CloudWith(spec, options, probe);
   const auto finer = CloudWith(spec, options, probe / kProbeRatio);
   if (!coarse || !finer) return std::nullopt;

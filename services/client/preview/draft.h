@@ -6,6 +6,7 @@
 // drafts: their number is a power of the spacing, with the exponent 2 on a surface and 3
 // in a solid.
 
+#include <cstdint>
 #include <optional>
 
 #include "proto/task.pb.h"
@@ -15,10 +16,12 @@ namespace intaglio::client {
 
 /// A preview of more points than this takes longer than two seconds, and gets a draft.
 inline constexpr double kPointsWithoutDraft = 200'000;
+/// A draft reads the files three times: of larger ones that takes as long as the preview.
+inline constexpr std::uintmax_t kMaxDraftBytes = 8 << 20;
 
 /// Only the name, the sizes, the models' names and the estimated number of points are in
-/// it; its verdict is kDraft. nullopt: the job needs none, is not of meshes alone, or has
-/// an error, which its preview reports.
+/// it; its verdict is kDraft. nullopt: the job needs none, is not of meshes alone, has
+/// files beyond kMaxDraftBytes, or an error, which its preview reports.
 std::optional<Preview> MakeDraft(const FrozenJob& job, const PreviewOptions& options);
 
 /// The job with all its distances between points `factor` times as long, as far as their

@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 
 #include "materials_db/material_store.h"
 #include "services/client/preview/preview_page.h"
@@ -59,6 +61,18 @@ TEST(Draft, IsMadeOfLargeMeshesAlone) {
   job.mutable_job()->mutable_models(0)->set_file("not_there.obj");
   EXPECT_FALSE(MakeDraft(job, {})) << "its preview reports that";
   job.mutable_job()->mutable_models(0)->set_file("name.svg");
+  EXPECT_FALSE(MakeDraft(job, {}));
+}
+
+// It would read the file three times more.
+TEST(Draft, IsNotMadeOfFilesThatTakeLongToRead) {
+  FrozenJob job = FrozenWith(0.1);
+  Model& model = *job.mutable_job()->mutable_models(0);
+  const auto large = test::FreshFolder() / "large.obj";
+  std::filesystem::copy_file(model.file(), large);
+  model.set_file(large);
+  EXPECT_TRUE(MakeDraft(job, {}));
+  std::ofstream(large, std::ios::app) << "# " << std::string(kMaxDraftBytes, '-') << "\n";
   EXPECT_FALSE(MakeDraft(job, {}));
 }
 
