@@ -8,9 +8,9 @@
 #include <numbers>
 #include <random>
 
-#include "engrave/core/segment.h"
 #include "engrave/drawing/flatten.h"
 #include "engrave/drawing/pieces.h"
+#include "tests/engrave/drawing/outline_oracles.h"
 
 namespace intaglio::drawing {
 namespace {
@@ -39,18 +39,8 @@ FlatDrawing Flat(const std::vector<Curve>& curves) {
   return flat ? *flat : FlatDrawing{};
 }
 
-/// How often closed curves run around a point, from the angles to their corners.
 int WindingOf(const std::vector<Curve>& curves, const Vec2& at) {
-  double turn = 0;
-  for (const FlatCurve& curve : Flat(curves).curves) {
-    const std::size_t n = curve.points_mm.size();
-    for (std::size_t i = 0; i < n; ++i) {
-      const Vec2 a = curve.points_mm[i].head<2>() - at;
-      const Vec2 b = curve.points_mm[(i + 1) % n].head<2>() - at;
-      turn += std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
-    }
-  }
-  return static_cast<int>(std::lround(turn / (2 * pi)));
+  return WindingAt(Flat(curves), at);
 }
 
 bool IsIn(const std::vector<ClipShape>& shapes, const Vec2& at) {
@@ -61,16 +51,7 @@ bool IsIn(const std::vector<ClipShape>& shapes, const Vec2& at) {
 }
 
 double DistanceTo(const std::vector<Curve>& curves, const Vec2& at) {
-  double nearest = 1e300;
-  for (const FlatCurve& curve : Flat(curves).curves) {
-    const std::size_t n = curve.points_mm.size();
-    for (std::size_t i = 0; i + (curve.closed ? 0 : 1) < n; ++i) {
-      const Vec2 a = curve.points_mm[i].head<2>();
-      const Vec2 b = curve.points_mm[(i + 1) % n].head<2>();
-      nearest = std::min(nearest, SquaredDistanceFromSegment(at, a, b));
-    }
-  }
-  return std::sqrt(nearest);
+  return DistanceToCurves(Flat(curves), at);
 }
 
 double DistanceTo(const std::vector<ClipShape>& shapes, const Vec2& at) {

@@ -7,9 +7,7 @@
 #include <gtest/gtest.h>
 #include FT_FREETYPE_H
 
-#include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <random>
 
 #include "engrave/drawing/flatten.h"
@@ -18,6 +16,7 @@
 #include "engrave/drawing/pieces.h"
 #include "engrave/drawing/typesetter.h"
 #include "engrave/drawing/utf8_characters.h"
+#include "tests/engrave/drawing/outline_oracles.h"
 
 namespace intaglio::drawing {
 namespace {
@@ -47,32 +46,6 @@ class UnitedLetters : public ::testing::Test {
   TextOptions options_;
 };
 
-/// How often the outlines run around the point, by the angles of their corners.
-int WindingAt(const FlatDrawing& drawing, const Vec2& at) {
-  double turn = 0;
-  for (const FlatCurve& curve : drawing.curves) {
-    for (std::size_t i = 0; i < curve.points_mm.size(); ++i) {
-      const Vec2 p = curve.points_mm[i].head<2>() - at;
-      const Vec2 q = curve.points_mm[(i + 1) % curve.points_mm.size()].head<2>() - at;
-      turn += std::atan2(p.x() * q.y() - p.y() * q.x(), p.dot(q));
-    }
-  }
-  return static_cast<int>(std::lround(turn / (2 * std::numbers::pi)));
-}
-
-double DistanceToOutline(const FlatDrawing& drawing, const Vec2& at) {
-  double nearest_mm = 1e300;
-  for (const FlatCurve& curve : drawing.curves) {
-    for (std::size_t i = 0; i < curve.points_mm.size(); ++i) {
-      const Vec2 p = curve.points_mm[i].head<2>();
-      const Vec2 along = curve.points_mm[(i + 1) % curve.points_mm.size()].head<2>() - p;
-      const double share = std::clamp(along.dot(at - p) / along.squaredNorm(), 0.0, 1.0);
-      nearest_mm = std::min(nearest_mm, (p + share * along - at).norm());
-    }
-  }
-  return nearest_mm;
-}
-
 TEST_F(UnitedLetters, EncloseWhatTheirOutlinesEnclosed) {
   for (const char* text : {"ممم", "سلام", "بيت ممم"}) {
     const auto parts = Flatten(Separate(text)), whole = Flatten(United(text));
@@ -86,7 +59,7 @@ TEST_F(UnitedLetters, EncloseWhatTheirOutlinesEnclosed) {
     int inside = 0;
     for (int i = 0; i < 2000; ++i) {
       const Vec2 at(x(random), y(random));
-      if (DistanceToOutline(*parts, at) < 0.005) continue;
+      if (DistanceToCurves(*parts, at) < 0.005) continue;
       const bool is_inside = WindingAt(*parts, at) != 0;
       inside += is_inside ? 1 : 0;
       ASSERT_EQ(WindingAt(*whole, at) != 0, is_inside)
