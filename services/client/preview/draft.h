@@ -19,8 +19,8 @@ inline constexpr double kPointsWithoutDraft = 200'000;
 /// A draft reads the files three times: of larger ones that takes as long as the preview.
 inline constexpr std::uintmax_t kMaxDraftBytes = 8 << 20;
 
-/// Only the name, the sizes, the models' names and the estimated number of points are in
-/// it; its verdict is kDraft. nullopt: the job needs none, is not of meshes alone, has
+/// Only the names, the sizes, the pictures and the estimated number of points are in it;
+/// its verdict is kDraft. nullopt: the job needs none, is not of meshes alone, has
 /// files beyond kMaxDraftBytes, or an error, which its preview reports.
 std::optional<Preview> MakeDraft(const FrozenJob& job, const PreviewOptions& options);
 

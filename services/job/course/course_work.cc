@@ -141,10 +141,10 @@ Status OrderCurves(const Course& course, const std::vector<DrawnCurve>& curves,
     if (idle_mm(improved) < work.idle_mm) order = std::move(improved);
     work.idle_mm = idle_mm(order);
   }
+  const Course without_tabs = WithoutTabs(course);
   for (const std::uint32_t i : order) {
-    work.paths.push_back(
-        INTAGLIO_TRY(PathWithTabs(curves[i].opening ? WithoutTabs(course) : course,
-                                  curves[i].edges, curves[i].name)));
+    work.paths.push_back(INTAGLIO_TRY(PathWithTabs(
+        curves[i].opening ? without_tabs : course, curves[i].edges, curves[i].name)));
     work.passes.push_back(0);
     work.work_mm += contour::LengthOf(curves[i].edges);
   }
