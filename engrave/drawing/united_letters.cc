@@ -102,8 +102,8 @@ void UniteLetters(const std::vector<std::uint32_t>& letters, std::vector<Curve>&
   }
   ClipWork work;
   std::map<std::uint32_t, std::vector<Curve>> united;
-  for (const auto& [first, apart] : outlines) {
-    if (const auto area = ClipArea::OfShapes({{apart, false}}, work))
+  for (const auto& [first, separate] : outlines) {
+    if (const auto area = ClipArea::OfShapes({{separate, false}}, work))
       united[first] = area->AsShape().outlines;
   }
   std::vector<Curve> all;

@@ -94,8 +94,9 @@ const CLI::Option* FindGiven(const CLI::App& app, const std::string& name) {
   return app.get_option_no_throw(name);
 }
 
-/// What the library says as "Could not convert: --block = a,b,c".
-CLI::ValidationError ForPeople(const CLI::App& app, const CLI::ConversionError& error) {
+/// The library's "Could not convert: --block = a,b,c" as a sentence about the option.
+CLI::ValidationError ReadableError(const CLI::App& app,
+                                   const CLI::ConversionError& error) {
   const std::string text = error.what();
   const std::size_t colon = text.find(": "), equals = text.find(" = ");
   if (colon == std::string::npos || equals == std::string::npos || equals < colon)
@@ -124,7 +125,7 @@ void ParseLine(CLI::App& app, std::vector<std::string> words) {
   try {
     app.parse(std::move(words));
   } catch (const CLI::ConversionError& error) {
-    throw ForPeople(app, error);
+    throw ReadableError(app, error);
   }
   PassOptionsDown(app);
 }
