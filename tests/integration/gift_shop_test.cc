@@ -20,6 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
+using ::testing::ContainsRegex;
 using testing::Ended;
 using testing::Eventually;
 using ::testing::HasSubstr;
@@ -235,9 +236,12 @@ models { text { text: "{name}" font: "DejaVu Sans" height_mm: 3 } }
   EXPECT_THAT(Type(InShop({"list"})).output, Not(HasSubstr("key ring")));
 
   WriteNames(names, "Zo\xC3\xAB");
-  const Ended submitted = Type(InShop(submit));
+  std::vector<std::string> submit_for_program = submit;
+  submit_for_program.push_back("--json");
+  const Ended submitted = Type(InShop(submit_for_program));
   EXPECT_EQ(submitted.exit_code, 0) << submitted.output;
   EXPECT_THAT(submitted.output, HasSubstr("20 jobs submitted"));
+  EXPECT_THAT(submitted.output, ContainsRegex("\"jobs\": *\\[[^]]*19,[^]]*20[^]]*\\]"));
 
   // The first piece is engraved, and its folder has what the customer gets.
   ASSERT_TRUE(Eventually([&] { return Type(InShop({"arm", "1"})).exit_code == 0; }, 60s));

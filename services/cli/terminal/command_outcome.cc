@@ -142,7 +142,11 @@ std::string CodeOfEnd(int exit_code) {
 
 CommandAnswer AnswerOf(const Outcome& outcome, int exit_code) {
   CommandAnswer answer;
-  if (outcome.jobs.size() == 1) answer.set_job(outcome.jobs.front());
+  if (outcome.jobs.size() == 1) {
+    answer.set_job(outcome.jobs.front());
+  } else {
+    answer.mutable_jobs()->Assign(outcome.jobs.begin(), outcome.jobs.end());
+  }
   answer.set_taken(exit_code == client::kExitGood);
   std::string message = WithoutEnd(outcome.text.str());
   for (const Error& error : outcome.refusals)

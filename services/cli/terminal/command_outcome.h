@@ -22,7 +22,8 @@
 
 namespace intaglio::cli {
 
-/// The job that the running command is about; with several of them the answer has 0.
+/// The job that the running command is about. Of several the answer has the list, and 0
+/// as its job.
 void ReportJob(std::uint32_t number);
 
 /// An error that ends the command, or a part of what it was to do. It becomes a part of

@@ -167,6 +167,16 @@ TEST_F(JsonOfCommands, WhatAPersonReadsIsTheMessage) {
   EXPECT_EQ(errors_, "");
 }
 
+TEST_F(JsonOfCommands, AnAnswerAboutSeveralJobsHasThemAllInTheirOrder) {
+  Act([] {
+    for (const std::uint32_t job : {7, 9, 8, 9}) ReportJob(job);
+    return 0;
+  });
+  const CommandAnswer answer = AnswerIn(output_);
+  EXPECT_EQ(answer.job(), 0u);
+  EXPECT_THAT(answer.jobs(), ::testing::ElementsAre(7, 9, 8));
+}
+
 // What a command printed past std::cout would stand before the answer.
 TEST(TextOfCommands, GoesThroughStdCoutAlone) {
   const std::regex past("fmt::print\\(\\s*\"|std::(printf|puts|fputs)\\(");
