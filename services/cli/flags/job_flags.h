@@ -3,12 +3,14 @@
 // The options of a job, in groups by what a command does with it: a command has those
 // that change its result.
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "services/cli/flags/method_flags.h"
 #include "services/cli/flags/text_flags.h"
+#include "services/job/models/kept_meshes.h"
 #include "services/platform/command_line/program.h"
 
 namespace intaglio::cli {
@@ -40,6 +42,8 @@ struct JobFlags {
   std::optional<std::string> turn_block;  // degrees: "90", "180", "270"
   bool clip = false;
   double size_limits = 1;  ///< factor (services/job/models/read_limits.h)
+  /// Of a command that makes points several times; else null.
+  std::shared_ptr<KeptMeshes> kept_meshes = nullptr;
 };
 
 /// The positional JOB|MODEL: what the job is made from.

@@ -288,7 +288,7 @@ Result<JobAndMachine> Build(const JobFlags& flags, JobSpec read,
     job.mutable_discretization()->set_min_spacing_mm(0.1);
   }
   const std::vector<Finding> of_fonts = ResolveFonts(job);
-  const ReadLimits limits = mesh_reader::LimitsOfProgram(flags.size_limits);
+  const ReadLimits limits = LimitsOf(flags);
   const bool is_typed = flags.job_file.empty() && IsFreeToArrange(job);
   if (points_mm == nullptr && (flags.texts.place || is_typed)) {
     INTAGLIO_TRY(CheckModelsAlone(job, of_fonts));
@@ -309,6 +309,13 @@ Result<JobAndMachine> Build(const JobFlags& flags, JobSpec read,
 }
 
 }  // namespace
+
+ReadLimits LimitsOf(const JobFlags& flags) {
+  ReadLimits limits = mesh_reader::LimitsOfProgram(flags.size_limits);
+  if (flags.kept_meshes != nullptr)
+    limits.read_mesh = flags.kept_meshes->Around(std::move(limits.read_mesh));
+  return limits;
+}
 
 Result<fs::path> FindMachineFile(const std::string& name_or_file) {
   return command_line::FindSupplied(name_or_file, command_line::kSuppliedProfiles);
@@ -348,8 +355,7 @@ Result<JobAndMachine> BuildJobOfAnyKind(const JobFlags& given) {
 Result<JobAndMachine> BuildJobToEngrave(const JobFlags& flags) {
   auto built = INTAGLIO_TRY(BuildJobOfAnyKind(flags));
   if (MakesMarks(built.job)) return built;
-  INTAGLIO_TRY(
-      CheckUnfittedSizes(built.job, mesh_reader::LimitsOfProgram(flags.size_limits)));
+  INTAGLIO_TRY(CheckUnfittedSizes(built.job, LimitsOf(flags)));
   return built;
 }
 

@@ -23,7 +23,6 @@
 #include "services/job/convert/model_kind.h"
 #include "services/job/fields/channels.h"
 #include "services/job/models/model_sources.h"
-#include "services/job/models/program_limits.h"
 #include "services/job/models/read_limits.h"
 #include "services/job/quality/quality_options.h"
 #include "services/job/verdict/warnings.h"
@@ -78,7 +77,7 @@ Result<mesh::TriangleMesh> WithCopies(const Model& model, const Block& block,
 Result<std::vector<mesh::TriangleMesh>> SurfacesOf(const MeasureOptions& options,
                                                    const JobSpec& job,
                                                    Warnings& warnings) {
-  const ReadLimits limits = mesh_reader::LimitsOfProgram(options.job.size_limits);
+  const ReadLimits limits = LimitsOf(options.job);
   const std::vector<ChannelMask> masks = ChannelsOfModels(job);
   std::vector<mesh::TriangleMesh> surfaces(static_cast<std::size_t>(job.models_size()));
   bool any = false;

@@ -32,7 +32,6 @@
 #include "services/client/proof/evidence/proof_pictures.h"
 #include "services/client/proof/evidence/verdict_text.h"
 #include "services/client/proof/proof_folder.h"
-#include "services/job/models/program_limits.h"
 #include "services/job/verdict/warnings.h"
 
 namespace intaglio::cli {
@@ -98,8 +97,7 @@ int DiscretizeOffline(const OfflineOptions& given) {
   if (const auto glass = FindGlass(*job, options.materials_db); !glass) {
     return Complain(glass.error(), client::kExitWrongInput);
   }
-  auto cloud =
-      MakeMeteredCloud(job->job, mesh_reader::LimitsOfProgram(options.job.size_limits));
+  auto cloud = MakeMeteredCloud(job->job, LimitsOf(options.job));
   if (!cloud) return Complain(cloud.error(), client::kExitWrongInput);
   if (auto kept = KeepModels(options.only, job->job.models_size(), cloud->cloud); !kept) {
     return Complain(kept.error(), client::kExitWrongInput);

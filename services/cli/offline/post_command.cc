@@ -38,7 +38,6 @@
 #include "services/job/fields/channels.h"
 #include "services/job/machine/laser_setting.h"
 #include "services/job/machine/machine_axes.h"
-#include "services/job/models/program_limits.h"
 #include "services/job/plan/ordering.h"
 #include "services/platform/command_line/supplied_files.h"
 
@@ -82,8 +81,8 @@ Result<OrderedJob> OrderNamedJob(const PostOptions& options) {
   auto built = INTAGLIO_TRY(BuildJob(options.job));
   OrderedJob ordered;
   ordered.job = INTAGLIO_TRY(FreezeWithGlass(built, options.materials_db));
-  const auto made = INTAGLIO_TRY(MakeMeteredCloud(
-      ordered.job.job(), mesh_reader::LimitsOfProgram(options.job.size_limits)));
+  const auto made =
+      INTAGLIO_TRY(MakeMeteredCloud(ordered.job.job(), LimitsOf(options.job)));
   INTAGLIO_TRY(RequireOneChannel(ordered.job.job(), made.cloud.source));
   PrintWarningLines(made.warnings);
   Meter meter("order");

@@ -25,7 +25,6 @@
 #include "services/client/preview/preview_text.h"
 #include "services/client/proof/proof_folder.h"
 #include "services/client/warning_text.h"
-#include "services/job/models/program_limits.h"
 #include "services/job/verdict/warnings.h"
 #include "services/platform/host/threads/worker_threads.h"
 
@@ -95,11 +94,12 @@ int MakeAndWrite(const PreviewCommandOptions& given) {
   PreviewCommandOptions options = given;
   if (const auto taken = TakeAnswers(options.accept, options.job); !taken)
     return Complain(taken.error());
+  options.job.kept_meshes = std::make_shared<KeptMeshes>();
   const auto job = FreezeNamed(options);
   if (!job) return Complain(job.error());
   for (const std::string& note : job->notes) std::cerr << note << "\n";
   client::PreviewOptions how;
-  how.limits = mesh_reader::LimitsOfProgram(options.job.size_limits);
+  how.limits = LimitsOf(options.job);
   how.executor = host::AllCores();
   how.made_utc = client::UtcNow();
   how.found = job->of_arrangement;

@@ -16,8 +16,9 @@ namespace intaglio::client {
 
 /// A preview of more points than this takes longer than two seconds, and gets a draft.
 inline constexpr double kPointsWithoutDraft = 200'000;
-/// A draft reads the files three times: of larger ones that takes as long as the preview.
-inline constexpr std::uintmax_t kMaxDraftBytes = 8 << 20;
+/// A draft goes over the triangles three times: of larger files that takes as long as the
+/// preview.
+inline constexpr std::uintmax_t kMaxDraftBytes = 64 << 20;
 
 /// Only the names, the sizes, the pictures and the estimated number of points are in it;
 /// its verdict is kDraft. nullopt: the job needs none, is not of meshes alone, has
