@@ -61,14 +61,6 @@ void PutLeaves(std::string& out, const recording::ValueObject& object,
   }
 }
 
-template <typename T>
-const T& Member(const Value& value, const char* name) {
-  static const T none{};
-  const Value* member = value.Find(name);
-  const T* held = member == nullptr ? nullptr : member->template As<T>();
-  return held == nullptr ? none : *held;
-}
-
 using Numbers = std::vector<std::uint64_t>;
 using Reals = std::vector<double>;
 
@@ -90,7 +82,7 @@ class Cracks {
     INTAGLIO_TRY(ForEachValue(
         reader, {.channels = channels_},
         [this](const recording::Channel& channel, const auto&, const Value& value) {
-          const auto& job = Member<std::string>(value, "job_uid");
+          const auto& job = recording::MemberOf<std::string>(value, "job_uid");
           jobs_.insert(job);
           if (job_uid_.empty()) job_uid_ = job;
           if (job != job_uid_) return;
@@ -149,18 +141,18 @@ class Cracks {
     return {};
   }
   void AddPlaces(const Value& value) {
-    const auto first = Member<std::uint64_t>(value, "first_index");
-    const auto& x = Member<Reals>(value, "x_mm");
-    const auto& y = Member<Reals>(value, "y_mm");
-    const auto& z = Member<Reals>(value, "z_mm");
+    const auto first = recording::MemberOf<std::uint64_t>(value, "first_index");
+    const auto& x = recording::MemberOf<Reals>(value, "x_mm");
+    const auto& y = recording::MemberOf<Reals>(value, "y_mm");
+    const auto& z = recording::MemberOf<Reals>(value, "z_mm");
     for (std::size_t i = 0; i < std::min({x.size(), y.size(), z.size()}); ++i) {
       places_[first + i] = Vec3(x[i], y[i], z[i]);
     }
   }
   void AddPulses(const Value& value) {
-    const auto& tick = Member<Numbers>(value, "tick");
-    const auto& point = Member<Numbers>(value, "point");
-    const auto& outcome = Member<Numbers>(value, "outcome");
+    const auto& tick = recording::MemberOf<Numbers>(value, "tick");
+    const auto& point = recording::MemberOf<Numbers>(value, "point");
+    const auto& outcome = recording::MemberOf<Numbers>(value, "outcome");
     for (std::size_t i = 0; i < std::min({tick.size(), point.size(), outcome.size()});
          ++i) {
       if (outcome[i] == kMade) made_at_[point[i]] = tick[i];

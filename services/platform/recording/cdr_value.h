@@ -43,6 +43,16 @@ struct ValueMember {
   Value value;
 };
 
+/// What the member of that name holds; empty or 0 when it is not there, or of another
+/// kind.
+template <typename T>
+const T& MemberOf(const Value& value, const std::string& name) {
+  static const T none{};
+  const Value* const member = value.Find(name);
+  const T* const held = member == nullptr ? nullptr : member->As<T>();
+  return held == nullptr ? none : *held;
+}
+
 /// kUnreadable when the bytes are not such a message, kUnsupported for an encoding or
 /// type that is not handled.
 Result<Value> DecodeCdr(const IdlTypes& types, const std::string& type, ByteView payload);

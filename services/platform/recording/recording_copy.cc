@@ -9,7 +9,7 @@
 #include "engrave/core/try.h"
 #include "engrave/io/crc32.h"
 #include "services/platform/recording/conventions.h"
-#include "services/platform/recording/mcap_writer.h"
+#include "services/platform/recording/whole_recording.h"
 
 namespace intaglio::recording {
 namespace {
@@ -213,40 +213,16 @@ Result<std::optional<std::set<std::uint16_t>>> ChannelsOf(
 Result<CopyReport> CopyRecordings(const std::vector<McapReader>& sources,
                                   const std::filesystem::path& target,
                                   const CopyOptions& options) {
-  std::error_code error;
-  const std::filesystem::path temporary = target.string() + ".part";
-  for (const McapReader& source : sources) {
-    // What a killed copy left behind may be a source, too.
-    for (const std::filesystem::path& written : {target, temporary}) {
-      if (!std::filesystem::equivalent(source.name(), written, error)) continue;
-      return Fail(
-          ErrorCode::kInvalidValue,
-          fmt::format("{} is an input and cannot be overwritten; give another file",
-                      written.string()),
-          written.string());
-    }
-  }
-  auto writer = INTAGLIO_TRY(McapWriter::Create(temporary, {.library = options.library}));
-  Copy copy(writer, options);
-  Status added;
-  for (const McapReader& source : sources) {
-    if (added) added = copy.Add(source);
-  }
-  auto report = added ? copy.Run() : Result<CopyReport>(tl::unexpected(added.error()));
-  if (report) {
-    if (auto closed = writer.Close(); !closed) report = tl::unexpected(closed.error());
-  }
-  if (!report) {
-    std::filesystem::remove(temporary, error);
-    return report;
-  }
-  std::filesystem::rename(temporary, target, error);
-  if (error) {
-    return Fail(
-        ErrorCode::kIo,
-        fmt::format("cannot give {} its name: {}", target.string(), error.message()),
-        target.string());
-  }
+  std::vector<std::string> names;
+  for (const McapReader& source : sources) names.push_back(source.name());
+  CopyReport report;
+  const auto copy_all = [&](McapWriter& writer) -> Status {
+    Copy copy(writer, options);
+    for (const McapReader& source : sources) INTAGLIO_TRY(copy.Add(source));
+    report = INTAGLIO_TRY(copy.Run());
+    return {};
+  };
+  INTAGLIO_TRY(WriteWhole(names, target, options.library, copy_all));
   return report;
 }
 
