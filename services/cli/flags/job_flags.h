@@ -42,7 +42,7 @@ struct JobFlags {
   std::optional<std::string> turn_block;  // degrees: "90", "180", "270"
   bool clip = false;
   double size_limits = 1;  ///< factor (services/job/models/read_limits.h)
-  /// Of a command that makes points several times; else null.
+  /// Not null in a command that makes points several times.
   std::shared_ptr<KeptMeshes> kept_meshes = nullptr;
 };
 

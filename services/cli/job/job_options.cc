@@ -10,6 +10,7 @@
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
 #include "materials_db/index_glass.h"
+#include "services/cli/job/job_limits.h"
 #include "services/job/checks/course_check.h"
 #include "services/job/checks/job_check.h"
 #include "services/job/convert/job_defaults.h"
@@ -20,7 +21,6 @@
 #include "services/job/files/job_file.h"
 #include "services/job/models/arrangement.h"
 #include "services/job/models/chosen_block.h"
-#include "services/job/models/program_limits.h"
 #include "services/job/models/text_model.h"
 #include "services/job/models/unfitted_sizes.h"
 #include "services/platform/command_line/supplied_files.h"
@@ -309,13 +309,6 @@ Result<JobAndMachine> Build(const JobFlags& flags, JobSpec read,
 }
 
 }  // namespace
-
-ReadLimits LimitsOf(const JobFlags& flags) {
-  ReadLimits limits = mesh_reader::LimitsOfProgram(flags.size_limits);
-  if (flags.kept_meshes != nullptr)
-    limits.read_mesh = flags.kept_meshes->Around(std::move(limits.read_mesh));
-  return limits;
-}
 
 Result<fs::path> FindMachineFile(const std::string& name_or_file) {
   return command_line::FindSupplied(name_or_file, command_line::kSuppliedProfiles);

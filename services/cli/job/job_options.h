@@ -14,7 +14,6 @@
 #include "proto/job.pb.h"
 #include "proto/machine.pb.h"
 #include "services/cli/flags/job_flags.h"
-#include "services/job/models/read_limits.h"
 
 namespace intaglio::cli {
 
@@ -28,9 +27,6 @@ struct JobAndMachine {
   /// About places that were chosen for its models; in `notes`, too.
   Warnings of_arrangement = {};
 };
-
-/// The bounds on its files, and the reader of its meshes.
-ReadLimits LimitsOf(const JobFlags& flags);
 
 /// The job with all paths absolute, and its machine. Every mistake is in the error, one
 /// a line, with the field's path. A job of marks is refused.

@@ -1,3 +1,4 @@
+#include "services/cli/job/job_limits.h"
 #include "services/cli/offline/offline_command.h"
 
 #include <fmt/format.h>
