@@ -19,6 +19,7 @@ struct Options {
   double split_mb = 0, split_min = 0, keep_mb = 0, keep_h = 0, queue_mb = 64;
   int compression = 1;
   std::string bulk = recording::NameOf(recording::Bulk::kAll);
+  bool scene = false;
   bus::TopicFilter filter;
 };
 
@@ -45,6 +46,8 @@ void AddOptions(command_line::Command app, Options& options) {
          "remove files not written for this many hours; 0: keep all");
   amount("--queue-mb", options.queue_mb,
          "memory for messages that wait for the disk, MB; beyond it bulk is left out");
+  app.AddFlag("--scene", options.scene,
+              "also the jobs as a scene for Foxglove, Lichtblick and Rerun");
   app.AddOption(
          "--bulk", options.bulk,
          "what grows with the points of a job (models, points, motion, positions): "
@@ -61,6 +64,7 @@ recorder::RecorderOptions RecorderOptionsOf(const Options& options) {
   recorder::RecorderOptions made;
   made.filter = options.filter;
   made.bulk = *recording::BulkFromName(options.bulk);  // one of the choices
+  made.scene = options.scene;
   made.queue.large_bytes = static_cast<std::uint64_t>(options.queue_mb * kMb);
   made.queue.total_bytes = 4 * made.queue.large_bytes;
   recorder::SeriesOptions& series = made.series;

@@ -13,6 +13,7 @@
 #include "services/platform/bus/topic_tap.h"
 #include "services/platform/host/process/log.h"
 #include "services/recorder/bulk_rule.h"
+#include "services/recorder/live_scene.h"
 #include "services/recorder/sequence_gaps.h"
 
 namespace intaglio::recorder {
@@ -84,7 +85,9 @@ struct Recorder::Impl {
             [this](const std::string& topic, const std::string& why) {
               host::LogWarning("{} is not recorded: {}", topic, why);
               (void)queue.Push(Unrecorded{topic, why}, 0, false);
-            }) {}
+            }) {
+    if (options.scene) scene.emplace();
+  }
 
   void Receive(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
@@ -95,6 +98,7 @@ struct Recorder::Impl {
   void Write(const std::stop_token& stop);
   void WriteAll(std::vector<Item>&& items);
   void WriteOne(const bus::TapSample& sample);
+  void Attach(recording::Attachment attachment);
   std::uint32_t StreamOf(std::uint32_t channel, bus::TapKind kind);
   void CountLost(const Lost& what, std::uint64_t received_ns, std::uint64_t count);
   void LogLost();
@@ -105,6 +109,7 @@ struct Recorder::Impl {
   BulkRule bulk_rule;  // of the receiving thread
   bus::TopicTap tap;
   std::map<std::pair<std::uint32_t, bus::TapKind>, std::uint32_t> streams;  // of it, too
+  std::optional<LiveScene> scene;                                           // of it, too
   SequenceGaps gaps;  // of the receiving thread
   std::mutex lost_mutex;
   std::map<Lost, LostCount> lost;
@@ -152,8 +157,18 @@ std::uint32_t Recorder::Impl::StreamOf(std::uint32_t channel, bus::TapKind kind)
 }
 
 void Recorder::Impl::WriteOne(const bus::TapSample& sample) {
-  series.Write(StreamOf(sample.channel(), sample.kind()), Unsigned(sample.received_ns()),
+  const std::uint64_t received_ns = Unsigned(sample.received_ns());
+  series.Write(StreamOf(sample.channel(), sample.kind()), received_ns,
                Unsigned(sample.source_ns()), sample.bytes());
+  if (!scene || sample.kind() != bus::TapKind::kValue) return;
+  const bus::TapChannel& from = tap.channel(sample.channel());
+  scene->Add({from.topic, from.type, from.idl, from.partition}, sample.bytes(),
+             received_ns, series);
+}
+
+void Recorder::Impl::Attach(recording::Attachment attachment) {
+  if (scene) scene->Add(attachment);
+  series.Attach(std::move(attachment));
 }
 
 void Recorder::Impl::WriteAll(std::vector<Item>&& items) {
@@ -161,7 +176,7 @@ void Recorder::Impl::WriteAll(std::vector<Item>&& items) {
     if (const auto* sample = std::get_if<bus::TapSample>(&item)) {
       WriteOne(*sample);
     } else if (auto* attachment = std::get_if<recording::Attachment>(&item)) {
-      series.Attach(std::move(*attachment));
+      Attach(std::move(*attachment));
     } else if (const auto* unrecorded = std::get_if<Unrecorded>(&item)) {
       series.ReportUnrecorded(unrecorded->topic, unrecorded->why);
     }
@@ -196,6 +211,7 @@ void Recorder::Impl::Write(const std::stop_token& stop) {
     Publish();
   }
   WriteAll(queue.Take(0ms));
+  if (scene) scene->Finish(series);
   LogLost();
 }
 

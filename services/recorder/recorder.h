@@ -25,6 +25,7 @@ struct RecorderOptions {
   bus::TopicFilter filter;
   recording::Bulk bulk = recording::Bulk::kAll;  ///< of what the filter accepts
   QueueLimits queue;
+  bool scene = false;  ///< for standard viewers (services/scene), besides the messages
 };
 
 class Recorder {

@@ -86,6 +86,7 @@ Status RecordingSeries::OpenNext(std::uint64_t now_ns) {
   }
   repeated_ = retained_.empty();
   stream_of_channel_.clear();
+  derived_count_.clear();
   types_written_.clear();
   attachments_written_ = unrecorded_written_ = 0;
   Metadata about{recording::kRecordingRecord, recording::EntriesOf(options_.bulk)};
@@ -175,6 +176,18 @@ void RecordingSeries::Write(std::uint32_t stream, std::uint64_t log_time_ns,
   if (trouble_ && writer_->gathered_bytes(Lane::kSmall) > kMaxWaitingBytes) {
     GiveUp(Lane::kSmall, "writing to the disk failed for too long");
   }
+}
+
+void RecordingSeries::Write(const Derived& of, std::uint64_t log_time_ns,
+                            recording::ByteView payload) {
+  if (trouble_) return;
+  recording::Channel channel;
+  channel.schema_id = writer_->AddSchema(of.type, of.encoding, of.schema);
+  channel.topic = of.topic;
+  channel.message_encoding = of.encoding;
+  const std::uint16_t id = writer_->AddChannel(std::move(channel), Lane::kLarge);
+  Note(writer_->Write(recording::MessageView{id, derived_count_[of.topic]++, log_time_ns,
+                                             log_time_ns, payload}));
 }
 
 // Bulk is given up at once: it would fill the memory within seconds.

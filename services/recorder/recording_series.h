@@ -74,6 +74,12 @@ class RecordingSeries {
 
   void Write(std::uint32_t stream, std::uint64_t log_time_ns,
              std::uint64_t publish_time_ns, recording::ByteView payload);
+  /// A message that follows from others, e.g. a picture of them: it does not count, and
+  /// is left out while the disk refuses. Its schema is of the encoding of its channel.
+  struct Derived {
+    std::string topic, type, encoding, schema;
+  };
+  void Write(const Derived& of, std::uint64_t log_time_ns, recording::ByteView payload);
   /// A message of the stream that could not be queued.
   void CountMissing(std::uint32_t stream, std::uint64_t log_time_ns,
                     const std::string& reason, std::uint64_t count = 1);
@@ -93,6 +99,7 @@ class RecordingSeries {
     return trouble_ ? trouble_ : no_next_file_;
   }
   const std::filesystem::path& file() const { return writer_->file(); }
+  std::uint32_t file_number() const { return file_number_; }
   /// Bytes of this file that are on the disk for certain.
   std::uint64_t synced_bytes() const { return writer_->synced_bytes(); }
   std::uint64_t message_count() const { return message_count_; }
@@ -129,6 +136,7 @@ class RecordingSeries {
   std::uint64_t file_began_ns_;
   std::uint64_t synced_ns_ = 0;
   std::uint32_t file_number_ = 0;
+  std::map<std::string, std::uint32_t> derived_count_;  // by topic, in this file
   std::vector<Known> streams_;
   std::map<std::uint16_t, std::uint32_t> stream_of_channel_;
   recording::RetainedState retained_;

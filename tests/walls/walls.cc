@@ -130,7 +130,8 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
       "services/client/preview", "services/job", "services/job/course",
       "services/job/marks", "services/job/methods", "services/job/models",
       "services/job/verdict", "services/platform/*", "services/history",
-      "services/replayer", "services/sql", "services/virtual_engraver/truth"}},
+      "services/replayer", "services/scene", "services/sql",
+      "services/virtual_engraver/truth"}},
     {"services/job_service",
      {"engrave/*", "materials_db", "proto", "idl", "services/job", "services/job/course",
       "services/job/marks", "services/job/models", "services/job/mounted",
@@ -139,6 +140,13 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
      {"engrave/*", "materials_db", "proto", "idl", "services/job", "services/job/course",
       "services/job/marks", "services/job/models", "services/job/mounted",
       "services/job/verdict", "services/platform/*", "services/history"}},
+    // Recordings as standard viewers show them.
+    {"services/scene",
+     {"engrave/core", "engrave/machine", "proto", "services/job",
+      "services/platform/recording"}},
+    {"services/recorder",
+     {"engrave/core", "engrave/io", "idl", "proto", "services/platform/*",
+      "services/scene"}},
     // Drivers of controllers, for the programs that hold a line to one: a controller may
     // move the stage and switch the laser.
     {"services/drivers",

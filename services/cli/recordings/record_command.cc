@@ -44,6 +44,7 @@ struct RecordOptions {
       {"--queue-mb", "memory for messages that wait for the disk, MB, default 64"},
       {"--compression", "level of zstd, 0 to 19, default 1; 0: none"}};
   std::string bulk;
+  bool scene = false;
 };
 
 std::string DefaultFile() {
@@ -66,6 +67,7 @@ int Record(const RecordOptions& options) {
   add("--tag", options.bus.tag);
   add("--security", options.bus.security);
   add("--bulk", options.bulk);
+  if (options.scene) words.push_back("--scene");
   for (const Handed& handed : options.handed) {
     for (const std::string& value : handed.values) add(handed.flag, value);
   }
@@ -94,6 +96,8 @@ void AddRecordCommand(command_line::Command app) {
     record.AddOption(handed.flag, handed.values, handed.help);
   }
   AddBulkFlag(record, options->bulk);
+  record.AddFlag("--scene", options->scene,
+                 "also the jobs as a scene for Foxglove, Lichtblick and Rerun");
   record.SetFooter(
       "Example: intaglio record --out night.mcap --split-min 60 --keep-mb 20000\n"
       "It delays no other process: if the disk is too slow, models and points are left "

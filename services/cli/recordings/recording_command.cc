@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <set>
 
 #include "engrave/core/counted.h"
 #include "engrave/core/try.h"
@@ -18,6 +19,8 @@
 #include "services/client/exit_codes.h"
 #include "services/platform/recording/bulk.h"
 #include "services/platform/recording/recording_copy.h"
+#include "services/scene/message_schema.h"
+#include "services/scene/scene_file.h"
 
 namespace intaglio::cli {
 namespace {
@@ -82,12 +85,25 @@ int Copy(const Options& options, const std::string& default_ending) {
   return client::kExitGood;
 }
 
-Status ExportMessages(const Options& options, const McapReader& reader,
-                      std::ostream& out) {
+/// Without those of a scene, which are none of the bus.
+std::set<std::uint16_t> ChannelsOfMessages(const McapReader& reader) {
+  std::set<std::uint16_t> ids;
+  for (const auto& [id, channel] : reader.contents().channels)
+    if (channel.message_encoding != scene::kProtobuf) ids.insert(id);
+  return ids;
+}
+
+recording::MessageQuery SpanOf(const Options& options, const McapReader& reader) {
   recording::MessageQuery query;
   if (options.from_s > 0)
     query.from_ns = LogTimeAt(reader, options.from_s).value_or(UINT64_MAX);
   query.to_ns = LogTimeAt(reader, options.to_s);
+  return query;
+}
+
+Status ExportMessages(const Options& options, const McapReader& reader,
+                      std::ostream& out) {
+  recording::MessageQuery query = SpanOf(options, reader);
   const std::string left_out = SentenceOf(recording::BulkRequestOf(reader));
   auto channels = recording::ChannelsOf(reader, options.topics);
   if (!channels) {
@@ -96,7 +112,8 @@ Status ExportMessages(const Options& options, const McapReader& reader,
     return tl::unexpected(std::move(error));
   }
   if (!left_out.empty()) std::cerr << "note        " << left_out << "\n";
-  query.channels = std::move(*channels);
+  query.channels =
+      options.topics.empty() ? ChannelsOfMessages(reader) : std::move(*channels);
   if (options.format == "jsonl") return ExportJsonLines(reader, query, out);
   if (options.topics.size() != 1) {
     return Fail(ErrorCode::kMissing,
@@ -106,13 +123,24 @@ Status ExportMessages(const Options& options, const McapReader& reader,
   return ExportCsv(reader, options.topics.front(), query, out);
 }
 
+Status WriteScene(const Options& options, const McapReader& reader) {
+  fs::path out = options.out;
+  if (out.empty())
+    out = fs::path(reader.name()).replace_extension("").string() + "-scene.mcap";
+  INTAGLIO_TRY(scene::WriteScene(reader, SpanOf(options, reader), out));
+  fmt::print(std::cout, "{}: open it with Foxglove, Lichtblick or Rerun\n", out.string());
+  return {};
+}
+
 int Export(const Options& options) {
   const auto readers = OpenAll(options);
   if (!readers) return Complain(readers.error());
   const McapReader& reader = readers->front();
   PrintMissing(reader);
   Status done;
-  if (options.format == "ply") {
+  if (options.format == "foxglove") {
+    done = WriteScene(options, reader);
+  } else if (options.format == "ply") {
     if (options.out.empty()) {
       return Complain({ErrorCode::kMissing, "a PLY needs a file: give --out", ""});
     }
@@ -167,10 +195,12 @@ void AddReadCommands(command_line::Command group, const Shared& options) {
   AddSpan(exported, options);
   exported
       .AddOption("--format", options->format,
-                 "jsonl; csv: one topic as a table; ply: the pulses that were made")
-      .OneOf({"jsonl", "csv", "ply"})
+                 "jsonl; csv: one topic as a table; ply: the pulses that were made; "
+                 "foxglove: a scene for viewers")
+      .OneOf({"jsonl", "csv", "ply", "foxglove"})
       .ShowDefault();
-  exported.AddOption("--out", options->out, "file, default standard output");
+  exported.AddOption("--out", options->out,
+                     "file, default standard output; of a scene NAME-scene.mcap");
   exported.AddOption("--job", options->job,
                      "for ply: uid of the job, needed if there are several");
   exported.AddOption("--path", options->path,
