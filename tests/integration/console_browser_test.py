@@ -197,6 +197,46 @@ def results(driver, say):
     say(f"its picture is {eventually(width, 120)} pixels wide")
 
 
+SET_CONTROL = """
+const control = [...document.querySelectorAll('.glass-tools label')]
+  .find((label) => label.textContent.startsWith(arguments[0])).querySelector('input, select');
+if (control.tagName === 'SELECT') control.selectedIndex = arguments[1];
+else control.value = arguments[1];
+for (const kind of ['input', 'change']) control.dispatchEvent(new Event(kind));"""
+
+
+def tools(driver, say):
+    """A section, colours by order, and the cracks up to a time of the job."""
+    from selenium.webdriver.common.by import By
+
+    def picture():
+        return [pixel for row in pixels(driver.find_element(By.CSS_SELECTOR, "canvas")
+                                        .screenshot_as_png) for pixel in row]
+
+    def white():
+        return sum(min(pixel) > 170 for pixel in picture())
+
+    def coloured():
+        return sum(max(pixel) > 170 and max(pixel) - min(pixel) > 60 for pixel in picture())
+
+    def lit():
+        return sum(max(pixel) > 40 for pixel in picture())
+
+    def expect(label, value, what):
+        driver.execute_script(SET_CONTROL, label, value)
+        eventually(what, 30)
+
+    whole = lit()
+    expect("Made up to", 0, lambda: white() == 0)
+    expect("Made up to", 1000, lambda: white() > 10)
+    expect("Colours", 1, lambda: white() == 0 and coloured() > 10)
+    expect("Colours", 0, lambda: white() > 10)
+    expect("Section", 3, lambda: lit() < 0.9 * whole)
+    expect("up to", 0, lambda: lit() < 0.5 * whole and white() == 0)
+    expect("Section", 0, lambda: lit() > 0.9 * whole)
+    say("section, colours and time of the cracks")
+
+
 def look(driver, folder, say, cracks, console_pid):
     """What a person does with the page."""
     from selenium.webdriver.common.by import By
@@ -229,6 +269,8 @@ def look(driver, folder, say, cracks, console_pid):
     bright = sum(min(pixel) > 170 for row in pixels(canvas) for pixel in row)
     say(f"{lit} lit pixels, {bright} of cracks")
     assert lit > 500 and bright > 10, (lit, bright)
+
+    tools(driver, say)
 
     def confirmed():
         return "els-03: no pulse is fired" in text("stop-button")

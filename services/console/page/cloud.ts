@@ -28,6 +28,7 @@ export class Cloud {
     for (let cell = 0; cell < 512; ++cell) {
       const geometry = new THREE.BufferGeometry();
       geometry.setAttribute('position', positions);
+      geometry.setAttribute('order', ordersOf(positions));
       geometry.setAttribute('outcome', this.outcomes);
       const points = this.inBlock(geometry);
       points.visible = false;
@@ -97,7 +98,9 @@ export class Cloud {
     changed.forEach((at, to) =>
       points.set(this.plan.points.subarray(4 * at, 4 * at + 4), 4 * to));
     const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute('position', positionsOf(points));
+    const positions = positionsOf(points);
+    geometry.setAttribute('position', positions);
+    geometry.setAttribute('order', ordersOf(positions));
     geometry.setAttribute('outcome',
       new THREE.BufferAttribute(Uint8Array.from(changed, (at) => this.state[at]), 1));
     this.fresh = this.inBlock(geometry);
@@ -138,16 +141,41 @@ function positionsOf(points: Uint16Array): THREE.InterleavedBufferAttribute {
     new THREE.InterleavedBuffer(points, 4), 3, 0, true);
 }
 
+/** The fourth number of each point: its place in the order, 0..1. */
+function ordersOf(positions: THREE.InterleavedBufferAttribute): THREE.InterleavedBufferAttribute {
+  return new THREE.InterleavedBufferAttribute(positions.data, 1, 3, true);
+}
+
+/** What is shown of every cloud. */
+export interface Look {
+  byOrder: boolean;  // the colour of a crack is its place in the order
+  cut: number[];     // only points up to here, of each side of the block, 0..1
+  until: number;     // cracks up to this place in the order, 0..1
+}
+
+export function setLook(look: Look) {
+  material.uniforms.byOrder.value = look.byOrder ? 1 : 0;
+  material.uniforms.until.value = look.until;
+  material.uniforms.cut.value.set(look.cut[0], look.cut[1], look.cut[2]);
+}
+
 const material = new THREE.ShaderMaterial({
   transparent: true,
+  uniforms: {
+    byOrder: { value: 0 }, until: { value: 1 }, cut: { value: new THREE.Vector3().set(1, 1, 1) },
+  },
   depthWrite: false,
-  vertexShader: `attribute float outcome; varying vec4 shade;
+  vertexShader: `attribute float outcome, order; uniform float byOrder, until;
+    uniform vec3 cut; varying vec4 shade;
     void main() {
-      bool made = outcome > .5 && outcome < 1.5;
-      shade = outcome < .5 ? vec4(.55, .7, .9, ${faint}) : made ? vec4(1., 1., 1., .95)
-                                                             : vec4(1., .45, .1, 1.);
-      gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.);
-      gl_PointSize = outcome < .5 ? 1.5 : 2.2;
+      float state = order > until || until <= 0. ? 0. : outcome;
+      bool made = state > .5 && state < 1.5;
+      vec3 crack = byOrder < .5 ? vec3(1.) : mix(vec3(.25, .55, 1.), vec3(1., .8, .2), order);
+      shade = state < .5 ? vec4(.55, .7, .9, ${faint}) : made ? vec4(crack, .95)
+                                                           : vec4(1., .45, .1, 1.);
+      gl_Position = any(greaterThan(position, cut))
+        ? vec4(2., 2., 2., 1.) : projectionMatrix * modelViewMatrix * vec4(position, 1.);
+      gl_PointSize = state < .5 ? 1.5 : 2.2;
     }`,
   fragmentShader: 'varying vec4 shade; void main() { gl_FragColor = shade; }',
 });

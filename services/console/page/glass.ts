@@ -1,5 +1,6 @@
 // The block with its planned points and its cracks, as the page shows it.
 import { Dict, make } from './dom';
+import { GlassTools } from './glass_tools';
 import { fillCounted, text } from './text';
 
 const turnPx = 20;  // of a finger that turns as far as one press of an arrow key
@@ -16,6 +17,7 @@ const keys: Record<string, Dict> = {
 export class GlassView extends HTMLElement {
   private worker?: Worker;
   private line = make('div', text.noGlass, 'quiet');
+  private tools = new GlassTools((look) => this.worker?.postMessage({ look }));
   private job = 0;
   private marked = new Set<string>();
 
@@ -25,7 +27,7 @@ export class GlassView extends HTMLElement {
     canvas.setAttribute('role', 'application');
     canvas.setAttribute('aria-label', text.glassPicture);
     canvas.tabIndex = 0;
-    this.append(canvas, this.line);
+    this.append(canvas, this.line, this.tools.element);
     if (!('transferControlToOffscreen' in canvas)) return;
     const offscreen = canvas.transferControlToOffscreen();
     this.worker = new Worker('/view.js');
@@ -62,6 +64,7 @@ export class GlassView extends HTMLElement {
   private report(data: Dict) {
     if (data.missing) this.line.textContent = text.otherHost;
     else this.line.textContent = fillCounted(text.cracksMade, data.planned ?? 0, data);
+    this.tools.follow(data.planned ?? 0);
     this.dataset.drawn = String(data.drawn ?? 0);
     this.dataset.frames = String(data.frames ?? 0);
     this.dataset.budget = String(data.budget ?? 0);
@@ -82,6 +85,7 @@ export class GlassView extends HTMLElement {
     this.job = job;
     this.marked.clear();
     this.worker?.postMessage({ job });
+    this.tools.restart();
   }
 
   /** The job that is engraved, until somebody chose one. */

@@ -49,6 +49,7 @@ declare module 'three' {
     array: Uint16Array;
   }
   export class InterleavedBufferAttribute {
+    data: InterleavedBuffer;
     constructor(buffer: InterleavedBuffer, size: number, offset: number, normalized: boolean);
   }
   export class BufferGeometry {
@@ -60,9 +61,11 @@ declare module 'three' {
     constructor(parameters: {
       transparent: boolean;
       depthWrite: boolean;
+      uniforms: Record<string, { value: any }>;
       vertexShader: string;
       fragmentShader: string;
     });
+    uniforms: Record<string, { value: any }>;
   }
   export class Points extends Object3D {
     constructor(geometry: BufferGeometry, material: ShaderMaterial);

@@ -1,7 +1,7 @@
 // Draws a block with its planned points (faint) and the cracks that were made, in a worker.
 import * as THREE from 'three';
 import { FrameBudget, cellsInView, viewDegrees } from './cells';
-import { Cloud } from './cloud';
+import { Cloud, setLook } from './cloud';
 import { PlanDecoder } from './plan';
 
 const pollMs = 500;
@@ -187,6 +187,10 @@ onmessage = (event) => {
   if (data.zoom) {
     turned.distance = Math.min(8, Math.max(0.3, turned.distance * data.zoom));
     place();
+    moved();
+  }
+  if (data.look) {
+    setLook(data.look);
     moved();
   }
   if (data.hidden !== undefined) {
