@@ -26,12 +26,14 @@ enum { kDrillStart, kDrillCycle, kDrillToolChange, kDrillEnd };
 class DrillWriter {
  public:
   DrillWriter(const Template& program, const Cutting& cutting, const Vec2& origin_mm,
-              std::size_t max_bytes)
+              std::size_t max_bytes, const HeightMap* heights)
       : program_(program),
         cutting_(cutting),
         origin_mm_(origin_mm),
-        max_bytes_(max_bytes) {
+        max_bytes_(max_bytes),
+        heights_(heights) {
     cutting_.name = ProgramName(cutting.name);
+    if (heights != nullptr) cutting_.safe_mm += std::max(0.0, heights->max_mm());
   }
 
   Status Add(const DrillRound& round) {
@@ -92,11 +94,15 @@ class DrillWriter {
 
   void Append(Expander& expander, std::size_t fragment, const Vec2& place_mm,
               std::string& text) const {
-    std::vector<Value> values = CommonValues(cutting_, name_, cutting_.depths_mm.back());
+    const Vec2 at_mm = place_mm - origin_mm_;
+    const bool is_hole = fragment == kDrillCycle;
+    const double surface_mm = is_hole && heights_ != nullptr ? heights_->At(at_mm) : 0.0;
+    std::vector<Value> values =
+        CommonValues(cutting_, name_, cutting_.depths_mm.back() + surface_mm);
     values.emplace_back(tool_);
-    if (fragment == kDrillCycle) {
-      values.emplace_back(place_mm.x() - origin_mm_.x());
-      values.emplace_back(place_mm.y() - origin_mm_.y());
+    if (is_hole) {
+      values.emplace_back(at_mm.x());
+      values.emplace_back(at_mm.y());
     }
     expander.Append(fragment, values, text);
   }
@@ -107,6 +113,7 @@ class DrillWriter {
   Cutting cutting_;
   Vec2 origin_mm_;
   std::size_t max_bytes_;
+  const HeightMap* heights_;  // null: the surface is flat
   std::optional<Expander> expander_;
   std::string name_, text_;
   std::uint64_t tool_ = 0;
@@ -123,13 +130,29 @@ Result<Template> ParseDrillTemplate(std::string_view text, std::string_view file
 Result<ProgramTexts> DrillPrograms(const Template& program,
                                    std::span<const DrillRound> rounds,
                                    const Cutting& cutting, const Vec2& origin_mm,
-                                   std::optional<std::size_t> max_bytes) {
+                                   std::optional<std::size_t> max_bytes,
+                                   const HeightMap* heights) {
   INTAGLIO_TRY(RequireSuited(program, kDrillRules, cutting));
   const Vec2 whole_origin_mm = origin_mm + Vec2(program.SettingOf("origin-x", 0),
                                                 program.SettingOf("origin-y", 0));
   const auto by_template =
       static_cast<std::size_t>(program.SettingOf("max-bytes", kMaxBytes.max));
-  DrillWriter writer(program, cutting, whole_origin_mm, max_bytes.value_or(by_template));
+  if (heights != nullptr) {
+    if (HasOwnDepth(program)) {
+      return Fail(
+          ErrorCode::kUnsupported,
+          program.file +
+              ": has the depth of the holes itself, so they cannot follow a probed "
+              "surface; choose a template that uses @DEPTH@",
+          "DEPTH");
+    }
+    for (const DrillRound& round : rounds) {
+      for (const Vec2& place_mm : round.places_mm)
+        INTAGLIO_TRY(heights->RequireCovers({"a hole", place_mm, {}}, whole_origin_mm));
+    }
+  }
+  DrillWriter writer(program, cutting, whole_origin_mm, max_bytes.value_or(by_template),
+                     heights);
   for (const DrillRound& round : rounds) INTAGLIO_TRY(writer.Add(round));
   ProgramTexts texts = writer.Take();
   INTAGLIO_TRY(RequireName(program, ProgramName(cutting.name), texts.size()));

@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "engrave/post/cutting.h"
+#include "engrave/post/height_map.h"
 
 namespace intaglio::post {
 
@@ -31,13 +32,16 @@ struct DrillRound {
 /// round, the depth the last of `cutting`. A program longer than its maximum size is
 /// divided between holes.
 ///
-/// kUnsupported: the template does not suit (RequireSuited). kInvalidValue: a maximum
-/// size that not even one hole fits in.
+/// `heights`: a surface, from which each hole has the depth; null: it is flat.
+///
+/// kUnsupported: the template does not suit (RequireSuited), or has the depth itself and
+/// the surface is not flat. kInvalidValue: a maximum size that not even one hole fits in.
 Result<ProgramTexts> DrillPrograms(const Template& program,
                                    std::span<const DrillRound> rounds,
                                    const Cutting& cutting,
                                    const Vec2& origin_mm = Vec2::Zero(),
-                                   std::optional<std::size_t> max_bytes = {});
+                                   std::optional<std::size_t> max_bytes = {},
+                                   const HeightMap* heights = nullptr);
 
 /// Whether no fragment uses DEPTH: how deep the holes are is in the template.
 bool HasOwnDepth(const Template& program);

@@ -21,13 +21,16 @@ constexpr double kDefaultChordMm = 0.001;
 constexpr std::size_t kMaxParts = 10'000;
 
 constexpr std::array<std::string_view, 2> kPlace = {"X", "Y"};
+constexpr std::array<std::string_view, 3> kPlaceZ = {"X", "Y", "Z"};
 constexpr std::array<std::string_view, 9> kArc = {"X", "Y", "AX", "AY", "I",
                                                   "J", "R", "CR", "P"};
 constexpr auto kPlaceVariables = WithCommon(kPlace);
+constexpr auto kPlaceZVariables = WithCommon(kPlaceZ);
 constexpr auto kArcVariables = WithCommon(kArc);
 constexpr FragmentRule kMillFragments[] = {{"start", false, kCommonVariables},
                                            {"approach", true, kPlaceVariables, kPlace},
                                            {"line", true, kPlaceVariables, kPlace},
+                                           {"line-z", false, kPlaceZVariables, kPlaceZ},
                                            {"arc-clockwise", false, kArcVariables},
                                            {"arc-counterclockwise", false, kArcVariables},
                                            {"retract", true, kPlaceVariables},
@@ -46,6 +49,7 @@ enum {
   kMillStart,
   kMillApproach,
   kMillLine,
+  kMillLineZ,
   kMillClockwise,
   kMillCounterClockwise,
   kMillRetract,
@@ -77,12 +81,14 @@ ArcVariables ArcVariablesOf(const Template& program) {
 class MillWriter {
  public:
   MillWriter(const Template& program, const Cutting& cutting, const Vec2& origin_mm,
-             std::optional<std::size_t> max_bytes)
+             std::optional<std::size_t> max_bytes, const HeightMap* heights)
       : program_(program),
         cutting_(cutting),
         origin_mm_(origin_mm),
-        max_bytes_(max_bytes) {
+        max_bytes_(max_bytes),
+        heights_(heights) {
     cutting_.name = ProgramName(cutting.name);
+    if (heights != nullptr) cutting_.safe_mm += std::max(0.0, heights->max_mm());
     depth_mm_ = cutting.depths_mm.front();
     BeginPart();
   }
@@ -151,9 +157,15 @@ class MillWriter {
 
   void Append(Expander& expander, std::size_t fragment, const WorkMove& move,
               std::string& text) const {
-    std::vector<Value> values = CommonValues(cutting_, part_name_, depth_mm_);
-    const std::size_t count = kMillFragments[fragment].variables.size();
     const Vec2 end = move.end_mm - origin_mm_, middle = move.middle_mm - origin_mm_;
+    const double z_mm = depth_mm_ + (heights_ == nullptr ? 0 : heights_->At(end));
+    std::vector<Value> values =
+        CommonValues(cutting_, part_name_, fragment == kMillApproach ? z_mm : depth_mm_);
+    if (fragment == kMillLineZ) {
+      for (const double number : {end.x(), end.y(), z_mm}) values.emplace_back(number);
+      return expander.Append(fragment, values, text);
+    }
+    const std::size_t count = kMillFragments[fragment].variables.size();
     const double signed_radius =
         move.sweep_rad > std::numbers::pi ? -move.radius_mm : move.radius_mm;
     for (const double number :
@@ -171,8 +183,8 @@ class MillWriter {
     Append(*expander_, fragment, place, text_);
   }
 
-  static std::size_t FragmentOf(const WorkMove& move) {
-    if (move.kind == WorkKind::kLine) return kMillLine;
+  std::size_t FragmentOf(const WorkMove& move) const {
+    if (move.kind == WorkKind::kLine) return heights_ != nullptr ? kMillLineZ : kMillLine;
     return move.kind == WorkKind::kClockwise ? kMillClockwise : kMillCounterClockwise;
   }
 
@@ -214,6 +226,7 @@ class MillWriter {
   Cutting cutting_;
   Vec2 origin_mm_;
   std::optional<std::size_t> max_bytes_;
+  const HeightMap* heights_;  // null: the surface is flat
   std::optional<Expander> expander_;
   std::string part_name_;
   std::string text_;
@@ -231,6 +244,16 @@ Status CheckLathe(const Template& program, std::span<const ToolPath> paths,
   const Vec2 axis_mm(program.SettingOf("axis-x", 0), program.SettingOf("axis-y", 0));
   return RequireReachableOnLathe(paths, axis_mm + origin_mm, cutting.speed_mm_s,
                                  limit_deg_s);
+}
+
+Status RequireLineZ(const Template& program) {
+  if (!program.fragments[kMillLineZ].pieces.empty()) return {};
+  return Fail(ErrorCode::kUnsupported,
+              program.file +
+                  ": has no fragment 'line-z', with which a tool follows a probed "
+                  "surface; choose a template with it (grbl, linuxcnc), or "
+                  "add one",
+              "line-z");
 }
 
 }  // namespace
@@ -276,14 +299,21 @@ Result<ProgramTexts> MillPrograms(const Template& program,
   if (const double given = program.SettingOf("max-bytes", 0); !max_bytes && given > 0) {
     max_bytes = static_cast<std::size_t>(given);
   }
-  const bool chords = options.chords || program.fragments[kMillClockwise].pieces.empty();
+  const HeightMap* const heights = options.heights;
+  if (heights != nullptr) INTAGLIO_TRY(RequireLineZ(program));
+  const bool chords = options.chords || heights != nullptr ||
+                      program.fragments[kMillClockwise].pieces.empty();
   const double tolerance_mm =
       options.chord_tolerance_mm.value_or(program.SettingOf("chord", kDefaultChordMm));
   const ArcVariables arcs = ArcVariablesOf(program);
-  MillWriter writer(program, cutting, origin_mm, max_bytes);
+  MillWriter writer(program, cutting, origin_mm, max_bytes, heights);
   for (const ToolPath& path : paths) {
-    const ToolPath made = chords ? Chorded(path, tolerance_mm)
-                                 : WritablePath(path, program, arcs, origin_mm);
+    ToolPath made = chords ? Chorded(path, tolerance_mm)
+                           : WritablePath(path, program, arcs, origin_mm);
+    if (heights != nullptr) {
+      INTAGLIO_TRY(heights->RequireCovers(made, origin_mm));
+      made = heights->Divided(made, origin_mm, tolerance_mm);
+    }
     for (std::size_t pass = 0; pass < cutting.depths_mm.size(); ++pass) {
       for (const PathPart& part : PartsOfPass(made, cutting, pass))
         INTAGLIO_TRY(writer.Add(part.path, part.depth_mm));

@@ -3,25 +3,37 @@
 // The program of contours for a controller of another maker, by a template of milling
 // (Siwiec 2016, ch. 4.3 and figures 4.11, 4.12), which also serves lasers and plotters.
 //
-// Fragments: `start`, `approach` (required: to the begin of a contour and down), `line`
-// (required), `arc-clockwise` and `arc-counterclockwise` (both or none: without them arcs
-// become chords), `retract` (required: up from the end of a contour), `end`. Variables
-// beside the common ones (cutting.h):
-//   X Y        approach: where the contour begins; a move: its end; retract: where it
-//   ends AX AY      arcs: the place half way along the arc I J        arcs: centre minus
-//   begin R          arcs: radius CR         arcs: radius, negative over 180 degrees P
-//   arcs: opening angle, degrees, positive
+// clang-format off
+// Fragments:
+//   start
+//   approach               required: to the begin of a contour and down
+//   line                   required
+//   line-z                 a line on a surface that was probed (height_map.h)
+//   arc-clockwise          with the next one, or neither: without them arcs become chords
+//   arc-counterclockwise
+//   retract                required: up from the end of a contour
+//   end
+// Variables beside the common ones (cutting.h):
+//   X Y     approach: where the contour begins; a move: its end; retract: where it ends
+//   Z       line-z: the height of the tool at its end
+//   AX AY   arcs: the place half way along the arc
+//   I J     arcs: centre minus begin
+//   R       arcs: radius
+//   CR      arcs: radius, negative over 180 degrees
+//   P       arcs: opening angle, degrees, positive
 // Settings beside the common ones:
 //   tool-radius  of the tool that the template is for, mm, 0..50; for whoever makes the
 //                contours
 //   chord        maximum distance of a chord from its arc, mm, 0.0001..1, default 0.001
 //   axis-x axis-y axis-speed   of a lathe: where its turning axis is, in the places of
 //                the program, and how fast it turns at most, deg/s, 0.01..100000
+// clang-format on
 
 #include <span>
 #include <string_view>
 
 #include "engrave/post/cutting.h"
+#include "engrave/post/height_map.h"
 #include "engrave/post/tool_path.h"
 
 namespace intaglio::post {
@@ -32,6 +44,9 @@ Result<Template> ParseMillTemplate(std::string_view text, std::string_view file,
                                    const Parameters& given = {});
 
 struct MillOptions {
+  /// The surface; the tool is so much higher everywhere. Paths become lines, as by
+  /// `chords`, and are divided within the tolerance of chords.
+  const HeightMap* heights = nullptr;
   bool chords = false;                       ///< although the template has arcs
   std::optional<double> chord_tolerance_mm;  ///< default: the template's
   std::optional<std::size_t> max_bytes;      ///< default: the template's
@@ -44,9 +59,9 @@ struct MillOptions {
 /// maximum size is divided between paths, and within one that is longer itself: the tool
 /// is retracted there, and the next part goes on at the same place.
 ///
-/// kUnsupported: the template does not suit (RequireSuited), or a contour that the
-/// turning axis of a lathe cannot follow, by name. kInvalidValue: a maximum size that
-/// not even one move fits in.
+/// kUnsupported: the template does not suit (RequireSuited, or heights without line-z),
+/// or a contour that the turning axis of a lathe cannot follow, by name. kInvalidValue: a
+/// maximum size that not even one move fits in.
 Result<ProgramTexts> MillPrograms(const Template& program,
                                   std::span<const ToolPath> paths, const Cutting& cutting,
                                   const MillOptions& options = {});

@@ -17,6 +17,7 @@
 #include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
 #include "engrave/io/lower_case.h"
+#include "engrave/io/whole_file.h"
 #include "services/cli/contour/contour_figures.h"
 #include "services/cli/contour/contour_files.h"
 #include "services/cli/contour/contour_frames.h"
@@ -85,6 +86,12 @@ Vec2 PlaceOf(const std::vector<double>& xy_mm) {
   return xy_mm.empty() ? Vec2(0, 0) : Vec2(xy_mm[0], xy_mm[1]);
 }
 
+Result<post::HeightMap> ReadHeightMap(const ContourOptions& options) {
+  constexpr std::size_t kMaxBytes = 64 << 20;
+  const std::string text = INTAGLIO_TRY(io::ReadWholeFile(options.height_map, kMaxBytes));
+  return post::ParseHeightMap(text, options.height_map, options.height_zero_mm);
+}
+
 Status WritePrograms(const ContourOptions& options, const ContourWork& work,
                      const Course& whole, const Course& typed) {
   if (options.out.empty()) return {};
@@ -98,6 +105,15 @@ Status WritePrograms(const ContourOptions& options, const ContourWork& work,
   if (options.max_bytes) program.mill.max_bytes = *options.max_bytes;
   program.mill.axis_speed_deg_s = options.axis_speed_deg_s;
   program.mill.origin_mm = PlaceOf(options.origin_mm);
+  program.probe_step_mm = options.probe_step_mm;
+  std::optional<post::HeightMap> heights;
+  if (!options.height_map.empty()) {
+    heights = INTAGLIO_TRY(ReadHeightMap(options));
+    program.mill.heights = &*heights;
+    fmt::print(std::cout, "surface       {} x {} heights, {:.3f} to {:.3f} mm\n",
+               heights->x_mm().size(), heights->y_mm().size(), heights->min_mm(),
+               heights->max_mm());
+  }
   Warnings warnings;
   const auto files =
       INTAGLIO_TRY(WriteContourPrograms(work, whole, typed, program, warnings));

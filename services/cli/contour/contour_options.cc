@@ -139,6 +139,20 @@ void AddProgramOptions(command_line::Command contour, ContourOptions& options) {
                  "maximum size of a program; longer ones are divided")
       .Within(200, 1'000'000'000)
       .Need(out);
+  const auto heights = contour.AddOption("--height-map", options.height_map,
+                                         "probed heights of the surface, x y z a line, "
+                                         "or answers of Grbl: the tool follows");
+  heights.Need(out);
+  contour
+      .AddOption("--height-map-zero", options.height_zero_mm,
+                 "mm, x y z of the work's zero in the places of the heights")
+      .TakeValues(3)
+      .Need(heights);
+  contour
+      .AddOption("--probe-grid", options.probe_step_mm,
+                 "mm: also a program, NAME_probe, that measures the surface so far apart")
+      .Within(0.1, 1000.0)
+      .Need(out);
   contour
       .AddOption("--axis-speed", options.axis_speed_deg_s,
                  "deg/s, maximum of a lathe's turning axis; default the template's")

@@ -33,7 +33,9 @@ struct ContourOptions {
   bool chords = false;
   std::string mill_template, drill_template, out, picture, xml, frames, page, machine,
       drill_units;
-  std::optional<double> frame_step_s;
+  std::optional<double> frame_step_s, probe_step_mm;
+  std::string height_map;
+  std::vector<double> height_zero_mm;
   double size_limits = 1;
 };
 

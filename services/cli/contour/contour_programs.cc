@@ -34,6 +34,42 @@ Result<post::Template> ReadDrillTemplate(const ContourProgramOptions& options) {
   return post::ParseDrillTemplate(text, file->string(), options.parameters);
 }
 
+/// Beside `out`: its name and `ending`.
+fs::path FileBeside(const fs::path& out, const char* ending,
+                    const post::Template& program) {
+  const std::string extension =
+      program.extension.empty() ? out.extension().string() : "." + program.extension;
+  return out.parent_path() / (out.stem().string() + ending + extension);
+}
+
+/// The places to probe: a grid over all that is made.
+post::DrillRound ProbesOf(const ContourWork& work, double step_mm) {
+  Box3 box;
+  const auto extend = [&](const Vec2& at_mm) { box.Extend({at_mm.x(), at_mm.y(), 0}); };
+  for (const post::ToolPath& path : work.paths) {
+    extend(path.begin_mm);
+    for (const contour::Edge& edge : post::EdgesOf(path)) {
+      // An arc bulges beyond its ends, by no more than its quarters.
+      for (int k = 1; k <= 8; ++k) extend(contour::PointAt(edge, edge.length_mm * k / 8));
+    }
+  }
+  for (const post::DrillRound& round : work.rounds)
+    for (const Vec2& place_mm : round.places_mm) extend(place_mm);
+  return {0, post::ProbePlaces(box.min_mm.head<2>(), box.max_mm.head<2>(), step_mm)};
+}
+
+Result<post::Template> ReadProbeTemplate(const ContourProgramOptions& options) {
+  auto file = command_line::FindSupplied(fs::path(options.mill_template).stem().string(),
+                                         kProbeTemplates);
+  if (!file) {
+    Error error = file.error();
+    error.message = "--probe-grid: " + error.message;
+    return tl::unexpected(error);
+  }
+  const std::string text = INTAGLIO_TRY(io::ReadWholeFile(*file, kMaxTemplateFile));
+  return post::ParseDrillTemplate(text, file->string(), options.parameters);
+}
+
 /// Its holes are as deep as its parameters and text say, whatever the course has.
 void NoteOwnDepth(const post::Template& program, const Course& whole,
                   Warnings& warnings) {
@@ -124,21 +160,33 @@ Result<std::vector<fs::path>> WriteContourPrograms(const ContourWork& work,
     used.push_back(program);
     if (post::HasOwnDepth(program)) NoteOwnDepth(program, whole, warnings);
     if (!work.paths.empty()) {
-      drill_file =
-          out.parent_path() / (out.stem().string() + "_drill" +
-                               (program.extension.empty() ? out.extension().string()
-                                                          : "." + program.extension));
+      drill_file = FileBeside(out, "_drill", program);
     }
     post::Cutting cutting = DrillingOf(whole, typed);
     cutting.name = drill_file.stem().string();
-    auto texts = INTAGLIO_TRY(post::DrillPrograms(
-        program, work.rounds, cutting, options.mill.origin_mm, options.mill.max_bytes));
+    auto texts = INTAGLIO_TRY(
+        post::DrillPrograms(program, work.rounds, cutting, options.mill.origin_mm,
+                            options.mill.max_bytes, options.mill.heights));
     drill_texts = std::move(texts);
+  }
+  post::ProgramTexts probe_texts;
+  fs::path probe_file;
+  if (options.probe_step_mm) {
+    const auto program = INTAGLIO_TRY(ReadProbeTemplate(options));
+    used.push_back(program);
+    probe_file = FileBeside(out, "_probe", program);
+    post::Cutting cutting = CommonOf(whole, Course());
+    cutting.name = probe_file.stem().string();
+    const std::vector<post::DrillRound> probes = {ProbesOf(work, *options.probe_step_mm)};
+    auto texts = INTAGLIO_TRY(
+        post::DrillPrograms(program, probes, cutting, options.mill.origin_mm));
+    probe_texts = std::move(texts);
   }
   INTAGLIO_TRY(post::RequireParameters(used, options.parameters));
   std::vector<fs::path> files;
   INTAGLIO_TRY(WriteParts(out, mill_texts, files));
   INTAGLIO_TRY(WriteParts(drill_file, drill_texts, files));
+  INTAGLIO_TRY(WriteParts(probe_file, probe_texts, files));
   return files;
 }
 

@@ -18,6 +18,8 @@ namespace intaglio::cli {
 inline constexpr command_line::SuppliedKind kMillTemplates{"post/mill", "mill template"};
 inline constexpr command_line::SuppliedKind kDrillTemplates{"post/drill",
                                                             "drill template"};
+inline constexpr command_line::SuppliedKind kProbeTemplates{"post/probe",
+                                                            "probe template"};
 
 /// Speeds, depths and power of a course; `given` by which of its fields are set in
 /// `typed`, the course without its defaults.
@@ -30,6 +32,7 @@ struct ContourProgramOptions {
   std::string out;
   post::Parameters parameters;  ///< of the templates, by name
   post::MillOptions mill;
+  std::optional<double> probe_step_mm;  ///< also a program that probes
 };
 
 Result<post::Template> ReadMillTemplate(const std::string& name_or_file,
@@ -38,6 +41,8 @@ Result<post::Template> ReadMillTemplate(const std::string& name_or_file,
 /// The contours in `out`, the holes in a file beside it, board.ngc and board_drill.ngc,
 /// and further parts in board_2.ngc and so on; which files, in their order. A program's
 /// NAME is that of its file. What there is none of gets no file; holes alone are `out`.
+/// What probes the surface is in board_probe.ngc, by the supplied template of the mill
+/// template's name.
 /// `warnings`: a note where a template has another depth of holes than the course may
 /// have. kInvalidValue: a parameter that none of the templates has.
 Result<std::vector<std::filesystem::path>> WriteContourPrograms(

@@ -98,6 +98,43 @@ TEST_F(ContourCommand, AVShapedToolIsAsWideAsItsDepthMakesIt) {
                                  "mm and 60 degrees cut at 0.2 mm, 0.3309; remove it"));
 }
 
+// The probing program covers contours and holes; what a probe logs at its places moves
+// every depth of the next program.
+TEST_F(ContourCommand, FollowsASurfaceThatItsOwnProgramProbes) {
+  const std::string out = folder_ / "board.ngc", heights = folder_ / "heights.txt";
+  std::vector<std::string> words = {
+      "contour",          gerber_,           excellon_, "--template", Mill("linuxcnc"),
+      "--drill-template", Drill("linuxcnc"), "--out",   out};
+  const auto with = [&](std::vector<std::string> more) {
+    std::vector<std::string> all = words;
+    all.insert(all.end(), more.begin(), more.end());
+    return Type(all);
+  };
+  ASSERT_EQ(with({"--probe-grid", "4"}), client::kExitGood) << errors_;
+  EXPECT_THAT(output_, HasSubstr("board_probe.ngc"));
+  const std::string probing = test::ContentOf(folder_ / "board_probe.ngc");
+  EXPECT_THAT(probing, HasSubstr("(PROBEOPEN board_probe.txt)"));
+  static const std::regex kPlace("G0 X(\\S+) Y(\\S+)\nG38.2 Z-2 F60\n");
+  std::ofstream log(heights);
+  std::size_t places = 0;
+  for (std::sregex_iterator at(probing.begin(), probing.end(), kPlace), end; at != end;
+       ++at, ++places)
+    log << (*at)[1] << " " << (*at)[2] << " 0.25 0 0 0 0 0 0\n";
+  log.close();
+  EXPECT_EQ(places, 6u) << "3 x 2 over 6.2 x 2.2 mm";
+  ASSERT_EQ(with({"--height-map", heights}), client::kExitGood) << errors_;
+  EXPECT_THAT(output_, HasSubstr("surface       3 x 2 heights, 0.250 to 0.250 mm"));
+  const std::string program = test::ContentOf(out);
+  EXPECT_THAT(program, HasSubstr("\nG0 Z2.2500\n"));
+  EXPECT_THAT(program, HasSubstr(" Z0.0500\n")) << "0.2 mm below it";
+  EXPECT_THAT(program, Not(HasSubstr("Z-0.2")));
+  EXPECT_THAT(test::ContentOf(folder_ / "board_drill.ngc"),
+              HasSubstr(" Z-2.7500 R2.2500"));
+  EXPECT_EQ(with({"--height-map", heights, "--origin", "100", "0"}),
+            client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("probe the whole work, or check --origin"));
+}
+
 TEST_F(ContourCommand, AddsHolesForPinsOnTheLineOfTurning) {
   const std::string out = folder_ / "board.ngc";
   ASSERT_EQ(Type({"contour", gerber_, excellon_, "--mirror-x", "2.5", "--align", "-3",
