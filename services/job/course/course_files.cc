@@ -159,7 +159,8 @@ Status AddKicadBoard(const std::string& file, std::string_view text, const Cours
   auto board = INTAGLIO_TRY(contour::ReadKicadBoard(text, file));
   AddWarnings(file, board.findings, warnings);
   INTAGLIO_TRY(AddSlots(course, FileName(file), board.slots, reading.files, warnings));
-  std::ranges::move(board.holes, std::back_inserter(reading.files.holes));
+  reading.drilled.push_back(
+      {FileName(file), std::move(board.holes), std::move(board.slots), true});
   if (!reading.side.middle_x_mm) reading.side.middle_x_mm = MiddleOf(board.outline);
   if (course.layer() == kOutlineLayer ||
       (course.layer().empty() && course.make() == COURSE_MAKE_CUT))
@@ -184,7 +185,8 @@ Status AddDrillFile(const Course& course, const std::string& file, std::string_v
   auto read = INTAGLIO_TRY(contour::ReadExcellon(text, file, options));
   AddWarnings(file, read.findings, warnings);
   INTAGLIO_TRY(AddSlots(course, FileName(file), read.slots, reading.files, warnings));
-  reading.drilled.push_back({FileName(file), std::move(read.holes)});
+  reading.drilled.push_back(
+      {FileName(file), std::move(read.holes), std::move(read.slots)});
   return {};
 }
 

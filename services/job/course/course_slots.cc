@@ -9,6 +9,7 @@
 #include "engrave/contour/union.h"
 #include "engrave/core/counted.h"
 #include "engrave/core/try.h"
+#include "services/job/course/course_holes.h"
 
 namespace intaglio {
 namespace {
@@ -25,10 +26,7 @@ struct Slot {
 };
 
 Slot SlotOf(const contour::Element& element) {
-  if (const auto* track = std::get_if<contour::Track>(&element.shape))
-    return {contour::MakeLine(track->begin_mm, track->end_mm), track->width_mm};
-  const auto& arc = std::get<contour::ArcTrack>(element.shape);
-  return {arc.arc, arc.width_mm};
+  return {MiddleOfSlot(element), WidthOfSlot_mm(element)};
 }
 
 double Cusp_mm(const Slot& slot, std::size_t parts) {
