@@ -2,11 +2,24 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace intaglio::contour {
 namespace {
 
 constexpr double kSameTool_mm = 1e-3;
+
+/// The shortest way found from `at_mm` through these holes, and where it ends.
+void AppendTurn(std::span<const Hole> holes, std::span<const std::uint32_t> numbers,
+                OrderKind kind, const ImproveOptions& options, Vec2& at_mm,
+                VisitOrder& visits) {
+  std::vector<Vec2> places;
+  for (const std::uint32_t k : numbers) places.push_back(holes[k].center_mm);
+  VisitOrder order = NearestOrder(places, at_mm);
+  if (kind == OrderKind::kImproved) ImproveOrder(places, at_mm, order, options);
+  at_mm = places[order.back()];
+  for (const std::uint32_t visit : order) visits.push_back(numbers[visit]);
+}
 
 }  // namespace
 
@@ -24,15 +37,19 @@ std::vector<DrillTool> PlanDrilling(std::span<const Hole> holes, const Vec2& sta
     const auto end = std::find_if(begin, growing.end(), [&](std::uint32_t k) {
       return holes[k].diameter_mm > diameter + kSameTool_mm;
     });
-    std::sort(begin, end);  // ties go to the lower number
-    std::vector<Vec2> places;
-    for (auto k = begin; k != end; ++k) places.push_back(holes[*k].center_mm);
-    VisitOrder order = NearestOrder(places, at);
-    if (kind == OrderKind::kImproved) ImproveOrder(places, at, order, options);
-    at = places[order.back()];
-    for (std::uint32_t& visit : order) visit = begin[visit];
-    tools.push_back({diameter, std::move(order)});
-    begin = end;
+    // Of one turn, ties go to the lower number.
+    std::sort(begin, end, [&](std::uint32_t a, std::uint32_t b) {
+      return std::pair(holes[a].turn, a) < std::pair(holes[b].turn, b);
+    });
+    DrillTool tool{diameter, {}};
+    while (begin != end) {
+      const auto next = std::find_if(begin, end, [&](std::uint32_t k) {
+        return holes[k].turn != holes[*begin].turn;
+      });
+      AppendTurn(holes, {begin, next}, kind, options, at, tool.holes);
+      begin = next;
+    }
+    tools.push_back(std::move(tool));
   }
   return tools;
 }

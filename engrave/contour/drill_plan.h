@@ -13,6 +13,9 @@ namespace intaglio::contour {
 struct Hole {
   Vec2 center_mm = Vec2::Zero();
   double diameter_mm = 0;
+  /// Of one tool, those of a lower turn are drilled first: ends of a slot before what is
+  /// between them.
+  int turn = 0;
 };
 
 enum class OrderKind {
@@ -26,7 +29,8 @@ struct DrillTool {
 };
 
 /// One tool for all diameters within 1 um. The first begins at `start`, each other one
-/// where the one before ended. Every hole is drilled once.
+/// where the one before ended. Every hole is drilled once, after all of this tool that
+/// have a lower turn.
 std::vector<DrillTool> PlanDrilling(std::span<const Hole> holes, const Vec2& start_mm,
                                     OrderKind kind = OrderKind::kImproved,
                                     const ImproveOptions& options = {});

@@ -62,6 +62,19 @@ struct Made {
   }
 };
 
+/// So many that each hole between the ends can be in the middle of two that are drilled.
+std::size_t BalancedParts(double parts) {
+  if (parts <= 2) return static_cast<std::size_t>(std::ceil(parts));
+  return 4 * static_cast<std::size_t>(std::ceil(parts / 4));
+}
+
+/// The drill wanders into a hole on one side of it, and not between two.
+int TurnOf(std::size_t k, std::size_t parts) {
+  if (k == 0 || k == parts) return 0;
+  if (parts == 2 || k % 4 == 0) return 1;
+  return k % 2 == 0 ? 2 : 3;
+}
+
 Status DrillSlot(const Slot& slot, Made& made, std::vector<contour::Hole>& holes) {
   const double length_mm = slot.middle.length_mm;
   double pitch_mm = 0.43 * slot.width_mm;  // below the bound of a line
@@ -70,8 +83,9 @@ Status DrillSlot(const Slot& slot, Made& made, std::vector<contour::Hole>& holes
                 fmt::format("a slot of {:.4g} x {:.4g} mm needs more than {} holes; mill "
                             "it with --make curves",
                             slot.width_mm, length_mm, kMaxHoles));
-  auto parts = static_cast<std::size_t>(std::ceil(length_mm / pitch_mm));
-  while (parts > 0 && Cusp_mm(slot, parts) > kMaxCusp * slot.width_mm) ++parts;
+  std::size_t parts = BalancedParts(length_mm / pitch_mm);
+  while (parts > 0 && Cusp_mm(slot, parts) > kMaxCusp * slot.width_mm)
+    parts = BalancedParts(static_cast<double>(parts) + 1);
   if (parts > 0) made.max_cusp_mm = std::max(made.max_cusp_mm, Cusp_mm(slot, parts));
   for (std::size_t k = 0; k <= parts; ++k) {
     const double way =
@@ -79,7 +93,7 @@ Status DrillSlot(const Slot& slot, Made& made, std::vector<contour::Hole>& holes
                    : length_mm * static_cast<double>(k) / static_cast<double>(parts);
     holes.push_back(
         {parts == 0 ? slot.middle.begin_mm : contour::PointAt(slot.middle, way),
-         slot.width_mm});
+         slot.width_mm, TurnOf(k, parts)});
   }
   // A ring ends where it begins.
   if (parts > 1 && (holes.back().center_mm - slot.middle.begin_mm).norm() < kSameWidth_mm)
@@ -166,9 +180,10 @@ Status DrillSlots(const std::string& file, const std::vector<contour::Element>& 
   files.holes.insert(files.holes.end(), holes.begin(), holes.end());
   warnings.push_back(MakeWarning(
       WarningCode::kChosen,
-      fmt::format("{}: {} of {} {} drilled as {} in a row, which leave cusps of up to "
-                  "{:.3g} mm; a drill may run off in the hole beside: feed slowly, or "
-                  "mill them with --make curves and a tool of {:.4g} mm or less",
+      fmt::format("{}: {} of {} {} drilled as {} in a row, ends first and each other one "
+                  "between two, which leave cusps of up to {:.3g} mm; a drill may still "
+                  "run off in a hole beside: feed slowly, or mill them with --make "
+                  "curves and a tool of {:.4g} mm or less",
                   file, Counted(made.slots, "slot"), made.Widths(),
                   VerbFor(made.slots, "is", "are"), Counted(made.holes, "hole"),
                   made.max_cusp_mm, made.min_width_mm)));

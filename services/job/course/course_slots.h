@@ -8,6 +8,12 @@
 // (d - sqrt(d^2 - p^2)) / 2 high: at most d / 20 with p of at most 0.435 d. On an arc of
 // radius R over an angle a from hole to hole it is, outside,
 // R + d / 2 - R cos(a / 2) - sqrt(d^2 / 4 - R^2 sin^2(a / 2)).
+//
+// A drill with a hole on one side of it wanders there. So the ends are drilled first,
+// then every fourth hole, then those in the middle between two, twice; of the tool's
+// other slots the same ones in the same turn. The parts of a slot are 1, 2 or a multiple
+// of 4: of a line with 12 or more every fourth hole is 1.1 d from the next. A slot
+// shorter than d has its second end beside the first.
 
 #include <string>
 #include <vector>

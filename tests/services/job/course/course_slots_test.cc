@@ -78,17 +78,59 @@ TEST(CourseSlots, RowsOfHolesLeaveCuspsOfATwentieth) {
   }
 }
 
+/// What a drill of this diameter finds drilled on its left less on its right along x.
+double OneSided_mm2(const std::vector<Vec2>& drilled, const Vec2& at, double width_mm) {
+  constexpr int kSteps = 60;
+  const double step_mm = width_mm / kSteps;
+  double sum = 0;
+  for (double x = step_mm / 2; x < width_mm / 2; x += step_mm) {
+    for (double y = step_mm / 2 - width_mm / 2; y < width_mm / 2; y += step_mm) {
+      if (x * x + y * y > width_mm * width_mm / 4) continue;
+      for (const double side : {-1.0, 1.0}) {
+        const Vec2 place = at + Vec2(side * x, y);
+        for (const Vec2& hole : drilled) {
+          if ((hole - place).norm() > width_mm / 2) continue;
+          sum -= side * step_mm * step_mm;
+          break;
+        }
+      }
+    }
+  }
+  return sum;
+}
+
+// The oracle: a raster of what the drill finds at each hole, in the order of the program.
+TEST(CourseSlots, ADrillHasAsMuchMaterialOnBothSides) {
+  for (const double length_mm : {0.9, 1.6, 2.1, 3.0, 4.4, 11.0, 40.0}) {
+    Course course = SlotCourse(COURSE_MAKE_ISOLATION, 0.2);
+    const Added added = Add(course, {Straight(length_mm, 1)});
+    const auto tools = contour::PlanDrilling(added.files.holes, Vec2::Zero());
+    ASSERT_THAT(tools, SizeIs(1));
+    std::vector<Vec2> drilled;
+    for (const std::uint32_t k : tools[0].holes) {
+      const Vec2& at = added.files.holes[k].center_mm;
+      const double sided_mm2 = OneSided_mm2(drilled, at, 1);
+      drilled.push_back(at);
+      // The second end of a slot shorter than its width is beside the first one.
+      if (drilled.size() == 2 && length_mm < 1) continue;
+      EXPECT_NEAR(sided_mm2, 0, 0.01) << "a slot of " << length_mm << " at " << at.x();
+    }
+  }
+}
+
 TEST(CourseSlots, ANoteHasTheHolesAndTheirCusps) {
   const Added added =
       Add(SlotCourse(COURSE_MAKE_ISOLATION, 0.2), {Straight(3, 0.8), Straight(0, 0.8)});
-  // 9 parts of at most 0.43 * 0.8 mm and their ends; the slot of no length is a hole.
-  EXPECT_THAT(added.files.holes, SizeIs(11));
+  // 9 parts of at most 0.43 * 0.8 mm, so 12, and their ends; the slot of no length is a
+  // hole.
+  EXPECT_THAT(added.files.holes, SizeIs(14));
   ASSERT_THAT(added.warnings, SizeIs(1));
   EXPECT_EQ(added.warnings[0].weight, WarningWeight::kNote);
-  // (0.8 - sqrt(0.8^2 - (1 / 3)^2)) / 2
+  // (0.8 - sqrt(0.8^2 - (1 / 4)^2)) / 2
   EXPECT_THAT(added.warnings[0].text,
-              AllOf(HasSubstr("a.drl: 2 slots of 0.8 mm are drilled as 11 holes"),
-                    HasSubstr("cusps of up to 0.0364 mm"), HasSubstr("--make curves")));
+              AllOf(HasSubstr("a.drl: 2 slots of 0.8 mm are drilled as 14 holes"),
+                    HasSubstr("ends first"), HasSubstr("cusps of up to 0.02 mm"),
+                    HasSubstr("--make curves")));
 }
 
 TEST(CourseSlots, AToolAsWideFollowsTheMiddle) {
