@@ -15,7 +15,6 @@ namespace {
 
 constexpr double kMinDistance_mm = 0.0005;
 constexpr double kMaxDistance_mm = 5000;
-constexpr std::size_t kMaxBands = 8192;
 
 /// What a disc of this diameter sweeps along an edge.
 Element SweptElement(const Edge& edge, double diameter_mm) {
@@ -94,34 +93,7 @@ RegionIndex::RegionIndex(const Region& region) {
     edges_.insert(edges_.end(), loop.begin(), loop.end());
     area_mm2_ += AreaOf(loop);
   }
-  if (edges_.empty()) return;
-  std::vector<EdgeBox> boxes;
-  bottom_mm_ = 1e300;
-  top_mm_ = -1e300;
-  for (const Edge& edge : edges_) {
-    boxes.push_back(BoxOfEdge(edge));
-    bottom_mm_ = std::min(bottom_mm_, boxes.back().min_mm.y());
-    top_mm_ = std::max(top_mm_, boxes.back().max_mm.y());
-  }
-  bands_.resize(std::min(edges_.size(), kMaxBands));
-  height_mm_ =
-      std::max((top_mm_ - bottom_mm_) / static_cast<double>(bands_.size()), 1e-9);
-  for (std::size_t k = 0; k < edges_.size(); ++k) {
-    const std::size_t last = BandOf(boxes[k].max_mm.y());
-    for (std::size_t band = BandOf(boxes[k].min_mm.y()); band <= last; ++band)
-      bands_[band].push_back(edges_[k]);
-  }
-}
-
-std::size_t RegionIndex::BandOf(double y_mm) const {
-  const double band = std::floor((y_mm - bottom_mm_) / height_mm_);
-  return static_cast<std::size_t>(
-      std::clamp(band, 0.0, static_cast<double>(bands_.size() - 1)));
-}
-
-bool RegionIndex::IsInside(const Vec2& point_mm) const {
-  if (bands_.empty() || point_mm.y() < bottom_mm_ || point_mm.y() > top_mm_) return false;
-  return IsInLoops(bands_[BandOf(point_mm.y())], point_mm);
+  if (!edges_.empty()) tree_.emplace(edges_);
 }
 
 Region RegionOf(const Union& drawn) {

@@ -1,10 +1,11 @@
 #pragma once
 
-// Points in regions of many edges: the edges sorted into bands of equal height.
+// Points in regions of many edges, long ones among them: a tree of their boxes.
 
-#include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "engrave/contour/edge_tree.h"
 #include "engrave/contour/region/region.h"
 
 namespace intaglio::contour {
@@ -22,19 +23,14 @@ class RegionIndex {
  public:
   explicit RegionIndex(const Region& region);
   /// On the border: either.
-  bool IsInside(const Vec2& point_mm) const;
+  bool IsInside(const Vec2& point_mm) const { return tree_ && tree_->IsInside(point_mm); }
   const Edges& edges() const { return edges_; }  ///< of all loops, in their order
   double area_mm2() const { return area_mm2_; }
 
  private:
-  std::size_t BandOf(double y_mm) const;
-
   Edges edges_;
   double area_mm2_ = 0;
-  double bottom_mm_ = 0;
-  double top_mm_ = 0;
-  double height_mm_ = 1;  ///< of a band
-  std::vector<Edges> bands_;
+  std::optional<EdgeTree> tree_;  ///< none of no edges
 };
 
 /// The difference and the intersection of two regions at once.
