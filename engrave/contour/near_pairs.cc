@@ -1,7 +1,10 @@
 #include "engrave/contour/near_pairs.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace intaglio::contour {
 namespace {
@@ -35,10 +38,12 @@ class BoxGrid {
     Fill();
   }
 
-  std::vector<Pair> Pairs() const {
+  /// Ends soon after there are more than max_pairs.
+  std::vector<Pair> Pairs(std::uint64_t max_pairs) const {
     std::vector<Pair> pairs;
     for (std::size_t cell = 0; cell + 1 < begins_.size(); ++cell) {
       for (std::size_t i = begins_[cell]; i < begins_[cell + 1]; ++i) {
+        if (pairs.size() > max_pairs) return pairs;
         for (std::size_t j = i + 1; j < begins_[cell + 1]; ++j) {
           AddPair(cell, entries_[i], entries_[j], pairs);
         }
@@ -114,7 +119,20 @@ class BoxGrid {
 
 std::vector<Pair> NearPairs(std::span<const FlatBox> boxes, double margin_mm) {
   if (boxes.size() < 2) return {};
-  return BoxGrid(boxes, margin_mm).Pairs();
+  return BoxGrid(boxes, margin_mm).Pairs(UINT64_MAX);
+}
+
+Result<std::vector<Pair>> NearPairsUpTo(std::span<const FlatBox> boxes, double margin_mm,
+                                        std::uint64_t max_pairs) {
+  if (boxes.size() < 2) return std::vector<Pair>();
+  std::vector<Pair> pairs = BoxGrid(boxes, margin_mm).Pairs(max_pairs);
+  if (pairs.size() <= max_pairs) return pairs;
+  return Fail(
+      ErrorCode::kTooLarge,
+      fmt::format("of {} edges and elements more than {} pairs lie side by side; thin "
+                  "out the outline, or divide the drawing",
+                  boxes.size(), max_pairs),
+      fmt::format("{}", max_pairs));
 }
 
 }  // namespace intaglio::contour

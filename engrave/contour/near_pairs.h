@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engrave/core/geometry.h"
+#include "engrave/core/result.h"
 
 namespace intaglio::contour {
 
@@ -23,5 +24,11 @@ struct Pair {
 /// All pairs of boxes that meet or are nearer than margin_mm to each other along both
 /// axes, each once. The order depends on the boxes alone.
 std::vector<Pair> NearPairs(std::span<const FlatBox> boxes, double margin_mm);
+
+/// The same, of edges that a person has drawn: long ones that run askew side by side have
+/// as many pairs as the square of their number. Errors: kTooLarge, more than max_pairs,
+/// as soon as that is known.
+Result<std::vector<Pair>> NearPairsUpTo(std::span<const FlatBox> boxes, double margin_mm,
+                                        std::uint64_t max_pairs);
 
 }  // namespace intaglio::contour

@@ -11,12 +11,15 @@
 #include "engrave/contour/crossings.h"
 #include "engrave/contour/edge_tree.h"
 #include "engrave/contour/near_pairs.h"
+#include "engrave/core/try.h"
 
 namespace intaglio::contour {
 namespace {
 
 constexpr double kMinArea_mm2 = 1e-9;
 constexpr double kShared_mm = 1e-7;
+// Some seconds and 320 MB.
+constexpr std::uint64_t kMaxPairs = 40'000'000;
 
 /// The edges of all loops, each with the one behind it.
 struct Ring {
@@ -134,7 +137,8 @@ Result<std::vector<Edges>> OrientedLoops(const std::vector<Edges>& drawn) {
   if (ring.edges.empty()) return Fail(ErrorCode::kInvalidValue, "has no edges");
   std::vector<FlatBox> boxes;
   for (const Edge& edge : ring.edges) boxes.push_back(FlatBoxOf(edge));
-  for (const Pair& pair : NearPairs(boxes, kVertex_mm)) {
+  const auto pairs = INTAGLIO_TRY(NearPairsUpTo(boxes, kVertex_mm, kMaxPairs));
+  for (const Pair& pair : pairs) {
     if (const auto place = Contact(ring, pair))
       return Wrong("crosses or touches itself", *place);
   }

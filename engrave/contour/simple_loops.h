@@ -11,8 +11,8 @@ namespace intaglio::contour {
 
 /// The loops with their area to the left: outer ones counter-clockwise, holes clockwise,
 /// islands in holes counter-clockwise again. Errors are kInvalidValue and name the place:
-/// no loop, a loop without an area, edges that cross or touch apart from ends. A loop
-/// that comes back to a corner becomes several.
+/// no loop, a loop without an area, edges that cross or touch apart from ends; kTooLarge
+/// as of NearPairsUpTo. A loop that comes back to a corner becomes several.
 Result<std::vector<Edges>> OrientedLoops(const std::vector<Edges>& loops);
 
 /// The edge's part of the winding number of loops about the point: their sum is how often

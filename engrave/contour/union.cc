@@ -19,6 +19,8 @@ namespace {
 
 constexpr double kNear_mm = 1e-3;
 constexpr double kMaxRadius_mm = 100;
+// A pair takes some hundred bytes.
+constexpr std::uint64_t kMaxUnitedPairs = 12'000'000;
 // Edges nearer than the first run along each other. Where that leaves the proof
 // unsatisfied (three edges, the outer ones farther from each other), the next is tried.
 constexpr double kTolerances_mm[] = {1e-7, 1e-9, 2e-6, 4e-6};
@@ -147,7 +149,7 @@ Result<Union> Unite(std::span<const Element> elements, const UnionOptions& optio
   std::vector<FlatBox> boxes;
   boxes.reserve(areas.size());
   for (const Area& area : areas) boxes.push_back({area.min_mm, area.max_mm});
-  const std::vector<Pair> pairs = NearPairs(boxes, kNear_mm);
+  const auto pairs = INTAGLIO_TRY(NearPairsUpTo(boxes, kNear_mm, kMaxUnitedPairs));
   std::optional<Refusal> first;
   Progress progress(options.progress);
   for (const double tolerance : kTolerances_mm) {

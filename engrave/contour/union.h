@@ -49,7 +49,8 @@ struct UnionOptions {
 
 /// Contours begin in the order of the elements. Errors name the element and the place:
 /// kInvalidValue (a size, a coordinate, an outline that touches itself), kUnsupported
-/// (the proof failed: elements nearly but not exactly touch), kCancelled (by progress).
+/// (the proof failed: elements nearly but not exactly touch), kCancelled (by progress),
+/// kTooLarge (more than 12 million pairs of elements meet or nearly do).
 Result<Union> Unite(std::span<const Element> elements, const UnionOptions& options = {});
 
 /// The same contour in the direction of the published programs, where all contours run

@@ -12,6 +12,7 @@
 
 #include "engrave/contour/edge_tree.h"
 #include "engrave/contour/near_pairs.h"
+#include "engrave/core/try.h"
 
 namespace intaglio::contour {
 namespace {
@@ -19,6 +20,8 @@ namespace {
 constexpr double kShort_mm = 1e-4;
 constexpr double kOnLine_mm = 2e-5;
 constexpr double kMinArea_mm2 = 1e-9;
+// Some seconds and 320 MB.
+constexpr std::uint64_t kMaxLinePairs = 40'000'000;
 
 using Node = std::array<std::int64_t, 2>;
 
@@ -46,7 +49,7 @@ Edges WithoutShort(const Edges& path) {
 
 /// Lines divided where ends of others lie on them: a line that is run back in parts, or
 /// beyond its end and back, is then run back line by line.
-Edges DividedAtEnds(const Edges& path) {
+Result<Edges> DividedAtEnds(const Edges& path) {
   std::vector<FlatBox> boxes;
   for (const Edge& edge : path) boxes.push_back(FlatBoxOf(edge));
   std::vector<std::vector<std::pair<double, Vec2>>> cuts(path.size());
@@ -58,7 +61,8 @@ Edges DividedAtEnds(const Edges& path) {
         DistanceTo(edge, place) < kOnLine_mm)
       cuts[line].emplace_back(way, place);
   };
-  for (const Pair& pair : NearPairs(boxes, kOnLine_mm)) {
+  const auto pairs = INTAGLIO_TRY(NearPairsUpTo(boxes, kOnLine_mm, kMaxLinePairs));
+  for (const Pair& pair : pairs) {
     for (const auto& [line, other] :
          {std::pair(pair.first, pair.second), std::pair(pair.second, pair.first)}) {
       cut(line, path[other].begin_mm);
@@ -114,7 +118,7 @@ Result<Outline> RegionOutline(const Edges& path) {
   Edges closed = path;
   if (!path.empty() && path.back().end_mm != path.front().begin_mm)
     closed.push_back(MakeLine(path.back().end_mm, path.front().begin_mm));
-  const Edges edges = WithoutCutIns(DividedAtEnds(WithoutShort(closed)));
+  const Edges edges = WithoutCutIns(INTAGLIO_TRY(DividedAtEnds(WithoutShort(closed))));
   std::map<Node, std::vector<std::size_t>> begins;
   for (std::size_t k = edges.size(); k-- > 0;)
     begins[NodeAt(edges[k].begin_mm)].push_back(k);

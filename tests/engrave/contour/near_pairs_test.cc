@@ -145,5 +145,23 @@ TEST(Union, OfEqualElementsIsOne) {
   EXPECT_NEAR(united->area_mm2, 5 * 0.7 + M_PI * 0.35 * 0.35 + M_PI * 0.6 * 0.6, 1e-9);
 }
 
+// Spokes of 45 mm side by side: their boxes meet nearly all, gigabytes of pairs.
+TEST(Union, OfTooManyLongEdgesSideBySideIsRefusedSoon) {
+  Edges star;
+  constexpr int kCorners = 80'000;
+  const auto corner = [](int k) {
+    const double angle = 2 * M_PI * k / kCorners;
+    return (k % 2 == 0 ? 5.0 : 50.0) * Vec2(std::cos(angle), std::sin(angle));
+  };
+  for (int k = 0; k < kCorners; ++k) star.push_back(MakeLine(corner(k), corner(k + 1)));
+  star.back().end_mm = star.front().begin_mm;
+  const std::clock_t begin = std::clock();
+  const auto loops = OrientedLoops({star});
+  ASSERT_FALSE(loops);
+  EXPECT_EQ(loops.error().code, ErrorCode::kTooLarge);
+  EXPECT_NE(loops.error().message.find("of 80000 edges"), std::string::npos);
+  EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 10);
+}
+
 }  // namespace
 }  // namespace intaglio::contour
