@@ -17,8 +17,10 @@ namespace {
 
 // A strip or a part with less is the rounding of coordinates, mm2.
 constexpr double kNothing_mm2 = 1e-6;
-// The search for the largest tool that fits ends here, mm.
+// The search for the largest tool that fits ends here, mm; of an area of many edges at
+// this share of it.
 constexpr double kDiameter_mm = 1e-3;
+constexpr double kDiameterShare = 0.1;
 constexpr double kMinStepRatio = 0.05;
 // Where passes of two walls meet exactly, as in a slot of whole steps, the proof of their
 // union fails: then with these parts of the step.
@@ -55,7 +57,8 @@ double LargestTool_mm(const Region& part, const Insets& insets, double allowance
                       double too_large_mm) {
   double fits = 0;
   double fits_not = too_large_mm;
-  while (fits_not - fits > kDiameter_mm) {
+  const double share = insets.tolerance_mm > 0 ? kDiameterShare : 0;
+  while (fits_not - fits > std::max(kDiameter_mm, share * fits_not)) {
     const double middle = 0.5 * (fits + fits_not);
     const auto inset = insets.FromWall(part, middle / 2 + allowance_mm);
     (inset && !inset->loops.empty() ? fits : fits_not) = middle;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engrave/contour/region/bays.h"
 #include "engrave/core/try.h"
 
 namespace intaglio::contour {
@@ -13,8 +14,10 @@ constexpr double kNoChord_mm = 1e-6;
 constexpr std::size_t kStageEdges = 16;
 constexpr double kMinStage = 1.0 / 64;
 constexpr double kMinStage_mm = 0.002;
-// Of the tolerance, what the outline is simplified by before the first stage.
-constexpr double kFirstShare = 0.25;
+// Of the tolerance, what the outline is simplified by before and after its bays are cut
+// off, and by that.
+constexpr double kFirstShare = 0.125;
+constexpr double kBayShare = 0.25;
 // The pairs of so many edges are few, whatever their lengths.
 constexpr std::size_t kFewEdges = 256;
 
@@ -108,12 +111,15 @@ double Stage_mm(const Region& region) {
   return chords_mm / static_cast<double>(std::max<std::size_t>(EdgeCount(region), 1));
 }
 
-/// An inset by stage_mm of what is left, or by less where its proof fails.
+/// An inset by stage_mm of what is left, or by less where its proof fails or too many
+/// edges meet.
 Result<Region> Stage(const Region& region, double left_mm, double& stage_mm) {
   const double whole_mm = stage_mm;
   auto inset = Inset(region, whole_mm);
-  for (const double part : {0.9, 0.7, 0.5}) {
-    if (inset || inset.error().code != ErrorCode::kUnsupported) break;
+  for (const double part : {0.9, 0.7, 0.5, 0.1}) {
+    if (inset || (inset.error().code != ErrorCode::kUnsupported &&
+                  inset.error().code != ErrorCode::kTooLarge))
+      break;
     if (left_mm - part * whole_mm < kMinStage_mm || part * whole_mm < kMinStage_mm) break;
     auto shorter = Inset(region, part * whole_mm);
     if (!shorter) continue;
@@ -136,12 +142,16 @@ bool HasManyEdges(const Region& region) { return EdgeCount(region) > kFewEdges; 
 
 Result<Region> InsetInStages(const Region& region, double distance_mm,
                              double tolerance_mm) {
-  Region inset = Simplified(region, kFirstShare * tolerance_mm);
+  const double neck_mm =
+      std::min(std::sqrt(8 * distance_mm * kBayShare * tolerance_mm), distance_mm / 2);
+  const Region lines = Simplified(region, kFirstShare * tolerance_mm);
+  Region inset = Simplified(WithoutNarrowBays(lines, distance_mm, neck_mm),
+                            kFirstShare * tolerance_mm);
   double stage_mm = std::max({Stage_mm(inset), kMinStage * distance_mm, kMinStage_mm});
   // Stages double, and have equal shares of the tolerance: smaller ones would leave edges
   // too short for the union of their discs.
   const double stages = 1 + std::ceil(std::max(std::log2(distance_mm / stage_mm), 0.0));
-  const double share_mm = (1 - kFirstShare) / stages * tolerance_mm;
+  const double share_mm = (1 - 2 * kFirstShare - kBayShare) / stages * tolerance_mm;
   double left_mm = distance_mm;
   while (left_mm > 0 && !inset.loops.empty()) {
     // No stage is left that is far shorter than the others.
