@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <optional>
 #include <utility>
 
+#include "engrave/contour/edge_tree.h"
 #include "engrave/contour/region/loose_edges.h"
 #include "engrave/contour/region/region_index.h"
 #include "engrave/core/try.h"
@@ -106,14 +108,16 @@ bool AreSameLoop(const Edges& a, const Edges& b) {
   if (std::abs(std::abs(AreaOf(a)) - std::abs(AreaOf(b))) > kSameLoop_mm * LengthOf(a) ||
       std::abs(LengthOf(a) - LengthOf(b)) > kSameLoop_mm)
     return false;
-  for (const Edge& edge : a) {
-    for (const Vec2& place : {edge.begin_mm, PointAt(edge, edge.length_mm / 2)}) {
-      double nearest = kSameLoop_mm;
-      for (const Edge& other : b) nearest = std::min(nearest, DistanceTo(other, place));
-      if (nearest >= kSameLoop_mm) return false;
-    }
-  }
-  return true;
+  // Most loops of one size lie elsewhere, which one place shows.
+  if (std::ranges::none_of(b, [&](const Edge& other) {
+        return DistanceTo(other, a.front().begin_mm) < kSameLoop_mm;
+      }))
+    return false;
+  const EdgeTree tree(b);
+  return std::ranges::all_of(a, [&](const Edge& edge) {
+    return tree.DistanceTo(edge.begin_mm) < kSameLoop_mm &&
+           tree.DistanceTo(PointAt(edge, edge.length_mm / 2)) < kSameLoop_mm;
+  });
 }
 
 std::vector<Edges> WithoutRepeated(std::vector<Edges> loops) {

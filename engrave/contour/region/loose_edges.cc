@@ -14,6 +14,12 @@ constexpr double kNoLength_mm = 1e-6;
 /// Ends of edges, in squares as wide as the tolerance.
 class LooseEnds {
  public:
+  struct End {
+    Vec2 place;
+    std::uint32_t edge = UINT32_MAX;
+    bool at_end = false;
+  };
+
   LooseEnds(const Edges& edges, double tolerance_mm) : tolerance_(tolerance_mm) {
     for (std::uint32_t k = 0; k < edges.size(); ++k) {
       for (const bool at_end : {false, true}) {
@@ -22,12 +28,6 @@ class LooseEnds {
       }
     }
   }
-
-  struct End {
-    Vec2 place;
-    std::uint32_t edge = UINT32_MAX;
-    bool at_end = false;
-  };
 
   End Nearest(const Vec2& place, const std::vector<char>& used) const {
     End nearest;
@@ -61,6 +61,20 @@ class LooseEnds {
   std::unordered_map<std::uint64_t, std::vector<End>> squares_;
 };
 
+/// The edge drawn behind or in front of the last one, where it begins or ends at this
+/// very place; else none.
+LooseEnds::End GoesOn(const Edges& edges, const std::vector<char>& used,
+                      std::uint32_t last, const Vec2& place) {
+  const std::uint32_t next = last + 1;
+  if (next < edges.size() && used[next] == 0 &&
+      (edges[next].begin_mm - place).norm() <= kNoLength_mm)
+    return {edges[next].begin_mm, next, false};
+  if (last > 0 && used[last - 1] == 0 &&
+      (edges[last - 1].end_mm - place).norm() <= kNoLength_mm)
+    return {edges[last - 1].end_mm, last - 1, true};
+  return {};
+}
+
 Edge MovedEnds(const Edge& edge, const Vec2& begin, const Vec2& end) {
   if (!edge.is_arc()) return MakeLine(begin, end);
   if (begin == end) return edge;
@@ -86,9 +100,15 @@ Result<std::vector<Edges>> JoinLoops(const Edges& all, double tolerance_mm) {
     used[first] = 1;
     Edges loop{edges[first]};
     const Vec2 start = edges[first].begin_mm;
-    while ((loop.back().end_mm - start).norm() > tolerance_mm ||
-           (loop.size() == 1 && loop[0].length_mm <= tolerance_mm)) {
-      const auto next = ends.Nearest(loop.back().end_mm, used);
+    std::uint32_t last = first;
+    while (true) {
+      auto next = GoesOn(edges, used, last, loop.back().end_mm);
+      const double to_start_mm = (loop.back().end_mm - start).norm();
+      const bool comes_back = to_start_mm <= tolerance_mm &&
+                              (loop.size() > 1 || loop[0].length_mm > tolerance_mm);
+      // Short edges are near the start before the drawn curve is.
+      if (comes_back && (next.edge == UINT32_MAX || to_start_mm <= kNoLength_mm)) break;
+      if (next.edge == UINT32_MAX) next = ends.Nearest(loop.back().end_mm, used);
       if (next.edge == UINT32_MAX) {
         const Vec2& at = loop.back().end_mm;
         return Fail(ErrorCode::kInvalidValue,
@@ -97,6 +117,7 @@ Result<std::vector<Edges>> JoinLoops(const Edges& all, double tolerance_mm) {
                     fmt::format("{:.6g}, {:.6g}", at.x(), at.y()));
       }
       used[next.edge] = 1;
+      last = next.edge;
       const Edge& edge = edges[next.edge];
       const Edge turned = next.at_end ? Reversed(edge) : edge;
       loop.push_back(MovedEnds(turned, loop.back().end_mm, turned.end_mm));
