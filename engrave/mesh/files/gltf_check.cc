@@ -69,12 +69,35 @@ bool IsOfAppearance(std::string_view extension) {
   });
 }
 
+// A GLB begins with its mark, version and size; a chunk with its size and kind.
+constexpr std::size_t kGlbHead = 12;
+constexpr std::size_t kChunkHead = 8;
+constexpr std::size_t kAlignment = 4;
+
+std::uint32_t NumberAt(std::string_view file, std::size_t at) {
+  std::uint32_t number = 0;
+  std::copy_n(file.data() + at, sizeof number, reinterpret_cast<char*>(&number));
+  return number;
+}
+
 /// The size of the first chunk of a GLB; nullopt: it is none.
 std::optional<std::uint32_t> FirstChunkOf(std::string_view file) {
-  if (!file.starts_with("glTF") || file.size() < 20) return std::nullopt;
-  std::uint32_t size = 0;
-  std::copy_n(file.data() + 12, sizeof size, reinterpret_cast<char*>(&size));
-  return size;
+  if (!file.starts_with("glTF") || file.size() < kGlbHead + kChunkHead)
+    return std::nullopt;
+  return NumberAt(file, kGlbHead);
+}
+
+/// Whether the chunk of points begins there, or the file ends.
+bool GoesOnAt(std::string_view file, std::size_t at) {
+  if (at > file.size()) return false;
+  if (file.size() - at < kAlignment) return true;
+  return file.size() - at >= kChunkHead &&
+         file.substr(at + 4, 4) == std::string_view("BIN\0", 4) &&
+         NumberAt(file, at) <= file.size() - at - kChunkHead;
+}
+
+void PutNumber(std::uint32_t number, std::size_t at, std::string& file) {
+  std::copy_n(reinterpret_cast<const char*>(&number), sizeof number, file.data() + at);
 }
 
 /// The JSON of a GLB is its first chunk.
@@ -86,15 +109,6 @@ std::string_view JsonOf(std::string_view file) {
 }  // namespace
 
 Result<FileFindings> CheckGltf(const ImportSource& source, std::string_view file) {
-  if (const auto size = FirstChunkOf(file); size && *size % 4 != 0) {
-    return source.Refuse(
-        ErrorCode::kUnreadable,
-        fmt::format(
-            "its first chunk has {} bytes, which is no multiple of 4, so that no "
-            "program can be sure where its points begin (glTF 2.0, 4.4.3); export "
-            "it with a newer program, or as .gltf or .stl",
-            *size));
-  }
   const std::string_view json = JsonOf(file);
   auto changing = StringsOf(json, "\"extensionsRequired\"");
   std::erase_if(changing, IsOfAppearance);
@@ -141,6 +155,32 @@ Result<FileFindings> CheckGltf(const ImportSource& source, std::string_view file
                   .effect = Effect::kNothingSeen});
   }
   return findings;
+}
+
+Result<std::optional<std::string>> AlignedGlb(const ImportSource& source,
+                                              std::string_view file) {
+  const auto size = FirstChunkOf(file);
+  if (!size || *size % kAlignment == 0) return std::nullopt;
+  const std::size_t end = kGlbHead + kChunkHead + *size;
+  const std::size_t blanks = kAlignment - *size % kAlignment;
+  const bool behind = GoesOnAt(file, end), rounded = GoesOnAt(file, end + blanks);
+  // A rest below the alignment is padding, wherever it is taken to end.
+  const bool ends = behind && file.size() - end < kAlignment;
+  if (behind == rounded && !ends) {
+    return source.Refuse(
+        ErrorCode::kUnreadable,
+        fmt::format(
+            "its first chunk has {} bytes, which is no multiple of 4, and no chunk of "
+            "points is found behind it (glTF 2.0, 4.4.3); export it with a newer "
+            "program, or as .gltf or .stl",
+            *size));
+  }
+  std::string aligned(file.substr(0, end));
+  aligned.append(blanks, ' ');
+  if (!ends) aligned += file.substr(behind ? end : end + blanks);
+  PutNumber(static_cast<std::uint32_t>(aligned.size()), 8, aligned);
+  PutNumber(static_cast<std::uint32_t>(*size + blanks), kGlbHead, aligned);
+  return aligned;
 }
 
 }  // namespace intaglio::mesh

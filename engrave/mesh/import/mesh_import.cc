@@ -43,14 +43,23 @@ Result<ImportedMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
   if (HasOwnReader(source.extension))
     return ReadOwnFormat(bytes, extension, options, name);
   INTAGLIO_TRY(CheckSource(source, bytes.size()));
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  const auto findings = INTAGLIO_TRY(CheckContent(source, text));
+  std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  std::optional<std::string> aligned;
+  if (source.extension == "glb") aligned = INTAGLIO_TRY(AlignedGlb(source, text));
+  if (aligned) text = *aligned;
+  auto findings = INTAGLIO_TRY(CheckContent(source, text));
+  if (aligned)
+    findings.Add({.what = "chunk whose size is no multiple of 4",
+                  .where = "",
+                  .remedy = "",
+                  .count = 1,
+                  .effect = Effect::kNothingSeen});
   constexpr double kMetre_mm = 1000;
   const auto unit_mm = source.extension == "dae" ? UnitInCollada_mm(text) : std::nullopt;
   // The library brings a DAE to metres by the unit that it declares.
   if (unit_mm) source.unit_mm = kMetre_mm;
   auto imported = ImportByLibrary(source, [&](Assimp::Importer& importer) {
-    importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, source.extension.c_str());
+    importer.ReadFileFromMemory(text.data(), text.size(), 0, source.extension.c_str());
   });
   if (imported) {
     for (const FileFinding& finding : findings) imported->findings.Add(finding);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -72,18 +73,47 @@ TEST(MeshesOfOthers, WhatCannotBeReadRightIsRefusedByName) {
   }
 }
 
-// As an old exporter wrote them; the import library found no reader for the file.
-TEST(MeshesOfOthers, AGlbWhoseChunkIsNotAlignedIsRefusedByItsSize) {
-  const auto bytes = io::ReadWholeFile(kFolder + "quantized.glb", 1 << 20);
+/// A GLB whose JSON lost its padding, `blanks` of it left in front of the other chunk.
+std::string OddGlb(std::string glb, std::size_t cut, std::size_t blanks) {
+  std::uint32_t size = 0;
+  std::memcpy(&size, glb.data() + 12, 4);
+  std::string json = glb.substr(20, size);
+  json.erase(json.find_last_not_of(' ') + 1);
+  json.append((4 - json.size() % 4) % 4 + 4 - cut, ' ');  // so that its size is odd
+  const std::string rest = glb.substr(20 + size);
+  size = static_cast<std::uint32_t>(json.size());
+  std::memcpy(glb.data() + 12, &size, 4);
+  glb = glb.substr(0, 20) + json + std::string(blanks, ' ') + rest;
+  size = static_cast<std::uint32_t>(glb.size());
+  std::memcpy(glb.data() + 8, &size, 4);
+  return glb;
+}
+
+// As old exporters wrote them, the points right behind the text or at the next multiple
+// of 4. The oracle: the same file as it is.
+TEST(MeshesOfOthers, AGlbWhoseChunkIsNotAlignedIsReadWhereItsPointsBegin) {
+  const auto bytes = io::ReadWholeFile(kFolder + "skin.glb", 1 << 20);
   ASSERT_TRUE(bytes);
-  std::string glb = *bytes;
-  glb[12] = static_cast<char>(glb[12] | 2);
-  const auto file = test::FreshFolder() / "odd.glb";
-  std::ofstream(file, std::ios::binary) << glb;
-  const auto mesh = ImportMesh(file);
-  ASSERT_FALSE(mesh);
-  EXPECT_THAT(mesh.error().message, HasSubstr("odd.glb"));
-  EXPECT_THAT(mesh.error().message, HasSubstr("no multiple of 4"));
+  const auto whole = ImportMesh(kFolder + "skin.glb");
+  ASSERT_TRUE(whole) << whole.error().message;
+  for (const std::size_t cut : {1U, 2U, 3U}) {
+    for (const std::size_t blanks : {std::size_t{0}, cut}) {
+      const auto file = test::FreshFolder() / "odd.glb";
+      std::ofstream(file, std::ios::binary) << OddGlb(*bytes, cut, blanks);
+      const auto mesh = ImportMesh(file);
+      ASSERT_TRUE(mesh) << mesh.error().message;
+      EXPECT_EQ(AreaOf(*mesh), AreaOf(*whole));
+      EXPECT_EQ(mesh->findings.CountOf("chunk whose size is no multiple of 4"), 1U);
+      EXPECT_EQ(whole->findings.CountOf("chunk whose size is no multiple of 4"), 0U);
+    }
+    // The other chunk lies elsewhere.
+    const auto file = test::FreshFolder() / "odd.glb";
+    std::ofstream(file, std::ios::binary) << OddGlb(*bytes, cut, 7);
+    const auto mesh = ImportMesh(file);
+    ASSERT_FALSE(mesh);
+    EXPECT_THAT(mesh.error().message, HasSubstr("odd.glb"));
+    EXPECT_THAT(mesh.error().message, HasSubstr("no multiple of 4"));
+  }
 }
 
 std::vector<std::string> WarnedOf(const ImportedMesh& mesh) {
