@@ -40,6 +40,7 @@ Method Curves() {
       .layer_field = "layer_distance_mm",
       .layer_count_field = "layer_count",
       .layer_axis = LayerAxisOf,
+      .fills = [](const Model& model) { return model.curves().fill(); },
       .faults = LayerFaults,
   };
 }

@@ -41,6 +41,8 @@ struct Method {
   /// From layer to layer where the model gives an axis, length 1, glass frame; nothing:
   /// the normal of its sheet. `rotation`: of its placement. nullptr: none can be given.
   std::optional<Vec3> (*layer_axis)(const Model& model, const Mat3& rotation) = nullptr;
+  /// Whether the model has it fill closed curves; nullptr: never.
+  bool (*fills)(const Model& model) = nullptr;
   /// nullptr: nothing can contradict. `job` with its defaults filled in.
   std::vector<MethodFault> (*faults)(const JobSpec& job, const Model& model) = nullptr;
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -11,6 +12,7 @@
 #include <utility>
 #include <variant>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/discretize/picture/halftone_panel.h"
 #include "engrave/discretize/spacing/fixed_points.h"
@@ -50,6 +52,37 @@ Result<drawing::Drawing> ReadByEnding(const std::string& name, std::string_view 
   if (ending == ".dxf") return drawing::ReadDxf(file, options, name);
   if (ending == ".svg") return drawing::ReadSvg(file, options, name);
   return drawing::ReadHpgl(file, options, name);
+}
+
+/// Curves that enclose an area but for a gap: a browser fills them, too.
+void WarnOfUnfilled(const std::string& name, const drawing::FlatDrawing& flat,
+                    double spacing_mm, Warnings& warnings) {
+  std::uint64_t count = 0;
+  double area_mm2 = 0, max_mm2 = 0;
+  Vec3 first = Vec3::Zero();
+  for (const drawing::FlatCurve& curve : flat.curves) {
+    if (curve.closed) continue;
+    Vec3 twice = Vec3::Zero();
+    const PointList& points = curve.points_mm;
+    for (std::size_t k = 2; k < points.size(); ++k)
+      twice += (points[k - 1] - points[0]).cross(points[k] - points[0]);
+    const double own_mm2 = twice.norm() / 2;
+    if (own_mm2 < spacing_mm * spacing_mm) continue;
+    if (++count == 1) first = points.front();
+    area_mm2 += own_mm2;
+    max_mm2 = std::max(max_mm2, own_mm2);
+  }
+  if (count == 0) return;
+  Warning warning = MakeWarning(
+      WarningCode::kLeftOut,
+      fmt::format(
+          "{}: {} of {} {} open and not filled, the first from ({:.4g}, {:.4g}, "
+          "{:.4g}) mm in the glass; up to {:.4g} mm2 each and {:.4g} mm2 together "
+          "have no points within their outline: close them in the drawing",
+          name, count, Counted(flat.curves.size(), "curve"), VerbFor(count, "is", "are"),
+          first.x(), first.y(), first.z(), max_mm2, area_mm2));
+  warning.weight = WarningWeight::kWarning;
+  warnings.push_back(std::move(warning));
 }
 
 /// The curves of the model's layers; of a model without layers all.
@@ -122,6 +155,9 @@ MadePoints MakeDrawing(const Method& method, MethodInput& input, std::string_vie
   if (size_check == SizeCheck::kDone) {
     INTAGLIO_TRY(CheckSize(input, BoundsOf(placed).size_mm(), warnings));
   }
+  if (method.fills != nullptr && method.fills(input.model))
+    WarnOfUnfilled(name, placed.flat, input.job.discretization().min_spacing_mm(),
+                   warnings);
   return std::get<DrawingMaker>(MakerOf(method).make)(input, placed,
                                                       discretize::CurveFill::kEvenOdd);
 }

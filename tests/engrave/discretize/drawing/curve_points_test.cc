@@ -179,6 +179,37 @@ TEST(CurvePoints, EvenOddFillLeavesTheHole) {
       [](const Vec3& p) { return p.norm() < 5 && p.norm() > 2; }, 5);
 }
 
+// Up to the outline also between teeth of 0.8 to 4 spacings and into sharp spikes.
+TEST(CurvePoints, FillReachesTheOutlineOfTeethAndSpikes) {
+  CurveOptions options;
+  options.distance_mm = 0.3;
+  options.fill = CurveFill::kEvenOdd;
+  for (const double width_mm : {0.24, 0.5, 1.2}) {
+    FlatCurve comb{{{-5, -5, 0}, {5, -5, 0}, {5, -4, 0}}, true};
+    double x = 5;
+    for (; x - 2 * width_mm > -5; x -= 2 * width_mm)
+      for (const Vec3& corner : {Vec3(x, -4, 0), Vec3(x, 5, 0), Vec3(x - width_mm, 5, 0),
+                                 Vec3(x - width_mm, -4, 0)})
+        if (corner.x() < 5 || corner.y() > 0) comb.points_mm.push_back(corner);
+    comb.points_mm.emplace_back(-5, -4, 0);
+    const auto is_inside = [&](const Vec3& p) {
+      if (p.y() < -4) return p.y() > -5 && std::abs(p.x()) < 5;
+      const double from_right = 5 - p.x();
+      return p.x() > x && p.y() < 5 && p.x() < 5 &&
+             std::fmod(from_right, 2 * width_mm) < width_mm;
+    };
+    const PointList points = PointsOf({{comb}}, options);
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> place(-5, 5);
+    for (int k = 0; k < 3000; ++k) {
+      const Vec3 p(place(random), place(random), 0);
+      if (!is_inside(p)) continue;
+      EXPECT_LE(NearestTo(p, points), 1.12 * options.distance_mm)
+          << width_mm << " mm at " << p.transpose();
+    }
+  }
+}
+
 TEST(CurvePoints, NonZeroFillOfOverlappingAndOfTurnedRings) {
   CurveOptions options;
   options.distance_mm = 0.3;
