@@ -5,6 +5,11 @@
 #include "engrave/core/check.h"
 #include "engrave/post/point_program.h"
 
+namespace {
+// As point_program.h has them: of begin, point and end.
+constexpr int kVariableCounts[] = {4, 12, 4};
+}  // namespace
+
 // A template is refused with its file and line, or every fragment can be written.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using intaglio::Require;
@@ -15,9 +20,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     return 0;
   }
   Require(program->fragments.size() == 3, "fragments are missing");
-  for (const auto& fragment : program->fragments) {
-    for (const auto& piece : fragment.pieces) {
-      Require(piece.variable >= -1 && piece.variable < 11, "a variable of no rule");
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (const auto& piece : program->fragments[k].pieces) {
+      Require(piece.variable >= -1 && piece.variable < kVariableCounts[k],
+              "a variable of no rule");
     }
   }
   for (const auto& [name, format] : program->numbers) {
