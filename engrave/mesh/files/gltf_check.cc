@@ -109,6 +109,17 @@ std::string_view JsonOf(std::string_view file) {
 }  // namespace
 
 Result<FileFindings> CheckGltf(const ImportSource& source, std::string_view file) {
+  // The library takes as much memory as a chunk declares.
+  if (const auto size = FirstChunkOf(file)) {
+    const std::size_t rest = file.size() - kGlbHead - kChunkHead;
+    if (*size > rest)
+      return source.RefuseAsUnreadable(
+          fmt::format("its first chunk has {} bytes, and the file {}", *size, rest));
+    const std::size_t next = kGlbHead + kChunkHead + *size;
+    if (rest - *size >= kChunkHead && NumberAt(file, next) > rest)
+      return source.RefuseAsUnreadable(fmt::format(
+          "its second chunk has {} bytes, and the file {}", NumberAt(file, next), rest));
+  }
   const std::string_view json = JsonOf(file);
   auto changing = StringsOf(json, "\"extensionsRequired\"");
   std::erase_if(changing, IsOfAppearance);

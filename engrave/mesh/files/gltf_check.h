@@ -12,8 +12,8 @@ namespace intaglio::mesh {
 
 /// Refuses a glTF or GLB, by name, that cannot be read right by the import library:
 /// kUnsupported when it requires an extension that changes the shape (glTF 2.0, 3.12) or
-/// uses instancing, kUnreadable when a buffer is a file of its own. The findings are its
-/// morph targets, which the library leaves out.
+/// uses instancing, kUnreadable when a buffer is a file of its own, or a chunk larger
+/// than the file. The findings are its morph targets, which the library leaves out.
 Result<FileFindings> CheckGltf(const ImportSource& source, std::string_view file);
 
 /// A GLB whose first chunk has a size that is no multiple of 4 (against glTF 2.0, 4.4.3),

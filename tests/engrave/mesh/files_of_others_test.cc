@@ -116,6 +116,21 @@ TEST(MeshesOfOthers, AGlbWhoseChunkIsNotAlignedIsReadWhereItsPointsBegin) {
   }
 }
 
+// The import library took as much memory as the chunk declares.
+TEST(MeshesOfOthers, AChunkLargerThanItsGlbIsRefusedByItsSize) {
+  const auto bytes = io::ReadWholeFile(kFolder + "skin.glb", 1 << 20);
+  ASSERT_TRUE(bytes);
+  std::uint32_t size = 0;
+  std::memcpy(&size, bytes->data() + 12, 4);
+  for (const std::size_t at : {std::size_t{12}, std::size_t{20} + size}) {
+    std::string glb = *bytes;
+    glb[at + 3] = '\x80';
+    const auto mesh = ImportMeshFromMemory(std::as_bytes(std::span(glb)), "glb");
+    ASSERT_FALSE(mesh);
+    EXPECT_THAT(mesh.error().message, HasSubstr("chunk has 21474"));
+  }
+}
+
 std::vector<std::string> WarnedOf(const ImportedMesh& mesh) {
   std::vector<std::string> texts;
   for (const Warning& warning : WarningsOf("m", mesh.findings)) {
