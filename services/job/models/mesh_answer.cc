@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -51,7 +52,8 @@ std::vector<std::byte> EncodeFindings(const FileFindings& findings) {
   return bytes;
 }
 
-std::optional<FileFindings> ParseFindings(std::span<const std::byte> bytes) {
+std::optional<FileFindings> ParseFindings(std::span<const std::byte> all) {
+  std::span<const std::byte> bytes = all;
   FileFindings findings;
   while (!bytes.empty()) {
     FindingHeader header;
@@ -77,6 +79,8 @@ std::optional<FileFindings> ParseFindings(std::span<const std::byte> bytes) {
     finding.area_mm2 = header.area_mm2;
     findings.Add(std::move(finding));
   }
+  // Findings of one name are one, and long names are cut: these are of another writer.
+  if (!std::ranges::equal(EncodeFindings(findings), all)) return std::nullopt;
   return findings;
 }
 
@@ -124,7 +128,8 @@ std::optional<Answer> MeshOf(const Header& header, std::span<const std::byte> in
 }
 
 std::optional<Answer> ErrorOf(const Header& header, std::span<const std::byte> inside) {
-  if (header.error > kLastCode + 1 ||
+  if (header.error > kLastCode + 1 || header.finding_bytes != 0 ||
+      std::bit_cast<std::uint64_t>(header.declared_unit_mm) != 0 ||
       !Fill(header.first_size, 1, header.second_size, 1, inside.size())) {
     return std::nullopt;
   }

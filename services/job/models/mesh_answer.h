@@ -31,7 +31,8 @@ using Answer = Result<mesh::ImportedMesh>;
 std::vector<std::byte> EncodeAnswer(const Answer& answer);
 
 /// Nothing when it is no whole answer: too short or too long, of another version, a
-/// corner that is no vertex, a vertex that is no place.
+/// corner that is no vertex, a vertex that is no place, or else not as EncodeAnswer
+/// writes it.
 std::optional<Answer> ParseAnswer(std::span<const std::byte> bytes);
 
 }  // namespace intaglio::mesh_reader

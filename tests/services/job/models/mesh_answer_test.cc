@@ -123,5 +123,24 @@ TEST(MeshAnswer, IsNotBelievedWhenItContradictsItself) {
   EXPECT_FALSE(with(std::uint64_t{8} + (std::uint64_t{1} << 61), 16));
 }
 
+// What would be written in another way is of another program.
+TEST(MeshAnswer, IsAsItIsWritten) {
+  auto refused = EncodeAnswer(Fail(ErrorCode::kIo, "no", "1"));
+  ASSERT_TRUE(ParseAnswer(refused));
+  for (const std::size_t offset : {32U, 40U}) {
+    auto bytes = refused;
+    Put(std::uint64_t{1}, offset, bytes);
+    EXPECT_FALSE(ParseAnswer(bytes)) << "findings or a unit of no mesh";
+  }
+  // The second of two findings gets the name of the first.
+  mesh::ImportedMesh made(mesh::BoxMesh(Vec3(1, 2, 3)), {});
+  made.findings.Add({.what = "one", .where = "", .remedy = "", .count = 1});
+  made.findings.Add({.what = "two", .where = "", .remedy = "", .count = 1});
+  auto bytes = EncodeAnswer(made);
+  ASSERT_TRUE(ParseAnswer(bytes));
+  std::memcpy(bytes.data() + bytes.size() - 3, "one", 3);
+  EXPECT_FALSE(ParseAnswer(bytes));
+}
+
 }  // namespace
 }  // namespace intaglio::mesh_reader
