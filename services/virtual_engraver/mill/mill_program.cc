@@ -189,7 +189,8 @@ int ServeMill(const MillProgramOptions& options, volatile sig_atomic_t& stop_ask
   // A machine of steel does not wait for a busy host.
   (void)link::AskForRealTime();
   std::cout << "ready " << machine.device() << std::endl;
-  for (auto last = Clock::now(); stop_asked == 0;) {
+  auto last = Clock::now();
+  while (stop_asked == 0) {
     const auto now = Clock::now();
     machine.Turn(std::chrono::duration<double>(now - last).count());
     last = now;
