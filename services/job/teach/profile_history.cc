@@ -233,7 +233,12 @@ Result<TaughtVersion> UndoTaught(const fs::path& profile, TaughtNote note) {
   }
   const auto before = INTAGLIO_TRY(ReadVersion(VersionFile(profile, current->before())));
   if (note.change.empty()) {
-    note.change = fmt::format("undo of {}: {}", number, current->change());
+    // An undo goes back to what an earlier change had made, and the next one undoes that
+    // change: the version that directly follows the one that is restored.
+    const std::uint32_t undone = current->before() + 1;
+    const auto change = ReadVersion(VersionFile(profile, undone));
+    note.change = fmt::format("undo of {}: {}", undone,
+                              change ? change->change() : current->change());
   }
   TaughtVersion version = VersionOf(before.taught(), note);
   if (before.has_before()) version.set_before(before.before());

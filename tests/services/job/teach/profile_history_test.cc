@@ -81,6 +81,23 @@ TEST(ProfileHistory, UndoGoesBackStepByStepToTheProfileAsItWas) {
   EXPECT_EQ((*history)[1].taught_by(), "ann@bench");
 }
 
+// A person who goes back twice has to read that the second change is gone as well.
+TEST(ProfileHistory, EachUndoNamesTheChangeThatItTakesBack) {
+  const fs::path file = FreshProfile();
+  const auto teach = [&file](const char* change) {
+    const auto taught = ReadMachineFile(file)->taught();
+    ASSERT_TRUE(SaveTaught(file, taught, {"2026-01-02T03:04:05Z", "ann@bench", change}));
+  };
+  teach("zero");
+  teach("soft limits");
+  teach("park position");
+  EXPECT_EQ(UndoTaught(file, {})->change(), "undo of 3: park position");
+  EXPECT_EQ(UndoTaught(file, {})->change(), "undo of 2: soft limits");
+  teach("sample position");
+  EXPECT_EQ(UndoTaught(file, {})->change(), "undo of 6: sample position");
+  EXPECT_EQ(UndoTaught(file, {})->change(), "undo of 1: zero");
+}
+
 // Killed after the version and before the profile: the profile is the truth.
 TEST(ProfileHistory, AVersionWithoutItsProfileIsWrittenOver) {
   const fs::path file = FreshProfile();
