@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "engrave/core/counted.h"
+
 namespace intaglio {
 namespace {
 
@@ -40,7 +42,10 @@ std::string_view VerbOf(Effect effect) {
 }
 
 std::string SentenceOf(std::string_view file, const FileFinding& finding) {
-  std::string text = fmt::format("{}: {} x {}", file, finding.count, finding.what);
+  std::string text = fmt::format(
+      "{}: {}", file,
+      finding.plural.empty() ? fmt::format("{} x {}", finding.count, finding.what)
+                             : Counted(finding.count, finding.what, finding.plural));
   if (!finding.where.empty()) {
     text += fmt::format(" ({}{})", finding.count > 1 ? "the first: " : "", finding.where);
   }

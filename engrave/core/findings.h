@@ -33,6 +33,9 @@ struct FileFinding {
   /// The part of the drawing's area that is concerned, mm^2, summed; 0: not known.
   double area_mm2 = 0;
   Effect effect = Effect::kLost;
+  /// Several of `what`, where it is words, not a name of the format: "vertices of no
+  /// face"; empty: it is shown as "3 x TEXT".
+  std::string plural = {};
 
   bool operator==(const FileFinding&) const = default;
 };

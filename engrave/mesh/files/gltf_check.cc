@@ -157,13 +157,15 @@ Result<FileFindings> CheckGltf(const ImportSource& source, std::string_view file
                   .where = "",
                   .remedy = "apply the shape keys and export it again",
                   .count = 1,
-                  .effect = Effect::kChanged});
+                  .effect = Effect::kChanged,
+                  .plural = "morph targets with a weight"});
   } else if (!ArraysOf(json, "\"targets\"").empty()) {
     findings.Add({.what = "morph target without a weight",
                   .where = "",
                   .remedy = "",
                   .count = 1,
-                  .effect = Effect::kNothingSeen});
+                  .effect = Effect::kNothingSeen,
+                  .plural = "morph targets without a weight"});
   }
   return findings;
 }

@@ -233,7 +233,8 @@ class ThreeMfReader {
            .where = "object " + std::string(object.attribute("id").value()),
            .remedy = "",
            .count = 1,
-           .effect = Effect::kNothingSeen});
+           .effect = Effect::kNothingSeen,
+           .plural = "objects of type support"});
       return {};
     }
     const std::string name = object.attribute("name").value();
@@ -263,7 +264,8 @@ class ThreeMfReader {
          .where = fmt::format("object {:.40}", item.attribute("objectid").value()),
          .remedy = "remove it from the file, or choose the objects by name",
          .count = 1,
-         .effect = Effect::kChanged});
+         .effect = Effect::kChanged,
+         .plural = "items that are not printable"});
   }
 
   void AddLost(std::string what, const pugi::xml_node& object) {

@@ -11,6 +11,7 @@ void AddUnusedVertices(std::span<const std::uint32_t> welded, FileFindings& find
   if (first == welded.end()) return;
   FileFinding finding;
   finding.what = "vertex that belongs to no face";
+  finding.plural = "vertices that belong to no face";
   finding.where =
       fmt::format("vertex {} of {}", first - welded.begin() + 1, welded.size());
   finding.remedy = "check that no faces are missing in the file";
