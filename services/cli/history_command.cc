@@ -11,6 +11,7 @@
 #include "engrave/core/counted.h"
 #include "services/cli/json/print_json.h"
 #include "services/cli/terminal/complain.h"
+#include "services/cli/terminal/text_table.h"
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
 #include "services/history/history_csv.h"
@@ -39,29 +40,33 @@ std::string TimeOrDash(double seconds) {
 }
 
 void PrintTable(const std::vector<JobStatistics>& jobs) {
-  fmt::print(
-      std::cout,
-      "{:>6}  {:<16}  {:<12} {:<10} {:<10} {:<18} {:>21}  {:>12} {:>12} {:>12} {:>6}  "
-      "{}\n",
-      "job", "ended (UTC)", "machine", "glass", "state", "verdict", "made / planned",
-      "time", "estimate", "machining", "ratio", "name");
+  using Align = TextTable::Align;
+  TextTable table({{"job", Align::kRight},
+                   {"ended (UTC)"},
+                   {"machine"},
+                   {"glass"},
+                   {"state"},
+                   {"verdict"},
+                   {"made / planned", Align::kRight},
+                   {"time", Align::kRight},
+                   {"estimate", Align::kRight},
+                   {"machining", Align::kRight},
+                   {"ratio", Align::kRight},
+                   {"name"}});
   for (const JobStatistics& job : jobs) {
     // Day and minute.
     std::string ended = job.ended_utc().substr(0, 16);
     if (ended.size() > 10) ended[10] = ' ';
-    fmt::print(
-        std::cout,
-        "{:>6}  {:<16}  {:<12} {:<10} {:<10} {:<18} {:>21}  {:>12} {:>12} {:>12} {:>6}  "
-        "{}\n",
-        job.job(), ended, job.cell(), job.material(), job.state(), job.verdict(),
-        fmt::format("{} / {}", client::GroupedDigits(job.made()),
-                    client::GroupedDigits(job.planned())),
-        client::ShortDuration(job.duration_s()), TimeOrDash(job.first_estimated_s()),
-        TimeOrDash(job.machining_s()),
-        job.first_estimate_ratio() > 0 ? fmt::format("{:.2f}", job.first_estimate_ratio())
-                                       : "-",
-        job.name());
+    const double ratio = job.first_estimate_ratio();
+    table.AddRow({std::to_string(job.job()), ended, job.cell(), job.material(),
+                  job.state(), job.verdict(),
+                  fmt::format("{} / {}", client::GroupedDigits(job.made()),
+                              client::GroupedDigits(job.planned())),
+                  client::ShortDuration(job.duration_s()),
+                  TimeOrDash(job.first_estimated_s()), TimeOrDash(job.machining_s()),
+                  ratio > 0 ? fmt::format("{:.2f}", ratio) : "-", job.name()});
   }
+  std::cout << table.Text();
   if (jobs.empty()) std::cerr << "no ended job matches these options\n";
   const history::EstimateScore score = history::ScoreOf(jobs);
   if (score.jobs == 0) return;

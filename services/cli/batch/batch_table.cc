@@ -1,9 +1,8 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "engrave/core/counted.h"
 #include "services/cli/batch/batch_run.h"
+#include "services/cli/terminal/text_table.h"
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
 
@@ -18,21 +17,32 @@ std::string FirstLine(const std::string& message) {
 
 constexpr std::size_t kMaxNameColumns = 32;
 
-/// Characters, not bytes, of UTF-8.
-std::size_t Columns(const std::string& text) {
-  return static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
-}
-
 /// In one line; the end of a long one is in the results.
 std::string ShownName(const BatchJobResult& job) {
   std::string shown;
   for (const char c : job.name()) {
     const bool begins = (c & 0xC0) != 0x80;
-    if (begins && Columns(shown) == kMaxNameColumns) return shown + "...";
+    if (begins && ColumnsOf(shown) == kMaxNameColumns) return shown + "...";
     shown += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
   }
   return shown;
+}
+
+/// "2 good, 1 failed": how many came to which end, without those that none came to.
+std::string EndsOf(const BatchResults& results) {
+  std::string text;
+  const auto add = [&text](std::uint64_t count, const char* end) {
+    if (count > 0)
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ",
+                          client::GroupedDigits(count), end);
+  };
+  add(results.good(), "good");
+  add(results.good_with_warnings(), "good with warnings");
+  add(results.not_good(), "not good");
+  add(results.failed(), "failed");
+  add(results.cancelled(), "cancelled");
+  add(results.not_made(), "not made");
+  return text.empty() ? "none" : text;
 }
 
 }  // namespace
@@ -46,36 +56,29 @@ int ExitCodeOf(const BatchResults& results, bool interrupted) {
 }
 
 std::string TableOf(const BatchResults& results) {
-  std::size_t width = 4;
-  std::size_t name_width = 4;
+  using Align = TextTable::Align;
+  TextTable table({{"id"},
+                   {"name"},
+                   {"job", Align::kRight},
+                   {"machine"},
+                   {"state"},
+                   {"verdict"},
+                   {"made / planned", Align::kRight},
+                   {"time", Align::kRight}});
   for (const BatchJobResult& job : results.jobs()) {
-    width = std::max(width, job.id().size());
-    name_width = std::max(name_width, Columns(ShownName(job)));
+    table.AddRow(
+        {job.id(), ShownName(job), job.job() == 0 ? "-" : std::to_string(job.job()),
+         job.cell(), job.state(), job.verdict(),
+         job.planned() == 0 ? "-"
+                            : fmt::format("{} / {}", client::GroupedDigits(job.made()),
+                                          client::GroupedDigits(job.planned())),
+         job.time_s() > 0 ? client::ShortDuration(job.time_s()) : "-"});
+    if (!job.message().empty()) table.AddBelow(FirstLine(job.message()));
   }
-  std::string table =
-      fmt::format("{:<{}}  {:<{}}  {:>6}  {:<12} {:<13} {:<18} {:>17}  {:>12}  {}\n",
-                  "id", width, "name", name_width, "job", "machine", "state", "verdict",
-                  "made / planned", "time", "message");
-  for (const BatchJobResult& job : results.jobs()) {
-    const std::string name = ShownName(job);
-    table += fmt::format(
-        "{:<{}}  {}{:<{}}  {:>6}  {:<12} {:<13} {:<18} {:>17}  {:>12}  {}\n", job.id(),
-        width, name, "", name_width - Columns(name),
-        job.job() == 0 ? "-" : std::to_string(job.job()), job.cell(), job.state(),
-        job.verdict(),
-        job.planned() == 0 ? "-"
-                           : fmt::format("{} / {}", client::GroupedDigits(job.made()),
-                                         client::GroupedDigits(job.planned())),
-        job.time_s() > 0 ? client::ShortDuration(job.time_s()) : "-",
-        FirstLine(job.message()));
-  }
-  return table + fmt::format(
-                     "{} in {}: {} good, {} good with warnings, {} not good, {} "
-                     "failed, {} cancelled, {} not made\n",
+  return table.Text() +
+         fmt::format("{} in {}: {}\n",
                      Counted(static_cast<std::uint64_t>(results.jobs_size()), "job"),
-                     client::ShortDuration(results.time_s()), results.good(),
-                     results.good_with_warnings(), results.not_good(), results.failed(),
-                     results.cancelled(), results.not_made());
+                     client::ShortDuration(results.time_s()), EndsOf(results));
 }
 
 }  // namespace intaglio::cli

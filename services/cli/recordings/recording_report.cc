@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "engrave/core/counted.h"
+#include "services/cli/terminal/text_table.h"
 #include "services/client/figure_text.h"
 #include "services/platform/recording/bulk.h"
 #include "services/platform/recording/conventions.h"
@@ -233,15 +234,18 @@ RecordingChannels ChannelsIn(const McapReader& reader) {
 }
 
 std::string TextOf(const RecordingChannels& channels) {
-  std::string text = fmt::format("{:<28} {:<10} {:>10} {:>9}  {}\n", "topic", "partition",
-                                 "messages", "a second", "type");
+  using Align = TextTable::Align;
+  TextTable table({{"topic"},
+                   {"partition"},
+                   {"messages", Align::kRight},
+                   {"a second", Align::kRight},
+                   {"type"}});
   for (const RecordingChannel& one : channels.channels()) {
-    text += fmt::format("{:<28} {:<10} {:>10} {:>9.1f}  {}\n",
-                        one.topic() + (one.repeated() ? ", repeated" : ""),
-                        one.partition(), client::GroupedDigits(one.message_count()),
-                        one.messages_per_s(), one.type());
+    table.AddRow({one.topic() + (one.repeated() ? ", repeated" : ""), one.partition(),
+                  client::GroupedDigits(one.message_count()),
+                  fmt::format("{:.1f}", one.messages_per_s()), one.type()});
   }
-  return text + BulkText(channels.bulk());
+  return table.Text() + BulkText(channels.bulk());
 }
 
 void PrintMissing(const McapReader& reader) {

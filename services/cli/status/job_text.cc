@@ -8,6 +8,7 @@
 
 #include "engrave/core/counted.h"
 #include "services/cli/progress/time_left.h"
+#include "services/cli/terminal/text_table.h"
 #include "services/client/event_lines.h"
 #include "services/client/figure_text.h"
 #include "services/client/job_need.h"
@@ -103,23 +104,29 @@ std::string ListText(std::vector<client::JobView> jobs, std::time_t now) {
       jobs.begin(), jobs.end(), [](const client::JobView& a, const client::JobView& b) {
         return std::tie(a.queue_place, a.number) < std::tie(b.queue_place, b.number);
       });
-  constexpr const char* kLine = "{:>6}  {:<24} {:<12} {:<9} {:<10} {:<28} {}\n";
-  std::string text = fmt::format(fmt::runtime(kLine), "job", "state", "machine",
-                                 "verdict", "time", "progress", "name");
+  using Align = TextTable::Align;
+  TextTable table({{"job", Align::kRight},
+                   {"state"},
+                   {"machine"},
+                   {"verdict"},
+                   {"time"},
+                   {"progress"},
+                   {"name"}});
   for (const client::JobView& job : jobs) {
-    text += fmt::format(fmt::runtime(kLine), job.number, StateInQueue(job), job.cell,
-                        job.verdict.empty() ? "-" : job.verdict, TimeOf(job),
-                        ProgressOf(job), job.name);
+    table.AddRow({std::to_string(job.number), StateInQueue(job), job.cell,
+                  job.verdict.empty() ? "-" : job.verdict, TimeOf(job), ProgressOf(job),
+                  job.name});
     const std::uint32_t speed_percent = job.ended() ? 100 : job.speed_percent;
     if (const std::string pace = PaceText(client::WorkLeftOf(job), speed_percent, now);
         !pace.empty())
-      text += fmt::format("        {}\n", pace);
-    if (!job.alarm.empty()) text += fmt::format("        ALARM {}\n", job.alarm);
+      table.AddBelow(pace);
+    if (!job.alarm.empty()) table.AddBelow("ALARM " + job.alarm);
     if (const std::string need = client::NeedOf(job); !need.empty())
-      text += fmt::format("        to do: {}\n", need);
+      table.AddBelow("to do: " + need);
     else if (const std::string reason = ReasonOf(job); !reason.empty())
-      text += fmt::format("        {}\n", reason);
+      table.AddBelow(reason);
   }
+  std::string text = table.Text();
   for (const QueueTime& queue :
        client::QueueTimesOf(jobs, std::chrono::system_clock::from_time_t(now)))
     text += QueueLine(queue, now);

@@ -35,9 +35,9 @@ TEST(BatchTable, ShowsEveryJobWithItsName) {
   Add(results, "2", "cup of Zoë");
   const auto lines = LinesOf(TableOf(results));
   ASSERT_EQ(lines.size(), 4u);
-  EXPECT_THAT(lines[0], HasSubstr("id    name"));
-  EXPECT_THAT(lines[1], HasSubstr("1     cup of Anna       -  els-03"));
-  EXPECT_THAT(lines[2], HasSubstr("2     cup of Zoë        -  els-03"))
+  EXPECT_THAT(lines[0], HasSubstr("id  name"));
+  EXPECT_THAT(lines[1], HasSubstr("1   cup of Anna    -  els-03"));
+  EXPECT_THAT(lines[2], HasSubstr("2   cup of Zoë     -  els-03"))
       << "a character of two bytes takes one column";
 }
 
@@ -47,7 +47,7 @@ TEST(BatchTable, AVerdictWithWarningsIsCountedForItselfAndNotAFailure) {
   results.set_good_with_warnings(1);
   const std::string table = TableOf(results);
   EXPECT_THAT(table, HasSubstr("good_with_warnings"));
-  EXPECT_THAT(table, HasSubstr("0 good, 1 good with warnings, 0 not good"));
+  EXPECT_THAT(table, HasSubstr(": 1 good with warnings\n"));
   EXPECT_EQ(ExitCodeOf(results, false), 0);
 }
 
