@@ -125,6 +125,7 @@ int Serve(host::ServiceHost& host, const Options& options) {
     std::cerr << recorder.error().message << "\n";
     return recorder.error().code == ErrorCode::kIo ? 1 : 2;
   }
+  std::cerr << "records into " << (*recorder)->state().file << "\n";
   recorder::JobAttachments attachments(host.bus());
   bool in_trouble = false;
   while (!host.stopping()) {
@@ -141,6 +142,10 @@ int Serve(host::ServiceHost& host, const Options& options) {
   const auto state = (*recorder)->state();
   std::cerr << Counted(state.message_count, "message") << " in " << state.file;
   if (state.missing_count > 0) std::cerr << ", " << state.missing_count << " missing";
+  if (state.message_count == 0) {
+    std::cerr << ": nothing was received; check that a shop is open at this --domain, "
+                 "--interface and --tag, and has the topics that were chosen";
+  }
   std::cerr << "\n";
   if (stopped) return 0;
   std::cerr << stopped.error().message << "\n";

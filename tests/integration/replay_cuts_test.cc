@@ -53,8 +53,8 @@ TEST_F(ReplayOfCut, IsIdenticalAsFarAsItGoes) {
        {std::pair("1.5", "1 run, 704 segments, 0 points"),
         std::pair("2.5", "1 run, 704 segments, 26 points"),
         std::pair("3.8", "1 run, 704 segments, 81 points"),
-        std::pair("5.2", "2 runs, 1272 segments, 81 points"),
-        std::pair("6", "2 runs, 1272 segments, 111 points")}) {
+        std::pair("5.2", "2 runs, 1 272 segments, 81 points"),
+        std::pair("6", "2 runs, 1 272 segments, 111 points")}) {
     SCOPED_TRACE(to_s);
     const testing::Ended ended = Against("paused", {"--to", to_s});
     EXPECT_EQ(ended.exit_code, 0) << ended.output;

@@ -72,7 +72,6 @@ int Record(const RecordOptions& options) {
     for (const std::string& value : handed.values) add(handed.flag, value);
   }
   const std::vector<char*> argv = command_line::PointersTo(words);
-  std::cerr << "records into " << words[2] << "; Ctrl-C ends it\n";
   execv(program.c_str(), argv.data());
   return Complain({ErrorCode::kIo,
                    fmt::format("cannot start {}: {}; it has to be in the folder of "

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 #include <fmt/ostream.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iostream>
@@ -17,6 +19,7 @@
 #include "services/cli/recordings/recording_report.h"
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
+#include "services/client/figure_text.h"
 #include "services/platform/recording/bulk.h"
 #include "services/platform/recording/recording_copy.h"
 #include "services/scene/message_schema.h"
@@ -57,10 +60,21 @@ int Print(const Options& options, Message (*message_of)(const McapReader&)) {
   return client::kExitGood;
 }
 
+/// What a cut file has lost, for it cannot be read from the file that is made of it.
+void PrintTorn(const McapReader& reader) {
+  const std::uint64_t bytes = reader.contents().torn_bytes;
+  if (bytes == 0) return;
+  fmt::print(std::cerr, "left out    {}: {} at its end {} incomplete\n", reader.name(),
+             client::GroupedCount(bytes, "byte"), IsOrAre(bytes));
+}
+
 int Copy(const Options& options, const std::string& default_ending) {
   const auto readers = OpenAll(options);
   if (!readers) return Complain(readers.error());
   const McapReader& first = readers->front();
+  if (auto span = CheckSpan(first, {"--from", options.from_s}, {"--to", options.to_s});
+      !span)
+    return Complain(span.error());
   recording::CopyOptions copy;
   copy.library = first.contents().header.library;
   copy.topics = options.topics;
@@ -73,14 +87,15 @@ int Copy(const Options& options, const std::string& default_ending) {
   }
   const auto report = recording::CopyRecordings(*readers, out, copy);
   if (!report) return Complain(report.error());
+  for (const McapReader& reader : *readers) PrintTorn(reader);
   for (const std::string& damage : report->damages) {
     std::cerr << "left out    " << damage << "\n";
   }
-  fmt::print(std::cout, "{} in {}", Counted(report->message_count, "message"),
-             out.string());
+  fmt::print(std::cout, "{} in {}",
+             client::GroupedCount(report->message_count, "message"), out.string());
   if (report->repeat_count > 0)
     fmt::print(std::cout, "; {} of present messages left out",
-               Counted(report->repeat_count, "repeat"));
+               client::GroupedCount(report->repeat_count, "repeat"));
   fmt::print(std::cout, "\n");
   return client::kExitGood;
 }
@@ -132,10 +147,37 @@ Status WriteScene(const Options& options, const McapReader& reader) {
   return {};
 }
 
+/// An option that another format has would be lost without a word.
+Status CheckOptionsOfFormat(const Options& options) {
+  struct Option {
+    const char* name;
+    bool is_given;
+    std::vector<std::string> formats;
+  };
+  for (const auto& [name, is_given, formats] :
+       {Option{"--job", !options.job.empty(), {"ply"}},
+        Option{"--path", !options.path.empty(), {"ply"}},
+        Option{"--topic", !options.topics.empty(), {"jsonl", "csv"}},
+        Option{"--from", options.from_s > 0, {"jsonl", "csv", "foxglove"}},
+        Option{"--to", std::isfinite(options.to_s), {"jsonl", "csv", "foxglove"}}}) {
+    if (!is_given || std::ranges::find(formats, options.format) != formats.end())
+      continue;
+    return Fail(ErrorCode::kInvalidValue,
+                fmt::format("{}: --format {} has no such choice; {} is for --format {}",
+                            name, options.format, name, fmt::join(formats, " and ")),
+                name);
+  }
+  return {};
+}
+
 int Export(const Options& options) {
+  if (auto fit = CheckOptionsOfFormat(options); !fit) return Complain(fit.error());
   const auto readers = OpenAll(options);
   if (!readers) return Complain(readers.error());
   const McapReader& reader = readers->front();
+  if (auto span = CheckSpan(reader, {"--from", options.from_s}, {"--to", options.to_s});
+      !span)
+    return Complain(span.error());
   PrintMissing(reader);
   Status done;
   if (options.format == "foxglove") {
@@ -202,7 +244,7 @@ void AddReadCommands(command_line::Command group, const Shared& options) {
   exported.AddOption("--out", options->out,
                      "file, default standard output; of a scene NAME-scene.mcap");
   exported.AddOption("--job", options->job,
-                     "for ply: uid of the job, needed if there are several");
+                     "for ply: number or uid of the job, needed if there are several");
   exported.AddOption("--path", options->path,
                      "for ply: the job's path.ply, if the recording has no points");
   exported.SetFooter(

@@ -61,6 +61,11 @@ void PutLeaves(std::string& out, const recording::ValueObject& object,
   }
 }
 
+/// `job` is the uid, or the number with which a uid begins ("2-6b0c03e6afff").
+bool IsNamed(const std::string& job, const std::string& uid) {
+  return uid == job || uid.starts_with(job + "-");
+}
+
 using Numbers = std::vector<std::uint64_t>;
 using Reals = std::vector<double>;
 
@@ -69,7 +74,8 @@ using Reals = std::vector<double>;
 /// newest report that it was made counts; no later one undoes a crack.
 class Cracks {
  public:
-  explicit Cracks(std::string job_uid) : job_uid_(std::move(job_uid)) {}
+  /// `asked`: uid or number of the job; empty: the only one that there is.
+  explicit Cracks(std::string asked) : asked_(std::move(asked)) {}
 
   Status Collect(const recording::McapReader& reader) {
     left_out_ = SentenceOf(recording::BulkRequestOf(reader));
@@ -78,12 +84,13 @@ class Cracks {
         channels_.insert(id);
       }
     }
-    const bool any = job_uid_.empty();
     INTAGLIO_TRY(ForEachValue(
         reader, {.channels = channels_},
         [this](const recording::Channel& channel, const auto&, const Value& value) {
           const auto& job = recording::MemberOf<std::string>(value, "job_uid");
           jobs_.insert(job);
+          if (!asked_.empty() && !IsNamed(asked_, job)) return;
+          named_.insert(job);
           if (job_uid_.empty()) job_uid_ = job;
           if (job != job_uid_) return;
           if (channel.topic == "PathBatch") {
@@ -92,7 +99,7 @@ class Cracks {
             AddPulses(value);
           }
         }));
-    return CheckJob(any);
+    return CheckJob();
   }
 
   Status Write(const std::filesystem::path& path, const std::filesystem::path& target) {
@@ -123,22 +130,20 @@ class Cracks {
   }
 
  private:
-  /// `any`: no job was named.
-  Status CheckJob(bool any) const {
-    const std::string names = fmt::format("{}", fmt::join(jobs_, ", "));
-    if (any && jobs_.size() > 1) {
+  Status CheckJob() const {
+    if (named_.size() > 1) {
       return Fail(ErrorCode::kMissing,
                   fmt::format("the recording has the points of {}, {}: name one with "
                               "--job",
-                              Counted(jobs_.size(), "job"), names));
+                              Counted(named_.size(), "job"), fmt::join(named_, ", ")),
+                  asked_);
     }
-    if (!any && !jobs_.contains(job_uid_)) {
-      return Fail(ErrorCode::kNotFound,
-                  fmt::format("--job {}: the recording has no points of it; it has {}",
-                              job_uid_, names.empty() ? "none of any job" : names),
-                  job_uid_);
-    }
-    return {};
+    if (asked_.empty() || !named_.empty()) return {};
+    const std::string names = fmt::format("{}", fmt::join(jobs_, ", "));
+    return Fail(ErrorCode::kNotFound,
+                fmt::format("--job {}: the recording has no points of it; it has {}",
+                            asked_, names.empty() ? "none of any job" : names),
+                asked_);
   }
   void AddPlaces(const Value& value) {
     const auto first = recording::MemberOf<std::uint64_t>(value, "first_index");
@@ -167,9 +172,10 @@ class Cracks {
     return {};
   }
 
-  std::string job_uid_;
-  std::set<std::string> jobs_;  // of which there are points
-  std::string left_out_;        // by request
+  std::string asked_, job_uid_;
+  std::set<std::string> jobs_;   // of which there are points
+  std::set<std::string> named_;  // of these the ones that are asked for
+  std::string left_out_;         // by request
   std::set<std::uint16_t> channels_;
   std::map<std::uint64_t, Vec3> places_;
   std::map<std::uint64_t, std::uint64_t> made_at_;  // tick, by point
@@ -226,10 +232,10 @@ Status ExportCsv(const recording::McapReader& reader, const std::string& topic,
                       });
 }
 
-Status ExportCracks(const recording::McapReader& reader, const std::string& job_uid,
+Status ExportCracks(const recording::McapReader& reader, const std::string& job,
                     const std::filesystem::path& path,
                     const std::filesystem::path& target) {
-  Cracks cracks(job_uid);
+  Cracks cracks(job);
   INTAGLIO_TRY(cracks.Collect(reader));
   return cracks.Write(path, target);
 }

@@ -25,8 +25,9 @@ Status ExportCsv(const recording::McapReader& reader, const std::string& topic,
 /// Every point that was made, once, at its place in the glass frame, mm, with the columns
 /// tick and point, in the order of the ticks: from PulseEventBatch and PathBatch. For
 /// points whose place is not in the recording, `path`, a path.ply, is read; empty: none.
-/// kMissing when a place is nowhere.
-Status ExportCracks(const recording::McapReader& reader, const std::string& job_uid,
+/// kMissing when a place is nowhere. `job`: uid or number of the job; empty: the only
+/// one.
+Status ExportCracks(const recording::McapReader& reader, const std::string& job,
                     const std::filesystem::path& path,
                     const std::filesystem::path& target);
 

@@ -9,13 +9,13 @@
 #include <map>
 #include <optional>
 
-#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "services/cli/recordings/recording_report.h"
 #include "services/cli/terminal/complain.h"
 #include "services/cli/terminal/interrupt.h"
 #include "services/client/child_process.h"
 #include "services/client/exit_codes.h"
+#include "services/client/figure_text.h"
 #include "services/job/fields/field_path.h"
 #include "services/job/files/job_file.h"
 #include "services/job/files/json_text.h"
@@ -76,12 +76,14 @@ void PrintCounts(const ReplayComparison& result) {
   const auto tasks = static_cast<std::uint64_t>(result.tasks_size());
   if (result.service() == "synchronizer") {
     fmt::print(std::cout, "{}  {}, {}, {}, {} compared\n", result.service(),
-               Counted(tasks, "task"), Counted(runs, "run"), Counted(segments, "segment"),
-               Counted(pulses, "point"));
+               client::GroupedCount(tasks, "task"), client::GroupedCount(runs, "run"),
+               client::GroupedCount(segments, "segment"),
+               client::GroupedCount(pulses, "point"));
   } else {
     fmt::print(std::cout, "{}  {}, {}, {} compared\n", result.service(),
-               Counted(tasks, "task"), Counted(batches, "batch", "batches"),
-               Counted(points, "point"));
+               client::GroupedCount(tasks, "task"),
+               client::GroupedCount(batches, "batch", "batches"),
+               client::GroupedCount(points, "point"));
   }
   for (const TaskComparison& task : result.tasks()) {
     if (!task.recorded_in_part()) continue;
@@ -131,7 +133,7 @@ void Print(const ReplayComparison& result) {
     different += task.different_batch_count();
   fmt::print(std::cout, "verdict     DIFFERENT");
   if (different > 0)
-    fmt::print(std::cout, ", {}", Counted(different, "batch", "batches"));
+    fmt::print(std::cout, ", {}", client::GroupedCount(different, "batch", "batches"));
   fmt::print(std::cout, "\n");
 }
 

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 #include <fmt/ostream.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -11,7 +13,6 @@
 #include <thread>
 #include <vector>
 
-#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "services/cli/flags/bus_flags.h"
 #include "services/cli/recordings/log_time.h"
@@ -21,6 +22,7 @@
 #include "services/cli/terminal/complain.h"
 #include "services/cli/terminal/interrupt.h"
 #include "services/client/exit_codes.h"
+#include "services/client/figure_text.h"
 #include "services/platform/recording/bulk.h"
 #include "services/replayer/live_services.h"
 #include "services/replayer/player.h"
@@ -159,6 +161,15 @@ Result<replayer::Selection> Replay::Choose() {
       std::cerr << fmt::format("left out    {}: {}\n", topic, why);
   }
   if (selection->channels.empty()) {
+    const bool none_chosen = std::ranges::all_of(
+        selection->left_out,
+        [](const auto& topic) { return topic.second == "not selected"; });
+    if (none_chosen && !options_.topics.empty()) {
+      return Fail(ErrorCode::kNotFound,
+                  fmt::format("--topic {}: {} has no such topic; `intaglio recording "
+                              "list` lists its topics",
+                              fmt::join(options_.topics, ", "), options_.file));
+    }
     return Fail(ErrorCode::kMissing, chosen.services_live
                                          ? "nothing may be played beside these live "
                                            "services: use another --domain or --tag"
@@ -171,8 +182,10 @@ void Replay::Print(const replayer::PlayReport& report) const {
   for (const std::string& complaint : report.complaints)
     Complain({ErrorCode::kUnreadable, complaint, ""});
   if (report.restored_count > 0)
-    fmt::print(std::cout, "{}, ", Counted(report.restored_count, "retained sample"));
-  fmt::print(std::cout, "{} played\n", Counted(report.played_count, "sample"));
+    fmt::print(std::cout, "{}, ",
+               client::GroupedCount(report.restored_count, "retained sample"));
+  fmt::print(std::cout, "{} played\n",
+             client::GroupedCount(report.played_count, "sample"));
   std::cout << std::flush;
 }
 
@@ -233,6 +246,10 @@ int Run(const ReplayOptions& options) {
   AnswerWithText();
   auto reader = McapReader::Open(std::filesystem::path(options.file));
   if (!reader) return Complain(reader.error());
+  if (auto span =
+          CheckSpan(*reader, {"--start", options.start_s}, {"--stop", options.stop_s});
+      !span)
+    return Complain(span.error());
   CatchInterrupts();
   return Replay(options, std::move(*reader)).Run();
 }

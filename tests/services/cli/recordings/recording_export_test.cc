@@ -76,6 +76,34 @@ TEST(RecordingExport, APointThatIsReportedTwiceIsOneCrack) {
   EXPECT_THAT(*cracks->Find<double>("tick"), ElementsAre(10, 12, 20));
 }
 
+TEST(RecordingExport, AJobIsNamedByItsNumberAsEverywhere) {
+  const auto folder = test::FreshFolder();
+  auto writer = recording::McapWriter::Create(folder / "a.mcap", {}).value();
+  const std::uint16_t id = AddPulses(writer);
+  std::uint32_t number = 0;
+  // "1-a", "2-a", "2-b"
+  for (const std::uint32_t job : {0x00612d31u, 0x00612d32u, 0x00622d32u}) {
+    const recording::Bytes payload = PulseOf(20, 0, intaglio_PULSE_MADE, job);
+    ASSERT_TRUE(writer.Write(
+        recording::MessageView{id, number, 1000 + number, 1000 + number, payload}));
+    ++number;
+  }
+  ASSERT_TRUE(writer.Close());
+  formats::PointTable path;
+  path.points_mm = {Vec3(0, 0, 0)};
+  ASSERT_TRUE(formats::WritePly(folder / "path.ply", path));
+  const auto reader = recording::McapReader::Open(folder / "a.mcap").value();
+  const auto export_of = [&](const std::string& job) {
+    return ExportCracks(reader, job, folder / "path.ply", folder / "cracks.ply");
+  };
+  EXPECT_TRUE(export_of("1"));
+  EXPECT_TRUE(export_of("2-b"));
+  const auto two_shops = export_of("2");
+  ASSERT_FALSE(two_shops);
+  EXPECT_EQ(two_shops.error().message,
+            "the recording has the points of 2 jobs, 2-a, 2-b: name one with --job");
+}
+
 TEST(RecordingExport, OfSeveralJobsOneHasToBeNamed) {
   const auto folder = test::FreshFolder();
   auto writer = recording::McapWriter::Create(folder / "a.mcap", {}).value();
