@@ -90,7 +90,7 @@ int List(const JobsOptions& options) {
   if (client.services().empty()) {
     return Complain({ErrorCode::kTimedOut,
                      "no services found: start them (intaglio up), or check --domain, "
-                     "--interface and --tag",
+                     "--interface, --tag and --security",
                      ""},
                     client::kExitWrongInput);
   }

@@ -35,6 +35,7 @@
 #include "services/job/checks/job_check.h"
 #include "services/job/fields/job_kind.h"
 #include "services/job/fields/shapes.h"
+#include "services/platform/bus/bus_option_error.h"
 
 namespace intaglio::cli {
 namespace {
@@ -160,6 +161,8 @@ int RunSession::Run() {
   }
   try {
     return Engrave(*services);
+  } catch (const bus::BusOptionError& error) {
+    return Complain(error.error(), client::kExitWrongInput);
   } catch (const bus::BusError& error) {
     return Complain({ErrorCode::kFault, error.what(), ""}, client::kExitInternal);
   }

@@ -17,6 +17,7 @@
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/client/shop/shop_stops.h"
+#include "services/platform/host/peers/role_refusal.h"
 
 namespace intaglio::cli {
 namespace {
@@ -59,7 +60,7 @@ int ComplainWith(const std::string& text, int exit_code) {
 int ComplainOfNoMachine() {
   return ComplainWith(
       "no machine found: press the machine's own button; then check --domain, "
-      "--interface and --tag",
+      "--interface, --tag and --security",
       client::kExitWrongInput);
 }
 
@@ -77,8 +78,7 @@ std::vector<std::string> Unconfirmed(const std::map<std::string, MachineStops>& 
 }
 
 // The press is on the bus before anything is waited for.
-int Press(const StopOptions& options) {
-  bus::Bus bus(options.bus);
+int Press(bus::Bus& bus, const StopOptions& options) {
   const bool every = options.cell.empty();
   StopSource source(bus, kProgram, every ? kEveryMachine : options.cell);
   const auto number = source.Press(options.reason);
@@ -119,7 +119,7 @@ Result<std::string> MachineToReset(MachineReports& reports, const StopOptions& o
   for (const auto& [cell, stops] : machines) cells.push_back(cell);
   if (cells.empty()) {
     return Fail(ErrorCode::kInvalidValue,
-                "no machine found: check --domain, --interface and --tag");
+                "no machine found: check --domain, --interface, --tag and --security");
   }
   return Fail(ErrorCode::kInvalidValue,
               fmt::format("several machines found ({}): name the one to reset",
@@ -173,8 +173,7 @@ int ReportReset(const std::string& cell, const MachineStops& stops) {
 }
 
 // Names the presses that the machine's synchronizer reports, and no other.
-int Reset(const StopOptions& options) {
-  bus::Bus bus(options.bus);
+int Reset(bus::Bus& bus, const StopOptions& options) {
   MachineReports reports(bus, options.cell);
   const auto cell = MachineToReset(reports, options, bus.discovery_time());
   if (!cell) return Complain(cell.error());
@@ -205,6 +204,20 @@ int Reset(const StopOptions& options) {
   return ReportReset(*cell, reports.Of(*cell));
 }
 
+int Stop(const StopOptions& options) {
+  bus::Bus bus(options.bus);
+  try {
+    return options.reset ? Reset(bus, options) : Press(bus, options);
+  } catch (const bus::NotAllowedError& error) {
+    return Complain(
+        {ErrorCode::kRefused,
+         host::RoleRefusal(bus.role(), "stop machines, so press the machine's own button",
+                           "operator or a submitter", error.what()),
+         ""},
+        client::kExitMachine);
+  }
+}
+
 }  // namespace
 
 void AddStopCommand(command_line::Command app) {
@@ -224,8 +237,7 @@ void AddStopCommand(command_line::Command app) {
       "with 4 when another press, the key or the door holds the machine afterwards.\n"
       "Example: intaglio stop           every machine\n"
       "  intaglio stop els-03 --reset   then: intaglio resume JOB");
-  command.SetAction(
-      [options] { return options->reset ? Reset(*options) : Press(*options); });
+  command.SetAction([options] { return Stop(*options); });
 }
 
 }  // namespace intaglio::cli

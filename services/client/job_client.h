@@ -20,8 +20,8 @@
 namespace intaglio::client {
 
 inline constexpr char kNoJobService[] =
-    "no job service answers: start one (intaglio up), or check --domain, --interface and "
-    "--tag";
+    "no job service answers: start one (intaglio up), or check --domain, --interface, "
+    "--tag and --security";
 
 /// 16 hex digits, at random.
 std::string NewSubmissionKey();

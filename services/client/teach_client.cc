@@ -97,7 +97,7 @@ Result<std::string> TeachClient::FindMachine(bus::Bus& bus, const std::string& c
   if (cells.empty()) {
     return Fail(ErrorCode::kNotFound,
                 "no machine found: check that its motion bridge runs (intaglio up), and "
-                "--domain, --interface and --tag");
+                "--domain, --interface, --tag and --security");
   }
   return Fail(ErrorCode::kInvalidValue,
               fmt::format("several machines found ({}): name one with --cell",
@@ -150,10 +150,11 @@ Status TeachClient::Connect(std::chrono::milliseconds timeout) {
       return {};
     std::this_thread::sleep_for(kPollTime);
   }
-  return Fail(ErrorCode::kTimedOut,
-              fmt::format("the motion bridge of {} does not answer: check that it runs "
-                          "(intaglio up), and --domain, --interface and --tag",
-                          view_.cell));
+  return Fail(
+      ErrorCode::kTimedOut,
+      fmt::format("the motion bridge of {} does not answer: check that it runs "
+                  "(intaglio up), and --domain, --interface, --tag and --security",
+                  view_.cell));
 }
 
 std::uint64_t TeachClient::Hold(const TeachOrder& order) {

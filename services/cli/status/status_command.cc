@@ -66,7 +66,7 @@ int ShowStatus(const StatusOptions& options) {
   if (shop.Take().services.empty()) {
     return Complain({ErrorCode::kTimedOut,
                      "no services found: start them (intaglio up), or check --domain, "
-                     "--interface and --tag",
+                     "--interface, --tag and --security",
                      ""},
                     client::kExitWrongInput);
   }

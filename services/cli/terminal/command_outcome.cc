@@ -17,7 +17,7 @@
 #include "services/client/refusal_code.h"
 #include "services/job/files/json_text.h"
 #include "services/job/verdict/verdict.h"
-#include "services/platform/bus/bus.h"
+#include "services/platform/bus/bus_option_error.h"
 
 namespace intaglio::cli {
 namespace {
@@ -168,6 +168,10 @@ void PrintEvent(const Error& error) {
 
 /// What main() makes of an exception, with a code.
 int RunKeepingExceptions(const std::function<int()>& action) {
+    return client::kExitMachine;
+  } catch (const bus::BusOptionError& error) {
+    ReportRefusal(error.error());
+    return client::kExitWrongInput;
   try {
     return action();
   } catch (const bus::NotAllowedError& error) {

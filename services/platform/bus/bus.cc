@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "services/platform/bus/bus_entities.h"
+#include "services/platform/bus/bus_option_error.h"
 #include "services/platform/bus/discovery_ports.h"
 #include "services/platform/bus/identity.h"
 #include "services/platform/bus/library_log.h"
@@ -67,19 +68,22 @@ std::string SecurityOf(const BusOptions& options, std::chrono::sys_seconds& end,
                        std::string& role) {
   if (options.security.empty()) {
     if (options.interface == "lo") return {};
-    throw BusError(
-        fmt::format("--interface {}: a network requires an identity, because anybody who "
-                    "reaches it could command the laser; give --security FOLDER (make "
-                    "one with `intaglio security new`), or stay on --interface lo",
-                    options.interface));
+    throw BusOptionError(
+        {ErrorCode::kMissing,
+         fmt::format(
+             "--interface {}: a network requires an identity, because anybody who "
+             "reaches it could command the laser; give --security FOLDER (make "
+             "one with `intaglio security new`), or stay on --interface lo",
+             options.interface),
+         options.interface});
   }
   const auto now =
       std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
   const auto identity = ReadIdentity(IdentityFolder(options.security, options.roles),
                                      options.control_domain, now);
-  if (!identity) throw BusError(identity.error().message);
+  if (!identity) throw BusOptionError(identity.error());
   const auto text = SecurityConfiguration(*identity);
-  if (!text) throw BusError(text.error().message);
+  if (!text) throw BusOptionError(text.error());
   end = identity->not_after;
   role = identity->role;
   KeepLibraryLogShort();
@@ -122,12 +126,16 @@ dds_entity_t ParticipantIn(int domain, const BusOptions& options) {
 DomainHold::DomainHold(int domain, const BusOptions& options, const std::string& security)
     : domain_(domain) {
   if (options.control_domain < 0 || options.control_domain >= kMaxDomain) {
-    throw BusError(fmt::format("control_domain is {}, allowed are 0..{}",
-                               options.control_domain, kMaxDomain - 1));
+    throw BusOptionError({ErrorCode::kInvalidValue,
+                          fmt::format("control_domain is {}, allowed are 0..{}",
+                                      options.control_domain, kMaxDomain - 1),
+                          std::to_string(options.control_domain)});
   }
   if (options.tag.find_first_of("<>&\"") != std::string::npos ||
       options.interface.find_first_of("<>&\"") != std::string::npos) {
-    throw BusError("the DDS tag and interface may not contain < > & or \"");
+    throw BusOptionError({ErrorCode::kInvalidValue,
+                          "the DDS tag and interface may not contain < > & or \"",
+                          options.tag});
   }
   Domains& domains = AllDomains();
   const std::lock_guard lock(domains.mutex);
