@@ -113,6 +113,22 @@ CLI::ValidationError ReadableError(const CLI::App& app,
                              : "a number"));
 }
 
+/// A value from the environment is named by its variable: no option was written.
+CLI::ValidationError NamedByVariable(const std::vector<Variable>& variables,
+                                     const std::vector<std::string>& words,
+                                     const CLI::ValidationError& error) {
+  const std::string text = error.what();
+  for (const Variable& variable : variables) {
+    const std::string option = variable.option->get_name();
+    const bool is_given = std::ranges::any_of(words, [&](const std::string& word) {
+      return word == option || word.starts_with(option + "=");
+    });
+    if (!is_given && text.starts_with(option + ": "))
+      return CLI::ValidationError(variable.name, text.substr(option.size() + 2));
+  }
+  return error;
+}
+
 }  // namespace
 
 // The library reads the variables of every command's options, also of those that were not
@@ -123,7 +139,9 @@ void ParseLine(CLI::App& app, std::vector<std::string> words) {
   for (const Variable& variable : variables) variable.option->envname("");
   std::reverse(words.begin(), words.end());  // the library takes them from the end
   try {
-    app.parse(std::move(words));
+    app.parse(std::vector<std::string>(words));
+  } catch (const CLI::ValidationError& error) {
+    throw NamedByVariable(variables, words, error);
   } catch (const CLI::ConversionError& error) {
     throw ReadableError(app, error);
   }

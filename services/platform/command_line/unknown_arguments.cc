@@ -75,6 +75,10 @@ std::string PathOf(const CLI::App& app) {
 std::string TextOfUnknownArguments(const CLI::App& app) {
   const CLI::App& innermost = InnermostOf(app);
   const std::vector<std::string> words = app.remaining(true);
+  if (words.empty() && innermost.get_require_subcommand_min() > 0) {
+    return fmt::format("{0} needs a command: {1}; see {0} --help", PathOf(innermost),
+                       fmt::join(CommandNamesOf(innermost), ", "));
+  }
   if (words.empty()) return "";
   const std::string word = words.front().substr(0, words.front().find('='));
   const std::string path = PathOf(innermost);

@@ -153,6 +153,21 @@ TEST(Option, IsTakenFromTheEnvironmentWhenItIsNotGiven) {
   unsetenv("INTAGLIO_TEST_KEYS");
 }
 
+// "--size: 'abc' ..." blames an option that nobody has written.
+TEST(Option, WhoseValueComesFromTheEnvironmentIsCalledByItsVariable) {
+  int size = 0;
+  Program program("p", "");
+  const auto list = program.root().AddCommand("list", "");
+  list.AddOption("--size", size, "").Within(0, 9).FromEnvironment("INTAGLIO_TEST_SIZE");
+  list.SetAction([] { return 0; });
+  setenv("INTAGLIO_TEST_SIZE", "abc", 1);
+  EXPECT_THAT(Output(program, {"list"}),
+              HasSubstr("INTAGLIO_TEST_SIZE: 'abc' is no whole number from 0 to 9"));
+  EXPECT_THAT(Output(program, {"list", "--size", "10"}), HasSubstr("--size: '10'"));
+  EXPECT_THAT(Output(program, {"list", "--size=10"}), HasSubstr("--size: '10'"));
+  unsetenv("INTAGLIO_TEST_SIZE");
+}
+
 // Commands that share their values: the variable of the other command replaced what was
 // given, so that `list --domain 33` listed the shop of INTAGLIO_DOMAIN.
 TEST(Option, ThatIsGivenPrecedesTheVariableOfAnotherCommand) {
@@ -211,7 +226,8 @@ TEST(Command, ThatWasGivenActs) {
   EXPECT_EQ(Output(program, {"recording", "info", "--db", "x"}), "understood");
   EXPECT_EQ(program.Run(), 7);
   EXPECT_EQ(database, "x");
-  EXPECT_THAT(Output(program, {"recording"}), HasSubstr("subcommand"));
+  EXPECT_THAT(Output(program, {"recording"}),
+              HasSubstr("intaglio recording needs a command: info, cut; see"));
   EXPECT_NE(Output(program, {"recording", "cut", "--db", "x"}), "understood");
 }
 
