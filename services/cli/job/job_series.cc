@@ -25,18 +25,13 @@ Error Prefixed(Error error, const std::string& prefix) {
   return error;
 }
 
-namespace {
-
-/// Frozen as the job service does it, with its glass.
-Result<JobAndMachine> Checked(Result<JobAndMachine> built,
-                              const materials_db::MaterialStore& materials) {
+Result<JobAndMachine> CheckedAsInShop(Result<JobAndMachine> built,
+                                      const materials_db::MaterialStore& materials) {
   if (!built) return built;
   const auto material = INTAGLIO_TRY(FindGlass(*built, materials));
   INTAGLIO_TRY(FreezeJob(built->job, built->machine, material, {}));
   return built;
 }
-
-}  // namespace
 
 Result<std::vector<JobAndMachine>> BuildSeries(const JobFlags& flags,
                                                const fs::path& table,
@@ -53,7 +48,7 @@ Result<std::vector<JobAndMachine>> BuildSeries(const JobFlags& flags,
   for (std::size_t i = 0; i < jobs->size(); ++i) {
     const std::string line =
         fmt::format("{}, line {}: ", table.string(), rows.rows[i].line_number);
-    auto built = Checked(CompleteJob(flags, std::move((*jobs)[i])), materials);
+    auto built = CheckedAsInShop(CompleteJob(flags, std::move((*jobs)[i])), materials);
     if (!built) {
       errors.push_back(Prefixed(built.error(), line));
       continue;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "materials_db/material_store.h"
 #include "services/cli/job/job_options.h"
 
 namespace intaglio::cli {
@@ -14,6 +15,10 @@ namespace intaglio::cli {
 Result<std::vector<JobAndMachine>> BuildSeries(const JobFlags& flags,
                                                const std::filesystem::path& table,
                                                const std::string& materials_db);
+
+/// The job, frozen once as the job service does it, with its glass; what that refuses.
+Result<JobAndMachine> CheckedAsInShop(Result<JobAndMachine> built,
+                                      const materials_db::MaterialStore& materials);
 
 /// The message with this before each of its lines.
 Error Prefixed(Error error, const std::string& prefix);

@@ -1,10 +1,13 @@
 #include "services/cli/materials/test_grid_command.h"
 
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "engrave/core/try.h"
+#include "services/cli/job/job_series.h"
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/client/machine/test_grid.h"
@@ -13,11 +16,26 @@
 namespace intaglio::cli {
 namespace {
 
+namespace fs = std::filesystem;
+
 struct TestGridOptions {
   client::TestGrid grid;
   std::string machine = "els-03", out = "intaglio-test-grid";
+  std::string materials_db;
   std::vector<double> block_mm;
 };
+
+/// A grid that no machine makes is refused here, and not left behind: a person would
+/// engrave it in the shop.
+Status CheckGrid(const fs::path& file, const std::string& materials_db) {
+  const auto materials = INTAGLIO_TRY(materials_db::MaterialStore::Open(
+      materials_db.empty() ? materials_db::DefaultDatabasePath()
+                           : fs::path(materials_db)));
+  JobFlags flags;
+  flags.job_file = file.string();
+  INTAGLIO_TRY(CheckedAsInShop(BuildJob(flags), materials));
+  return {};
+}
 
 int MakeTestGrid(const TestGridOptions& options) {
   const auto machine =
@@ -29,6 +47,11 @@ int MakeTestGrid(const TestGridOptions& options) {
     grid.block_mm = Eigen::Map<const Vec3>(options.block_mm.data());
   const auto made = client::WriteTestGrid(grid, options.out);
   if (!made) return Complain(made.error());
+  if (const auto good = CheckGrid(*made, options.materials_db); !good) {
+    std::error_code ignored;
+    fs::remove(*made, ignored);
+    return Complain(good.error());
+  }
   std::cout << made->string() << "\n";
   std::cerr << "See it: intaglio preview " << made->string()
             << ". Engrave it: intaglio submit " << made->string()
@@ -45,7 +68,7 @@ void AddTestGridCommand(command_line::Command app) {
       "test-grid",
       "make the job of a material test: patches by pulse energy and spacing, labelled");
   command.AddOption("--energies", options->grid.energies_mj,
-                    "pulse energies in front of the lens, mJ, one row each; default four "
+                    "pulse energies before a splitter, mJ, one row each; default four "
                     "up to the machine's largest");
   command.AddOption("--spacings", options->grid.spacings_mm,
                     "distances of the points, mm, one column each; default 1, 1.25, 1.5 "
@@ -62,6 +85,8 @@ void AddTestGridCommand(command_line::Command app) {
   command.AddOption("--machine", options->machine, "machine profile: a name, or a file")
       .ShowDefault();
   command.AddOption("--out", options->out, "folder of the job file").ShowDefault();
+  command.AddOption("--materials", options->materials_db,
+                    "material base, default the user's");
   command.SetFooter(
       "Example: intaglio test-grid --glass K9 --energies 10 20 30 --spacings 0.1 0.15");
   command.SetAction([options] { return MakeTestGrid(*options); });

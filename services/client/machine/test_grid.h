@@ -17,8 +17,8 @@ namespace intaglio::client {
 struct TestGrid {
   std::filesystem::path machine_file;  ///< absolute
   std::string glass = "N-BK7";
-  /// In front of the lens, what a job may ask for (laser_setting.h); none: four from 40 %
-  /// of the machine's largest up to it.
+  /// Before a splitter (LaserHead), what a job may ask for (laser_setting.h); none: four
+  /// from 40 % of the machine's largest up to it.
   std::vector<double> energies_mj;
   /// 0.02..10 each; none: 1, 1.25, 1.5 and 2 diameters of the mounted lens's crack.
   std::vector<double> spacings_mm;
