@@ -91,6 +91,18 @@ bool MachineWasFree(const client::JobClient& client,
   return true;
 }
 
+/// The job is in the queue, and a program reads why it is not armed.
+int ComplainOfArm(const Error& error, const client::JobView& job,
+                  const JobsOptions& options) {
+  if (options.events) {
+    JobEvent event = RefusedEventOf(error);
+    event.set_job(job.number);
+    event.set_uid(job.uid);
+    client::EventLines(std::cout).Write(std::move(event));
+  }
+  return ComplainOf(error);
+}
+
 /// One after the other, each armed when it has the machine. The first that is not good
 /// ends it, and those behind it stay in the queue, not armed.
 int ArmAndWatchAll(client::JobClient& client, const std::vector<client::JobView>& jobs,
@@ -104,7 +116,7 @@ int ArmAndWatchAll(client::JobClient& client, const std::vector<client::JobView>
     const bool is_first = job.uid == jobs.front().uid;
     const auto armed = client::ArmWhenTaken(
         client, job, {options.accept.breakage(), is_first ? first_basis : other_basis});
-    if (!armed) return ComplainOf(armed.error());
+    if (!armed) return ComplainOfArm(armed.error(), job, options);
     const int end = Watch(client, job.uid, options);
     if (end != client::kExitGood) return end;
   }
@@ -147,7 +159,7 @@ int SubmitJob(const JobSpec& spec, const JobsOptions& options) {
     const auto basis = client::BasisFor(client, *submitted, options.same_block);
     auto armed =
         client::ArmWhenTaken(client, *submitted, {options.accept.breakage(), basis});
-    if (!armed) return ComplainOf(armed.error());
+    if (!armed) return ComplainOfArm(armed.error(), *submitted, options);
     PrintMounted(client, submitted->cell, options.human());
     const int effect =
         AwaitEffect(client, *submitted, intaglio_COMMAND_ARM, options.human());

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <memory>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
 #include "materials_db/material_store.h"
@@ -100,7 +101,8 @@ int Batch(const BatchOptions& given) {
   jobs = LeaveOutDone(all, earlier);
   for (const BatchJob& job : *jobs) PrintTextWarnings(job.warnings);
   if (options.check) {
-    std::cout << jobs->size() << " jobs, all without mistakes\n";
+    (options.events ? std::cerr : std::cout)
+        << Counted(jobs->size(), "job") << ", all without mistakes\n";
     return client::kExitGood;
   }
   client::BusTurn turn;

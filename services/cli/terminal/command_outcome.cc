@@ -159,23 +159,19 @@ CommandAnswer AnswerOf(const Outcome& outcome, int exit_code) {
 }
 
 void PrintEvent(const Error& error) {
-  JobEvent event;
-  event.set_event("refused");
-  event.set_code(client::RefusalCode(error));
-  event.set_message(SentenceOf(error));
-  client::EventLines(std::cout).Write(std::move(event));
+  client::EventLines(std::cout).Write(RefusedEventOf(error));
 }
 
 /// What main() makes of an exception, with a code.
 int RunKeepingExceptions(const std::function<int()>& action) {
-    return client::kExitMachine;
-  } catch (const bus::BusOptionError& error) {
-    ReportRefusal(error.error());
-    return client::kExitWrongInput;
   try {
     return action();
   } catch (const bus::NotAllowedError& error) {
     ReportRefusal({ErrorCode::kRefused, error.what(), ""});
+    return client::kExitMachine;
+  } catch (const bus::BusOptionError& error) {
+    ReportRefusal(error.error());
+    return client::kExitWrongInput;
   } catch (const std::exception& error) {
     ReportRefusal({ErrorCode::kFault, error.what(), ""});
   }
@@ -225,6 +221,14 @@ void AddFlag(const command_line::Command& command, bool& answers) {
 }
 
 }  // namespace
+
+JobEvent RefusedEventOf(const Error& error) {
+  JobEvent event;
+  event.set_event("refused");
+  event.set_code(client::RefusalCode(error));
+  event.set_message(SentenceOf(error));
+  return event;
+}
 
 void ReportRefusal(const Error& error) {
   const bool is_kept = running != nullptr && !running->watched.written();

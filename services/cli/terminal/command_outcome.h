@@ -18,6 +18,7 @@
 #include <functional>
 
 #include "engrave/core/result.h"
+#include "proto/shop.pb.h"
 #include "services/platform/command_line/program.h"
 
 namespace intaglio::cli {
@@ -31,6 +32,10 @@ void ReportJob(std::uint32_t number);
 /// the standard output has the command's own message already. Without a message: it was
 /// printed before, and only the answer needs its code.
 void ReportRefusal(const Error& error);
+
+/// The event of a refusal, for a command that has written events already and goes on or
+/// ends without an event of its own.
+JobEvent RefusedEventOf(const Error& error);
 
 /// The text of the running command becomes that of the CommandAnswer. It is called by a
 /// command with a message of its own that does not print it with the given options.
