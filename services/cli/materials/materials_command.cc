@@ -163,7 +163,9 @@ Status Add(const Flags& flags, MaterialStore& store) {
   Material material;
   material.name = flags.name;
   INTAGLIO_TRY(ApplyFields(flags, material));
-  return store.Add(material);
+  INTAGLIO_TRY(store.Add(material));
+  std::cout << material.name << ": added\n";
+  return {};
 }
 
 /// The one glass of a file, or the one of that name among several.
@@ -196,11 +198,15 @@ Status Replace(const Flags& flags, MaterialStore& store) {
                     present.name),
         present.name);
   }
-  return store.Replace(material);
+  INTAGLIO_TRY(store.Replace(material));
+  std::cout << material.name << ": replaced\n";
+  return {};
 }
 
 Status Remove(const Flags& flags, MaterialStore& store) {
-  return store.Remove(flags.name);
+  INTAGLIO_TRY(store.Remove(flags.name));
+  std::cout << flags.name << ": removed\n";
+  return {};
 }
 
 Status Import(const Flags& flags, MaterialStore& store) {

@@ -52,7 +52,13 @@ Status Connect(client::JobClient& client, bus::Bus& bus, const std::string& cell
 int ShowMounted(client::JobClient& client, const std::string& cell) {
   const auto mount = client.mounts().find(cell);
   if (mount == client.mounts().end()) {
-    std::cout << cell << ": nobody has reported what is mounted\n";
+    std::string others;
+    for (const auto& [name, other] : client.mounts())
+      others += (others.empty() ? "" : ", ") + name;
+    std::cout << cell << ": nobody has reported what is mounted"
+              << (others.empty()
+                      ? "; say it with --block, --glass and --lens\n"
+                      : "; it is known of " + others + ": name its profile, --machine\n");
   } else {
     std::cout << MountText(cell, mount->second) << "\n";
   }

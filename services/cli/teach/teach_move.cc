@@ -149,7 +149,7 @@ void AddHome(command_line::Command teach) {
         return Complain({ErrorCode::kCancelled, "not homed: the answer was not y", ""});
       TeachOrder order;
       order.kind = intaglio_MANUAL_HOME;
-      return ExecuteOrder(client, order, 300s);
+      return ExecuteMove(client, order, 300s);
     });
   });
 }

@@ -63,6 +63,12 @@ void CheckSoftLimits(const MachineSpec& machine, std::vector<Error>& errors) {
     const auto name = axes[static_cast<std::size_t>(i)].name;
     if (min[i] < max[i] && min[i] >= travel.min_mm[i] && max[i] <= travel.max_mm[i])
       continue;
+    if (!(min[i] < max[i])) {
+      Wrong(errors, fmt::format("taught.limits, axis {}", name),
+            fmt::format("{} to {}", min[i], max[i]),
+            "has its smallest place not below its largest: exchange them");
+      continue;
+    }
     Wrong(errors, fmt::format("taught.limits, axis {}", name),
           fmt::format("{} to {}", min[i], max[i]),
           fmt::format("is not within the axis' travel, {} to {}", travel.min_mm[i],
