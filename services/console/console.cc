@@ -167,6 +167,9 @@ Status Serve(const ConsoleOptions& options, const std::function<bool()>& stoppin
                          const std::string& text) {
     server->Send(peer, api.AnswerMessage(peer, caller, text));
   };
+  handlers.refusal = [](int status, const std::string& sentence) {
+    return ErrorResponse(status, sentence);
+  };
   handlers.session = [&](const std::string& token) {
     const auto session = access.log_ins().Find(token, Clock::now());
     return session ? session->id : std::string();

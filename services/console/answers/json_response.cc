@@ -10,15 +10,21 @@ namespace {
 std::string CodeOf(int status) {
   switch (status) {
     case 400:
+    case 405:
+    case 411:
     case 422:
+    case 426:
       return ErrorCodeName(ErrorCode::kInvalidValue);
     case 401:
       return "not_logged_in";
     case 404:
       return ErrorCodeName(ErrorCode::kNotFound);
+    case 403:
     case 409:
+    case 421:
       return ErrorCodeName(ErrorCode::kRefused);
     case 413:
+    case 431:
       return ErrorCodeName(ErrorCode::kTooLarge);
     case 429:
       return "too_many_tries";

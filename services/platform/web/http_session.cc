@@ -16,7 +16,8 @@ namespace {
 
 std::string_view ViewOf(beast::string_view text) { return {text.data(), text.size()}; }
 
-Response Refusal(int status, const std::string& sentence) {
+Response RefusalOf(const Core& core, int status, const std::string& sentence) {
+  if (core.handlers.refusal) return core.handlers.refusal(status, sentence);
   return TextResponse(status, "text/plain; charset=utf-8", sentence + "\n");
 }
 
@@ -53,10 +54,11 @@ constexpr char kLogIn[] =
 std::optional<Response> WhyForeign(const Core& core, const Head& request) {
   std::string_view host, origin;
   if (!Single(request, http::field::host, host) || !IsOwnHost(host, core.own))
-    return Refusal(421, fmt::format("this is {}:{}", OriginOf(core.own), core.own.port));
+    return RefusalOf(core, 421,
+                     fmt::format("this is {}:{}", OriginOf(core.own), core.own.port));
   if (!Single(request, http::field::origin, origin) ||
       (!origin.empty() && !IsOwnOrigin(origin, core.own)))
-    return Refusal(403, "a page of another origin may not use this console");
+    return RefusalOf(core, 403, "a page of another origin may not use this console");
   return std::nullopt;
 }
 
@@ -186,6 +188,10 @@ class HttpSession : public Waiting, public std::enable_shared_from_this<HttpSess
          std::move(request.body()), caller});
   }
 
+  Response Refusal(int status, const std::string& sentence) const {
+    return RefusalOf(core_, status, sentence);
+  }
+
   static bool IsOneOf(const std::vector<std::string>& paths, const std::string& path) {
     return std::find(paths.begin(), paths.end(), path) != paths.end();
   }
@@ -222,7 +228,7 @@ class HttpSession : public Waiting, public std::enable_shared_from_this<HttpSess
     net::io_context& io = core_.io;
     answer_timer_.expires_after(core_.options.limits.answer_time);
     answer_timer_.async_wait([self = shared_from_this(), number](ErrorOf error) {
-      if (!error) self->Answer(number, Refusal(504, "no answer in time"));
+      if (!error) self->Answer(number, self->Refusal(504, "no answer in time"));
     });
     core_.handlers.request(request, [weak, number, &io](Response response) {
       net::post(io, [weak, number, response = std::move(response)] {

@@ -88,6 +88,8 @@ class BodySink {
 /// Called in the thread of Run; they do not wait.
 struct Handlers {
   std::function<void(const Request&, Reply)> request;
+  /// The form of an answer to what the server itself refuses; null: a line of text.
+  std::function<Response(int status, const std::string& sentence)> refusal;
   /// The sink of a request of `long_paths`, whose body has `body_bytes`; null: it is
   /// answered without reading the body. The reply may also come while pieces come.
   std::function<std::shared_ptr<BodySink>(const Request&, std::uint64_t body_bytes,

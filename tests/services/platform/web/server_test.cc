@@ -18,6 +18,7 @@ using test::Ask;
 using test::WebConnection;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 class WebServer : public ::testing::Test {
  protected:
@@ -43,6 +44,7 @@ class WebServer : public ::testing::Test {
       }
       return std::make_shared<CountingSink>(*this, body_bytes, std::move(reply));
     };
+    handlers.refusal = refusal_;
     handlers.greeting = [](const std::string& path) { return "hello " + path; };
     handlers.message = [this](PeerId peer, const Caller&, const std::string& text) {
       server_->Send(peer, "echo " + text);
@@ -61,6 +63,7 @@ class WebServer : public ::testing::Test {
 
   std::unique_ptr<Server> server_;
   std::thread thread_;
+  decltype(Handlers::refusal) refusal_;
   std::atomic<int> asked_ = 0;
   std::atomic<std::size_t> largest_piece_ = 0;
   std::atomic<int> broken_ = 0;
@@ -136,6 +139,19 @@ TEST_F(WebServer, ALongBodyThatBreaksOffEndsItsSink) {
   for (int i = 0; i < 1000 && broken_ == 0; ++i) std::this_thread::sleep_for(10ms);
   EXPECT_EQ(broken_, 1);
   EXPECT_EQ(Ask(port(), {}).status, 200);
+}
+
+TEST_F(WebServer, RefusesInTheFormOfItsUser) {
+  refusal_ = [](int status, const std::string& sentence) {
+    return TextResponse(status, "application/json", "[\"" + sentence + "\"]");
+  };
+  Open();
+  for (const char* const path : {"/x", "/events", "/socket"}) {
+    const auto refused = Ask(port(), {.path = path, .key = "kez"});
+    EXPECT_EQ(refused.status, 401);
+    EXPECT_THAT(refused.body, StartsWith("[\"log in, ")) << path;
+    EXPECT_THAT(refused.headers, HasSubstr("application/json"));
+  }
 }
 
 TEST_F(WebServer, ServesPagesToAllAndTheRestToTheKey) {
