@@ -96,6 +96,9 @@ int Copy(const Options& options, const std::string& default_ending) {
   if (report->repeat_count > 0)
     fmt::print(std::cout, "; {} of present messages left out",
                client::GroupedCount(report->repeat_count, "repeat"));
+  if (report->copy_count > 0)
+    fmt::print(std::cout, "; {} that two of the files have written once",
+               client::GroupedCount(report->copy_count, "message"));
   fmt::print(std::cout, "\n");
   return client::kExitGood;
 }

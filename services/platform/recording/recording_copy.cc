@@ -127,6 +127,11 @@ class Copy {
         continue;
       }
       message.channel_id = TargetOf(*first, message.channel_id);
+      if (IsCopy(*first, message)) {
+        ++report_.copy_count;
+        first->Advance(report_.damages);
+        continue;
+      }
       INTAGLIO_TRY(writer_.Write(message));
       ++report_.message_count;
       first->Advance(report_.damages);
@@ -134,6 +139,20 @@ class Copy {
   }
 
  private:
+  /// Another source had the same message at the same time: one of the two is a copy of
+  /// the other, or both are parts of one recording. `message` is in a channel of the
+  /// target.
+  bool IsCopy(const Source& source, const MessageView& message) {
+    if (sources_.size() < 2) return false;
+    if (message.log_time_ns != time_ns_) at_time_.clear();
+    time_ns_ = message.log_time_ns;
+    const auto [known, added] = at_time_.try_emplace(
+        std::tuple(message.channel_id, message.sequence, message.publish_time_ns,
+                   io::Crc32(message.payload)),
+        &source);
+    return !added && known->second != &source;
+  }
+
   std::uint16_t TargetOf(Source& source, std::uint16_t id) {
     const auto [known, added] = source.channel.try_emplace(id, 0);
     if (!added) return known->second;
@@ -181,6 +200,11 @@ class Copy {
   const CopyOptions& options_;
   std::deque<Source> sources_;
   Repeats repeats_;
+  std::uint64_t time_ns_ = 0;
+  /// What the source wrote first at time_ns_: channel, sequence, publish time, checksum.
+  std::map<std::tuple<std::uint16_t, std::uint32_t, std::uint64_t, std::uint32_t>,
+           const Source*>
+      at_time_;
   std::vector<Metadata> metadata_;
   std::set<std::pair<std::string, std::uint32_t>> attachments_;
   CopyReport report_;

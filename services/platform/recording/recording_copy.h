@@ -24,12 +24,14 @@ struct CopyOptions {
 struct CopyReport {
   std::uint64_t message_count = 0;
   std::uint64_t repeat_count = 0;    ///< left out, because the original is there
+  std::uint64_t copy_count = 0;      ///< left out, because another source has it, too
   std::vector<std::string> damages;  ///< of the sources: a sentence each
 };
 
 /// Messages in the order of their log time, with all metadata and attachments; what two
 /// sources have alike is written once: so are messages that one file of a series repeats
-/// of an earlier one (conventions.h), when that is a source, too. The target appears
+/// of an earlier one (conventions.h), when that is a source, too, and messages that two
+/// files have at the same time, as a file and a cut of it. The target appears
 /// whole or not at all, and may not be a source.
 Result<CopyReport> CopyRecordings(const std::vector<McapReader>& sources,
                                   const std::filesystem::path& target,

@@ -102,6 +102,22 @@ TEST_F(RecordingCopy, MergesByTimeAndWritesWhatIsAlikeOnce) {
   }
 }
 
+// The messages of a cut were there twice.
+TEST_F(RecordingCopy, AFileAndACutOfItMakeThatFile) {
+  const auto whole = Write("a.mcap", 1000);
+  CopyOptions options;
+  options.from_ns = 1100;
+  options.to_ns = 1200;
+  ASSERT_TRUE(CopyRecordings(Open({whole}), folder_ / "cut.mcap", options));
+  const auto report =
+      CopyRecordings(Open({whole, folder_ / "cut.mcap"}), folder_ / "out.mcap", {});
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->message_count, 60u);
+  EXPECT_EQ(report->copy_count, 10u);
+  EXPECT_EQ(MessagesOf(McapReader::Open(folder_ / "out.mcap").value()),
+            MessagesOf(McapReader::Open(whole).value()));
+}
+
 TEST_F(RecordingCopy, CutsByTimeAndTopicWithTheEndsOfItsInstances) {
   const auto sources = Open({Write("a.mcap", 1000)});
   CopyOptions options;
