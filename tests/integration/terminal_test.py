@@ -5,47 +5,14 @@ columns: what is printed is true, fits, and says what to do next.
     terminal_test.py --intaglio build/release/bin/intaglio --folder /tmp/terminal
 """
 
-import argparse
 import json
 import os
-import pathlib
 import re
 import shutil
-import sys
-import unittest
 
+from at_terminal import SOURCE, AtATerminal, main, options, screens_fit
 from patience import eventually
 from terminal import Terminal
-
-SOURCE = pathlib.Path(__file__).resolve().parents[2]
-options = argparse.Namespace()
-
-
-def screens_fit(terminal):
-    """What is drawn again and again fits: a line that is longer would stay on the screen."""
-    return all(len(state) < terminal.columns for state in terminal.redrawn())
-
-
-class AtATerminal(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.folder = options.folder / cls.__name__
-        shutil.rmtree(cls.folder, ignore_errors=True)
-        cls.folder.mkdir(parents=True)
-        os.environ["INTAGLIO_MATERIALS_DB"] = str(cls.folder / "materials.db")
-
-    def open(self, *words, columns=80):
-        terminal = Terminal([options.intaglio, *words], columns, cwd=self.folder)
-        self.addCleanup(terminal.close)
-        return terminal
-
-    def typed(self, *words, exit_code=0, columns=80):
-        """The command to its end; what stands on the screen then."""
-        terminal = self.open(*words, columns=columns)
-        ended = terminal.wait()
-        self.assertEqual(ended, exit_code, terminal.text)
-        self.assertTrue(screens_fit(terminal), terminal.redrawn())
-        return "\n".join(terminal.lines)
 
 
 class Newcomer(AtATerminal):
@@ -160,10 +127,4 @@ class Operator(AtATerminal):
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--intaglio", required=True)
-    parser.add_argument("--folder", type=pathlib.Path, required=True)
-    options, rest = parser.parse_known_args()
-    options.intaglio = os.path.abspath(options.intaglio)
-    options.folder = options.folder.resolve()
-    unittest.main(argv=[sys.argv[0], *rest])
+    main(__doc__)
