@@ -1,4 +1,3 @@
-#include "services/cli/job/job_limits.h"
 #include "services/cli/offline/measure_command.h"
 
 #include <fmt/format.h>
@@ -15,6 +14,7 @@
 #include "engrave/render/spacing_map.h"
 #include "services/cli/flags/accept_flag.h"
 #include "services/cli/flags/size_limits_flag.h"
+#include "services/cli/job/job_limits.h"
 #include "services/cli/job/job_options.h"
 #include "services/cli/offline/offline_steps.h"
 #include "services/cli/offline/quality_figures.h"

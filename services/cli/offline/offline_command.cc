@@ -1,4 +1,3 @@
-#include "services/cli/job/job_limits.h"
 #include "services/cli/offline/offline_command.h"
 
 #include <fmt/format.h>
@@ -21,6 +20,7 @@
 #include "services/cli/flags/customer_picture_flags.h"
 #include "services/cli/flags/size_limits_flag.h"
 #include "services/cli/job/job_glass.h"
+#include "services/cli/job/job_limits.h"
 #include "services/cli/job/job_options.h"
 #include "services/cli/json/print_json.h"
 #include "services/cli/offline/offline_steps.h"

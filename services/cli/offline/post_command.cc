@@ -1,4 +1,3 @@
-#include "services/cli/job/job_limits.h"
 #include "services/cli/offline/post_command.h"
 
 #include <fmt/format.h>
@@ -25,6 +24,7 @@
 #include "services/cli/flags/accept_flag.h"
 #include "services/cli/flags/size_limits_flag.h"
 #include "services/cli/job/job_glass.h"
+#include "services/cli/job/job_limits.h"
 #include "services/cli/job/job_options.h"
 #include "services/cli/offline/offline_steps.h"
 #include "services/cli/offline/path_job.h"

@@ -1,4 +1,3 @@
-#include "services/cli/job/job_limits.h"
 #include "services/cli/preview/preview_command.h"
 
 #include <fmt/format.h>
@@ -13,6 +12,7 @@
 #include "engrave/core/try.h"
 #include "services/cli/flags/accept_flag.h"
 #include "services/cli/job/job_glass.h"
+#include "services/cli/job/job_limits.h"
 #include "services/cli/job/job_options.h"
 #include "services/cli/json/print_json.h"
 #include "services/cli/preview/named_job.h"
