@@ -344,7 +344,10 @@ CellBench::Stillness CellBench::WhyNothingMore(const Performance& performance) c
     return {fmt::format("the cause of the end of run {} is not in the recording",
                         run->number),
             true};
-  return {"the synchronizer does not continue: " + performance.listener.message(), false};
+  const std::string& message = performance.listener.message();
+  return {"the synchronizer does not continue" +
+              (message.empty() ? std::string() : " (" + message + ")"),
+          false};
 }
 
 /// The last samples; the next task finds a synchronizer without one.

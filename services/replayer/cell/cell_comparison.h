@@ -36,6 +36,10 @@ inline constexpr std::array kSetAside = {"MotionSegmentBatch.run",
                                          "EngraveOutcome.controller_pulse_count",
                                          "EngraveOutcome.run_count"};
 
+/// Leaves the runs before run `run`, counted from 0, on both sides, and no end: of a
+/// synchronizer that did not go on in that run.
+void KeepRunsBefore(std::size_t run, CellMessages& then, CellMessages& now);
+
 /// The first difference; absent: none. `counts` gets what was compared. The end is not
 /// compared when `then` has none.
 std::optional<SampleDifference> CompareCells(const CellMessages& then,

@@ -184,7 +184,21 @@ Result<std::optional<SampleDifference>> CellRehearsal::Compare(CellSession& sess
     if (then.runs.size() > performed.run_count) then.runs.resize(performed.run_count);
     then.end.reset();
   }
+  // A synchronizer that does nothing more has made no other result: this host may have no
+  // time for it, whatever its code is.
+  const bool hangs = !stillness.why.empty() && !stillness.by_recording;
+  if (hangs) {
+    KeepRunsBefore(performed.run_count - std::min<std::size_t>(1, performed.run_count),
+                   session.messages, now);
+  }
   auto found = CompareCells(session.messages, now, counts);
+  if (!found && hangs) {
+    ReportIncomparable(
+        session,
+        fmt::format("not comparable: {}, {} times; repeat it on a computer with time to "
+                    "spare, and look into the synchronizer's log if it is so again",
+                    stillness.why, kTries));
+  }
   if (counts.recorded_in_part() && counts.run_count() == 0) {
     ReportIncomparable(session, counts.part_reason());
   }
@@ -194,8 +208,6 @@ Result<std::optional<SampleDifference>> CellRehearsal::Compare(CellSession& sess
                                     "); what it was compared with is not recorded");
     return std::optional<SampleDifference>();
   }
-  if (found && found->now() == "none" && !stillness.why.empty())
-    found->set_now("none: " + stillness.why);
   if (found) {
     found->set_job_uid(session.task.id.job_uid);
     found->set_attempt(session.task.id.attempt);

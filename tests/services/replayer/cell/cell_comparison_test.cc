@@ -49,10 +49,39 @@ TEST(CellComparison, APauseThatNoPointKnowsOfIsTheHosts) {
   TaskComparison counts;
   EXPECT_FALSE(CompareCells(then, now, counts));
   EXPECT_FALSE(CompareCells(now, then, counts));
+}
+
+// A newer state takes the place of one that a busy host has not received yet.
+TEST(CellComparison, AStateThatWasNotReceivedIsNoDifference) {
+  CellMessages then = Sent(1, 100), now = then;
+  then.states = {"TASK_ACCEPTED", "TASK_RUNNING", "TASK_DONE"};
   now.states = {"TASK_RUNNING", "TASK_DONE"};
+  TaskComparison counts;
+  EXPECT_FALSE(CompareCells(then, now, counts));
+  EXPECT_FALSE(CompareCells(now, then, counts));
+  now.states = {"TASK_RUNNING", "TASK_ACCEPTED", "TASK_DONE"};
   const auto found = CompareCells(then, now, counts);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->member(), "states");
+}
+
+// What was made before it counts: another code may hang, too, after it did something
+// else.
+TEST(CellComparison, OfASynchronizerThatHangsTheRunsBeforeAreCompared) {
+  CellMessages then = Sent(1, 100), now = Sent(1, 100);
+  then.runs.push_back(Sent(2, 300).runs[0]);
+  now.runs.push_back(Sent(2, 300).runs[0]);
+  now.runs[1].pulses.pop_back();
+  now.end.reset();
+  TaskComparison counts;
+  CellMessages whole = then, hung = now;
+  EXPECT_TRUE(CompareCells(whole, hung, counts)) << "as if it had given another result";
+  KeepRunsBefore(1, whole, hung);
+  EXPECT_FALSE(CompareCells(whole, hung, counts));
+  whole = then, hung = now;
+  ++hung.runs[0].pulses[1].tick;
+  KeepRunsBefore(1, whole, hung);
+  EXPECT_TRUE(CompareCells(whole, hung, counts));
 }
 
 TEST(CellComparison, TheLastBitOfAPlaceCounts) {
