@@ -3,7 +3,10 @@
 // Without a model: $INTAGLIO_MESH, else a knot of 70 000 triangles. It is turned upright
 // (y becomes z) and its largest extent made 60 mm; layers and spacing are 0.1 mm. Times
 // are the best of a few runs on one thread, with all the work of a job each time:
-// neighbourhood of the triangles, trees, memory not used before.
+// neighbourhood of the triangles, trees, memory not used before. Below sections and
+// thinning stands what their input and their points alone take to be read and written
+// once, at the speed at which this computer copies memory in the same run: no method can
+// be faster.
 
 #include <fmt/format.h>
 
@@ -99,6 +102,34 @@ void Line(const std::string& work, const std::string& result, double our_ms,
              peer, count, run->ms, run->ms / our_ms);
 }
 
+/// Bytes read and written a second, by a copy that no cache holds.
+double CopiedBytesPerMs() {
+  static const double speed = [] {
+    const std::vector<std::uint64_t> from(32'000'000, 1);
+    std::vector<std::uint64_t> to(from.size());
+    const double ms = BestMs(kRuns, [&] { std::ranges::copy(from, to.begin()); });
+    return 2.0 * static_cast<double>(from.size() * sizeof from[0]) / ms;
+  }();
+  return speed;
+}
+
+/// `bytes`: of what is read, and of what is written.
+void Bound(double bytes, double our_ms) {
+  const double bound_ms = bytes / CopiedBytesPerMs();
+  fmt::print("| bound: {:.1f} MB at {:.1f} GB/s | | {:.1f} ms | | {:.1f} |\n",
+             bytes / 1e6, CopiedBytesPerMs() / 1e6, bound_ms, our_ms / bound_ms);
+}
+
+/// Place, source and spacing of a point.
+double BytesOf(std::size_t point_count) {
+  return static_cast<double>(point_count * (sizeof(Vec3) + 4 + 4));
+}
+
+double BytesOf(const mesh::TriangleMesh& mesh) {
+  return static_cast<double>(mesh.vertices.size() * sizeof(Vec3) +
+                             mesh.triangles.size() * sizeof(mesh.triangles[0]));
+}
+
 /// The range of all the heights in equal slabs, on so many threads; ms.
 double SlabsMs(const PointSource& source, unsigned workers) {
   constexpr int kSlabs = 16;
@@ -153,6 +184,7 @@ void Slicing(const mesh::TriangleMesh& mesh) {
   const std::string points = fmt::format("{} points", statistics.point_count);
   Line("contours and points", points, points_ms, "CuraEngine, no points", cura);
   Line("contours and points", points, points_ms, "CGAL slicer, no points", cgal);
+  Bound(BytesOf(mesh) + BytesOf(statistics.point_count), points_ms);
   options.vertex_distance_mm = kSpacingMm;
   const auto source = MakeSections(mesh, options).value();
   const double one_ms = SlabsMs(*source, 1), two_ms = SlabsMs(*source, 2);
@@ -229,6 +261,7 @@ void Thinning(const std::string& work, const SpacedCloud& candidates) {
                    candidates.size(), 100 * nearest.variation_ratio),
        our_ms, "CloudCompare spatial",
        CloudCompareThinning(candidates.points_mm, kSpacingMm));
+  Bound(BytesOf(candidates.size()) + BytesOf(kept.size()), our_ms);
 }
 
 void Thinning(const mesh::TriangleMesh& mesh) {

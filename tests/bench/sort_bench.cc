@@ -1,5 +1,6 @@
 // How long ordering and the shadow check take, and the quality of an order: the lamp's
-// ticks that the motion without a stop uses on it, at the published machine's limits.
+// ticks that the motion without a stop uses on it, at the published machine's limits, and
+// how far that is from a bound that no order is below (engrave/sort/ticks_bound.h).
 // Clouds: random points of a dented sphere's surface in random order, which is the worst
 // for the caches; sections of a vase; and the measured scatter cloud where it is at hand.
 
@@ -9,6 +10,7 @@
 #include "engrave/motion/planner.h"
 #include "engrave/sort/order.h"
 #include "engrave/sort/shadow.h"
+#include "engrave/sort/ticks_bound.h"
 #include "engrave/sort/travel.h"
 #include "tests/engrave/motion/paths.h"
 #include "tests/engrave/sort/clouds.h"
@@ -16,6 +18,8 @@
 namespace intaglio::sort {
 namespace {
 
+/// Of lamps, for which the bound is derived.
+constexpr double kMaxBoundHz = 4000;
 /// The cone of a lens with numerical aperture 0.3 in N-BK7.
 const BeamCone kCone(0.2);
 
@@ -28,7 +32,7 @@ PointList InOrder(const PointList& points_mm, const Order& order) {
 
 /// At the limits of the order: as it begins, those of the published machine. z may pass
 /// the points as far beside them as the order allows.
-double Utilisation(const PointList& path_mm, const OrderOptions& order) {
+std::uint64_t TicksOf(const PointList& path_mm, const OrderOptions& order) {
   motion::PlanOptions options;
   options.limits = order.limits;
   options.rate_hz = order.rate_hz;
@@ -41,7 +45,16 @@ double Utilisation(const PointList& path_mm, const OrderOptions& order) {
     segments.clear();
   }
   planner->Finish(segments);
-  return static_cast<double>(path_mm.size()) / static_cast<double>(planner->ticks());
+  return planner->ticks();
+}
+
+/// As the planner moves points by sweeping, they may lie elsewhere for the bound, too.
+std::uint64_t BoundOf(const PointList& points_mm, const OrderOptions& order) {
+  TicksBoundOptions options;
+  options.limits = order.limits;
+  options.rate_hz = order.rate_hz;
+  if (order.method == Method::kSweep) options.tolerance_mm = order.sweep.tolerance_mm;
+  return TicksBound(points_mm, options);
 }
 
 void Measure(benchmark::State& state, const PointList& points_mm,
@@ -59,7 +72,12 @@ void Measure(benchmark::State& state, const PointList& points_mm,
   state.counters["mm a point"] = MeasureTravel(points_mm, order).largest_axis_mm / count;
   state.counters["shadowed"] =
       static_cast<double>(CountShadowViolations(path_mm, options.cone));
-  state.counters["utilisation"] = Utilisation(path_mm, options);
+  const auto ticks = static_cast<double>(TicksOf(path_mm, options));
+  state.counters["utilisation"] = count / ticks;
+  if (options.rate_hz <= kMaxBoundHz) {
+    const auto bound = static_cast<double>(BoundOf(points_mm, options));
+    state.counters["% above the bound"] = 100 * (ticks / bound - 1);
+  }
 }
 
 struct NamedMethod {
