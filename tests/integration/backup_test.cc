@@ -17,6 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
+using ::testing::ContainsRegex;
 using testing::Ended;
 using testing::Eventually;
 using ::testing::HasSubstr;
@@ -97,7 +98,7 @@ TEST_F(KeptShop, IsBackedUpOpenAndRestoredClosed) {
         Restore("shop", {"--replace", "--database", folder_ / "shop" / "jobs.db"});
     EXPECT_EQ(by_queue.exit_code, 2) << by_queue.output;
     EXPECT_THAT(by_queue.output, HasSubstr("close that shop"));
-    EXPECT_THAT(Type(OnBus({"list"})).output, HasSubstr("     4  "));
+    EXPECT_THAT(Type(OnBus({"list"})).output, ContainsRegex("\n *4  "));
     Close(*up);
   }
   const Ended listed = Restore("shop", {"--list"});
@@ -113,8 +114,8 @@ TEST_F(KeptShop, IsBackedUpOpenAndRestoredClosed) {
   const auto up = Up("second");
   const Ended list = Type(OnBus({"list"}));
   EXPECT_EQ(list.exit_code, 0) << list.output;
-  EXPECT_THAT(list.output, HasSubstr("     3  "));
-  EXPECT_THAT(list.output, Not(HasSubstr("     4  ")));
+  EXPECT_THAT(list.output, ContainsRegex("\n *3  "));
+  EXPECT_THAT(list.output, Not(ContainsRegex("\n *4  ")));
   Close(*up);
 }
 
@@ -147,7 +148,7 @@ TEST_F(KeptShop, ADamagedQueueIsReportedAndRestored) {
   ASSERT_EQ(restored.exit_code, 0) << restored.output;
   EXPECT_THAT(restored.output, HasSubstr("kept "));
   const auto up = Up("shop");
-  EXPECT_THAT(Type(OnBus({"list"})).output, HasSubstr("     2  "));
+  EXPECT_THAT(Type(OnBus({"list"})).output, ContainsRegex("\n *2  "));
   Close(*up);
 }
 

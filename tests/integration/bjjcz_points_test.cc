@@ -189,7 +189,11 @@ std::vector<BoardPointsOnUsb::Fault> BoardPointsOnUsb::Faults() {
     AtPanel("power off");
     std::this_thread::sleep_for(1s);
     AtPanel("power on");
-    return Eventually([this] { return shop_.Type({"teach", "home"}).empty(); }, 60s);
+    return Eventually(
+        [this] {
+          return shop_.Type({"teach", "home"}).starts_with("x ");
+        },
+        60s);
   };
   return {
       {"pause",
@@ -257,7 +261,7 @@ TEST_F(BoardPoints, APowerCycleWaitsForAPerson) {
   ASSERT_TRUE(Eventually(
       [&] {
         homed = shop_.Type({"teach", "home"});
-        return homed.empty();
+        return homed.starts_with("x ");
       },
       60s))
       << homed;
