@@ -18,7 +18,7 @@
 namespace intaglio::sort {
 namespace {
 
-/// Of lamps, for which the bound is derived.
+/// Lamps have this rate at most; for them the bound is derived.
 constexpr double kMaxBoundHz = 4000;
 /// The cone of a lens with numerical aperture 0.3 in N-BK7.
 const BeamCone kCone(0.2);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "services/platform/bus/bus.h"
 #include "services/replayer/cause.h"
@@ -195,9 +196,9 @@ Result<std::optional<SampleDifference>> CellRehearsal::Compare(CellSession& sess
   if (!found && hangs) {
     ReportIncomparable(
         session,
-        fmt::format("not comparable: {}, {} times; repeat it on a computer with time to "
+        fmt::format("not comparable: {} in {}; repeat it on a computer with time to "
                     "spare, and look into the synchronizer's log if it is so again",
-                    stillness.why, kTries));
+                    stillness.why, Counted(kTries, "try", "tries")));
   }
   if (counts.recorded_in_part() && counts.run_count() == 0) {
     ReportIncomparable(session, counts.part_reason());
