@@ -25,8 +25,9 @@ constexpr double kUsualWidthMm = 50;
 constexpr double kGrowth = 1.0 / 20;  // of the plan, between two clouds of what was made
 constexpr std::uint64_t kBeamNs = 50'000'000;
 constexpr double kBeamAboveMm = 20, kFocusMm = 0.6, kPlateMm = 3, kPlateMarginMm = 10;
-/// A path of more points than this is not one of ours: the file is damaged.
-constexpr std::uint64_t kMaxPoints = 200'000'000;
+/// Batches may be left out, as by --bulk thin. A gap of more points than this is none of
+/// ours: the file is damaged, and would fill the memory.
+constexpr std::uint64_t kMaxGap = 4'000'000;
 
 struct Rgba {
   std::uint8_t r, g, b, a;
@@ -226,12 +227,14 @@ Status JobScene::AddPath(const Value& batch, std::uint64_t time_ns) {
   const auto& y = MemberOf<Reals>(batch, "y_mm");
   const auto& z = MemberOf<Reals>(batch, "z_mm");
   const std::size_t count = std::min({x.size(), y.size(), z.size()});
-  if (first > kMaxPoints || count > kMaxPoints - first) {
-    return Fail(ErrorCode::kUnreadable,
-                fmt::format("{}: a batch of its path begins at point {}, and no path has "
-                            "more than {}",
-                            name_, first, Counted(kMaxPoints, "point")),
-                frame_);
+  if (first > points_.size() + kMaxGap) {
+    return Fail(
+        ErrorCode::kUnreadable,
+        fmt::format("{}: a batch of its path begins at point {}, far behind the {} "
+                    "before it: the recording is damaged; `intaglio recording "
+                    "info` names what is missing",
+                    name_, first, Counted(points_.size(), "point")),
+        frame_);
   }
   if (points_.size() < first + count) {
     points_.resize(first + count, {.outcome = kToCome});

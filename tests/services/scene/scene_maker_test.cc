@@ -165,6 +165,10 @@ TEST_F(SceneMakerTest, DamagedMessagesAreRefusedOrLeftOut) {
   ASSERT_FALSE(far);
   EXPECT_EQ(far.error().code, ErrorCode::kUnreadable);
   EXPECT_THAT(far.error().message, HasSubstr("18446744073709551614"));
+  EXPECT_FALSE(maker_.Add("PathBatch", "", PathOf("3-a", 100'000'000, 1), 1))
+      << "2 GB for one point";
+  EXPECT_TRUE(maker_.Add("PathBatch", "", PathOf("4-a", 300'000, 1), 1))
+      << "nine of ten batches were left out";
   Path("2-a", 2);
   Pulses("2-a", {{1, 99, kMade}, {2, 0, 77}});
   EXPECT_EQ(CountOf("job-2/new"), 0u);
