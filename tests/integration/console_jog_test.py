@@ -146,7 +146,8 @@ class Shop:
         return json.loads(answer[answer.index("{"):answer.rindex("}") + 1])["running"]
 
     def begin(self, finger, direction):
-        """The stage moves by this finger."""
+        """The stage moves by this finger; the direction in which it does: near the end of the
+        travel it is the other one."""
         for _ in range(20):
             finger.press += 1
             finger.send("")
@@ -156,9 +157,11 @@ class Shop:
             for i in range(40):
                 if not finger.read():
                     break
+                if i == 0:
+                    direction = away_from_the_end(finger.view["axes"][0], direction)
                 finger.send("jog", direction)
                 if i > 8 and finger.view["held_here"] and self.runs():
-                    return
+                    return direction
         raise AssertionError(f"it does not move: {finger.view} {finger.refusal}")
 
     def rest_after(self, each=lambda: None):
@@ -169,6 +172,12 @@ class Shop:
             if not self.runs():
                 return time.monotonic() - last
         raise AssertionError("the stage still moves")
+
+
+def away_from_the_end(axis, direction, margin_mm=20):
+    if axis["position"] < axis["min"] + margin_mm:
+        return 1.0
+    return -1.0 if axis["position"] > axis["max"] - margin_mm else direction
 
 
 def lift(shop, finger, _):
@@ -217,7 +226,7 @@ def try_each(shop, tries):
         for i in range(tries):
             direction = 1.0 if i % 2 == 0 else -1.0
             finger = Finger(shop.port, shop.key)
-            shop.begin(finger, direction)
+            direction = shop.begin(finger, direction)
             rests_s.append(end(shop, finger, direction))
             finger.socket.close()
         rests_s.sort()
