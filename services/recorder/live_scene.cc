@@ -12,11 +12,14 @@ LiveScene::LiveScene()
     : maker_(std::make_unique<scene::SceneMaker>(
           [this](const std::string& topic, const google::protobuf::Message& message,
                  std::uint64_t time_ns) -> Status {
-            const auto& type = *message.GetDescriptor();
+            RecordingSeries::Derived& of = derived_[topic];
+            if (of.topic.empty()) {
+              const auto& type = *message.GetDescriptor();
+              of = {scene::TopicInFile(topic), type.full_name(), scene::kProtobuf,
+                    scene::SchemaOf(type)};
+            }
             const std::string bytes = message.SerializeAsString();
-            series_->Write({scene::TopicInFile(topic), type.full_name(), scene::kProtobuf,
-                            scene::SchemaOf(type)},
-                           time_ns, std::as_bytes(std::span(bytes)));
+            series_->Write(of, time_ns, std::as_bytes(std::span(bytes)));
             return {};
           })) {}
 

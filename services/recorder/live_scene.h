@@ -35,8 +35,9 @@ class LiveScene {
 
  private:
   std::unique_ptr<scene::SceneMaker> maker_;
-  RecordingSeries* series_ = nullptr;  // where the scene is written
-  std::uint32_t file_number_ = 0;      // in which it has begun
+  RecordingSeries* series_ = nullptr;                        // where the scene is written
+  std::uint32_t file_number_ = 0;                            // in which it has begun
+  std::map<std::string, RecordingSeries::Derived> derived_;  // by topic of the scene
   std::map<std::string, Result<recording::IdlTypes>> types_;  // by their name
 };
 

@@ -10,6 +10,7 @@
 #include "engrave/core/try.h"
 #include "proto/foxglove.pb.h"
 #include "services/job/machine/machine_axes.h"
+#include "services/scene/message_schema.h"
 
 namespace intaglio::scene {
 namespace {
@@ -39,11 +40,6 @@ constexpr Rgba kPlanColour{150, 155, 165, 255}, kMadeColour{40, 150, 255, 255},
 Rgba ColourOf(std::uint8_t outcome) {
   if (outcome == kMissed) return kMissedColour;
   return outcome == kUncertain ? kUncertainColour : kMadeColour;
-}
-
-void SetTime(std::uint64_t time_ns, google::protobuf::Timestamp& time) {
-  time.set_seconds(static_cast<std::int64_t>(time_ns / 1'000'000'000));
-  time.set_nanos(static_cast<std::int32_t>(time_ns % 1'000'000'000));
 }
 
 template <typename Message>  // Vector3 or Point3

@@ -25,6 +25,11 @@ std::string SchemaOf(const pb::Descriptor& message) {
   return set.SerializeAsString();
 }
 
+void SetTime(std::uint64_t time_ns, google::protobuf::Timestamp& time) {
+  time.set_seconds(static_cast<std::int64_t>(time_ns / 1'000'000'000));
+  time.set_nanos(static_cast<std::int32_t>(time_ns % 1'000'000'000));
+}
+
 std::string TopicInFile(const std::string& topic) { return "/" + topic; }
 
 }  // namespace intaglio::scene

@@ -1,8 +1,9 @@
 #pragma once
 
-// The schema of a Protobuf message as MCAP files carry it.
+// What a Protobuf message needs in an MCAP file: its schema, its topic, its time.
 
 #include <google/protobuf/descriptor.h>
+#include <google/protobuf/timestamp.pb.h>
 
 #include <string>
 
@@ -14,6 +15,9 @@ inline constexpr char kProtobuf[] = "protobuf";
 /// A serialized FileDescriptorSet with the file of the message and all that it imports,
 /// each behind those that it imports itself.
 std::string SchemaOf(const google::protobuf::Descriptor& message);
+
+/// Nanoseconds since 1970 as a message has them.
+void SetTime(std::uint64_t time_ns, google::protobuf::Timestamp& time);
 
 /// The topic of a message of a scene, in its file.
 std::string TopicInFile(const std::string& topic);

@@ -64,8 +64,8 @@ void AddJobs(const McapReader& reader, SceneMaker& maker) {
 }
 
 std::string CellOf(const recording::Channel& channel) {
-  const auto found = channel.metadata.find("partition");
-  return found == channel.metadata.end() ? std::string() : found->second;
+  const auto stream = recording::StreamOf(channel);
+  return stream ? stream->partition : std::string();
 }
 
 std::set<std::uint16_t> DrawnChannels(const McapReader& reader) {

@@ -8,6 +8,7 @@
 #include "engrave/core/try.h"
 #include "proto/foxglove.pb.h"
 #include "services/scene/job_scene.h"
+#include "services/scene/message_schema.h"
 
 namespace intaglio::scene {
 namespace {
@@ -72,9 +73,7 @@ void SceneMaker::ForgetOldest() {
 
 Status SceneMaker::AddAlarm(const recording::Value& alarm, std::uint64_t time_ns) {
   foxglove::Log log;
-  log.mutable_timestamp()->set_seconds(
-      static_cast<std::int64_t>(time_ns / 1'000'000'000));
-  log.mutable_timestamp()->set_nanos(static_cast<std::int32_t>(time_ns % 1'000'000'000));
+  SetTime(time_ns, *log.mutable_timestamp());
   log.set_level(LevelOf(MemberOf<std::string>(alarm, "severity")));
   log.set_message(MemberOf<std::string>(alarm, "message"));
   log.set_name(MemberOf<std::string>(alarm, "instance"));

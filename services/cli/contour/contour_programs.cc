@@ -15,6 +15,21 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::size_t kMaxTemplateFile = 1 << 20;
 
+/// A template with the fragments of drilling. `option`: by which it was chosen.
+Result<post::Template> ReadCycleTemplate(const std::string& name,
+                                         const command_line::SuppliedKind& kind,
+                                         const char* option,
+                                         const post::Parameters& parameters) {
+  auto file = command_line::FindSupplied(name, kind);
+  if (!file) {
+    Error error = file.error();
+    error.message = fmt::format("{}: {}", option, error.message);
+    return tl::unexpected(error);
+  }
+  const std::string text = INTAGLIO_TRY(io::ReadWholeFile(*file, kMaxTemplateFile));
+  return post::ParseDrillTemplate(text, file->string(), parameters);
+}
+
 Result<post::Template> ReadDrillTemplate(const ContourProgramOptions& options) {
   const std::string& name =
       options.drill_template.empty() ? options.mill_template : options.drill_template;
@@ -24,14 +39,12 @@ Result<post::Template> ReadDrillTemplate(const ContourProgramOptions& options) {
                     " is a template for milling: give one for drilling, too",
                 name);
   }
-  auto file = command_line::FindSupplied(name, kDrillTemplates);
-  if (!file) {
-    Error error = file.error();
-    error.message = "--drill-template: " + error.message;
-    return tl::unexpected(error);
-  }
-  const std::string text = INTAGLIO_TRY(io::ReadWholeFile(*file, kMaxTemplateFile));
-  return post::ParseDrillTemplate(text, file->string(), options.parameters);
+  return ReadCycleTemplate(name, kDrillTemplates, "--drill-template", options.parameters);
+}
+
+Result<post::Template> ReadProbeTemplate(const ContourProgramOptions& options) {
+  return ReadCycleTemplate(fs::path(options.mill_template).stem().string(),
+                           kProbeTemplates, "--probe-grid", options.parameters);
 }
 
 /// Beside `out`: its name and `ending`.
@@ -56,18 +69,6 @@ post::DrillRound ProbesOf(const ContourWork& work, double step_mm) {
   for (const post::DrillRound& round : work.rounds)
     for (const Vec2& place_mm : round.places_mm) extend(place_mm);
   return {0, post::ProbePlaces(box.min_mm.head<2>(), box.max_mm.head<2>(), step_mm)};
-}
-
-Result<post::Template> ReadProbeTemplate(const ContourProgramOptions& options) {
-  auto file = command_line::FindSupplied(fs::path(options.mill_template).stem().string(),
-                                         kProbeTemplates);
-  if (!file) {
-    Error error = file.error();
-    error.message = "--probe-grid: " + error.message;
-    return tl::unexpected(error);
-  }
-  const std::string text = INTAGLIO_TRY(io::ReadWholeFile(*file, kMaxTemplateFile));
-  return post::ParseDrillTemplate(text, file->string(), options.parameters);
 }
 
 /// Its holes are as deep as its parameters and text say, whatever the course has.

@@ -68,6 +68,14 @@ void PrintTorn(const McapReader& reader) {
              client::GroupedCount(bytes, "byte"), IsOrAre(bytes));
 }
 
+recording::MessageQuery SpanOf(const Options& options, const McapReader& reader) {
+  recording::MessageQuery query;
+  if (options.from_s > 0)
+    query.from_ns = LogTimeAt(reader, options.from_s).value_or(UINT64_MAX);
+  query.to_ns = LogTimeAt(reader, options.to_s);
+  return query;
+}
+
 int Copy(const Options& options, const std::string& default_ending) {
   const auto readers = OpenAll(options);
   if (!readers) return Complain(readers.error());
@@ -78,9 +86,9 @@ int Copy(const Options& options, const std::string& default_ending) {
   recording::CopyOptions copy;
   copy.library = first.contents().header.library;
   copy.topics = options.topics;
-  if (options.from_s > 0)
-    copy.from_ns = LogTimeAt(first, options.from_s).value_or(UINT64_MAX);
-  copy.to_ns = LogTimeAt(first, options.to_s);
+  const recording::MessageQuery span_ns = SpanOf(options, first);
+  copy.from_ns = span_ns.from_ns;
+  copy.to_ns = span_ns.to_ns;
   fs::path out = options.out;
   if (out.empty()) {
     out = fs::path(options.files.front()).replace_extension("").string() + default_ending;
@@ -109,14 +117,6 @@ std::set<std::uint16_t> ChannelsOfMessages(const McapReader& reader) {
   for (const auto& [id, channel] : reader.contents().channels)
     if (channel.message_encoding != scene::kProtobuf) ids.insert(id);
   return ids;
-}
-
-recording::MessageQuery SpanOf(const Options& options, const McapReader& reader) {
-  recording::MessageQuery query;
-  if (options.from_s > 0)
-    query.from_ns = LogTimeAt(reader, options.from_s).value_or(UINT64_MAX);
-  query.to_ns = LogTimeAt(reader, options.to_s);
-  return query;
 }
 
 Status ExportMessages(const Options& options, const McapReader& reader,
