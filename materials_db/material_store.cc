@@ -124,6 +124,10 @@ std::filesystem::path DefaultDatabasePath() {
   return std::filesystem::path("/var/lib") / kFile;
 }
 
+std::filesystem::path DatabasePathOf(const std::string& named) {
+  return named.empty() ? DefaultDatabasePath() : std::filesystem::path(named);
+}
+
 MaterialStore::MaterialStore(std::unique_ptr<SQLite::Database> database,
                              std::filesystem::path file)
     : database_(std::move(database)), file_(std::move(file)) {}

@@ -24,6 +24,8 @@ namespace intaglio::materials_db {
 /// $XDG_DATA_HOME/intaglio/materials.db, else ~/.local/share/intaglio/materials.db, else
 /// (no home, a system service) /var/lib/intaglio/materials.db.
 std::filesystem::path DefaultDatabasePath();
+/// The file that a person named; the user's where none was named.
+std::filesystem::path DatabasePathOf(const std::string& named);
 
 /// Another name of a glass with the same index.
 struct GlassAlias {

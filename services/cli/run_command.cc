@@ -338,8 +338,7 @@ int RunJob(const RunOptions& given) {
     return Complain(taken.error(), client::kExitWrongInput);
   auto job = BuildJobToEngrave(options.job);
   if (!job) return Complain(job.error(), client::kExitWrongInput);
-  if (options.materials_db.empty())
-    options.materials_db = materials_db::DefaultDatabasePath().string();
+  options.materials_db = materials_db::DatabasePathOf(options.materials_db).string();
   if (MakesMarks(job->job))
     return RunSession(std::move(options), std::move(*job), std::nullopt).Run();
   const auto optics = FindOptics(*job, options.materials_db);

@@ -243,8 +243,7 @@ int Up(const UpOptions& options) {
   client::ServiceSetOptions set;
   set.folder = fs::absolute(options.folder);
   set.results = set.folder / "jobs";
-  set.materials_db = options.materials_db.empty() ? materials_db::DefaultDatabasePath()
-                                                  : fs::path(options.materials_db);
+  set.materials_db = materials_db::DatabasePathOf(options.materials_db);
   set.machine = client::WithKeptTaught(set.folder, *machine);
   set.bus = options.bus;
   set.bus.cell = machine->name();

@@ -83,9 +83,7 @@ int Finish(const BatchOptions& options, const BatchResults& results, bool interr
 
 int Batch(const BatchOptions& given) {
   BatchOptions options = given;
-  options.source.materials_db = options.materials_db.empty()
-                                    ? materials_db::DefaultDatabasePath()
-                                    : fs::path(options.materials_db);
+  options.source.materials_db = materials_db::DatabasePathOf(options.materials_db);
   if (auto good = CheckResultsFile(options.results); !good) {
     return Complain(good.error(), client::kExitWrongInput);
   }

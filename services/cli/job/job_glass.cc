@@ -27,9 +27,8 @@ Result<materials_db::Material> FindGlass(JobAndMachine& job,
 
 Result<materials_db::Material> FindGlass(JobAndMachine& job,
                                          const std::string& materials_db) {
-  const auto store = INTAGLIO_TRY(materials_db::MaterialStore::Open(
-      materials_db.empty() ? materials_db::DefaultDatabasePath()
-                           : fs::path(materials_db)));
+  const auto store = INTAGLIO_TRY(
+      materials_db::MaterialStore::Open(materials_db::DatabasePathOf(materials_db)));
   return FindGlass(job, store);
 }
 

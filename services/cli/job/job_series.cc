@@ -40,9 +40,8 @@ Result<std::vector<JobAndMachine>> BuildSeries(const JobFlags& flags,
   const auto rows = INTAGLIO_TRY(io::ReadCsv(table));
   auto jobs = MakeSeries(pattern, rows, fs::absolute(table).parent_path());
   if (!jobs) return tl::unexpected(Prefixed(jobs.error(), table.string() + ", "));
-  const auto materials = INTAGLIO_TRY(materials_db::MaterialStore::Open(
-      materials_db.empty() ? materials_db::DefaultDatabasePath()
-                           : fs::path(materials_db)));
+  const auto materials = INTAGLIO_TRY(
+      materials_db::MaterialStore::Open(materials_db::DatabasePathOf(materials_db)));
   std::vector<JobAndMachine> series;
   std::vector<Error> errors;
   for (std::size_t i = 0; i < jobs->size(); ++i) {

@@ -283,9 +283,7 @@ void AddFieldFlags(command_line::Command command, Flags& flags) {
 }
 
 int Run(const Flags& flags, Action action) {
-  auto store =
-      MaterialStore::Open(flags.database.empty() ? materials_db::DefaultDatabasePath()
-                                                 : std::filesystem::path(flags.database));
+  auto store = MaterialStore::Open(materials_db::DatabasePathOf(flags.database));
   if (!store) return Complain(store.error());
   const Status status = action(flags, *store);
   return status ? client::kExitGood : Complain(status.error());

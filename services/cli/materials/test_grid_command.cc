@@ -28,9 +28,8 @@ struct TestGridOptions {
 /// A grid that no machine makes is refused here, and not left behind: a person would
 /// engrave it in the shop.
 Status CheckGrid(const fs::path& file, const std::string& materials_db) {
-  const auto materials = INTAGLIO_TRY(materials_db::MaterialStore::Open(
-      materials_db.empty() ? materials_db::DefaultDatabasePath()
-                           : fs::path(materials_db)));
+  const auto materials = INTAGLIO_TRY(
+      materials_db::MaterialStore::Open(materials_db::DatabasePathOf(materials_db)));
   JobFlags flags;
   flags.job_file = file.string();
   INTAGLIO_TRY(CheckedAsInShop(BuildJob(flags), materials));

@@ -70,9 +70,7 @@ int Mount(const MountOptions& options, const std::string& cell,
           const Result<MachineSpec>& machine) {
   MountedParts named;
   if (machine) {
-    const fs::path materials = options.materials_db.empty()
-                                   ? materials_db::DefaultDatabasePath()
-                                   : fs::path(options.materials_db);
+    const fs::path materials = materials_db::DatabasePathOf(options.materials_db);
     auto mounted = NamedParts(options.parts, *machine, materials);
     if (!mounted) return Complain(mounted.error());
     named = std::move(*mounted);

@@ -57,8 +57,8 @@ client::StagePerGlass GlassesOf(const PulseOptions& options) {
   return [file = options.materials_db](const MachineSpec& machine,
                                        const MachineLens& lens,
                                        const std::string& glass) -> Result<double> {
-    const auto store = INTAGLIO_TRY(materials_db::MaterialStore::Open(
-        file.empty() ? materials_db::DefaultDatabasePath() : fs::path(file)));
+    const auto store = INTAGLIO_TRY(
+        materials_db::MaterialStore::Open(materials_db::DatabasePathOf(file)));
     const auto material = store.Find(glass);
     if (!material)
       return Fail(material.error().code, "--glass: " + material.error().message, glass);
