@@ -34,6 +34,7 @@
 #include "services/cli/teach/teach_command.h"
 #include "services/cli/terminal/command_outcome.h"
 #include "services/cli/up_command.h"
+#include "services/platform/host/process/software_version.h"
 
 namespace intaglio::cli {
 namespace {
@@ -53,7 +54,7 @@ constexpr const char* kNext = R"(Where to begin:
 
 std::unique_ptr<command_line::Program> IntaglioProgram() {
   auto program = std::make_unique<command_line::Program>("intaglio", kWelcome);
-  program->SetVersion(INTAGLIO_VERSION);
+  program->SetVersion(host::SoftwareVersion());
   const command_line::Command root = program->root();
   root.SetFooter(kNext);
   AddRunCommand(root);

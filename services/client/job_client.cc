@@ -193,6 +193,7 @@ void JobClient::Poll(std::chrono::milliseconds timeout) {
                                std::string(View(health.host)),
                                std::string(View(health.cell)),
                                std::string(View(health.message)),
+                               std::string(View(health.version)),
                                health.role,
                                health.state,
                                health.pid,

@@ -86,6 +86,7 @@ const JobView::Progress* StageAtWork(const JobView& job);
 
 struct ServiceView {
   std::string instance, host, cell, message;
+  std::string version;  ///< of its software
   intaglio_ServiceRole role = intaglio_ROLE_JOB_SERVICE;
   intaglio_HealthState state = intaglio_HEALTH_STARTING;
   int pid = 0;

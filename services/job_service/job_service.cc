@@ -223,6 +223,7 @@ void JobService::TakeHealth(Nanoseconds now) {
     view.state = health.state;
     view.cell = View(health.cell);
     view.message = View(health.message);
+    view.version = View(health.version);
     queue_.Take(view, now);
   };
   reports_.TakeHealth(take, now);

@@ -1,6 +1,7 @@
 #include "services/job_service/submission.h"
 
 #include <fmt/format.h>
+#include <google/protobuf/unknown_field_set.h>
 
 #include <filesystem>
 #include <optional>
@@ -41,6 +42,27 @@ std::optional<T> TakeOr(Result<T> result, const std::string& field,
   return {};
 }
 
+// A field of a newer client would be left out of the job without a word.
+std::optional<std::string> UnknownField(const google::protobuf::Message& message,
+                                        const std::string& path) {
+  const google::protobuf::Reflection& fields = *message.GetReflection();
+  if (const auto& unknown = fields.GetUnknownFields(message); !unknown.empty())
+    return fmt::format("{} has a field with number {}", path, unknown.field(0).number());
+  std::vector<const google::protobuf::FieldDescriptor*> set;
+  fields.ListFields(message, &set);
+  for (const auto* field : set) {
+    if (field->cpp_type() != field->CPPTYPE_MESSAGE) continue;
+    const int count = field->is_repeated() ? fields.FieldSize(message, field) : 1;
+    for (int i = 0; i < count; ++i) {
+      const auto& part = field->is_repeated()
+                             ? fields.GetRepeatedMessage(message, field, i)
+                             : fields.GetMessage(message, field);
+      if (auto found = UnknownField(part, path + "." + field->name())) return found;
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Result<FrozenJob> FreezeSubmission(std::span<const std::uint8_t> job_bytes,
@@ -51,6 +73,12 @@ Result<FrozenJob> FreezeSubmission(std::span<const std::uint8_t> job_bytes,
       !job.ParseFromArray(job_bytes.data(), static_cast<int>(job_bytes.size()))) {
     return Fail(ErrorCode::kUnreadable,
                 "the submission contains no job: use a client of the same version");
+  }
+  if (const auto unknown = UnknownField(job, "job")) {
+    return Fail(ErrorCode::kInvalidValue,
+                fmt::format("{} that this job service (version {}) does not know: use a "
+                            "client of the same version",
+                            *unknown, software_version));
   }
   if (const auto errors = CheckPaths(job); !errors.empty()) {
     return tl::unexpected(JoinErrors(errors));

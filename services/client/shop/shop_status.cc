@@ -76,6 +76,7 @@ class Builder {
       line.set_pid(service.pid);
       line.set_state(HealthName(service.state));
       line.set_message(service.message);
+      line.set_version(service.version);
       const bool fault = service.state == intaglio_HEALTH_FAULT;
       if (fault || !service.message.empty()) {
         const bool has_cell = service.role == intaglio_ROLE_SYNCHRONIZER ||
@@ -85,11 +86,27 @@ class Builder {
               service.message.empty() ? "reports a fault" : service.message);
       }
     }
+    NeedOneVersion();
     for (const intaglio_ServiceRole role :
          {intaglio_ROLE_JOB_SERVICE, intaglio_ROLE_DISCRETIZER, intaglio_ROLE_SORTER}) {
       if (!roles.contains(role)) Need(fmt::format("no {} runs", RoleName(role)));
     }
     if (synchronizers_.empty() && bridges_.empty()) Need("no machine is there");
+  }
+
+  // A service that another host has kept from before an upgrade gets no task.
+  void NeedOneVersion() {
+    const auto job_service =
+        std::ranges::find(shop_.services, intaglio_ROLE_JOB_SERVICE, &ServiceView::role);
+    if (job_service == shop_.services.end()) return;
+    for (const ServiceView& service : shop_.services) {
+      if (service.version == job_service->version) continue;
+      Need(fmt::format(
+          "{} on {} has version {}, the job service {}: restart the older one when no "
+          "job "
+          "is engraved; until then it is given nothing to do",
+          service.instance, service.host, service.version, job_service->version));
+    }
   }
 
   void AddJobs() {

@@ -69,12 +69,25 @@ bool WorkerBook::Serves(const Worker& worker, intaglio_ServiceRole role,
          (role != intaglio_ROLE_SYNCHRONIZER || worker.view.cell == cell);
 }
 
+const WorkerView* WorkerBook::OfAnotherVersion(const WorkerView& worker) const {
+  const std::string ours = host::SoftwareVersion();
+  if (worker.version != ours) return &worker;
+  if (worker.role != intaglio_ROLE_SYNCHRONIZER) return nullptr;
+  for (const auto& [instance, other] : workers_) {
+    const WorkerView& view = other.view;
+    const bool of_machine = other.alive && view.cell == worker.cell &&
+                            view.role == intaglio_ROLE_MOTION_BRIDGE;
+    if (of_machine && view.version != ours) return &view;
+  }
+  return nullptr;
+}
+
 std::vector<std::string> WorkerBook::Free(intaglio_ServiceRole role,
                                           const std::string& cell) const {
   std::vector<std::string> free;
   for (const auto& [instance, worker] : workers_) {
     if (Serves(worker, role, cell) && worker.view.state == intaglio_HEALTH_READY &&
-        worker.has.task.empty()) {
+        worker.has.task.empty() && OfAnotherVersion(worker.view) == nullptr) {
       free.push_back(instance);
     }
   }
@@ -87,8 +100,8 @@ std::vector<std::string> WorkerBook::WithoutNext(intaglio_ServiceRole role,
   std::vector<std::string> without;
   for (const auto& [instance, worker] : workers_) {
     const Assignment& at = worker.has.task;
-    const bool works =
-        worker.alive && worker.view.role == role && at.answered && !at.revoked;
+    const bool works = worker.alive && worker.view.role == role && at.answered &&
+                       !at.revoked && OfAnotherVersion(worker.view) == nullptr;
     if (works && at.task.job_uid == job_uid && at.task.attempt == attempt &&
         worker.has.next.empty()) {
       without.push_back(instance);
@@ -103,13 +116,20 @@ std::string WorkerBook::WhyNone(intaglio_ServiceRole role, const std::string& ce
   if (role == intaglio_ROLE_SYNCHRONIZER) text += " of " + cell;
   const Worker* seen = nullptr;
   for (const auto& [instance, worker] : workers_) {
-    if (Serves(worker, role, cell)) seen = &worker;
+    if (!Serves(worker, role, cell)) continue;
+    if (seen == nullptr || OfAnotherVersion(seen->view) != nullptr) seen = &worker;
   }
   if (seen == nullptr)
     return text + (all_reported ? " (none runs)" : " (none has reported yet)");
   if (seen->view.state == intaglio_HEALTH_FAULT) {
     return fmt::format("{} ({} has a fault: {})", text, seen->view.instance,
                        seen->view.message);
+  }
+  if (const WorkerView* other = OfAnotherVersion(seen->view)) {
+    return fmt::format(
+        "{} ({} has version {}, the job service {}: restart the older one when no job is "
+        "engraved)",
+        text, other->instance, other->version, host::SoftwareVersion());
   }
   return text + " (all are busy)";
 }

@@ -12,6 +12,10 @@
 // to be at work on a part may be given its next one ahead, which it then begins by
 // itself.
 //
+// Nothing new is given to a worker of another version than this job service, and no
+// engraving to a machine of which a service has another: a field that one of them does
+// not know would be left out without a word. What it has already it makes to its end.
+//
 // A lost worker is forgotten after kLostStaysFor, when kLostKept were lost after it:
 // until then it may come back, from a cut network. Used from one thread.
 
@@ -24,6 +28,7 @@
 #include "idl/service.h"
 #include "services/job_service/queue/ended_list.h"
 #include "services/job_service/records/task_id.h"
+#include "services/platform/host/process/software_version.h"
 
 namespace intaglio::job_service {
 
@@ -34,6 +39,7 @@ struct WorkerView {
   intaglio_HealthState state = intaglio_HEALTH_STARTING;
   std::string cell;
   std::string message;
+  std::string version = host::SoftwareVersion();
 };
 
 class WorkerBook {
@@ -103,6 +109,8 @@ class WorkerBook {
   };
   bool Serves(const Worker& worker, intaglio_ServiceRole role,
               const std::string& cell) const;
+  /// A service whose version keeps this worker from a task; nullptr: there is none.
+  const WorkerView* OfAnotherVersion(const WorkerView& worker) const;
   Assignment* Find(const std::string& instance, const TaskId& task);
 
   std::map<std::string, Worker> workers_;

@@ -164,7 +164,8 @@ void FakeShop::Write(intaglio_Stage stage, const std::string& instance,
   sample.instance = Borrow(name);
   sample.role = kRoles[stage];
   sample.state = state;
-  sample.host = sample.job_uid = sample.version = sample.message = Borrow(empty);
+  sample.version = Borrow(version_);
+  sample.host = sample.job_uid = sample.message = Borrow(empty);
   sample.cell = Borrow(stage == intaglio_STAGE_ENGRAVE ? kCell : empty);
   auto& writer = health_.at(stage);
   (void)(dispose ? writer.Dispose(sample) : writer.Write(sample));

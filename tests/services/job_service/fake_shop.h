@@ -13,6 +13,7 @@
 #include "proto/job.pb.h"
 #include "proto/task.pb.h"
 #include "services/platform/bus/flow.h"
+#include "services/platform/host/process/software_version.h"
 #include "tests/services/platform/bus/private_bus.h"
 
 namespace intaglio::job_service {
@@ -72,6 +73,8 @@ class FakeShop {
   /// Publishes a worker's health; the worker appears with the first one.
   void Health(intaglio_Stage stage, const std::string& instance,
               intaglio_HealthState state);
+  /// The version that workers have from their next health on.
+  void SetVersion(const std::string& version) { version_ = version; }
   void Die(intaglio_Stage stage, const std::string& instance);
   void Report(const TaskCopy& task, intaglio_Stage stage, intaglio_TaskState state,
               std::uint64_t done, std::uint64_t total,
@@ -108,6 +111,7 @@ class FakeShop {
   const std::vector<std::string>& models() const { return models_; }
 
  private:
+  std::string version_ = host::SoftwareVersion();
   /// Without what FullName adds, wherever it is.
   std::string ShortNames(std::string_view text) const;
   void Write(intaglio_Stage stage, const std::string& instance,

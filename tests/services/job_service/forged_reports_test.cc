@@ -6,6 +6,7 @@
 
 #include "services/platform/bus/role_names.h"
 #include "services/platform/bus/samples.h"
+#include "services/platform/host/process/software_version.h"
 #include "tests/services/job/test_job.h"
 #include "tests/services/job_service/fake_shop.h"
 #include "tests/test_folder.h"
@@ -34,7 +35,8 @@ class Forger {
     sample.role = role;
     sample.state = state;
     sample.cell = Borrow(cell_);
-    sample.host = sample.job_uid = sample.version = sample.message = Borrow(empty_);
+    sample.version = Borrow(version_);
+    sample.host = sample.job_uid = sample.message = Borrow(empty_);
     return sample;
   }
   void Health(const std::string& instance, intaglio_ServiceRole role,
@@ -71,7 +73,7 @@ class Forger {
   bus::Writer<intaglio_ServiceHealth> health_;
   bus::Writer<intaglio_TaskStatus> tasks_;
   std::string instance_, cell_;
-  const std::string empty_;
+  const std::string empty_, version_ = host::SoftwareVersion();
 };
 
 class ForgedReports : public testing::Test {

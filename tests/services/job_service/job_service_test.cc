@@ -129,6 +129,22 @@ TEST_F(JobServiceTest, HappyPath) {
   EXPECT_EQ(service_->Stop(), 0);
 }
 
+TEST_F(JobServiceTest, AMachineOfAnotherVersionIsGivenNothingUntilItIsRestarted) {
+  shop_.Submit("one", GoodJob());
+  ASSERT_TRUE(Reaches(intaglio_JOB_QUEUED));
+  shop_.SetVersion("0.0.9");
+  ReadyAll();
+  ASSERT_TRUE(shop_.Until([&] {
+    return Job().message.find("y has version 0.0.9, the job service ") !=
+           std::string::npos;
+  }));
+  EXPECT_EQ(Job().state, intaglio_JOB_QUEUED);
+  EXPECT_TRUE(shop_.Task(intaglio_STAGE_ENGRAVE).worker.empty());
+  shop_.SetVersion(host::SoftwareVersion());
+  ReadyAll();
+  EXPECT_TRUE(HasTasks(1));
+}
+
 TEST_F(JobServiceTest, ARefusalNamesEveryMistake) {
   JobSpec job = GoodJob();
   job.set_glass("unobtainium");

@@ -16,6 +16,7 @@
 #include "services/platform/host/process/bounded_end.h"
 #include "services/platform/host/process/init_system.h"
 #include "services/platform/host/process/log.h"
+#include "services/platform/host/process/software_version.h"
 #include "services/platform/link/real_time.h"
 
 namespace intaglio::host {
@@ -107,8 +108,6 @@ int EndByFault(ServiceHost& host, const char* code, const std::string& why) {
 }
 
 }  // namespace
-
-const char* SoftwareVersion() { return INTAGLIO_VERSION; }
 
 struct ServiceHost::Impl {
   Impl(const ServiceDescription& service, const bus::BusOptions& options)

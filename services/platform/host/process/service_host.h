@@ -64,7 +64,4 @@ class ServiceHost {
 int RunService(const ServiceDescription& description, int argc, char** argv,
                const std::function<int(ServiceHost&)>& body);
 
-/// Version of the software, e.g. "0.1.0".
-const char* SoftwareVersion();
-
 }  // namespace intaglio::host

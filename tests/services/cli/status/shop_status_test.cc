@@ -22,6 +22,7 @@ client::ServiceView Service(intaglio_ServiceRole role, const std::string& cell =
   service.role = role;
   service.cell = cell;
   service.state = intaglio_HEALTH_READY;
+  service.version = "0.2.0";
   return service;
 }
 
@@ -51,6 +52,14 @@ void ExpectNeed(const ShopSnapshot& shop, const std::string& why) {
   EXPECT_THAT(status.needs(0), HasSubstr(why));
   EXPECT_THAT(TextOf(status), HasSubstr("NEEDS A PERSON"));
   EXPECT_THAT(TextOf(status), HasSubstr("to do      "));
+}
+
+TEST(ShopStatus, AServiceOfAnotherVersionIsNamedWithBoth) {
+  ShopSnapshot shop = GoodShop();
+  shop.services[3].version = "0.1.9";
+  shop.services[3].host = "mill-room";
+  ExpectNeed(shop, shop.services[3].instance +
+                       " on mill-room has version 0.1.9, the job service 0.2.0: restart");
 }
 
 TEST(ShopStatus, AllIsWellInAShopThatWaitsForJobs) {

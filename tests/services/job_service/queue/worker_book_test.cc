@@ -1,5 +1,6 @@
 #include "services/job_service/queue/worker_book.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 namespace intaglio::job_service {
@@ -8,6 +9,7 @@ namespace {
 using namespace std::chrono_literals;
 using testing::ElementsAre;
 using testing::IsEmpty;
+using testing::StartsWith;
 
 class WorkerBookTest : public testing::Test {
  protected:
@@ -15,6 +17,10 @@ class WorkerBookTest : public testing::Test {
               intaglio_ServiceRole role = intaglio_ROLE_DISCRETIZER,
               const std::string& cell = "") {
     book_.Update({instance, role, state, cell, ""}, now_);
+  }
+  void UpdateOfVersion(const std::string& instance, intaglio_ServiceRole role,
+                       const std::string& version) {
+    book_.Update({instance, role, intaglio_HEALTH_READY, "c", "", version}, now_);
   }
   std::vector<std::string> Free() { return book_.Free(intaglio_ROLE_DISCRETIZER, "c"); }
   std::vector<std::string> WithoutNext() {
@@ -44,6 +50,42 @@ TEST_F(WorkerBookTest, ASynchronizerServesItsCellAlone) {
   EXPECT_THAT(book_.Free(intaglio_ROLE_SYNCHRONIZER, "another"), IsEmpty());
   EXPECT_EQ(book_.WhyNone(intaglio_ROLE_SYNCHRONIZER, "another", "marker", true),
             "a marker of another (none runs)");
+}
+
+TEST_F(WorkerBookTest, OneOfAnotherVersionGetsNothing) {
+  UpdateOfVersion("old", intaglio_ROLE_DISCRETIZER, "0.0.9");
+  EXPECT_THAT(Free(), IsEmpty());
+  EXPECT_EQ(
+      book_.WhyNone(intaglio_ROLE_DISCRETIZER, "c", "", true),
+      fmt::format("a discretizer (old has version 0.0.9, the job service {}: restart "
+                  "the older one when no job is engraved)",
+                  host::SoftwareVersion()));
+  Update("new", intaglio_HEALTH_BUSY);
+  EXPECT_EQ(book_.WhyNone(intaglio_ROLE_DISCRETIZER, "c", "", true),
+            "a discretizer (all are busy)");
+  Update("new", intaglio_HEALTH_READY);
+  EXPECT_THAT(Free(), ElementsAre("new"));
+}
+
+TEST_F(WorkerBookTest, ABridgeOfAnotherVersionKeepsItsMachineFromEngraving) {
+  Update("y", intaglio_HEALTH_READY, intaglio_ROLE_SYNCHRONIZER, "c");
+  Update("y2", intaglio_HEALTH_READY, intaglio_ROLE_SYNCHRONIZER, "c2");
+  UpdateOfVersion("b", intaglio_ROLE_MOTION_BRIDGE, "0.0.9");
+  EXPECT_THAT(book_.Free(intaglio_ROLE_SYNCHRONIZER, "c"), IsEmpty());
+  EXPECT_THAT(book_.WhyNone(intaglio_ROLE_SYNCHRONIZER, "c", "synchronizer", true),
+              StartsWith("a synchronizer of c (b has version 0.0.9, "));
+  EXPECT_THAT(book_.Free(intaglio_ROLE_SYNCHRONIZER, "c2"), ElementsAre("y2"));
+  book_.Lose("b", now_);
+  EXPECT_THAT(book_.Free(intaglio_ROLE_SYNCHRONIZER, "c"), ElementsAre("y"));
+}
+
+// What it makes it makes to its end, and nothing more.
+TEST_F(WorkerBookTest, OneOfAnotherVersionKeepsItsTaskAndGetsNoNext) {
+  UpdateOfVersion("old", intaglio_ROLE_DISCRETIZER, "0.0.9");
+  book_.Assign("old", first_, now_);
+  book_.Answered("old", first_);
+  EXPECT_TRUE(book_.IsAssigned("old", first_));
+  EXPECT_THAT(WithoutNext(), IsEmpty());
 }
 
 // A task to a worker that still drops an older one could be lost.

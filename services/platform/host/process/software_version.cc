@@ -1,0 +1,7 @@
+#include "services/platform/host/process/software_version.h"
+
+namespace intaglio::host {
+
+const char* SoftwareVersion() { return INTAGLIO_VERSION; }
+
+}  // namespace intaglio::host
