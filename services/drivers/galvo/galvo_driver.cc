@@ -29,6 +29,10 @@ std::string FaultOf(HeadRunState state) {
              "reset and begin again";
     case HeadRunState::kBadBlock:
       return "the scan head refused a block of ticks: report it with the logs";
+    case HeadRunState::kOutside:
+      return "the web ran so unevenly that a mark left the field: let it run slower or "
+             "more "
+             "evenly, or keep marks farther from the border";
     default:
       return {};
   }

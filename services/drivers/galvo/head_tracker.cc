@@ -34,9 +34,9 @@ void HeadTracker::Begin(std::uint16_t step_ticks) {
                             (static_cast<double>(first_.size() - 1) * period_s_);
   // Its first update is a period after what it begins with, and so is the first sample:
   // a web of 1 m/s would be a millimetre ahead of itself until that has settled.
-  const auto before =
+  first_count_ =
       first_.front().encoder_count - std::llround(speed_mm_s * period_s_ / count_mm_);
-  follower_.emplace(options, before, speed_mm_s);
+  follower_.emplace(options, first_count_, speed_mm_s);
   for (const link::HeadWebSample& sample : first_)
     newest_mm_ = follower_->Update(sample.encoder_count, sample.edge_mm);
   first_.clear();
@@ -58,14 +58,22 @@ void HeadTracker::Take(const link::HeadWeb& web, double rate_hz) {
 }
 
 // A sample is of the end of its tick; the follower adds half of its period.
-Vec2 HeadTracker::At(std::uint64_t tick, double later_s) {
-  if (!follower_) return Vec2::Zero();
+double HeadTracker::PlaceAt(std::uint64_t tick, double later_s) const {
   const double by_s =
       (static_cast<double>(tick) - static_cast<double>(newest_tick_) - 0.5) / rate_hz_ +
       later_s - period_s_ / 2;
+  return newest_mm_.x() + by_s * speed_mm_s();
+}
+
+Vec2 HeadTracker::At(std::uint64_t tick, double later_s) {
+  if (!follower_) return Vec2::Zero();
   const double now_mm = newest_mm_.x() - period_s_ / 2 * speed_mm_s();
   if (!zero_mm_) zero_mm_ = now_mm;
-  return {newest_mm_.x() + by_s * speed_mm_s() - *zero_mm_, newest_mm_.y()};
+  return {PlaceAt(tick, later_s) - *zero_mm_, newest_mm_.y()};
+}
+
+double HeadTracker::CountAt(std::uint64_t tick, double later_s) const {
+  return static_cast<double>(first_count_) + PlaceAt(tick, later_s) / count_mm_;
 }
 
 }  // namespace intaglio::drivers

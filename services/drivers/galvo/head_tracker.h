@@ -32,15 +32,22 @@ class HeadTracker {
   }
   /// At the middle of this tick and `later_s` after it; {0, 0} of a web that rests.
   Vec2 At(std::uint64_t tick, double later_s);
+  /// The encoder's count then, and how many a tick there are; once it is ready.
+  double CountAt(std::uint64_t tick, double later_s) const;
+  double counts_per_tick() const { return speed_mm_s() / rate_hz_ / count_mm_; }
+  double count_mm() const { return count_mm_; }
   double speed_mm_s() const { return follower_ ? follower_->speed_mm_s() : 0; }
 
  private:
   void Begin(std::uint16_t step_ticks);
+  /// Since the first count, mm.
+  double PlaceAt(std::uint64_t tick, double later_s) const;
 
   double count_mm_, edge_sensor_mm_;
   double rate_hz_ = 1e5, period_s_ = 0;
   std::vector<link::HeadWebSample> first_;  // until its speed is known
   std::optional<galvo::WebFollower> follower_;
+  std::int64_t first_count_ = 0;
   Vec2 newest_mm_ = Vec2::Zero();
   std::uint64_t newest_tick_ = 0;
   std::optional<double> zero_mm_;

@@ -172,6 +172,18 @@ Vec2 MarkPlayer::DisplacementAt(std::uint64_t tick) {
   return tracker_.At(tick, head_.servo_lag_s()) + Vec2(web_begin_mm_.value_or(0), 0);
 }
 
+// What the controller adds, where the web is elsewhere than DisplacementAt says. The
+// slope of the correction, some percent, is left out: it is of a part of a millimetre.
+link::HeadFollow MarkPlayer::FollowFrom(std::uint64_t first_tick) const {
+  const double lag_s = head_.servo_lag_s();
+  link::HeadFollow follow;
+  follow.count = tracker_.CountAt(first_tick, lag_s);
+  follow.counts_per_tick = tracker_.counts_per_tick();
+  follow.lead_ticks = static_cast<float>(0.5 + lag_s * rate_hz_);
+  follow.x_per_count = static_cast<float>(tracker_.count_mm() * 65536 / head_.field_mm());
+  return follow;
+}
+
 Status MarkPlayer::Place(std::uint64_t first_tick) {
   if (!tracker_.ready() || first_tick < retry_tick_) return {};
   INTAGLIO_TRY(MakeTicks(mirrors_mm_ - DisplacementAt(first_tick)));
@@ -236,7 +248,10 @@ Result<std::optional<link::HeadBlock>> MarkPlayer::NextBlock(std::uint64_t first
         "the mirrors do not reach it: with the correction, the lead of the servo or the "
         "web it is outside the field; move it away from the border"));
   }
-  if (tracker_.follows()) block.first_tick = first_tick;
+  if (tracker_.follows()) {
+    block.first_tick = first_tick;
+    block.follow = FollowFrom(first_tick);
+  }
   return block;
 }
 

@@ -55,6 +55,7 @@ class MarkPlayer {
   /// Of a web: makes the ticks when the mark can begin at that tick.
   Status Place(std::uint64_t first_tick);
   Vec2 DisplacementAt(std::uint64_t tick);
+  link::HeadFollow FollowFrom(std::uint64_t first_tick) const;
 
   ScanHead head_;
   std::optional<galvo::CorrectionTable> correction_;

@@ -25,7 +25,7 @@
 namespace intaglio::link {
 
 /// Grows with every change of a frame or payload; frames of another one are dropped.
-inline constexpr std::uint8_t kFrameVersion = 10;
+inline constexpr std::uint8_t kFrameVersion = 11;
 inline constexpr std::size_t kMaxPayload = 1024;
 inline constexpr std::size_t kFrameOverhead = 20;
 

@@ -34,6 +34,16 @@ void Edge(auto& io, auto& edge, std::uint16_t before, std::size_t ticks) {
              IsWithin(edge.frequency_hz, 0, kMaxHeadFrequency_hz));
 }
 
+void Follow(auto& io, auto& follow) {
+  io.Number(follow.count);
+  io.Number(follow.counts_per_tick);
+  io.Number(follow.lead_ticks);
+  io.Number(follow.x_per_count);
+  io.Require(std::isfinite(follow.count) && std::isfinite(follow.counts_per_tick) &&
+             IsWithin(follow.lead_ticks, 0, 1e4) &&
+             IsWithin(follow.x_per_count, -65536, 65536));
+}
+
 }  // namespace
 
 std::string HeadPowerUpText(const std::string& serial_number, std::uint32_t power_up) {
@@ -58,6 +68,7 @@ struct Layout<HeadBlock> : OnHeadLine {
   static void Fields(auto& io, auto& m) {
     io.Number(m.run);
     io.Number(m.first_tick);
+    Follow(io, m.follow);
     io.template Size<std::uint8_t>(m.edges, 0, kMaxHeadEdges);
     io.template Size<std::uint16_t>(m.ticks, 1, kMaxHeadTicks);
     io.Require(!GoesRound(m.first_tick, m.ticks.size()));
@@ -119,7 +130,7 @@ struct Layout<HeadStatus> : OnHeadLine {
     io.Number(m.sampled_tick);
     io.Number(m.openings);
     io.Number(m.run);
-    io.Enumerator(m.run_state, HeadRunState::kBadBlock);
+    io.Enumerator(m.run_state, HeadRunState::kOutside);
     io.Number(m.last_begun);
     io.Number(m.last_done);
     io.Number(m.drops_taken);

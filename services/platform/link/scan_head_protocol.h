@@ -12,6 +12,9 @@
 //   Time: a block with a first tick is played from that tick on; one without (0) behind
 //     what is queued. Between two blocks the mirrors rest. A block that comes after its
 //     first tick, and an empty queue while a mark is in hand, are an underrun.
+//   Web: the host sends ticks ahead, for where it thinks that the web will be. The
+//     controller reads the encoder in each tick and adds what the web is elsewhere
+//     (HeadFollow), so that how far ahead they are sent does not count.
 //   Beam: on only in ticks that say so, within a mark, while the newest HeadPermit is
 //     younger than 250 ms, key on, door closed, stop released, not in the safe state.
 //   Drops: HeadPermit(0), HeadStop, HeadPause, and all that ends the beam, end the run:
@@ -67,11 +70,23 @@ struct HeadTick {
   bool laser = false;
 };
 
+/// In the tick first_tick + i of its block the controller adds to x
+///   x_per_count * (C - (count + i * counts_per_tick)),
+/// where C is the encoder's count that it expects lead_ticks after the tick's beginning,
+/// by its own filter between two counts.
+struct HeadFollow {
+  double count = 0;  ///< that the host expected; finite, as all of these
+  double counts_per_tick = 0;
+  float lead_ticks = 0;   ///< 0..10000: half a tick and the lag of the mirrors
+  float x_per_count = 0;  ///< steps of x, -65536..65536; 0: nothing is added
+};
+
 struct HeadBlock {
   std::uint32_t run = 0;
   std::uint64_t first_tick = 0;  ///< 0: behind what is queued
-  std::vector<HeadEdge> edges;   ///< at most kMaxHeadEdges
-  std::vector<HeadTick> ticks;   ///< 1..kMaxHeadTicks
+  HeadFollow follow = {};
+  std::vector<HeadEdge> edges;  ///< at most kMaxHeadEdges
+  std::vector<HeadTick> ticks;  ///< 1..kMaxHeadTicks
 };
 inline constexpr std::size_t kMaxHeadTicks = 160;
 inline constexpr std::size_t kMaxHeadEdges = 16;
@@ -117,6 +132,7 @@ enum class HeadRunState : std::uint8_t {
   kInterlocked = 6,  ///< key, door or stop button
   kNoPermit = 7,     ///< no HeadPermit for 250 ms, or no host
   kBadBlock = 8,     ///< a mark that begins twice or ends without a beginning
+  kOutside = 9,      ///< the web took a lit tick out of the field
 };
 
 struct HeadStatus {

@@ -1,5 +1,7 @@
 #include "services/virtual_engraver/head/head_controller.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace intaglio::virtual_engraver {
@@ -154,6 +156,17 @@ bool HeadController::PassEdges(Queued& queued) {
   return true;
 }
 
+bool HeadController::FollowWeb(const link::HeadFollow& follow, std::size_t at,
+                               link::HeadTick& tick) const {
+  if (follow.x_per_count == 0) return true;
+  const double expected = follow.count + static_cast<double>(at) * follow.counts_per_tick;
+  const double elsewhere = web_counter_.Ahead(follow.lead_ticks) - expected;
+  const double x = tick.x + follow.x_per_count * elsewhere;
+  const double held = std::clamp(x, 0.0, 65535.0);
+  tick.x = static_cast<std::uint16_t>(std::lround(held));
+  return !tick.laser || held == x;
+}
+
 void HeadController::Output(const link::HeadTick& tick) {
   output_ = tick;
   output_.laser = tick.laser && in_hand_ && permitted_ && !safe_state_;
@@ -180,9 +193,14 @@ void HeadController::PassTick() {
   }
   if (due && !queue_.empty() && PassEdges(queue_.front())) {
     Queued& queued = queue_.front();
-    const link::HeadTick tick = queued.block.ticks[queued.next_tick++];
+    const std::size_t at = queued.next_tick++;
+    link::HeadTick tick = queued.block.ticks[at];
     --queued_ticks_;
-    Output(tick);
+    if (FollowWeb(queued.block.follow, at, tick)) {
+      Output(tick);
+    } else {
+      EnterSafeState(HeadRunState::kOutside);
+    }
     if (!queue_.empty() && PassEdges(queue_.front()) &&
         queue_.front().next_tick == queue_.front().block.ticks.size())
       queue_.pop_front();
@@ -191,6 +209,7 @@ void HeadController::PassTick() {
     physics_.PassTick(output_.x, output_.y, 1 / kHeadRate_hz);
   }
   if (finishing_ && queue_.empty()) EndRun(HeadRunState::kFinished);
+  web_counter_.Update(physics_.ReadEncoder());
   if (tick_ % kWebStepTicks == 0) SampleWeb();
 }
 

@@ -14,6 +14,7 @@
 #include "engrave/formats/mark_record.h"
 #include "services/virtual_engraver/head/head_memory.h"
 #include "services/virtual_engraver/head/head_physics.h"
+#include "services/virtual_engraver/head/web_counter.h"
 
 namespace intaglio::virtual_engraver {
 
@@ -69,6 +70,9 @@ class HeadController {
   void EnterSafeState(link::HeadRunState why);
   void EndRun(link::HeadRunState why);
   bool PassEdges(Queued& queued);
+  /// Moved with the web. False: it is lit and outside the field.
+  bool FollowWeb(const link::HeadFollow& follow, std::size_t at,
+                 link::HeadTick& tick) const;
   void Output(const link::HeadTick& tick);
   void SampleWeb();
 
@@ -76,6 +80,7 @@ class HeadController {
   std::function<void(const formats::BurntTick&)> burn_;
   HeadPhysics physics_;
   HeadMemory memory_;
+  WebCounter web_counter_;
   std::uint64_t tick_ = 0;
   std::deque<Queued> queue_;
   std::uint32_t queued_ticks_ = 0;

@@ -15,15 +15,16 @@ using ::testing::HasSubstr;
 
 struct Web {
   double diameter_mm, beam_mm_s, web_mm_s;
+  double wave_ratio = 0, wave_s = 1, count_um = 23;
 };
 
 struct Worst {
   double gap_um = 0, shape_um = 0, place_um = 0, diameter_um = 0;
 };
 
-MachineSpec WebProfile() {
+MachineSpec WebProfile(double count_um = 23) {
   MachineSpec machine = HeadProfile();
-  machine.mutable_scan_head()->set_encoder_count_um(23);
+  machine.mutable_scan_head()->set_encoder_count_um(count_um);
   return machine;
 }
 
@@ -55,10 +56,12 @@ void Measure(const std::vector<formats::BurntTick>& ticks, std::uint32_t mark,
 Worst MarkedOn(const Web& web, bool follow) {
   constexpr int kCircles = 24;
   constexpr double kPitch = 7;
-  MachineSpec machine = WebProfile();
+  MachineSpec machine = WebProfile(web.count_um);
   machine.mutable_scan_head()->set_follow_web(follow);
   auto truth = HeadTruthOf(machine);
   truth.physics.web_mm_s = web.web_mm_s;
+  truth.physics.web_wave_ratio = web.wave_ratio;
+  truth.physics.web_wave_s = web.wave_s;
   HeadBench bench(machine, truth);
   EXPECT_TRUE(bench.Connect());
   // Its speed is known to the tracker by then.
@@ -100,6 +103,32 @@ TEST(GalvoWeb, CirclesCloseAndLieInTheirPlaces) {
                    std::to_string(worst.gap_um) + " " + std::to_string(worst.shape_um) +
                        " " + std::to_string(worst.place_um) + " " +
                        std::to_string(worst.diameter_um));
+  }
+}
+
+// The controller adds what the encoder says in each tick: how far ahead its ticks were
+// sent does not count.
+TEST(GalvoWeb, ASpeedThatChangesByTenPercentIsFollowed) {
+  for (const Web& web : {Web{1, 500, 100, 0.1, 0.5}, Web{1.5, 1500, 200, 0.1, 0.2},
+                         Web{1.5, 1500, 250, 0.1, 1}}) {
+    const Worst worst = MarkedOn(web, true);
+    EXPECT_LE(worst.place_um, 20) << web.web_mm_s;
+    EXPECT_LE(worst.gap_um, 10) << web.web_mm_s;
+    EXPECT_LE(worst.diameter_um, 10) << web.web_mm_s;
+    RecordProperty("worst_" + std::to_string(static_cast<int>(web.web_mm_s)),
+                   std::to_string(worst.gap_um) + " " + std::to_string(worst.place_um) +
+                       " " + std::to_string(worst.diameter_um));
+  }
+}
+
+// The host reads it each millisecond: 10, 5 and 1 counts of these, and never a part of
+// one.
+TEST(GalvoWeb, WholeCountsAMillisecondAreNoBeat) {
+  for (const Web& web : {Web{1, 500, 100, 0, 1, 10}, Web{1, 500, 100, 0, 1, 20},
+                         Web{1, 500, 23, 0, 1, 23}}) {
+    const Worst worst = MarkedOn(web, true);
+    EXPECT_LE(worst.place_um, 20) << web.count_um;
+    EXPECT_LE(worst.gap_um, 10) << web.count_um;
   }
 }
 

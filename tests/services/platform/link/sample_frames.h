@@ -114,6 +114,7 @@ inline std::vector<SampleFrame> SampleFrames() {
        Encode(HeadBlock{
            3,
            4711,
+           {91.25, 0.0625, 20.5F, 15.0625F},
            {{1, true, 12, 0.5F, 20000}, {3, false, 12}},
            {{32768, 32768, false}, {30000, 41017, true}, {30010, 41027, true}}})},
       {"HeadFinish", head(HeadFrame::kHeadFinish), {}},
