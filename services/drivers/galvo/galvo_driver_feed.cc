@@ -58,7 +58,7 @@ void GalvoDriver::Pump() {
 bool GalvoDriver::SendNext() {
   if (!session_.CanSend() || credit_ < kTicksUnderWay) return false;
   const bool web = player_.tracker().follows();
-  double ahead_s = 1e-3 * (head_.has_ahead_ms() ? head_.ahead_ms() : kDefaultAheadMs);
+  double ahead_s = AheadSeconds(head_);
   if (!web) ahead_s = std::max(ahead_s, kRestAheadSeconds);
   const auto ahead = static_cast<std::uint64_t>(ahead_s * identity_.rate_hz);
   // Time for the line, of a web; in lockstep time waits.

@@ -1,5 +1,6 @@
 #include "services/drivers/galvo/head_tracker.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace intaglio::drivers {
@@ -10,15 +11,20 @@ constexpr std::size_t kFirstSamples = 50;
 // At 1 kHz: settled within 0.1 s, a fifth of a count.
 constexpr double kTrackerAlpha = 0.05, kTrackerBeta = 0.00125;
 
+// A web whose speed varies does so at each turn of its rollers.
+constexpr double kSurpriseSeconds = 5;
+
 }  // namespace
 
-HeadTracker::HeadTracker(double count_mm, double edge_sensor_mm)
-    : count_mm_(count_mm), edge_sensor_mm_(edge_sensor_mm) {}
+HeadTracker::HeadTracker(double count_mm, double edge_sensor_mm, double ahead_s)
+    : count_mm_(count_mm), edge_sensor_mm_(edge_sensor_mm), ahead_s_(ahead_s) {}
 
 void HeadTracker::Forget() {
   first_.clear();
   follower_.reset();
   zero_mm_.reset();
+  expected_mm_.clear();
+  surprise_mm_ = 0;
 }
 
 void HeadTracker::Begin(std::uint16_t step_ticks) {
@@ -42,12 +48,21 @@ void HeadTracker::Begin(std::uint16_t step_ticks) {
   first_.clear();
 }
 
+void HeadTracker::Follow(const link::HeadWebSample& sample) {
+  newest_mm_ = follower_->Update(sample.encoder_count, sample.edge_mm);
+  surprise_mm_ *= std::exp(-period_s_ / kSurpriseSeconds);
+  expected_mm_.push_back(newest_mm_.x() + ahead_s_ * speed_mm_s());
+  if (static_cast<double>(expected_mm_.size()) * period_s_ <= ahead_s_) return;
+  surprise_mm_ = std::max(surprise_mm_, std::abs(newest_mm_.x() - expected_mm_.front()));
+  expected_mm_.pop_front();
+}
+
 void HeadTracker::Take(const link::HeadWeb& web, double rate_hz) {
   if (!follows()) return;
   rate_hz_ = rate_hz;
   for (const link::HeadWebSample& sample : web.samples) {
     if (follower_) {
-      newest_mm_ = follower_->Update(sample.encoder_count, sample.edge_mm);
+      Follow(sample);
       continue;
     }
     first_.push_back(sample);

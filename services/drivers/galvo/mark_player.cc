@@ -21,6 +21,7 @@ constexpr double kTicksMadeAtOnce = 1e5;
 // The web moves so far until the first mark of a run is in the field: on a web at rest
 // nothing is made.
 constexpr double kWebLeadIn_mm = 1;
+constexpr double kSurpriseMargin = 1.5;
 
 Error MarkError(ErrorCode code, const NumberedMark& mark, const std::string& what) {
   return {code, fmt::format("mark {}: {}", mark.number, what),
@@ -44,7 +45,7 @@ MarkPlayer::MarkPlayer(const ScanHead& head,
                           : galvo::FieldWindow(FieldOrOne(head))),
       outputs_(head.field_mm(), correction_ ? &*correction_ : nullptr),
       tracker_(FollowsWeb(head) ? head.encoder_count_um() / 1e3 : 0,
-               head.edge_sensor_mm()) {}
+               head.edge_sensor_mm(), AheadSeconds(head)) {}
 
 void MarkPlayer::Begin(std::span<const mark::Pen> pens, const Vec2& mirrors_mm) {
   pens_.assign(pens.begin(), pens.end());
@@ -184,6 +185,13 @@ link::HeadFollow MarkPlayer::FollowFrom(std::uint64_t first_tick) const {
   return follow;
 }
 
+// The web may be as far from where it is expected as it was lately, and farther the
+// later: what it moves back would take a mark that has just arrived out of the field.
+double MarkPlayer::SurpriseAfter(std::size_t ticks) const {
+  const double later = static_cast<double>(ticks) / rate_hz_ / tracker_.ahead_s();
+  return kSurpriseMargin * tracker_.surprise_mm() * (1 + later);
+}
+
 Status MarkPlayer::Place(std::uint64_t first_tick) {
   if (!tracker_.ready() || first_tick < retry_tick_) return {};
   INTAGLIO_TRY(MakeTicks(mirrors_mm_ - DisplacementAt(first_tick)));
@@ -201,7 +209,7 @@ Status MarkPlayer::Place(std::uint64_t first_tick) {
                       "mm/s; let it move slower, or mark faster (pen {})",
                       tracker_.speed_mm_s(), pens_[mark_.mark.pen].name)));
     }
-    short_mm = std::max(short_mm, by_mm.from_mm);
+    short_mm = std::max(short_mm, by_mm.from_mm + SurpriseAfter(k));
   }
   if (short_mm == 0) {
     placed_ = true;

@@ -55,6 +55,7 @@ class MarkPlayer {
   /// Of a web: makes the ticks when the mark can begin at that tick.
   Status Place(std::uint64_t first_tick);
   Vec2 DisplacementAt(std::uint64_t tick);
+  double SurpriseAfter(std::size_t ticks) const;
   link::HeadFollow FollowFrom(std::uint64_t first_tick) const;
 
   ScanHead head_;

@@ -22,7 +22,7 @@ struct Worst {
   double gap_um = 0, shape_um = 0, place_um = 0, diameter_um = 0;
 };
 
-MachineSpec WebProfile(double count_um = 23) {
+MachineSpec EncoderProfile(double count_um = 23) {
   MachineSpec machine = HeadProfile();
   machine.mutable_scan_head()->set_encoder_count_um(count_um);
   return machine;
@@ -56,7 +56,7 @@ void Measure(const std::vector<formats::BurntTick>& ticks, std::uint32_t mark,
 Worst MarkedOn(const Web& web, bool follow) {
   constexpr int kCircles = 24;
   constexpr double kPitch = 7;
-  MachineSpec machine = WebProfile(web.count_um);
+  MachineSpec machine = EncoderProfile(web.count_um);
   machine.mutable_scan_head()->set_follow_web(follow);
   auto truth = HeadTruthOf(machine);
   truth.physics.web_mm_s = web.web_mm_s;
@@ -138,7 +138,7 @@ TEST(GalvoWeb, UnfollowedCirclesStayOpenByTheWayOfTheWeb) {
 }
 
 TEST(GalvoWeb, AMarkThatHasLeftTheFieldEndsTheRunByItsNumber) {
-  const MachineSpec machine = WebProfile();
+  const MachineSpec machine = EncoderProfile();
   auto truth = HeadTruthOf(machine);
   truth.physics.web_mm_s = 200;
   HeadBench bench(machine, truth);
@@ -156,7 +156,7 @@ TEST(GalvoWeb, AMarkThatHasLeftTheFieldEndsTheRunByItsNumber) {
 }
 
 TEST(GalvoWeb, AWebAtRestIsWaitedFor) {
-  HeadBench bench(WebProfile(), HeadTruthOf(WebProfile()));
+  HeadBench bench(EncoderProfile(), HeadTruthOf(EncoderProfile()));
   ASSERT_TRUE(bench.Connect());
   bench.Run(1, {{{"pen", 500, 0.5, 0, 1, 0, 0}}, {CircleMark({0, 0}, 1, 60)}});
   bench.Until([] { return false; }, 1);

@@ -29,7 +29,7 @@ link::HeadWeb Samples(std::uint64_t from_tick, int count, double speed_mm_s) {
 // between them the web has moved as far as it has. A count and a half are not known.
 TEST(HeadTracker, FollowsAWebFromItsFirstAnswerOn) {
   for (const double speed_mm_s : {27.0, 200.0, 1000.0}) {
-    HeadTracker tracker(kCountMm, 0);
+    HeadTracker tracker(kCountMm, 0, 0.04);
     std::uint64_t tick = 0;
     const auto run = [&](int samples) {
       tracker.Take(Samples(tick, samples, speed_mm_s), kRateHz);
@@ -48,6 +48,33 @@ TEST(HeadTracker, FollowsAWebFromItsFirstAnswerOn) {
                 1.5 * kCountMm)
         << speed_mm_s;
   }
+}
+
+TEST(HeadTracker, ExpectsTheCountThatComes) {
+  HeadTracker tracker(kCountMm, 0, 0.04);
+  for (std::uint64_t tick = 0; tick < 100000; tick += 10 * kStepTicks)
+    tracker.Take(Samples(tick, 10, 200), kRateHz);
+  const double later_s = 0.0002;
+  EXPECT_NEAR(tracker.CountAt(104000, later_s),
+              200 * (1.04 - 0.5 / kRateHz + later_s) / kCountMm, 1.5);
+  EXPECT_NEAR(tracker.counts_per_tick(), 200 / kRateHz / kCountMm, 2e-3);
+}
+
+TEST(HeadTracker, RemembersHowFarTheWebWasFromWhereItWasExpected) {
+  HeadTracker tracker(kCountMm, 0, 0.04);
+  std::uint64_t tick = 0;
+  for (; tick < 200000; tick += 10 * kStepTicks)
+    tracker.Take(Samples(tick, 10, 200), kRateHz);
+  EXPECT_LT(tracker.surprise_mm(), 0.05);
+  // Faster by 20 mm/s, which 40 ms before nobody knew.
+  const auto ahead = static_cast<std::int64_t>(std::llround(200 * 2.0 / kCountMm));
+  for (std::uint64_t later = 0; later < 20000; later += 10 * kStepTicks) {
+    link::HeadWeb web = Samples(later, 10, 220);
+    web.first_tick += tick;
+    for (link::HeadWebSample& sample : web.samples) sample.encoder_count += ahead;
+    tracker.Take(web, kRateHz);
+  }
+  EXPECT_NEAR(tracker.surprise_mm(), 0.8, 0.15);
 }
 
 }  // namespace

@@ -24,8 +24,8 @@ std::string Hex(std::span<const std::byte> bytes) {
 }
 
 /// Frames by name, in hex.
-std::map<std::string, std::string> Golden(const char* name = "link_frames.golden") {
-  std::ifstream file(fmt::format("{}/tests/data/{}", INTAGLIO_SOURCE_DIR, name));
+std::map<std::string, std::string> Golden(const char* of = "link_frames.golden") {
+  std::ifstream file(fmt::format("{}/tests/data/{}", INTAGLIO_SOURCE_DIR, of));
   std::map<std::string, std::string> golden;
   for (std::string name, hex; file >> name >> hex;) golden[name] = hex;
   return golden;
