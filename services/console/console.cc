@@ -126,7 +126,8 @@ void Turn(ShopDesk& desk, JogDesk& jogs, ConsoleAccess& access, Webhooks& webhoo
     webhooks.Publish(line);
     server.Publish(kEventsPath, std::move(line));
   }
-  if (Clock::now() < next_state) return;
+  // What a person waits for comes at once.
+  if (Clock::now() < next_state && !desk.IsConfirmedAnew()) return;
   next_state = Clock::now() + kStatePeriod;
   for (std::string& session : access.TakeEnded(Clock::now()))
     server.EndSession(std::move(session));

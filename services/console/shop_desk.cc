@@ -43,6 +43,7 @@ StopAnswer ShopDesk::Press(const std::string& reason) {
   const auto number = source_.Press(reason.empty() ? "pressed in the console" : reason);
   if (number) {
     pressed_ = static_cast<std::uint32_t>(*number);
+    pressed_at_ = Clock::now();
     answer.set_sent(true);
     answer.set_number(pressed_);
   } else {
@@ -119,7 +120,10 @@ ConsoleState ShopDesk::State() {
     stage.set_z_mm(cell.z_mm);
     stage.set_at_rest(cell.at_rest);
   }
-  if (auto stop = Confirmations(); stop.sent()) *state.mutable_stop() = std::move(stop);
+  if (auto stop = Confirmations(); stop.sent()) {
+    if (stop.confirmed()) shown_confirmed_ = stop.number();
+    *state.mutable_stop() = std::move(stop);
+  }
   return state;
 }
 
@@ -243,6 +247,15 @@ void ShopDesk::AnswerStops() {
     stop.reply(answer);
     return true;
   });
+}
+
+bool ShopDesk::IsStopAwaited() {
+  const std::lock_guard lock(mutex_);
+  return pressed_ != shown_confirmed_ && Clock::now() - pressed_at_ < kStopAnswerTime;
+}
+
+bool ShopDesk::IsConfirmedAnew() {
+  return IsStopAwaited() && Confirmations().confirmed();
 }
 
 StopAnswer ShopDesk::Confirmations() {

@@ -65,6 +65,8 @@ class ShopDesk {
                          std::function<void(const StopAnswer&)> answer);
   /// What the machines report of the last press.
   StopAnswer Confirmations();
+  /// Every machine has confirmed the last press, and no State has said so yet.
+  bool IsConfirmedAnew();
 
  private:
   struct PendingCommand {
@@ -83,7 +85,9 @@ class ShopDesk {
   void Send(const client::JobView& job, const client::JobOrder& order, Answer answer);
   void AnswerCommands();
   void AnswerStops();
-  bool IsAwaited() const { return !commands_.empty() || !stops_.empty(); }
+  bool IsAwaited() { return !commands_.empty() || !stops_.empty() || IsStopAwaited(); }
+  /// A press of the last second that no State has shown as confirmed.
+  bool IsStopAwaited();
 
   client::ShopWatcher watcher_;
   client::MachineReports reports_;
@@ -95,11 +99,14 @@ class ShopDesk {
   ShopMetrics metrics_;
   std::vector<PendingCommand> commands_;
   std::vector<PendingStop> stops_;
+  std::uint32_t shown_confirmed_ =
+      0;                         ///< number of the last press that a State confirmed
   bool has_had_orders_ = false;  // in the last turn: more will follow
 
   std::mutex mutex_;  // of what follows
   client::StopSource source_;
   std::uint32_t pressed_ = 0;  ///< number of the last press; 0: none
+  Clock::time_point pressed_at_;
   std::vector<std::function<void(ShopDesk&)>> orders_;
 };
 
