@@ -60,6 +60,7 @@ const starts = new Uint32Array(513);
 for (let cell = 0; cell < 512; ++cell) starts[cell + 1] = starts[cell] + (cell * 37) % 2000;
 const seen = Array.from({ length: 512 }, (_, cell) => cell % 3 !== 0);
 const picture = new Picture(starts);
+expect(!picture.isWhole, 'a picture that was not begun is not whole');
 for (const round of [0, 1]) {
   const times = new Uint8Array(starts[512]);
   picture.clear(seen);

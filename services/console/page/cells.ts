@@ -58,7 +58,7 @@ export class Picture {
   readonly drawn = new Uint32Array(512);
   private seen: boolean[] = [];
   private inView = 0;
-  private share = 1;
+  private share = 0;  // nothing is in a picture that was not begun
 
   constructor(private starts: Uint32Array) {}
 
