@@ -157,6 +157,10 @@ class Console:
         with self._open("GET", "/metrics") as answer:
             return answer.read().decode()
 
+    def teaching(self, machine: str) -> Message:
+        """What there is to teach at a machine, and what was taught last; MachineTeaching."""
+        return self._get(f"machines/{machine}/teaching")
+
     def upload(self, submission: str, file: Path,
                progress: Callable[[int, int], None] = lambda sent, size: None) -> Message:
         """Sends a file of a submission, in pieces; goes on where an earlier call ended.

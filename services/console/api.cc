@@ -240,6 +240,8 @@ void Api::Dispatch(const web::Request& request, const Visitor& visitor,
   const std::string rest = path.substr(kApi.size());
   if (rest == "session" || rest == "logout" || rest == "charge")
     return AnswerSession(rest, visitor, reply);
+  if (const auto machine = SplitMachinePath(path))
+    return teach_.Answer(*machine, std::move(reply));
   if (request.method == "GET") return AnswerGet(rest, request, std::move(reply));
   AnswerPost(rest, request, std::move(reply));
 }

@@ -12,9 +12,10 @@
 #include "services/console/audit_log.h"
 #include "services/console/cloud_reader.h"
 #include "services/console/console_access.h"
-#include "services/console/jog_desk.h"
 #include "services/console/shop_desk.h"
 #include "services/console/submit/submit_api.h"
+#include "services/console/teach/jog_desk.h"
+#include "services/console/teach/teach_api.h"
 #include "services/console/webhooks/webhooks.h"
 #include "services/platform/web/server.h"
 
@@ -27,8 +28,8 @@ class Api {
  public:
   /// All live longer.
   Api(ShopDesk& desk, CloudReader& clouds, ConsoleAccess& access, AuditLog& audit,
-      WorkQueue& log_ins, SubmitApi& submit, JogDesk& jogs, const Webhooks& webhooks,
-      std::filesystem::path database)
+      WorkQueue& log_ins, SubmitApi& submit, JogDesk& jogs, TeachApi& teach,
+      const Webhooks& webhooks, std::filesystem::path database)
       : desk_(desk),
         clouds_(clouds),
         access_(access),
@@ -36,6 +37,7 @@ class Api {
         log_ins_(log_ins),
         submit_(submit),
         jogs_(jogs),
+        teach_(teach),
         webhooks_(webhooks),
         database_(std::move(database)) {}
 
@@ -51,7 +53,6 @@ class Api {
  private:
   /// Who sends it, and may; nullopt: it is refused and answered. POST is audited.
   std::optional<Visitor> Admit(const web::Request& request, web::Reply& reply);
-  /// Empty: passed on, and nothing is answered; else why not.
   /// Why it was not passed on; nullopt: it was.
   std::optional<ConsoleError> Jog(web::PeerId page, const web::Caller& caller,
                                   const Visitor& visitor, const JogRequest& request);
@@ -74,6 +75,7 @@ class Api {
   WorkQueue& log_ins_;  // where passwords are checked
   SubmitApi& submit_;
   JogDesk& jogs_;
+  TeachApi& teach_;
   const Webhooks& webhooks_;
   std::filesystem::path database_;  // of the job service; empty: not known
 };

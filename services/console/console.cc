@@ -154,7 +154,9 @@ Status Serve(const ConsoleOptions& options, const std::function<bool()>& stoppin
   JogDesk jogs(bus);
   SubmitApi submit(
       {options.uploads, client::ShopArguments(options.bus), options.materials.string()});
-  Api api(desk, clouds, access, audit, log_ins, submit, jogs, webhooks, options.database);
+  TeachApi teach(jogs);
+  Api api(desk, clouds, access, audit, log_ins, submit, jogs, teach, webhooks,
+          options.database);
   web::Handlers handlers;
   handlers.request = [&](const web::Request& request, web::Reply reply) {
     api.Answer(request, std::move(reply));

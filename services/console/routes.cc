@@ -39,6 +39,8 @@ constexpr Route kRoutes[] = {
      "Set the speed"},
     {"POST", "/api/v1/jobs/{job}/move", Right::kCharge, "MoveRequest", "CommandAnswer",
      "Change the place of a job that waits for its machine"},
+    {"GET", "/api/v1/machines/{cell}/teaching", Right::kRead, "", "MachineTeaching",
+     "What there is to teach at a machine: lenses, channels, zeros"},
     {"GET", "/api/v1/submissions/{id}/files/{file}", Right::kRead, "", "UploadAnswer",
      "How much of a file of a submission has come"},
     {"POST", "/api/v1/submissions/{id}/files/{file}", Right::kOperate,

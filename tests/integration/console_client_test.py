@@ -22,6 +22,7 @@ import intaglio_console  # noqa: E402
 # What each method is called with; the names of files and jobs are those of the paths.
 ARGUMENTS = {
     "log_in": ("anna", "secret"),
+    "teaching": ("{cell}",),
     "upload": ("{id}", "{file}"),
     "submit": ("{id}", "{file}"),
     "preview": ("{id}", "{file}"),

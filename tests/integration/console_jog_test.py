@@ -45,10 +45,10 @@ class Finger:
         assert b" 101 " in head, head
         self.press, self.view, self.refusal = 0, {}, ""
 
-    def send(self, kind, x=0.0):
+    def send(self, kind, x=0.0, **more):
         text = json.dumps({"jog": {"cell": "els-03", "press": self.press, "kind": kind, "x": x,
                                    "seen": self.view.get("number", "0"),
-                                   "speed_mm_s": SPEED_MM_S}}).encode()
+                                   "speed_mm_s": SPEED_MM_S, **more}}).encode()
         mask = os.urandom(4)
         head = struct.pack(">BB", 0x81, 0x80 | len(text)) if len(text) < 126 \
             else struct.pack(">BBH", 0x81, 0x80 | 126, len(text))
@@ -139,11 +139,21 @@ class Shop:
 
     def runs(self):
         """Whether the stage runs, as the machine itself has it."""
+        answer = self.ask_panel("status")
+        return json.loads(answer[answer.index("{"):answer.rindex("}") + 1])["running"]
+
+    def ask_panel(self, command):
         with socket.socket(socket.AF_UNIX) as panel:
             panel.connect(str(self.folder / "shop/panel"))
-            panel.sendall(b"status\n")
-            answer = panel.recv(65536).decode()
-        return json.loads(answer[answer.index("{"):answer.rindex("}") + 1])["running"]
+            panel.sendall(command.encode() + b"\n")
+            return panel.recv(65536).decode()
+
+    def close(self):
+        if self.console:
+            self.console.send_signal(signal.SIGINT)
+            self.console.wait(20)
+        self.up.send_signal(signal.SIGINT)
+        self.up.wait(30)
 
     def begin(self, finger, direction):
         """The stage moves by this finger; the direction in which it does: near the end of the
@@ -258,6 +268,14 @@ def check_refusals(shop):
     assert "fly" in finger.refusal, finger.refusal
 
 
+def add_people(given):
+    """bert, an operator, and olga, an observer."""
+    for name, role in (("bert", "operator"), ("olga", "observer")):
+        subprocess.run([given.bin / "intaglio", "console", "user", "add", name, "--role", role,
+                        "--users", "console.users"], cwd=given.folder, check=True, text=True,
+                       input="correct horse\n", stdout=subprocess.DEVNULL)
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--bin", required=True, type=pathlib.Path)
@@ -266,10 +284,7 @@ def main():
     given = parser.parse_args()
     shutil.rmtree(given.folder, ignore_errors=True)
     given.folder.mkdir(parents=True)
-    for name, role in (("bert", "operator"), ("olga", "observer")):
-        subprocess.run([given.bin / "intaglio", "console", "user", "add", name, "--role", role,
-                        "--users", "console.users"], cwd=given.folder, check=True, text=True,
-                       input="correct horse\n", stdout=subprocess.DEVNULL)
+    add_people(given)
     shop = Shop(given)
     try:
         shop.open_console()
@@ -278,11 +293,7 @@ def main():
         shop.other = shop.log_in("bert", "correct horse")
         try_each(shop, given.tries)
     finally:
-        if shop.console:
-            shop.console.send_signal(signal.SIGINT)
-            shop.console.wait(20)
-        shop.up.send_signal(signal.SIGINT)
-        shop.up.wait(30)
+        shop.close()
     return 0
 
 

@@ -23,7 +23,8 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 # WCAG 2.1, 1.4.3: text that is not large.
 MIN_CONTRAST = 4.5
-COMMANDS = "[data-command], .hold, .fire input, job-page input, jog-panel select"
+COMMANDS = "[data-command], .hold, .fire input, job-page input, jog-panel select, " \
+    "teach-panel .hold, teach-panel select"
 
 
 class Page:

@@ -102,6 +102,8 @@ constexpr Written kWritten[] = {
      "a command with `--json` and no message of its own, and what is refused with "
      "`--json`; POST /api/v1/jobs/N/arm, resume, pause, cancel, speed of the console",
      "console", "CommandAnswer"},
+    {"machine_teaching", "GET /api/v1/machines/CELL/teaching of the console", "console",
+     "MachineTeaching"},
     {"upload_answer", "POST /api/v1/submissions/ID/files/FILE of the console", "console",
      "UploadAnswer"},
     {"submit_answer", "POST /api/v1/submissions/ID of the console", "console",

@@ -11,10 +11,9 @@
 namespace intaglio::client {
 namespace {
 
-bool IsMotion(intaglio_ManualCommandKind kind) {
-  return kind == intaglio_MANUAL_NONE || kind == intaglio_MANUAL_JOG ||
-         kind == intaglio_MANUAL_MOVE || kind == intaglio_MANUAL_HOME ||
-         kind == intaglio_MANUAL_ZERO;
+/// The others need what a sample of a page does not have.
+bool IsPassedOn(intaglio_ManualCommandKind kind) {
+  return kind != intaglio_MANUAL_OUTLINE && kind != intaglio_TEACH_LIMITS;
 }
 
 }  // namespace
@@ -29,9 +28,8 @@ std::string JogRelay::SenderOf(std::uint64_t person) const {
 }
 
 Status JogRelay::Pass(const SentOrder& sent) {
-  if (!IsMotion(sent.order.kind))
-    return Fail(ErrorCode::kInvalidValue,
-                "an order that is held, and no other, is passed on");
+  if (!IsPassedOn(sent.order.kind))
+    return Fail(ErrorCode::kInvalidValue, "outlines and limits are not passed on");
   if (!sent.order.place.allFinite() || !std::isfinite(sent.order.speed_mm_s))
     return Fail(ErrorCode::kInvalidValue, "the place or the speed is no number");
   const std::lock_guard lock(mutex_);

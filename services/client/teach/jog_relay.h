@@ -1,6 +1,6 @@
 #pragma once
 
-// Passes on the samples of people who move a machine by hand from somewhere else, each
+// Passes on the samples of people who move or teach a machine from somewhere else, each
 // once: it repeats nothing by itself, so that the rule of the motion bridge holds from
 // the finger to the axis. A sample has the number of the machine's state that the person
 // saw last, and one that is older than 200 ms moves nothing, whatever delayed it
@@ -28,7 +28,7 @@ class JogRelay {
   /// "PROGRAM-PID-RANDOM-PERSON".
   std::string SenderOf(std::uint64_t person) const;
   /// From any thread. kNotFound: no such machine is there. kInvalidValue: a number that
-  /// is none, or an order that is no motion. kRefused: the identity may not command.
+  /// is none, or an order of outlines or limits. kRefused: the identity may not command.
   Status Pass(const SentOrder& sent);
   /// The machines whose state has come since the last call; from one thread.
   std::vector<MachineView> TakeNew();

@@ -1,14 +1,25 @@
-// A machine moved by hand, by buttons that are held. While a finger is down, the page answers
-// each state of the machine with one message; nothing else sends one. So it ends when the finger
-// lifts, the page is hidden, the connection stalls, or somebody else takes over.
+// A machine moved and taught by hand, by buttons that are held. While a finger is down, the page
+// answers each state of the machine with one message; nothing else sends one. So it ends when the
+// finger lifts, the page is hidden, the connection stalls, or somebody else takes over.
 import { Dict, make } from './dom';
-import { fill, text } from './text';
+import { text } from './text';
 
-interface Order {
+export interface Order {
   kind: string;
   x?: number;
   y?: number;
   z?: number;
+  channel?: number;
+  lens?: string;
+  sets?: number;  // of a zero: 1 x, 2 y, 4 z, or a sum
+}
+
+/** Of a button that is held. */
+export interface Held {
+  order: (view: Dict) => Order;
+  /** Why it cannot be sent; "": it can. */
+  why?: () => string;
+  report?: (line: string) => void;
 }
 
 export class JogPanel extends HTMLElement {
@@ -21,10 +32,13 @@ export class JogPanel extends HTMLElement {
   private view: Dict | undefined;  // of the machine that is shown
   private axes = '';
   private press = 0;
-  private held: ((view: Dict) => Order) | undefined;
+  private held: Held | undefined;
   private order: Order | undefined;  // of the press, once the machine's state is known
   private fresh = 0;  // states since the press
   send: (message: Dict) => void = () => {};
+  /** Another machine is chosen. */
+  onMachine: () => void = () => {};
+  onView: (view: Dict) => void = () => {};
 
   connectedCallback() {
     this.speed.type = 'number';
@@ -41,7 +55,10 @@ export class JogPanel extends HTMLElement {
       element.append(' ', field);
       return element;
     };
-    this.machines.addEventListener('change', () => this.letGo());
+    this.machines.addEventListener('change', () => {
+      this.letGo();
+      this.onMachine();
+    });
     this.answer.setAttribute('role', 'status');
     this.append(make('p', text.jogHint, 'quiet'), line(text.machine, this.machines),
       line(text.step, this.step), line(text.speedMmS, this.speed), this.place, this.buttons,
@@ -49,32 +66,37 @@ export class JogPanel extends HTMLElement {
     this.showAxes(['x', 'y', 'z']);
   }
 
-  /** A button that moves while it is held. */
-  private button(label: string, order: (view: Dict) => Order) {
+  get machine(): string {
+    return this.machines.value;
+  }
+
+  get speedMmS(): number {
+    return Number(this.speed.value) || 0;
+  }
+
+  /** A button whose order is sent while it is held. */
+  button(label: string, held: Held): HTMLButtonElement {
     const button = make('button', label, 'hold') as HTMLButtonElement;
     button.addEventListener('pointerdown', (event) => {
-      if (event.isPrimary && event.button === 0) this.hold(order);
+      if (event.isPrimary && event.button === 0) this.hold(held);
     });
     for (const end of ['pointerup', 'pointercancel', 'pointerleave', 'lostpointercapture',
       'keyup', 'blur'])
       button.addEventListener(end, () => this.letGo());
     button.addEventListener('contextmenu', (event) => event.preventDefault());
     button.addEventListener('keydown', (event) => {
-      if (!event.repeat && (event.key === 'Enter' || event.key === ' ')) this.hold(order);
+      if (!event.repeat && (event.key === 'Enter' || event.key === ' ')) this.hold(held);
     });
-    this.buttons.append(button);
+    return button;
   }
 
   private showAxes(names: string[]) {
     if (this.axes === names.join()) return;
     this.axes = names.join();
-    this.buttons.replaceChildren();
-    names.forEach((name, axis) => {
-      for (const sign of [-1, 1])
-        this.button(`${name} ${sign < 0 ? '−' : '+'}`, (view) => this.along(view, axis, sign));
-    });
-    this.button(text.home, () => ({ kind: 'home' }));
-    this.button(text.zero, () => ({ kind: 'zero' }));
+    const along = names.flatMap((name, axis) => [-1, 1].map((sign) => this.button(
+      `${name} ${sign < 0 ? '−' : '+'}`, { order: (view) => this.along(view, axis, sign) })));
+    this.buttons.replaceChildren(...along,
+      this.button(text.home, { order: () => ({ kind: 'home' }) }));
   }
 
   private along(view: Dict, axis: number, sign: number): Order {
@@ -85,11 +107,18 @@ export class JogPanel extends HTMLElement {
     return { kind: step ? 'move' : 'jog', x, y, z };
   }
 
-  private hold(order: (view: Dict) => Order) {
+  private report(held: Held, line: string) {
+    if (held.report) held.report(line);
+    else this.answer.textContent = line;
+  }
+
+  private hold(held: Held) {
     this.letGo();
-    this.answer.textContent = '';
+    const why = held.why?.() ?? '';
+    this.report(held, why);
+    if (why) return;
     ++this.press;
-    this.held = order;
+    this.held = held;
     this.fresh = 0;
     this.message({ kind: '' }, '0');  // the machine's states come quickly from now on
   }
@@ -103,35 +132,36 @@ export class JogPanel extends HTMLElement {
   private message(order: Order, seen: string) {
     this.send({
       jog: {
-        cell: this.machines.value, press: this.press, seen, channel: 1,
-        speed_mm_s: Number(this.speed.value) || 0, ...order,
+        cell: this.machine, press: this.press, seen, channel: 1,
+        speed_mm_s: this.speedMmS, ...order,
       },
     });
   }
 
   /** A state of the machine: the only thing that is answered by a sample. */
   take(view: Dict) {
-    if (view.cell !== this.machines.value) return;
+    if (view.cell !== this.machine) return;
     this.view = view;
     this.showAxes(view.axes.map((axis: Dict) => axis.name));
     this.place.textContent = [...view.axes.map((axis: Dict) =>
       `${axis.name} ${axis.position.toFixed(3)}`), view.refusal].filter(Boolean).join(', ');
+    this.onView(view);
     if (!this.held) return;
     if (view.answered_press === this.press && view.answer !== 'accepted') {
-      this.answer.textContent = view.message || text.arrived;
+      this.report(this.held, view.message || text.arrived);
       return this.letGo();
     }
     // The first one may be of half a second ago.
     if (++this.fresh < 3) return this.message({ kind: '' }, view.number);
-    this.order ??= this.held(view);
+    this.order ??= this.held.order(view);
     this.message(this.order, view.number);
   }
 
   /** The console refuses: somebody else is in charge, for example. */
   refuse(message: string) {
     if (!this.held) return;
+    this.report(this.held, message);
     this.letGo();
-    this.answer.textContent = message;
   }
 
   update(machines: Dict[]) {
@@ -144,5 +174,6 @@ export class JogPanel extends HTMLElement {
       option.value = option.textContent = name;
       return option;
     }));
+    this.onMachine();
   }
 }

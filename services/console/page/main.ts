@@ -9,6 +9,7 @@ import { JogPanel } from './jog';
 import { duration, queueLines } from './queue_time';
 import { ResultPanel } from './result';
 import { LogIn, SessionLine, readSession } from './session';
+import { TeachPanel } from './teach';
 import { LanguageList, fill, text, translatePage } from './text';
 
 class StopButton extends HTMLElement {
@@ -269,6 +270,7 @@ customElements.define('needs-list', NeedsList);
 customElements.define('machine-list', MachineList);
 customElements.define('job-list', JobList);
 customElements.define('jog-panel', JogPanel);
+customElements.define('teach-panel', TeachPanel);
 customElements.define('job-page', JobPage);
 customElements.define('glass-view', GlassView);
 
@@ -279,6 +281,7 @@ const needs = document.querySelector('needs-list') as NeedsList;
 const machines = document.querySelector('machine-list') as MachineList;
 const jobs = document.querySelector('job-list') as JobList;
 const hand = document.querySelector('jog-panel') as JogPanel;
+(document.querySelector('teach-panel') as TeachPanel).attach(hand);
 const glass = document.querySelector('glass-view') as GlassView;
 const control = new Control();
 stop.control = control;

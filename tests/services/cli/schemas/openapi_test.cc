@@ -52,6 +52,7 @@ Json ContentOf(std::string_view type) {
 /// What stands in braces in a path.
 Json ParametersOf(std::string_view path) {
   static const std::map<std::string, const char*> kParts = {
+      {"cell", "name of a machine"},
       {"job", "number or uid"},
       {"id", "of the submission: 1 to 64 letters, digits, '.', '_' and '-'"},
       {"file", "name of a file, as the job file has it"}};

@@ -1,4 +1,4 @@
-#include "services/console/jog_desk.h"
+#include "services/console/teach/jog_desk.h"
 
 #include <fmt/format.h>
 
@@ -14,6 +14,13 @@ std::optional<intaglio_ManualCommandKind> KindNamed(const std::string& name) {
   if (name == "move") return intaglio_MANUAL_MOVE;
   if (name == "home") return intaglio_MANUAL_HOME;
   if (name == "zero") return intaglio_MANUAL_ZERO;
+  if (name == "lamp") return intaglio_MANUAL_LAMP;
+  if (name == "shutter") return intaglio_MANUAL_SHUTTER;
+  if (name == "save_zero") return intaglio_TEACH_ZERO;
+  if (name == "move_zero") return intaglio_TEACH_ZERO_MOVED;
+  if (name == "save_sample") return intaglio_TEACH_SAMPLE;
+  if (name == "save_park") return intaglio_TEACH_PARK;
+  if (name == "undo") return intaglio_TEACH_UNDO;
   return std::nullopt;
 }
 
@@ -39,6 +46,12 @@ JogView ViewOf(const client::MachineView& machine) {
   view.set_held(!machine.held_by.empty());
   view.set_refusal(machine.refusal);
   view.set_homed(machine.homed);
+  view.set_taught_number(machine.taught_number);
+  view.set_lamp_by_hand(machine.lamp_by_hand);
+  for (std::uint32_t channel = 1; channel <= 4; ++channel) {
+    if ((machine.shutters_by_hand >> (channel - 1) & 1) != 0)
+      view.add_shutters_by_hand(channel);
+  }
   for (int axis = 0; axis < 3; ++axis) {
     const std::string& name = machine.axes[static_cast<std::size_t>(axis)];
     if (name.empty()) break;
@@ -60,7 +73,9 @@ Result<bool> JogDesk::Pass(web::PeerId page, const JogRequest& request,
   if (!kind) {
     return Fail(
         ErrorCode::kInvalidValue,
-        fmt::format("kind '{}': give jog, move, home, zero, or nothing", request.kind()),
+        fmt::format("kind '{}': give jog, move, home, zero, lamp, shutter, save_zero, "
+                    "move_zero, save_sample, save_park, undo, or nothing",
+                    request.kind()),
         request.kind());
   }
   bool is_first = false;
@@ -83,6 +98,7 @@ Result<bool> JogDesk::Pass(web::PeerId page, const JogRequest& request,
   sent.order.speed_mm_s = request.speed_mm_s();
   sent.order.channel = request.channel();
   sent.order.lens = request.lens();
+  if (request.sets() != 0) sent.order.sets = static_cast<std::uint8_t>(request.sets());
   if (const auto passed = relay_.Pass(sent); !passed)
     return tl::unexpected(passed.error());
   return is_first;
@@ -95,9 +111,23 @@ bool JogDesk::IsAtWork(Clock::time_point now) const {
   });
 }
 
+Result<client::MachineView> JogDesk::Machine(const std::string& cell,
+                                             Clock::time_point now) const {
+  const std::lock_guard lock(mutex_);
+  const auto known = machines_.find(cell);
+  if (known != machines_.end() && now - known->second.taken <= kKnownTime)
+    return known->second.view;
+  return Fail(
+      ErrorCode::kNotFound,
+      fmt::format("{}: no such machine answers here: check that its motion bridge "
+                  "runs (intaglio up)",
+                  cell),
+      cell);
+}
+
 std::vector<std::pair<web::PeerId, JogView>> JogDesk::TakeNew(Clock::time_point now) {
   std::vector<std::pair<web::PeerId, JogView>> views;
-  for (const client::MachineView& machine : relay_.TakeNew()) {
+  for (client::MachineView& machine : relay_.TakeNew()) {
     const std::lock_guard lock(mutex_);
     for (const auto& [id, page] : pages_) {
       if (page.cell != machine.cell || now - page.sent > kQuietTime) continue;
@@ -110,6 +140,8 @@ std::vector<std::pair<web::PeerId, JogView>> JogDesk::TakeNew(Clock::time_point 
       }
       views.emplace_back(id, std::move(view));
     }
+    Known& known = machines_[machine.cell];
+    known = {std::move(machine), now};
   }
   return views;
 }

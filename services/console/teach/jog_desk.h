@@ -1,9 +1,9 @@
 #pragma once
 
-// Machines that are moved by hand from pages. A page sends a message for each sample and
-// echoes the number of the machine's state that it saw last; the console passes each on
-// once (services/client/teach/jog_relay.h), and sends the machine's states to the pages
-// that have sent a message within the last second.
+// Machines that are moved and taught by hand from pages. A page sends a message for each
+// sample and echoes the number of the machine's state that it saw last; the console
+// passes each on once (services/client/teach/jog_relay.h), and sends the machine's states
+// to the pages that have sent a message within the last second.
 
 #include <chrono>
 #include <map>
@@ -29,6 +29,9 @@ class JogDesk {
                     const std::string& person, Clock::time_point now);
   /// A page has sent something within the last second.
   bool IsAtWork(Clock::time_point now) const;
+  /// A machine by its newest state, from any thread. kNotFound: none came within 2 s.
+  Result<client::MachineView> Machine(const std::string& cell,
+                                      Clock::time_point now) const;
 
   // From the thread that turns the shop.
 
@@ -41,11 +44,18 @@ class JogDesk {
     std::uint32_t press = 0;
     Clock::time_point sent;
   };
+  struct Known {
+    client::MachineView view;
+    Clock::time_point taken;
+  };
   static constexpr std::chrono::seconds kQuietTime{1};
+  /// Four periods of a machine that nobody moves.
+  static constexpr std::chrono::seconds kKnownTime{2};
 
   client::JogRelay relay_;
   mutable std::mutex mutex_;  // of what follows
   std::map<web::PeerId, Page> pages_;
+  std::map<std::string, Known> machines_;  // by cell
 };
 
 }  // namespace intaglio::console

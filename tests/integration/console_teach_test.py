@@ -1,0 +1,292 @@
+#!/usr/bin/python3
+"""A machine that is taught over the console: by messages as a page sends them, and on the page in
+a browser where one is installed. What is saved is read from the profile, what is lit from the
+laser controller, and nothing fires.
+
+  console_teach_test.py --bin FOLDER_OF_PROGRAMS --folder FOLDER
+"""
+import argparse
+import json
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import urllib.error
+
+from console_browser import missing, open_browser
+from console_jog_test import Finger, Shop, add_people
+from patience import eventually
+
+LENS = "f43"
+HEIGHT_MM = 30
+
+
+class TaughtShop(Shop):
+    def teaching(self):
+        return json.loads(self.ask("GET", "machines/els-03/teaching")[1])
+
+    def answers(self):
+        try:
+            return self.teaching()
+        except urllib.error.HTTPError:
+            return None  # no state of the machine has come yet
+
+    def zero(self, channel=1):
+        return next(zero for zero in self.teaching()["zeros"]
+                    if zero["channel"] == channel and zero["lens"] == LENS)
+
+    def profile(self):
+        return (self.folder / "shop/machine.textproto").read_text()
+
+    def typed(self, *words):
+        return subprocess.run([self.bin / "intaglio", *words, *self.place], cwd=self.folder,
+                              check=True, text=True, stdout=subprocess.PIPE).stdout
+
+    def status(self):
+        return json.loads(self.typed("teach", "status", "--json"))
+
+    def cracks(self):
+        return int(re.search(r'"cracks": (\d+)', self.ask_panel("status"))[1])
+
+    def hold(self, finger, kind, until, seconds=5.0, **order):
+        """As a page does it while a finger is on a button: to the answer, or `until` holds."""
+        finger.press += 1
+        finger.refusal = ""
+        finger.send("")
+        end = time.monotonic() + seconds
+        fresh = 0
+        while time.monotonic() < end and not finger.refusal:
+            if not finger.read(0.6):
+                finger.send("")
+                continue
+            fresh += 1
+            view = finger.view
+            if view["answered_press"] == finger.press and view["answer"] != "accepted":
+                finger.send("")
+                return view["answer"], view["message"]
+            if fresh > 3:
+                finger.send(kind, **order)
+            else:
+                finger.send("")
+            if until():
+                return "held", ""
+        return "refused" if finger.refusal else "held", finger.refusal
+
+    def does(self, finger, kind, **order):
+        """To its answer. On a computer that is too busy for 200 ms the machine lets go, and the
+        operator holds it again."""
+        for _ in range(10):
+            answer, message = self.hold(finger, kind, lambda: False, **order)
+            if answer != "held" and "let go" not in message:
+                return answer, message
+        raise AssertionError(f"{kind}: no answer")
+
+
+def never():
+    return False
+
+
+def teach_by_messages(shop):
+    finger = Finger(shop.port, shop.key)
+    eventually(shop.answers, 30)
+    before, text = shop.teaching(), shop.profile()
+    assert [lens["name"] for lens in before["lenses"]] == ["f43", "f70"], before
+    assert before["channels"] == 4 and len(before["zeros"]) == 8, before
+    assert not any(zero["taught"] for zero in before["zeros"]), before
+    place = [axis["position"] for axis in shop.status()["axes"]]
+
+    observer = Finger(shop.port, shop.observer)
+    for kind in ("save_zero", "undo", "lamp", "shutter"):
+        answer, message = shop.hold(observer, kind, never, lens=LENS, z=HEIGHT_MM, channel=1)
+        assert answer == "refused" and "an observer" in message, (kind, answer, message)
+    assert shop.profile() == text, "an observer teaches nothing"
+
+    answer, message = shop.does(finger, "save_zero", lens=LENS, channel=2, z=HEIGHT_MM)
+    assert answer == "done", message
+    zero = shop.zero(2)
+    assert zero["taught"], zero
+    # The focus is at the top corner of a block of 30 mm, with the axes where they are.
+    assert abs(zero["z_mm"] - (place[2] - HEIGHT_MM)) < 0.01, (zero, place)
+    assert not shop.zero(1)["taught"], "channel 1 keeps that of the profile"
+    taught = shop.teaching()
+    assert taught["taught_number"] == shop.status()["taught_number"] == 1, taught
+    assert "zero of channel 2, lens f43" in taught["taught_change"], taught
+    assert taught["taught_change"] in shop.typed("teach", "history"), taught
+
+    # Of x alone, and moved by a way.
+    answer, message = shop.does(finger, "move_zero", lens=LENS, channel=2, x=0.25, sets=1)
+    assert answer == "done", message
+    assert abs(shop.zero(2)["x_mm"] - zero["x_mm"] - 0.25) < 1e-6
+    assert shop.zero(2)["z_mm"] == zero["z_mm"]
+    for _ in range(2):
+        answer, message = shop.does(finger, "undo")
+        assert answer == "done", message
+    assert not shop.zero(2)["taught"]
+    answer, message = shop.does(finger, "save_zero", lens="f99", channel=1)
+    assert answer == "refused" and "f99" in message, message
+
+    # A sample of what was seen long ago, as one that a network held back, saves nothing.
+    text = shop.profile()
+    old = dict(finger.view)
+    time.sleep(0.5)
+    finger.press += 1
+    for _ in range(10):
+        finger.view = dict(old)
+        finger.send("save_zero", lens=LENS, channel=2)
+        time.sleep(0.02)
+    time.sleep(0.5)
+    assert shop.profile() == text, "it is saved by a state of half a second ago"
+    print("zeros are saved, moved and undone by who may", flush=True)
+
+
+def light_by_messages(shop):
+    """Lamp and shutter are on while a finger is down, and go out by themselves."""
+    def lamp():
+        return shop.status()["lamp_on"]
+
+    def shutters():
+        return shop.status()["shutters_open"]
+
+    def cut(finger):
+        finger.socket.close()
+
+    def door(_finger):
+        shop.ask_panel("door force")
+
+    for kind, is_on in (("lamp", lamp), ("shutter", shutters)):
+        for end in (cut, door):
+            for _ in range(5):
+                finger = Finger(shop.port, shop.key)
+                on = {}
+
+                def lit():
+                    on["it is"] = is_on_now(finger, kind)
+                    return on["it is"]
+
+                answer, message = shop.hold(finger, kind, lit, channel=2)
+                if answer == "held" and on.get("it is"):
+                    break
+            assert answer == "held" and on["it is"], (kind, answer, message)
+            end(finger)
+            eventually(lambda: not is_on(), 10)
+            if end is door:
+                finger = Finger(shop.port, shop.key)
+                answer, message = shop.does(finger, kind, channel=2)
+                assert answer in ("refused", "stopped") and "door" in message, message
+                assert not is_on(), f"{kind}: it is lit at an open door"
+                shop.ask_panel("door close")
+                eventually(lambda: shop.status()["door_closed"], 10)
+                time.sleep(1)
+                assert not is_on(), f"{kind}: it is lit again when the door closes"
+    assert shop.cracks() == 0, "no pulse is fired"
+    print("lamp and shutter are lit while they are held", flush=True)
+
+
+def is_on_now(finger, kind):
+    return finger.view["lamp_by_hand"] if kind == "lamp" else finger.view["shutters_by_hand"]
+
+
+class TeachPage:
+    def __init__(self, driver, shop):
+        self.driver, self.shop = driver, shop
+
+    def element(self, path):
+        from selenium.webdriver.common.by import By
+        return self.driver.find_element(By.XPATH, "//teach-panel" + path)
+
+    def field(self, label):
+        return self.element(f"//label[contains(., '{label}')]/*")
+
+    def text(self):
+        return self.element("").text
+
+    def hold(self, label, until, seconds=6):
+        """A button, held to the answer as a person does it; again on a busy computer."""
+        from selenium.webdriver.common.action_chains import ActionChains
+        for _ in range(5):
+            ActionChains(self.driver).move_to_element(self.element(f"//button[.='{label}']")) \
+                .click_and_hold().perform()
+            end = time.monotonic() + seconds
+            while time.monotonic() < end and not (value := until()):
+                time.sleep(0.1)
+            ActionChains(self.driver).release().perform()
+            if value:
+                return
+        raise AssertionError(f"{label}: {self.text()}")
+
+
+def teach_on_the_page(shop, folder):
+    from selenium.webdriver.common.by import By
+    from selenium.webdriver.support.ui import Select
+
+    driver = open_browser(1280, 1400)
+    try:
+        page = TeachPage(driver, shop)
+        driver.get(f"http://127.0.0.1:{shop.port}/?key=" + shop.key.split()[-1])
+        eventually(lambda: "zero, of the profile: " in page.text(), 30)
+        assert [one.text for one in Select(page.field("Lens")).options] == ["f43", "f70"]
+        Select(page.field("Lens")).select_by_value("f70")
+        Select(page.field("Channel")).select_by_value("3")
+        text, number = shop.profile(), shop.teaching()["taught_number"]
+        page.hold("Save the zero here", lambda: "Give the height" in page.text(), 3)
+        page.field("Height of the block").send_keys("12")
+        page.element("//button[.='Save the zero here']").click()
+        time.sleep(1)
+        assert shop.profile() == text, "a tap saves nothing"
+        page.hold("Save the zero here", lambda: "zero, taught: " in page.text())
+        assert shop.teaching()["taught_number"] == number + 1
+        zero = next(zero for zero in shop.teaching()["zeros"]
+                    if zero["lens"] == "f70" and zero["channel"] == 3)
+        place = [axis["position"] for axis in shop.status()["axes"]]
+        assert zero["taught"] and abs(zero["z_mm"] - (place[2] - 12)) < 0.01, (zero, place)
+        eventually(lambda: "last change: zero of channel 3, lens f70" in page.text(), 5)
+        driver.execute_script("arguments[0].scrollIntoView()",
+                              driver.find_element(By.ID, "teach-title"))
+        driver.save_screenshot(str(folder / "teach.png"))
+        wide = driver.execute_script(
+            "return [document.scrollingElement.scrollWidth, window.innerWidth]")
+        assert wide[0] <= wide[1], f"wider than the window: {wide}"
+        page.hold("Undo the last change", lambda: "zero, of the profile: " in page.text())
+        page.hold("Lamp, while held", lambda: shop.status()["lamp_on"])
+        eventually(lambda: not shop.status()["lamp_on"], 10)
+        page.hold("Shutter, while held", lambda: shop.status()["shutters_open"] == [3])
+        eventually(lambda: not shop.status()["shutters_open"], 10)
+        text = shop.profile()
+        driver.refresh()
+        eventually(lambda: "zero, of the profile: " in page.text(), 30)
+        time.sleep(2)
+        assert shop.profile() == text and not shop.status()["lamp_on"], "a reload sends nothing"
+        assert shop.cracks() == 0
+        print("taught on the page", flush=True)
+    finally:
+        driver.quit()
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--bin", required=True, type=pathlib.Path)
+    parser.add_argument("--folder", required=True, type=pathlib.Path)
+    given = parser.parse_args()
+    shutil.rmtree(given.folder, ignore_errors=True)
+    given.folder.mkdir(parents=True)
+    add_people(given)
+    shop = TaughtShop(given)
+    try:
+        shop.open_console()
+        shop.observer = shop.log_in("olga", "correct horse")
+        teach_by_messages(shop)
+        light_by_messages(shop)
+        if missing():
+            print("not in a browser; not installed:", ", ".join(missing()))
+        else:
+            teach_on_the_page(shop, given.folder)
+    finally:
+        shop.close()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
