@@ -161,6 +161,36 @@ class Console:
         """What there is to teach at a machine, and what was taught last; MachineTeaching."""
         return self._get(f"machines/{machine}/teaching")
 
+    def _test_job(self, machine: str, kind: str, submission: str,
+                  block_mm: Tuple[float, float, float], members: Message) -> Message:
+        x, y, z = block_mm
+        return self._post(f"machines/{machine}/{kind}", id=submission, block_x_mm=x,
+                          block_y_mm=y, block_z_mm=z, **members)
+
+    def submit_pulse(self, machine: str, submission: str, block_mm: Tuple[float, float, float],
+                     glass: str = "", lens: str = "", channel: int = 0,
+                     energy_mj: float = 0) -> Message:
+        """A job of one weak pulse where the focus is; nothing fires before it is armed.
+        SubmitAnswer."""
+        return self._test_job(machine, "pulse", submission, block_mm, {
+            "glass": glass, "lens": lens, "channel": channel, "energy_mj": energy_mj,
+            "step_mm": 0, "count": 0, "pitch_mm": 0})
+
+    def submit_focus_series(self, machine: str, submission: str,
+                            block_mm: Tuple[float, float, float], glass: str = "",
+                            lens: str = "", channel: int = 0, energy_mj: float = 0,
+                            step_mm: float = 0, count: int = 0, pitch_mm: float = 0) -> Message:
+        """A job of a row of points at growing depth; nothing fires before it is armed.
+        SubmitAnswer."""
+        return self._test_job(machine, "focus", submission, block_mm, {
+            "glass": glass, "lens": lens, "channel": channel, "energy_mj": energy_mj,
+            "step_mm": step_mm, "count": count, "pitch_mm": pitch_mm})
+
+    def series_zero_move(self, machine: str, job: Job, first: int) -> Message:
+        """How the zero has to move, when `first` is the number of the first visible crack of
+        this focus series; nothing moves by it. SeriesZeroMove."""
+        return self._get(f"machines/{machine}/zero_move", job=job, first=first)
+
     def upload(self, submission: str, file: Path,
                progress: Callable[[int, int], None] = lambda sent, size: None) -> Message:
         """Sends a file of a submission, in pieces; goes on where an earlier call ended.

@@ -241,7 +241,7 @@ void Api::Dispatch(const web::Request& request, const Visitor& visitor,
   if (rest == "session" || rest == "logout" || rest == "charge")
     return AnswerSession(rest, visitor, reply);
   if (const auto machine = SplitMachinePath(path))
-    return teach_.Answer(*machine, std::move(reply));
+    return teach_.Answer(*machine, request, std::move(reply));
   if (request.method == "GET") return AnswerGet(rest, request, std::move(reply));
   AnswerPost(rest, request, std::move(reply));
 }

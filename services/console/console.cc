@@ -112,6 +112,16 @@ web::ServerOptions ServerOptionsOf(const ConsoleOptions& options,
   return server;
 }
 
+FindJob FinderOf(ShopDesk& shop) {
+  return [&shop](std::string job, std::function<void(Result<FoundJob>)> found) {
+    shop.Order([job = std::move(job), found = std::move(found)](ShopDesk& desk) {
+      const auto view = desk.client().Find(job);
+      if (!view) return found(tl::unexpected(view.error()));
+      found(FoundJob{view->number, view->result_directory});
+    });
+  };
+}
+
 Result<std::vector<Receiver>> ReceiversOf(const ConsoleOptions& options) {
   if (options.webhooks.empty()) return std::vector<Receiver>();
   return ReadReceivers(options.webhooks);
@@ -154,7 +164,7 @@ Status Serve(const ConsoleOptions& options, const std::function<bool()>& stoppin
   JogDesk jogs(bus);
   SubmitApi submit(
       {options.uploads, client::ShopArguments(options.bus), options.materials.string()});
-  TeachApi teach(jogs);
+  TeachApi teach(jogs, submit, FinderOf(desk), options.materials.string());
   Api api(desk, clouds, access, audit, log_ins, submit, jogs, teach, webhooks,
           options.database);
   web::Handlers handlers;

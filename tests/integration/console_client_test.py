@@ -23,6 +23,9 @@ import intaglio_console  # noqa: E402
 ARGUMENTS = {
     "log_in": ("anna", "secret"),
     "teaching": ("{cell}",),
+    "submit_pulse": ("{cell}", "{id}", (50, 50, 30)),
+    "submit_focus_series": ("{cell}", "{id}", (50, 50, 30)),
+    "series_zero_move": ("{cell}", "{job}", 12),
     "upload": ("{id}", "{file}"),
     "submit": ("{id}", "{file}"),
     "preview": ("{id}", "{file}"),

@@ -108,7 +108,8 @@ class Shop:
             if (self.folder / "console.txt").exists() else 0
         self.console = subprocess.Popen(
             [self.bin / "intaglio-console", "--address-file", "console.address", "--users",
-             "console.users", *self.place], cwd=self.folder,
+             "console.users", "--uploads", "uploads", "--materials", "materials.db",
+             *self.place], cwd=self.folder,
             stdout=open(self.folder / "console.txt", "a"), stderr=subprocess.STDOUT)
 
         def is_open():

@@ -185,11 +185,47 @@ def light_by_messages(shop):
     print("lamp and shutter are lit while they are held", flush=True)
 
 
+BLOCK = {"block_x_mm": 50, "block_y_mm": 50, "block_z_mm": 30}
+
+
+def test_jobs_by_requests(shop):
+    """Who may, what is refused, and that the same request again is the same job."""
+    def asks(kind, header=None, **body):
+        try:
+            return 200, json.loads(shop.ask("POST", f"machines/els-03/{kind}", body, header)[1])
+        except urllib.error.HTTPError as error:
+            return error.code, json.loads(error.read())
+
+    status, answer = asks("pulse", shop.observer, id="p1", **BLOCK)
+    assert (status, answer["code"]) == (403, "not_operator"), answer
+    status, answer = asks("pulse", shop.other, id="p1", **BLOCK)
+    assert (status, answer["code"]) == (409, "not_in_charge"), answer
+    for kind, body, reason in (
+            ("pulse", {}, "block: give its size"),
+            ("pulse", {**BLOCK, "lens": "f99"}, "f99"),
+            ("pulse", {**BLOCK, "channel": 5}, "channels 1 to 4"),
+            ("pulse", {**BLOCK, "glass": "N-BK"}, "N-BK7"),
+            ("focus", {**BLOCK, "count": 1}, "2 to 1000 points"),
+            ("focus", {**BLOCK, "step_mm": 5}, "deeper than the block")):
+        status, answer = asks(kind, id="wrong", **body)
+        assert status == 422 and reason in answer["message"], (kind, body, status, answer)
+    shop.typed("teach", "move", "12", "17", "28", "--speed", "50")
+    time.sleep(1)
+    status, answer = asks("pulse", id="p1", **BLOCK)
+    assert status == 200 and answer["submitted"], answer
+    again = asks("pulse", id="p1", **BLOCK)[1]
+    assert again["job"] == answer["job"], "the same again submits nothing"
+    shop.ask("POST", f"jobs/{answer['job']}/cancel", {})
+    print("test jobs are for who is in charge", flush=True)
+
+
 def is_on_now(finger, kind):
     return finger.view["lamp_by_hand"] if kind == "lamp" else finger.view["shutters_by_hand"]
 
 
 class TeachPage:
+    """The page, as a person uses it."""
+
     def __init__(self, driver, shop):
         self.driver, self.shop = driver, shop
 
@@ -202,6 +238,52 @@ class TeachPage:
 
     def text(self):
         return self.element("").text
+
+    def fill(self, label, value):
+        field = self.field(label)
+        field.clear()
+        field.send_keys(value)
+        # Whatever the field had before, it has this now.
+        assert field.get_attribute("value") == value
+
+    def submit(self, label):
+        """The number of the job of this button."""
+        self.element(f"//button[.='{label}']").click()
+        return int(eventually(
+            lambda: re.search(r"Job (\d+) is submitted", self.text()), 60)[1])
+
+    def show(self, title):
+        self.driver.execute_script("arguments[0].scrollIntoView()",
+                                   self.element(f"//*[.='{title}']"))
+
+    def job_line(self, job):
+        from selenium.webdriver.common.by import By
+        found = self.driver.find_elements(By.XPATH, self.line(job))
+        return found[0].text if found else ""
+
+    @staticmethod
+    def line(job):
+        return f"//job-list//li[div[@id='job-{job}-title']]"
+
+    def arm(self, job, seconds):
+        """Holds the button of this job so long; what the page answers."""
+        from selenium.webdriver.common.action_chains import ActionChains
+        from selenium.webdriver.common.by import By
+
+        button = eventually(lambda: self.driver.find_elements(
+            By.XPATH, self.line(job) + "//div[@class='fire']/button"), 20)[0]
+        ActionChains(self.driver).move_to_element(button).click_and_hold().pause(seconds) \
+            .release().perform()
+        time.sleep(0.5)
+        return self.job_line(job)
+
+    def fire(self, job, state):
+        """Held until the job is under way: after a pause it is resumed, then armed."""
+        for _ in range(6):
+            if state(job) not in ("waiting_for_arm", "paused"):
+                return
+            self.arm(job, 2.5)
+            time.sleep(1)
 
     def hold(self, label, until, seconds=6):
         """A button, held to the answer as a person does it; again on a busy computer."""
@@ -216,6 +298,82 @@ class TeachPage:
             if value:
                 return
         raise AssertionError(f"{label}: {self.text()}")
+
+
+def make_test_jobs(page, shop, folder):
+    """A test pulse and a focus series, armed by a held press and by nothing else; the first
+    crack moves the zero as `intaglio teach focus --first` does."""
+    def state(job):
+        return json.loads(shop.ask("GET", f"jobs/{job}")[1])["state"]
+
+    def waits(job):
+        return eventually(lambda: state(job) == "waiting_for_arm" or None, 60)
+
+    def fires(job, cracks):
+        """On a computer that is too busy for its lines a job pauses; the operator goes on."""
+        def done():
+            if state(job) == "paused":
+                shop.typed("resume", str(job))
+            return state(job) == "done"
+
+        eventually(done, 120)
+        assert shop.cracks() == cracks, shop.cracks()
+
+    shop.typed("mount", "--block", "50", "50", "30", "--index", "1.51947", "--lens", "f43")
+    for axis, value in (("x", "50"), ("y", "50"), ("z", "30")):
+        page.fill(f"Block {axis}, mm", value)
+    from selenium.webdriver.support.ui import Select
+    Select(page.field("Lens")).select_by_value("f43")
+    Select(page.field("Channel")).select_by_value("1")
+    pulse = page.submit("Submit a test pulse")
+    waits(pulse)
+    eventually(lambda: "50 x 50 x 30" in page.job_line(pulse), 20)
+    page.arm(pulse, 0.3)
+    page.driver.refresh()
+    time.sleep(3)
+    assert (shop.cracks(), state(pulse)) == (0, "waiting_for_arm"), "a tap or a reload fires"
+    shop.ask_panel("door open")
+    eventually(lambda: not shop.status()["door_closed"], 10)
+    assert "door" in page.arm(pulse, 2.5), "at an open door"
+    time.sleep(2)
+    shop.ask_panel("door close")
+    eventually(lambda: shop.status()["door_closed"], 10)
+    time.sleep(2)
+    # The open door has paused it: it goes on by a held press, too.
+    there = shop.cracks(), state(pulse)
+    assert there == (0, "paused"), ("it fires after the door", there)
+    page.fire(pulse, state)
+    fires(pulse, 1)
+    print("a test pulse fires when its button is held at a closed door", flush=True)
+
+    for axis, value in (("x", "50"), ("y", "50"), ("z", "30")):
+        page.fill(f"Block {axis}, mm", value)
+    page.fill("Points", "6")
+    page.fill("Depth from point to point", "0.1")
+    shop.typed("teach", "move", "12", "25", "29", "--speed", "50")
+    time.sleep(1)
+    series = page.submit("Submit a focus series")
+    waits(series)
+    eventually(lambda: "50 x 50 x 30" in page.job_line(series), 20)
+    page.fire(series, state)
+    fires(series, 7)
+    eventually(lambda: page.field("Job of the series").text.strip() == str(series), 20)
+    page.fill("Number of the first visible crack", "9")
+    eventually(lambda: "points 1 to 6" in page.text(), 20)
+    page.fill("Number of the first visible crack", "4")
+    moves = eventually(lambda: re.search(r"moves by (-?[\d.]+) mm", page.text()), 20)
+    page.show("Focus series")
+    page.driver.save_screenshot(str(folder / "teach_focus.png"))
+    before, number = shop.zero(1), shop.teaching()["taught_number"]
+    page.hold("Move the zero", lambda: shop.teaching()["taught_number"] == number + 1)
+    moved = shop.zero(1)["z_mm"] - before["z_mm"]
+    assert abs(moved - float(moves[1])) < 0.0006, (moved, moves[1])
+    shop.typed("teach", "undo")
+    written = next((shop.folder / "uploads").glob("focus-*/.written"))
+    shop.typed("teach", "focus", "--out", str(written), "--first", "4", "--materials",
+               "materials.db")
+    assert abs(shop.zero(1)["z_mm"] - before["z_mm"] - moved) < 1e-9, "as the command does"
+    print(f"a focus series moves the zero by {moved:.3f} mm", flush=True)
 
 
 def teach_on_the_page(shop, folder):
@@ -261,6 +419,7 @@ def teach_on_the_page(shop, folder):
         assert shop.profile() == text and not shop.status()["lamp_on"], "a reload sends nothing"
         assert shop.cracks() == 0
         print("taught on the page", flush=True)
+        make_test_jobs(page, shop, folder)
     finally:
         driver.quit()
 
@@ -277,8 +436,10 @@ def main():
     try:
         shop.open_console()
         shop.observer = shop.log_in("olga", "correct horse")
+        shop.other = shop.log_in("bert", "correct horse")
         teach_by_messages(shop)
         light_by_messages(shop)
+        test_jobs_by_requests(shop)
         if missing():
             print("not in a browser; not installed:", ", ".join(missing()))
         else:

@@ -8,11 +8,10 @@
 #include <optional>
 #include <vector>
 
-#include "engrave/core/try.h"
-#include "materials_db/material_store.h"
 #include "services/cli/teach/teach_options.h"
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
+#include "services/client/teach/stage_per_glass.h"
 #include "services/client/teach/test_job.h"
 
 namespace intaglio::cli {
@@ -53,21 +52,6 @@ void AddPulseFlags(command_line::Command command, PulseOptions& options) {
   command.AddOption("--out", options.out, "folder of the job").ShowDefault();
 }
 
-client::StagePerGlass GlassesOf(const PulseOptions& options) {
-  return [file = options.materials_db](const MachineSpec& machine,
-                                       const MachineLens& lens,
-                                       const std::string& glass) -> Result<double> {
-    const auto store = INTAGLIO_TRY(
-        materials_db::MaterialStore::Open(materials_db::DatabasePathOf(file)));
-    const auto material = store.Find(glass);
-    if (!material)
-      return Fail(material.error().code, "--glass: " + material.error().message, glass);
-    const auto values = INTAGLIO_TRY(materials_db::ComputeOptics(
-        *material, machine.laser().wavelength_nm(), lens.numerical_aperture()));
-    return values.stage_per_glass_ratio;
-  };
-}
-
 /// Where the axes are, and the profile.
 int TakePlace(PulseOptions& options) {
   return WithMachine(options, [&](TeachClient& client) -> int {
@@ -93,7 +77,7 @@ int SubmitTest(PulseOptions& options, bool series, const SubmitFile& submit) {
   if (const int taken = TakePlace(options); taken != client::kExitGood) return taken;
   options.job.block_mm = Eigen::Map<const Vec3>(options.block_mm.data());
   options.job.energy_mj = options.energy_mj;
-  const auto ratio = GlassesOf(options);
+  const auto ratio = client::StagePerGlassOf(options.materials_db);
   const auto file =
       series ? client::WriteFocusSeries(options.job, ratio, options.series, options.out)
              : client::WriteTestPulse(options.job, ratio, options.out);
@@ -108,8 +92,8 @@ int SubmitTest(PulseOptions& options, bool series, const SubmitFile& submit) {
 }
 
 int TeachFirstCrack(const PulseOptions& options) {
-  const auto move =
-      client::ZeroMoveOfSeries(options.out, options.first, GlassesOf(options));
+  const auto move = client::ZeroMoveOfSeries(
+      options.out, options.first, client::StagePerGlassOf(options.materials_db));
   if (!move) return Complain(move.error());
   return WithMachine(options, [&](TeachClient& client) {
     TeachOrder order;

@@ -29,7 +29,7 @@ Result<const MachineLens*> LensOf(const MachineSpec& machine, const std::string&
       name.empty() ? MountedLensOf(machine) : FindLensNamed(machine, name);
   if (lens != nullptr) return lens;
   return Fail(ErrorCode::kNotFound,
-              fmt::format("--lens: \"{}\" is not a lens of {}", name, machine.name()),
+              fmt::format("lens: \"{}\" is not a lens of {}", name, machine.name()),
               name);
 }
 
@@ -86,6 +86,15 @@ struct Bench {
 
 Status Prepare(const TestJob& asked, const StagePerGlass& stage_per_glass, Bench& bench) {
   bench.machine = INTAGLIO_TRY(ReadMachineFile(asked.machine_file));
+  if (!asked.block_mm.allFinite() || !(asked.block_mm.array() > 0).all())
+    return Fail(ErrorCode::kInvalidValue, "block: give its size, mm, above 0");
+  const std::uint32_t channels = bench.machine.laser().channels();
+  if (asked.channel < 1 || asked.channel > channels) {
+    return Fail(ErrorCode::kInvalidValue,
+                fmt::format("channel {}: {} has the channels 1 to {}", asked.channel,
+                            bench.machine.name(), channels),
+                std::to_string(asked.channel));
+  }
   bench.lens = INTAGLIO_TRY(LensOf(bench.machine, asked.lens));
   const double ratio =
       INTAGLIO_TRY(stage_per_glass(bench.machine, *bench.lens, asked.glass));

@@ -281,7 +281,8 @@ const needs = document.querySelector('needs-list') as NeedsList;
 const machines = document.querySelector('machine-list') as MachineList;
 const jobs = document.querySelector('job-list') as JobList;
 const hand = document.querySelector('jog-panel') as JogPanel;
-(document.querySelector('teach-panel') as TeachPanel).attach(hand);
+const teach = document.querySelector('teach-panel') as TeachPanel;
+teach.attach(hand);
 const glass = document.querySelector('glass-view') as GlassView;
 const control = new Control();
 stop.control = control;
@@ -336,6 +337,7 @@ control.onState = (state) => {
   needs.update(state.shop?.needs ?? []);
   machines.update(state.shop?.machines ?? [], state.stages ?? []);
   hand.update(state.shop?.machines ?? []);
+  teach.update(state.jobs ?? []);
   jobs.update(state.jobs ?? [], state.shop ?? {}, state.queues ?? []);
   glass.follow(state.jobs ?? []);
 };

@@ -3,6 +3,7 @@
 // slips; the motion bridge decides.
 import { Dict, make } from './dom';
 import { JogPanel, Order } from './jog';
+import { TestJobs } from './test_jobs';
 import { fill, language, text } from './text';
 
 export class TeachPanel extends HTMLElement {
@@ -17,12 +18,16 @@ export class TeachPanel extends HTMLElement {
   private light = make('div', '', 'need');
   private answer = make('div', '', 'need');
   private ofProfile: HTMLElement[] = [];  // what a machine without one does not have
+  private tests!: TestJobs;
   private teaching: Dict = {};
   private shown = '';  // machine and number of what was taught that are shown
 
   attach(hand: JogPanel) {
     this.hand = hand;
-    hand.onMachine = () => this.load();
+    hand.onMachine = () => {
+      this.shown = '';
+      this.load();
+    };
     hand.onView = (view) => this.follow(view);
     const lens = labelled(text.lens, this.lens);
     const channel = labelled(text.channel, this.channel);
@@ -45,12 +50,19 @@ export class TeachPanel extends HTMLElement {
     const lights = this.buttons(
       this.button(text.lampOn, () => ({ kind: 'lamp' })),
       this.button(text.shutterOpen, () => ({ kind: 'shutter', channel: this.channelNumber })));
-    this.ofProfile = [lens, channel, this.zero, this.last, places, lights];
+    this.tests = new TestJobs(hand, () =>
+      ({ lens: this.lens.value, channel: this.channelNumber }));
+    this.ofProfile = [lens, channel, this.zero, this.last, places, lights, this.tests.element];
     this.answer.setAttribute('role', 'status');
     this.append(make('p', text.teachHint, 'quiet'), this.profile, lens, channel, this.zero,
       labelled(text.heightMm, this.height), axes, zeros, this.last, places, lights, this.light,
-      this.answer);
+      this.answer, this.tests.element);
     this.show();
+  }
+
+  /** The jobs of the shop: those that are focus series can be read. */
+  update(jobs: Dict[]) {
+    this.tests.update(jobs);
   }
 
   private button(label: string, order: (view: Dict) => Order, why?: () => string) {
@@ -85,6 +97,7 @@ export class TeachPanel extends HTMLElement {
     const shown = `${view.cell} ${view.taught_number}`;
     if (shown === this.shown) return;
     this.shown = shown;
+    this.tests.forget();
     this.load();
   }
 
@@ -96,6 +109,7 @@ export class TeachPanel extends HTMLElement {
       const answer = await response.json();
       if (cell !== this.hand.machine) return;
       this.teaching = response.ok ? answer : { message: answer.message };
+      this.shown ||= `${cell} ${answer.taught_number ?? 0}`;
     } catch {
       return;  // the next change asks again
     }

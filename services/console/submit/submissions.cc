@@ -9,6 +9,7 @@
 #include "engrave/drawing/font_list.h"
 #include "engrave/io/atomic_file.h"
 #include "engrave/io/crc32.h"
+#include "engrave/io/whole_file.h"
 #include "proto/shop.pb.h"
 #include "services/client/exit_codes.h"
 #include "services/console/answers/json_response.h"
@@ -23,6 +24,7 @@ namespace fs = std::filesystem;
 
 /// Longer than `intaglio submit` waits for a job service, and reads a large model.
 constexpr std::chrono::seconds kSubmitTime{90};
+constexpr std::uint64_t kMaxNameBytes = 255;
 
 Status CheckFile(const std::string& file, const std::string& field,
                  const fs::path& folder) {
@@ -90,8 +92,29 @@ Result<fs::path> Submissions::Write(const std::string& id,
   return file;
 }
 
+Result<fs::path> Submissions::WriteOnce(const std::string& id,
+                                        const Writer& writer) const {
+  // The name of an upload does not begin with '.'.
+  const fs::path folder = INTAGLIO_TRY(uploads_.FolderOf(id)) / ".written";
+  const fs::path note = folder / "job_file";
+  if (const auto name = io::ReadWholeFile(note, kMaxNameBytes)) return folder / *name;
+  const fs::path file = INTAGLIO_TRY(writer(folder));
+  INTAGLIO_TRY(io::WriteFileAtomically(note, std::string_view(file.filename().string())));
+  return file;
+}
+
 SubmissionAnswer Submissions::Submit(const std::string& id,
                                      const std::string& job_file) const {
+  return SubmitFile(id, Write(id, job_file));
+}
+
+SubmissionAnswer Submissions::SubmitWritten(const std::string& id,
+                                            const Writer& writer) const {
+  return SubmitFile(id, WriteOnce(id, writer));
+}
+
+SubmissionAnswer Submissions::SubmitFile(const std::string& id,
+                                         const Result<fs::path>& file) const {
   SubmissionAnswer submission;
   submission.answer.set_id(id);
   const auto fail = [&submission](int status, const ConsoleError& refusal) {
@@ -100,7 +123,6 @@ SubmissionAnswer Submissions::Submit(const std::string& id,
     submission.answer.set_code(refusal.code());
     return submission;
   };
-  const auto file = Write(id, job_file);
   if (!file) return fail(422, ErrorOf(file.error()));
   std::vector<std::string> words = {"submit", file->string(), "--id", id, "--events"};
   words.insert(words.end(), shop_arguments_.begin(), shop_arguments_.end());

@@ -6,6 +6,7 @@
 // for it (upload_folder.h), never from others of the console's computer.
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,12 +48,23 @@ class Submissions {
   /// refused, with the reason; 503, 504: not known, the same again is safe.
   SubmissionAnswer Submit(const std::string& id, const std::string& job_file) const;
 
+  /// Writes a job and its files into a folder, and returns the job file.
+  using Writer =
+      std::function<Result<std::filesystem::path>(const std::filesystem::path& folder)>;
+  /// The same for a job that this program itself writes, into a folder that no upload
+  /// reaches. What was written for this id before is submitted again as it is.
+  SubmissionAnswer SubmitWritten(const std::string& id, const Writer& writer) const;
+
   /// What `intaglio preview FILE` finds out, and its picture. 422, 503, 504 as above.
   PreviewAnswer Preview(const std::string& id, const std::string& job_file) const;
 
  private:
   Result<std::filesystem::path> Write(const std::string& id,
                                       const std::string& job_file) const;
+  Result<std::filesystem::path> WriteOnce(const std::string& id,
+                                          const Writer& writer) const;
+  SubmissionAnswer SubmitFile(const std::string& id,
+                              const Result<std::filesystem::path>& file) const;
 
   const UploadFolder& uploads_;
   std::vector<std::string> shop_arguments_;

@@ -163,8 +163,21 @@ std::shared_ptr<web::BodySink> SubmitApi::Receive(const SubmissionPath& path,
 }
 
 void SubmitApi::Submit(const std::string& id, std::string job_file, web::Reply reply) {
-  const bool taken = runs_.Add([this, id, job_file = std::move(job_file), reply] {
-    const SubmissionAnswer submitted = submissions_.Submit(id, job_file);
+  Run([this, id,
+       job_file = std::move(job_file)] { return submissions_.Submit(id, job_file); },
+      reply);
+}
+
+void SubmitApi::SubmitWritten(const std::string& id, Submissions::Writer writer,
+                              web::Reply reply) {
+  Run([this, id,
+       writer = std::move(writer)] { return submissions_.SubmitWritten(id, writer); },
+      reply);
+}
+
+void SubmitApi::Run(std::function<SubmissionAnswer()> submit, const web::Reply& reply) {
+  const bool taken = runs_.Add([submit = std::move(submit), reply] {
+    const SubmissionAnswer submitted = submit();
     reply(JsonResponse(submitted.status, submitted.answer));
   });
   if (!taken) reply(ErrorResponse(503, "too many jobs are submitted at once: try again"));

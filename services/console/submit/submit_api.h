@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -47,10 +48,13 @@ class SubmitApi {
   std::shared_ptr<web::BodySink> Receive(const SubmissionPath& path,
                                          const web::Request& request,
                                          std::uint64_t body_bytes, web::Reply reply);
+  /// Submissions::SubmitWritten.
+  void SubmitWritten(const std::string& id, Submissions::Writer writer, web::Reply reply);
 
  private:
   class JobFileSink;
   void Submit(const std::string& id, std::string job_file, web::Reply reply);
+  void Run(std::function<SubmissionAnswer()> submit, const web::Reply& reply);
   void Preview(const std::string& id, std::string job_file, web::Reply reply);
 
   UploadFolder uploads_;

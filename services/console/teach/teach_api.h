@@ -1,14 +1,19 @@
 #pragma once
 
-// The requests below /api/v1/machines: what there is to teach at a machine. What moves,
-// lights or saves something goes over the WebSocket (jog_desk.h), while a person holds a
-// button.
+// The requests below /api/v1/machines: what there is to teach at a machine, test pulses
+// and focus series. What moves, lights or saves something goes over the WebSocket
+// (jog_desk.h), while a person holds a button; a test job fires when it is armed.
 
+#include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
 
+#include "services/client/teach/stage_per_glass.h"
 #include "services/console/answers/work_queue.h"
+#include "services/console/submit/submit_api.h"
 #include "services/console/teach/jog_desk.h"
 #include "services/platform/web/server.h"
 
@@ -22,15 +27,38 @@ struct MachinePath {
 };
 std::optional<MachinePath> SplitMachinePath(std::string_view path);
 
-/// In the server's thread; disks have a thread of their own.
+struct FoundJob {
+  std::uint32_t number = 0;
+  std::filesystem::path folder;
+};
+/// Finds a job by its number or uid, and calls `found` from another thread.
+using FindJob =
+    std::function<void(std::string job, std::function<void(Result<FoundJob>)> found)>;
+
+/// In the server's thread; disks and processes have threads of their own.
 class TeachApi {
  public:
-  explicit TeachApi(const JogDesk& jogs) : jogs_(jogs) {}
+  /// `materials`: material base, empty: the user's. All live longer.
+  TeachApi(const JogDesk& jogs, SubmitApi& submit, FindJob find_job,
+           const std::string& materials)
+      : jogs_(jogs),
+        submit_(submit),
+        find_job_(std::move(find_job)),
+        stage_per_glass_(client::StagePerGlassOf(materials)) {}
 
-  void Answer(const MachinePath& path, web::Reply reply);
+  void Answer(const MachinePath& path, const web::Request& request, web::Reply reply);
 
  private:
+  void Submit(const client::MachineView& machine, const std::string& part,
+              const web::Request& request, web::Reply reply);
+  void AnswerZeroMove(const client::MachineView& machine, const web::Request& request,
+                      web::Reply reply);
+  void Read(std::function<void()> work, const web::Reply& reply);
+
   const JogDesk& jogs_;
+  SubmitApi& submit_;
+  FindJob find_job_;
+  client::StagePerGlass stage_per_glass_;
   WorkQueue disk_{16};
 };
 

@@ -77,14 +77,14 @@ Result<double> ZeroMoveOfFirstCrack(const PointList& points_mm, double block_hei
                                     double stage_per_glass_ratio, std::uint32_t first) {
   if (first < 1 || first > points_mm.size()) {
     return Fail(ErrorCode::kInvalidValue,
-                fmt::format("--first {}: the series has the points 1 to {}", first,
+                fmt::format("first crack {}: the series has the points 1 to {}", first,
                             points_mm.size()),
                 std::to_string(first));
   }
   const double step_mm = points_mm[0].z() - points_mm[1].z();
   if (first == 1) {
     return Fail(ErrorCode::kInvalidValue,
-                fmt::format("--first 1: the series began in the glass, so the face is "
+                fmt::format("first crack 1: the series began in the glass, so the face is "
                             "above it: raise the zero (intaglio teach zero --by 0 0 "
                             "{:.3g}) and engrave another series",
                             step_mm * stage_per_glass_ratio *
