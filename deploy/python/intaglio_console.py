@@ -344,6 +344,26 @@ class Console:
                 return _as_array(pairs)
             start = following
 
+    def ticks(self, job: Job) -> Points:
+        """At which ticks they were fired: pairs of the place in the order and the lower 32 bits
+        of the tick, as they were recorded. (2**32 - 1, 0) is where the ticks count from another
+        power-up of the controller."""
+        pairs: List[Tuple[Any, ...]] = []
+        start = 0
+        while True:
+            packed = self._bytes(f"jobs/{job}/ticks", **{"from": start})
+            following = int.from_bytes(packed[:4], "little")
+            numbers = _little_endian("I", packed[4:])
+            pairs.extend(zip(numbers[::2], numbers[1::2]))
+            if following == start:
+                return _as_array(pairs)
+            start = following
+
+    def channels(self, job: Job) -> bytes:
+        """In which channels each point is made, by its place in the order: bit 0 to 3, channels
+        1 to 4."""
+        return self._bytes(f"jobs/{job}/channels")
+
 
 def _little_endian(code: str, packed: bytes) -> Any:
     values: Any = array.array(code)

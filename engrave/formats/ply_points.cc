@@ -67,9 +67,14 @@ Result<PlyPoints> PlyPoints::Open(const std::filesystem::path& file,
 }
 
 Result<PointList> PlyPoints::Next() {
+  PointTable table = INTAGLIO_TRY(NextRows());
+  return std::move(table.points_mm);
+}
+
+Result<PointTable> PlyPoints::NextRows() {
   io::PlyElement piece = vertices_;
   piece.count = std::min(kPieceCount, count() - read_count_);
-  if (piece.count == 0) return PointList();
+  if (piece.count == 0) return PointTable();
   const std::string rows =
       ReadBytes(in_, header_size_ + read_count_ * row_size_, piece.count * row_size_);
   auto table = ReadVertices(piece, rows.size(), *io::PlyValuesOf(encoding_, rows), {});
@@ -77,7 +82,7 @@ Result<PointList> PlyPoints::Next() {
     return Named(fmt::format("{}, behind point {}", name_, read_count_), table.error());
   }
   read_count_ += piece.count;
-  return std::move(table->points_mm);
+  return table;
 }
 
 }  // namespace intaglio::formats

@@ -26,7 +26,9 @@ class PlyPoints {
   /// The next points, mm; empty behind the last. kUnreadable: the file is cut off.
   /// kInvalidValue: a coordinate is not finite.
   Result<PointList> Next();
-  /// Next() begins with the first point again.
+  /// The same with their other columns.
+  Result<PointTable> NextRows();
+  /// The next call begins with the first point again.
   void Rewind() { read_count_ = 0; }
 
  private:

@@ -330,7 +330,7 @@ void Api::AnswerGet(const std::string& path, const web::Request& request,
 void Api::AnswerJob(const std::string& job, const std::string& part, std::uint32_t from,
                     web::Reply reply) {
   const JobFile* file = JobFileOf(part);
-  if (file == nullptr && !part.empty() && part != "plan" && part != "made")
+  if (file == nullptr && !part.empty() && part != "plan" && !CloudReader::IsPart(part))
     return reply(Unknown());
   desk_.Order([this, job, part, file, from, reply](ShopDesk& desk) {
     const auto found = desk.client().Find(job);
@@ -343,7 +343,7 @@ void Api::AnswerJob(const std::string& job, const std::string& part, std::uint32
     };
     const bool taken = file != nullptr  ? clouds_.AskForFile(folder / file->file, answer)
                        : part == "plan" ? clouds_.AskForPlan(folder, answer)
-                                        : clouds_.AskForMade(folder, from, answer);
+                                        : clouds_.AskForPart(part, folder, from, answer);
     if (!taken) reply(ErrorResponse(503, kManyFiles));
   });
 }

@@ -20,12 +20,19 @@ bool CloudReader::AskForPlan(std::filesystem::path folder, Answer answer) {
   });
 }
 
-bool CloudReader::AskForMade(std::filesystem::path folder, std::uint32_t from,
-                             Answer answer) {
-  return queue_.Add([folder = std::move(folder), from, answer = std::move(answer)] {
-    auto made = ReadMade(folder, from);
-    if (!made) return answer(tl::unexpected(made.error()));
-    answer(std::make_shared<const std::string>(std::move(*made)));
+bool CloudReader::IsPart(std::string_view name) {
+  return name == "made" || name == "ticks" || name == "channels";
+}
+
+bool CloudReader::AskForPart(std::string name, std::filesystem::path folder,
+                             std::uint32_t from, Answer answer) {
+  return queue_.Add([name = std::move(name), folder = std::move(folder), from,
+                     answer = std::move(answer)] {
+    auto part = name == "channels" ? ReadChannels(folder)
+                : name == "ticks"  ? ReadTicks(folder, from)
+                                   : ReadMade(folder, from);
+    if (!part) return answer(tl::unexpected(part.error()));
+    answer(std::make_shared<const std::string>(std::move(*part)));
   });
 }
 

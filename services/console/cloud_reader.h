@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engrave/core/result.h"
@@ -24,7 +25,10 @@ class CloudReader {
 
   // From any thread. False: too many requests wait already.
   bool AskForPlan(std::filesystem::path folder, Answer answer);
-  bool AskForMade(std::filesystem::path folder, std::uint32_t from, Answer answer);
+  /// `made`, `ticks` or `channels` (job_cloud.h).
+  bool AskForPart(std::string name, std::filesystem::path folder, std::uint32_t from,
+                  Answer answer);
+  static bool IsPart(std::string_view name);
   bool Ask(std::function<void()> read) { return queue_.Add(std::move(read)); }
   /// All of a file, up to 64 MB.
   bool AskForFile(std::filesystem::path file, Answer answer);

@@ -12,6 +12,7 @@
 #include "engrave/formats/ply_points.h"
 #include "services/client/proof/evidence/proof_evidence.h"
 #include "services/console/plan_packer.h"
+#include "services/job/fields/channels.h"
 #include "services/job/fields/shapes.h"
 
 namespace intaglio::console {
@@ -27,6 +28,23 @@ void Append(std::string& bytes, Value value) {
   std::memcpy(raw, &value,
               sizeof value);  // a little-endian host, as the formats' readers
   bytes.append(raw, sizeof value);
+}
+
+/// Whole records of a journal.
+struct Part {
+  std::uint32_t next = 0;  ///< number of the record behind them
+  std::vector<formats::JournalRecord> records;
+};
+
+Result<Part> ParsePart(std::span<const std::byte> header,
+                       std::span<const std::byte> records, std::uint32_t from) {
+  std::vector<std::byte> file(header.begin(), header.end());
+  file.insert(file.end(), records.begin(), records.end());
+  auto journal = INTAGLIO_TRY(formats::ParseJournal(file));
+  const std::uint64_t whole =
+      (records.size() - std::min<std::uint64_t>(journal.torn_bytes, records.size())) /
+      formats::kJournalRecordSize;
+  return Part{static_cast<std::uint32_t>(from + whole), std::move(journal.records)};
 }
 
 tl::unexpected<Error> NotThere(const fs::path& file) {
@@ -58,19 +76,31 @@ Result<std::string> ReadPart(const fs::path& file, std::uint64_t offset,
 
 Result<std::string> PackMade(std::span<const std::byte> header,
                              std::span<const std::byte> records, std::uint32_t from) {
-  std::vector<std::byte> file(header.begin(), header.end());
-  file.insert(file.end(), records.begin(), records.end());
-  const auto journal = INTAGLIO_TRY(formats::ParseJournal(file));
-  const std::uint64_t whole =
-      (records.size() - std::min<std::uint64_t>(journal.torn_bytes, records.size())) /
-      formats::kJournalRecordSize;
+  const Part part = INTAGLIO_TRY(ParsePart(header, records, from));
   std::string bytes;
-  Append(bytes, static_cast<std::uint32_t>(from + whole));
-  for (const formats::JournalRecord& record : journal.records) {
+  Append(bytes, part.next);
+  for (const formats::JournalRecord& record : part.records) {
     if (record.kind != formats::JournalKind::kOutcome || record.point >> kOutcomeShift)
       continue;
     Append(bytes, record.point | static_cast<std::uint32_t>(record.outcome)
                                      << kOutcomeShift);
+  }
+  return bytes;
+}
+
+Result<std::string> PackTicks(std::span<const std::byte> header,
+                              std::span<const std::byte> records, std::uint32_t from) {
+  const Part part = INTAGLIO_TRY(ParsePart(header, records, from));
+  std::string bytes;
+  Append(bytes, part.next);
+  for (const formats::JournalRecord& record : part.records) {
+    const bool is_session = record.kind == formats::JournalKind::kSession;
+    const bool is_pulse = record.kind == formats::JournalKind::kOutcome &&
+                          formats::IsFired(record.outcome) &&
+                          record.point >> kOutcomeShift == 0;
+    if (!is_session && !is_pulse) continue;
+    Append(bytes, is_session ? kPowerUp : record.point);
+    Append(bytes, is_session ? 0 : static_cast<std::uint32_t>(record.tick));
   }
   return bytes;
 }
@@ -99,15 +129,44 @@ Result<std::string> ReadPlan(const fs::path& folder) {
   return packer.Finish();
 }
 
-Result<std::string> ReadMade(const fs::path& folder, std::uint32_t from) {
+namespace {
+
+Result<std::string> ReadJournalPart(const fs::path& folder, std::uint32_t from,
+                                    decltype(&PackMade) pack) {
   const fs::path file = folder / "journal.bin";
   const auto header = INTAGLIO_TRY(ReadPart(file, 0, formats::kJournalHeaderSize));
   const auto records = INTAGLIO_TRY(ReadPart(
       file,
       formats::kJournalHeaderSize + std::uint64_t{from} * formats::kJournalRecordSize,
       kMaxRecords * formats::kJournalRecordSize));
-  return PackMade(std::as_bytes(std::span(header)), std::as_bytes(std::span(records)),
-                  from);
+  return pack(std::as_bytes(std::span(header)), std::as_bytes(std::span(records)), from);
+}
+
+}  // namespace
+
+Result<std::string> ReadMade(const fs::path& folder, std::uint32_t from) {
+  return ReadJournalPart(folder, from, &PackMade);
+}
+
+Result<std::string> ReadTicks(const fs::path& folder, std::uint32_t from) {
+  return ReadJournalPart(folder, from, &PackTicks);
+}
+
+Result<std::string> ReadChannels(const fs::path& folder) {
+  auto points = INTAGLIO_TRY(OpenPlan(folder));
+  const auto job = INTAGLIO_TRY(client::ReadFrozenJob(folder / "job.json"));
+  std::string bytes;
+  while (true) {
+    const formats::PointTable piece = INTAGLIO_TRY(points.NextRows());
+    if (piece.points_mm.empty()) return bytes;
+    const auto* source = piece.Find<std::uint32_t>("source");
+    if (source == nullptr) {
+      return Fail(ErrorCode::kUnreadable,
+                  "path.ply: does not have the models of its points; make the job again");
+    }
+    const auto masks = INTAGLIO_TRY(ChannelsOfPoints(job.job(), *source));
+    bytes.append(masks.begin(), masks.end());
+  }
 }
 
 }  // namespace intaglio::console

@@ -7,8 +7,15 @@
 //
 //   made     0     4  number of the journal's record to read from next
 //            4   4 N  place in the order, and outcome (PointOutcome) * 2^29, of each
-//            record
-//                     of kind outcome, in the order of the journal
+//                     record of kind outcome, in the order of the journal
+//
+//   ticks    0     4  number of the journal's record to read from next
+//            4   8 N  place in the order, and the lower 32 bits of the tick, of each
+//                     record of kind outcome that fired; 2^32 - 1, and 0, where the
+//                     ticks count from another power-up of the controller
+//
+//   channels 0     N  channels in which each point is made, by its place in the order:
+//                     bit 0..3, channels 1..4
 
 #include <cstdint>
 #include <filesystem>
@@ -19,6 +26,9 @@
 
 namespace intaglio::console {
 
+/// In place of the place of a point: another power-up of the controller.
+inline constexpr std::uint32_t kPowerUp = 0xffffffff;
+
 /// The bits above the place of a point in the order.
 inline constexpr std::uint32_t kOutcomeShift = 29;
 
@@ -26,6 +36,9 @@ inline constexpr std::uint32_t kOutcomeShift = 29;
 /// `records`: bytes from record `from` on. kUnreadable: it is no journal.
 Result<std::string> PackMade(std::span<const std::byte> header,
                              std::span<const std::byte> records, std::uint32_t from);
+/// The same of its ticks.
+Result<std::string> PackTicks(std::span<const std::byte> header,
+                              std::span<const std::byte> records, std::uint32_t from);
 
 /// Bytes of the packed plan of a job's folder; only the header of its file is read.
 Result<std::size_t> PlanBytes(const std::filesystem::path& folder);
@@ -34,5 +47,10 @@ Result<std::size_t> PlanBytes(const std::filesystem::path& folder);
 Result<std::string> ReadPlan(const std::filesystem::path& folder);
 /// What was made, from a record of the journal on; at most 65536 records at a time.
 Result<std::string> ReadMade(const std::filesystem::path& folder, std::uint32_t from);
+
+/// At which ticks, from a record of the journal on; as many at a time.
+Result<std::string> ReadTicks(const std::filesystem::path& folder, std::uint32_t from);
+/// In which channels. kUnreadable, kFault: the plan does not have the job's models.
+Result<std::string> ReadChannels(const std::filesystem::path& folder);
 
 }  // namespace intaglio::console

@@ -35,8 +35,10 @@ ARGUMENTS = {
     "set_speed": ("{job}", 50),
     "move": ("{job}", ""),
 }
-OF_A_JOB = ("job", "follow", "pause", "cancel", "report", "picture", "views", "plan", "made")
-PACKED = {"plan": b"INTPLAN2" + bytes(16 + 4 * 513), "made": bytes(4)}
+OF_A_JOB = ("job", "follow", "pause", "cancel", "report", "picture", "views", "plan", "made",
+            "ticks", "channels")
+PACKED = {"plan": b"INTPLAN2" + bytes(16 + 4 * 513), "made": bytes(4),
+          "ticks": bytes(4)}
 
 
 class Described:

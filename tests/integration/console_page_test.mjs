@@ -4,6 +4,7 @@
 import { readFileSync } from 'fs';
 import { FrameBudget, Picture, cellsInView } from '../../services/console/page/cells';
 import { PlanDecoder } from '../../services/console/page/plan';
+import { Ticks } from '../../services/console/page/ticks';
 
 let failed = 0;
 function expect(is, what) {
@@ -108,6 +109,15 @@ for (let cell = 0; cell < 512; ++cell) {
     expect(!visible || inView[cell], `cell ${cell} has a point in the picture`);
   }
 }
+
+// Ticks count from the first pulse, over a counter of 32 bits, and go on behind those of the
+// power-up before.
+const ticks = new Ticks(10);
+const sent = (...numbers) => Uint32Array.from(numbers).buffer;
+expect(ticks.take(sent(5, 0xffffffff, 0, 3, 0xfffffffe, 4, 2)) && ticks.next === 5, 'more ticks');
+expect(ticks.take(sent(8, 2, 12, 0xffffffff, 0, 0, 1000, 1, 1003)), 'ticks of another power-up');
+expect(!ticks.take(sent(8)), 'no more ticks');
+expect([...ticks.of].join() === '15,18,14,0,4,0,0,0,0,0' && ticks.last === 18, `ticks ${ticks.of}`);
 
 const budget = new FrameBudget();
 for (let i = 0; i < 100; ++i) budget.follow(200, true);

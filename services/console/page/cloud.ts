@@ -1,7 +1,9 @@
 // The points of a job, as the graphics card has them.
 import * as THREE from 'three';
 import { Picture } from './cells';
+import { Mode, first, last, modes, ofChannel, ofOutcome } from './colours';
 import { PlanDecoder } from './plan';
+import { Ticks } from './ticks';
 
 const faint = 0.16;
 
@@ -16,6 +18,9 @@ export class Cloud {
   private fresh: THREE.Points | undefined;  // made since the last frame
   private outcomes: THREE.BufferAttribute;
   private cells: THREE.Points[] = [];
+  private channels: Uint8Array | undefined;  // of each point, as `state`
+  private ticks: Float32Array | undefined;
+  private tickAttribute: THREE.BufferAttribute | undefined;
 
   constructor(private plan: PlanDecoder) {
     const longest = Math.max(...plan.sizeMm, 1e-9);
@@ -48,6 +53,36 @@ export class Cloud {
   /** Its order has come, too: it can show what is made. */
   get isLoaded(): boolean {
     return this.plan.isWhole;
+  }
+
+  get hasChannels(): boolean {
+    return !!this.channels;
+  }
+
+  private setAll(name: string, attribute: THREE.BufferAttribute) {
+    for (const cell of this.cells) cell.geometry.setAttribute(name, attribute);
+  }
+
+  /** The channels of each point, by its place in the order. */
+  takeChannels(bytes: ArrayBuffer) {
+    const masks = new Uint8Array(bytes);
+    if (masks.length !== this.count) return;
+    this.channels = new Uint8Array(this.count);
+    masks.forEach((mask, place) => (this.channels![this.plan.index[place]] = mask));
+    this.setAll('channel', new THREE.BufferAttribute(this.channels, 1));
+  }
+
+  /** At which ticks points were fired. */
+  takeTicks(ticks: Ticks) {
+    this.ticks ??= new Float32Array(this.count);
+    ticks.of.forEach((tick, place) => (this.ticks![this.plan.index[place]] = tick));
+    if (!this.tickAttribute) {
+      this.tickAttribute = new THREE.BufferAttribute(this.ticks, 1);
+      this.tickAttribute.setUsage(THREE.DynamicDrawUsage);
+      this.setAll('tick', this.tickAttribute);
+    }
+    this.tickAttribute.needsUpdate = true;
+    material.uniforms.lastTick.value = Math.max(1, ticks.last);
   }
 
   /** All that can be seen is in the picture. */
@@ -103,6 +138,11 @@ export class Cloud {
     geometry.setAttribute('order', ordersOf(positions));
     geometry.setAttribute('outcome',
       new THREE.BufferAttribute(Uint8Array.from(changed, (at) => this.state[at]), 1));
+    const { channels, ticks } = this;
+    if (channels) geometry.setAttribute('channel',
+      new THREE.BufferAttribute(Uint8Array.from(changed, (at) => channels[at]), 1));
+    if (ticks) geometry.setAttribute('tick',
+      new THREE.BufferAttribute(Float32Array.from(changed, (at) => ticks[at]), 1));
     this.fresh = this.inBlock(geometry);
     this.group.add(this.fresh);
   }
@@ -148,31 +188,46 @@ function ordersOf(positions: THREE.InterleavedBufferAttribute): THREE.Interleave
 
 /** What is shown of every cloud. */
 export interface Look {
-  byOrder: boolean;  // the colour of a crack is its place in the order
+  mode: Mode;        // what the colours show
   cut: number[];     // only points up to here, of each side of the block, 0..1
   until: number;     // cracks up to this place in the order, 0..1
 }
 
 export function setLook(look: Look) {
-  material.uniforms.byOrder.value = look.byOrder ? 1 : 0;
+  material.uniforms.mode.value = modes.indexOf(look.mode);
   material.uniforms.until.value = look.until;
   material.uniforms.cut.value.set(look.cut[0], look.cut[1], look.cut[2]);
+}
+
+function glsl(colour: number[]): string {
+  return `vec3(${colour.map((part) => part.toFixed(3)).join(', ')})`;
 }
 
 const material = new THREE.ShaderMaterial({
   transparent: true,
   uniforms: {
-    byOrder: { value: 0 }, until: { value: 1 }, cut: { value: new THREE.Vector3().set(1, 1, 1) },
+    mode: { value: 0 }, until: { value: 1 }, cut: { value: new THREE.Vector3().set(1, 1, 1) },
+    lastTick: { value: 1 },
   },
   depthWrite: false,
-  vertexShader: `attribute float outcome, order; uniform float byOrder, until;
-    uniform vec3 cut; varying vec4 shade;
+  vertexShader: `attribute float outcome, order, tick, channel;
+    uniform float mode, until, lastTick; uniform vec3 cut; varying vec4 shade;
+    vec3 inChannels() {
+      vec4 is = mod(floor((channel + .5) / vec4(1., 2., 4., 8.)), 2.);
+      return (${ofChannel.map((colour, i) => `is[${i}] * ${glsl(colour)}`).join(' + ')})
+        / max(1., dot(is, vec4(1.)));
+    }
+    vec3 ofOutcome(float state) {
+      return ${ofOutcome.slice(0, -1).map((colour, i) =>
+        `state < ${i}.5 ? ${glsl(colour)} : `).join('')}${glsl(ofOutcome[ofOutcome.length - 1])};
+    }
     void main() {
       float state = order > until || until <= 0. ? 0. : outcome;
-      bool made = state > .5 && state < 1.5;
-      vec3 crack = byOrder < .5 ? vec3(1.) : mix(vec3(.25, .55, 1.), vec3(1., .8, .2), order);
-      shade = state < .5 ? vec4(.55, .7, .9, ${faint}) : made ? vec4(crack, .95)
-                                                           : vec4(1., .45, .1, 1.);
+      bool made = state > .5 && state < 1.5, planned = state < .5;
+      float along = mode < 1.5 ? order : tick / lastTick;
+      vec3 colour = (planned || made) && mode > 2.5 ? inChannels()
+        : made && mode > .5 ? mix(${glsl(first)}, ${glsl(last)}, along) : ofOutcome(state);
+      shade = vec4(colour, planned ? ${faint} : made ? .95 : 1.);
       gl_Position = any(greaterThan(position, cut))
         ? vec4(2., 2., 2., 1.) : projectionMatrix * modelViewMatrix * vec4(position, 1.);
       gl_PointSize = state < .5 ? 1.5 : 2.2;

@@ -1,5 +1,6 @@
 // What a person chooses of the picture of the block: a section, the colours, and how far along
 // the order the cracks are shown.
+import { Colour, Mode, css, first, last, modes, ofChannel, ofOutcome } from './colours';
 import { Dict, make } from './dom';
 import { fill, language, text } from './text';
 
@@ -9,7 +10,8 @@ const playSteps = 5;     // in each: the whole takes ten seconds
 
 export class GlassTools {
   readonly element = make('div', '', 'glass-tools');
-  private colour = choice([text.byOutcome, text.byOrder]);
+  private colour = choice([text.byOutcome, text.byOrder, text.byTick, text.byChannel]);
+  private legend = make('ul', '', 'legend');
   private axis = choice([text.noSection, 'x', 'y', 'z']);
   private cut = slider(steps / 2);
   private until = slider(steps);
@@ -28,7 +30,31 @@ export class GlassTools {
     this.until.addEventListener('pointerdown', () => this.halt());
     this.play.addEventListener('click', () => (this.playing ? this.halt() : this.begin()));
     this.element.append(labelled(text.colours, this.colour), labelled(text.section, this.axis),
-      cutLabel, labelled(text.madeUpTo, this.until), this.play, this.point);
+      cutLabel, labelled(text.madeUpTo, this.until), this.play, this.point,
+      this.legend);
+    this.showLegend();
+  }
+
+  private get mode(): Mode {
+    return modes[this.colour.selectedIndex];
+  }
+
+  private showLegend() {
+    const ways: [string, Colour][] = [[text.firstPoint, first], [text.lastPoint, last]];
+    const outcomes = [text.planned, text.made, text.missed, text.skipped, text.uncertain,
+      text.leftOut];
+    const rows: Record<Mode, [string, Colour][]> = {
+      outcome: outcomes.map((name, outcome) => [name, ofOutcome[outcome]]), order: ways, tick: ways,
+      channel: ofChannel.map((colour, i) => [`${text.channel} ${i + 1}`, colour]),
+    };
+    this.legend.setAttribute('aria-label', text.colours);
+    this.legend.replaceChildren(...rows[this.mode].map(([name, colour]) => {
+      const row = make('li');
+      const swatch = make('span', '', 'swatch');
+      swatch.style.background = css(colour);
+      row.append(swatch, name);
+      return row;
+    }));
   }
 
   /** The job has so many points. */
@@ -70,11 +96,12 @@ export class GlassTools {
 
   private changed() {
     this.showPoint();
+    this.showLegend();
     const cut = [1, 1, 1];
     const axis = this.axis.selectedIndex - 1;
     if (axis >= 0) cut[axis] = Number(this.cut.value) / steps;
     this.onLook({
-      byOrder: this.colour.selectedIndex === 1, cut, until: Number(this.until.value) / steps,
+      mode: this.mode, cut, until: Number(this.until.value) / steps,
     });
   }
 }

@@ -2,7 +2,9 @@
 import * as THREE from 'three';
 import { FrameBudget, cellsInView, viewDegrees } from './cells';
 import { Cloud, setLook } from './cloud';
+import { Mode } from './colours';
 import { PlanDecoder } from './plan';
+import { Ticks } from './ticks';
 
 const pollMs = 500;
 
@@ -85,7 +87,7 @@ function clear() {
     scene.remove(cloud.group);
     cloud.dispose();
   }
-  cloud = undefined;
+  cloud = ticks = undefined;
   isEmpty = true;
 }
 
@@ -133,6 +135,30 @@ async function takeMade(of: Cloud): Promise<boolean> {
   }
 }
 
+let mode: Mode = 'outcome';
+let ticks: Ticks | undefined;  // of the cloud
+
+/** What the colours need that neither plan nor outcomes have; whether there is more. */
+async function takeColours(of: Cloud): Promise<boolean> {
+  const needs = mode === 'tick' ? 'ticks' : mode === 'channel' && !of.hasChannels ? 'channels' : '';
+  if (!needs) return false;
+  ticks ??= new Ticks(of.count);
+  const wanted = ticks;
+  try {
+    const response = await fetch(`/api/v1/jobs/${job}/${needs}?from=${wanted.next}`);
+    const bytes = response.ok ? await response.arrayBuffer() : undefined;
+    if (of !== cloud || wanted !== ticks || !bytes) return false;
+    if (needs === 'channels') of.takeChannels(bytes);
+    if (needs === 'ticks' && bytes.byteLength <= 4) return false;
+    const more = needs === 'ticks' && wanted.take(bytes);
+    if (needs === 'ticks') of.takeTicks(wanted);
+    isEmpty = true;
+    return more;
+  } catch {
+    return false;
+  }
+}
+
 let polling: ReturnType<typeof setTimeout> | undefined;
 let loading = 0;  // the job whose plan is coming
 
@@ -148,7 +174,9 @@ async function poll() {
     if (loading === wanted) loading = 0;
     more = wanted === job && !!cloud;
   } else if (!hidden && cloud?.isLoaded) {
-    more = await takeMade(cloud);
+    const of = cloud;
+    more = await takeMade(of);
+    more = await takeColours(of) || more;
   }
   --asking;
   if (!hidden) pollIn(more ? 0 : pollMs);
@@ -192,6 +220,8 @@ onmessage = (event) => {
   if (data.look) {
     setLook(data.look);
     moved();
+    mode = data.look.mode;
+    if (!hidden && !asking) pollIn(0);
   }
   if (data.hidden !== undefined) {
     hidden = data.hidden;

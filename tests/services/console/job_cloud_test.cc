@@ -112,6 +112,55 @@ TEST(JobCloud, ReadsTheJournalPieceByPiece) {
   EXPECT_EQ(At<std::uint32_t>(*nothing, 0), 3u);
 }
 
+TEST(JobCloud, ReadsTheTicksOfWhatFired) {
+  using formats::JournalKind;
+  using formats::PointOutcome;
+  const auto folder = test::FreshFolder();
+  std::ofstream(folder / "journal.bin", std::ios::binary)
+      << JournalOf({{.kind = JournalKind::kIntent, .tick = 6, .point = 3},
+                    {.kind = JournalKind::kOutcome,
+                     .outcome = PointOutcome::kMade,
+                     .tick = 0x500000007,
+                     .point = 3},
+                    {.kind = JournalKind::kSession, .point = 77},
+                    {.kind = JournalKind::kOutcome,
+                     .outcome = PointOutcome::kSkipped,
+                     .tick = 8,
+                     .point = 4},
+                    {.kind = JournalKind::kOutcome,
+                     .outcome = PointOutcome::kMissed,
+                     .tick = 9,
+                     .point = 5}});
+  const auto all = ReadTicks(folder, 0);
+  ASSERT_TRUE(all) << all.error().message;
+  ASSERT_EQ(all->size(), 4u + 3 * 8);
+  std::vector<std::uint32_t> numbers;
+  for (std::size_t at = 0; at < all->size(); at += 4)
+    numbers.push_back(At<std::uint32_t>(*all, at));
+  EXPECT_THAT(numbers, ::testing::ElementsAre(5u, 3u, 7u, kPowerUp, 0u, 5u, 9u));
+  EXPECT_EQ(ReadTicks(folder, 4)->size(), 4u + 8);
+}
+
+TEST(JobCloud, ReadsTheChannelsOfThePoints) {
+  const auto folder = test::FreshFolder();
+  const std::uint32_t count = 40000;  // several pieces
+  formats::PointTable plan;
+  std::vector<std::uint32_t> sources;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    plan.points_mm.push_back({0.001 * i, 25, 15});
+    sources.push_back(i % 3 == 0 ? 1 : 0);
+  }
+  plan.columns.push_back({"source", sources});
+  ASSERT_TRUE(formats::WritePly(folder / "path.ply", plan));
+  std::ofstream(folder / "job.json")
+      << R"({"job": {"models": [{"channels": [1]}, {"channels": [2, 4]}]}})";
+  const auto channels = ReadChannels(folder);
+  ASSERT_TRUE(channels) << channels.error().message;
+  ASSERT_EQ(channels->size(), count);
+  for (std::uint32_t i = 0; i < count; ++i)
+    ASSERT_EQ((*channels)[i], i % 3 == 0 ? 0b1010 : 0b0001) << i;
+}
+
 TEST(JobCloud, NamesWhatIsNotThere) {
   const auto plan = ReadPlan(test::FreshFolder());
   ASSERT_FALSE(plan);
