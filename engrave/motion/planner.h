@@ -17,7 +17,7 @@ namespace intaglio::motion {
 
 struct PlanOptions {
   Limits limits;
-  double rate_hz = 0;  ///< lamp sync, 1..4000
+  double rate_hz = 0;  ///< lamp sync, 1..50000
   /// Points are passed without a stop (tick_planner.h); else `profile` from rest to rest
   /// (stop_and_go.h).
   bool continuous = false;

@@ -21,7 +21,7 @@ namespace intaglio::motion {
 /// growth of `out`. Not for use by two threads at once.
 class StopAndGoPlanner {
  public:
-  /// Starts at rest at `start_mm`. rate_hz > 0: the lamp's rate, 1 .. 4000.
+  /// Starts at rest at `start_mm`. rate_hz > 0: the lamp's rate, 1 .. 50000.
   /// `options`: what the profile leaves open.
   StopAndGoPlanner(const Limits& limits, double rate_hz, Profile profile,
                    const Vec3& start_mm, const ProgramOptions& options = {});

@@ -48,7 +48,7 @@ TickPlannerOptions OptionsForRate(double rate_hz);
 /// Streams: target in, segments out. Not for use by two threads at once.
 class TickPlanner {
  public:
-  /// Starts at `start`, at a whole tick. rate_hz > 0: the lamp's rate, 1 .. 4000. A
+  /// Starts at `start`, at a whole tick. rate_hz > 0: the lamp's rate, 1 .. 50000. A
   /// start velocity must be one from which the way can be made within the limits.
   TickPlanner(const Limits& limits, double rate_hz, const TickPlannerOptions& options,
               const KnotState& start);

@@ -99,7 +99,7 @@ struct OrderOptions {
   BeamCone cone;
   /// Of the stage, in the frame of the points; kSmooth, kAnneal and kSweep regard them.
   motion::Limits limits;
-  double rate_hz = 100;  ///< lamp sync, 1..4000
+  double rate_hz = 100;  ///< lamp sync, 1..50000
   Executor executor;     ///< for methods that can use several workers
 };
 

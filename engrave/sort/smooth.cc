@@ -22,7 +22,7 @@ namespace {
 constexpr std::size_t kCandidates = 12;
 constexpr std::size_t kPointsPerReport = 1 << 14;
 constexpr double kMinRateHz = 1;
-constexpr double kMaxRateHz = 4000;
+constexpr double kMaxRateHz = 50000;
 
 /// In ticks: of a bend at the limit, and of a millimetre aside or up.
 struct Weights {

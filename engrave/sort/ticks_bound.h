@@ -34,7 +34,7 @@ struct TicksBoundOptions {
   /// In the frame of the points. Limits of lengths count as limits of each axis; jerk and
   /// travel are not regarded.
   motion::Limits limits;
-  double rate_hz = 100;  ///< lamp sync, 1..4000
+  double rate_hz = 100;  ///< lamp sync, 1..50000
   /// How far the planner may move a point, >= 0.
   double tolerance_mm = 0;
   Executor executor;  ///< The bound does not depend on it.

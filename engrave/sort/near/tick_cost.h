@@ -40,7 +40,7 @@ struct TimedMove {
 
 class TickCost {
  public:
-  /// limits: in the frame of the points. rate_hz: 1..4000.
+  /// limits: in the frame of the points. rate_hz: 1..50000.
   TickCost(const motion::Limits& limits, double rate_hz);
 
   Scaled Scale(const Vec3& mm) const {

@@ -159,7 +159,7 @@ TEST(Anneal, NamesOptionsOutsideTheirRange) {
     EXPECT_THAT(order.error().message, HasSubstr("anneal.tries_per_point"));
   }
   options.anneal.tries_per_point = 1;
-  options.rate_hz = 5000;
+  options.rate_hz = 60000;
   const auto order = MakeOrder(points_mm, options);
   ASSERT_FALSE(order.has_value());
   EXPECT_THAT(order.error().message, HasSubstr("rate_hz"));

@@ -119,13 +119,13 @@ TEST(Smooth, EndsOnManyThreads) {
 TEST(Smooth, NamesARateOutsideItsRange) {
   OrderOptions options;
   options.method = Method::kSmooth;
-  for (const double wrong : {0.0, 0.9, 4000.5, -100.0, std::nan("")}) {
+  for (const double wrong : {0.0, 0.9, 50000.5, -100.0, std::nan("")}) {
     options.rate_hz = wrong;
     const auto order = MakeOrder(RandomBox(10, {1, 1, 1}, 1), options);
     ASSERT_FALSE(order.has_value()) << wrong;
     EXPECT_EQ(order.error().code, ErrorCode::kInvalidValue);
     EXPECT_THAT(order.error().message, HasSubstr("rate_hz"));
-    EXPECT_THAT(order.error().message, HasSubstr("1..4000"));
+    EXPECT_THAT(order.error().message, HasSubstr("1..50000"));
   }
 }
 

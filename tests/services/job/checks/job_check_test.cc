@@ -243,7 +243,7 @@ TEST(CheckMachine, ManyMistakesAtOnce) {
   machine.set_name("els 03");
   machine.mutable_x()->set_travel_max_mm(-5);
   machine.mutable_y()->set_max_jerk_mm_s3(0);
-  machine.mutable_laser()->set_rates_hz(2, 5000);
+  machine.mutable_laser()->set_rates_hz(2, 0.5);
   machine.mutable_lenses(1)->set_name("f43");
   machine.mutable_motion_line()->set_baud(300);
   EXPECT_THAT(CheckMachine(machine),
@@ -251,7 +251,7 @@ TEST(CheckMachine, ManyMistakesAtOnce) {
                   IsFinding("name", "els 03"),
                   IsFinding("x.travel_min_mm", "not below x.travel_max_mm"),
                   IsFinding("y.max_jerk_mm_s3", "0 is outside 1..1000000000"),
-                  IsFinding("laser.rates_hz[2]", "5000 is outside 1..4000"),
+                  IsFinding("laser.rates_hz[2]", "0.5 is outside 1..50000"),
                   IsFinding("lenses[1].name", "earlier lens"),
                   IsFinding("motion_line.baud", "300 is outside 1200..4000000")));
 }

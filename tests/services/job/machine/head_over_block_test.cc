@@ -62,6 +62,21 @@ TEST(HeadOverBlock, TheSuppliedProfileIsGoodAndTakesACube) {
               IsEmpty());
 }
 
+// Its trigger has to end before the next lamp sync.
+TEST(HeadOverBlock, TakesALaserOf20Kilohertz) {
+  MachineSpec machine = Profile();
+  machine.mutable_laser()->add_rates_hz(20'000);
+  EXPECT_THAT(CheckMachine(machine),
+              Contains(Field(&Error::message, HasSubstr("at 20000 Hz; reduce it"))));
+  PulseTiming& timing = *machine.mutable_laser()->mutable_timing();
+  timing.set_qswitch_width_us(10);
+  timing.set_min_qswitch_width_us(5);
+  EXPECT_THAT(CheckMachine(machine), IsEmpty());
+  JobSpec job = CubeJob(60);
+  job.mutable_laser()->set_rate_hz(20'000);
+  EXPECT_THAT(CheckJobOnMachine(job, WithMachineDefaults(machine), 0.658), IsEmpty());
+}
+
 // Judged where the plan may be: z may move by the tolerance on its axis, and nowhere is
 // the focus in the glass more than that off its depth.
 TEST(HeadOverBlock, ItsPointsHaveAToleranceOfDepth) {
