@@ -64,16 +64,6 @@ Basis BasisAt(double t) {
   return {ss * s / 6, (4 - 3 * tt * (2 - t)) / 6, (4 - 3 * ss * (2 - s)) / 6, tt * t / 6};
 }
 
-/// Deviations beyond the border too, continued as their slope there: commands near the
-/// border arrive inside it.
-Vec2 Continued(const CorrectionTable& table, const Vec2& place_mm) {
-  const FieldGrid& grid = table.grid();
-  const double last_mm = grid.first_mm + grid.pitch_mm * (grid.nodes - 1);
-  const Vec2 border_mm = place_mm.cwiseMax(grid.first_mm).cwiseMin(last_mm);
-  if (border_mm == place_mm) return table.At(place_mm);
-  return 2 * table.At(border_mm) - table.At(2 * border_mm - place_mm);
-}
-
 }  // namespace
 
 Result<CorrectionTable> CorrectionTable::Make(FieldGrid grid,
@@ -128,10 +118,19 @@ Vec2 CorrectionTable::At(const Vec2& place_mm) const {
                 : Vec2((u + v - 1) * d + (u - v) * b + 2 * (1 - u) * mean);
 }
 
+// Commands near the border arrive inside it.
+Vec2 ContinuedAt(const CorrectionTable& table, const Vec2& place_mm) {
+  const FieldGrid& grid = table.grid();
+  const double last_mm = grid.first_mm + grid.pitch_mm * (grid.nodes - 1);
+  const Vec2 border_mm = place_mm.cwiseMax(grid.first_mm).cwiseMin(last_mm);
+  if (border_mm == place_mm) return table.At(place_mm);
+  return 2 * table.At(border_mm) - table.At(2 * border_mm - place_mm);
+}
+
 Result<Vec2> CommandFor(const Vec2& target_mm, const CorrectionTable& deviations) {
   Vec2 command_mm = target_mm;
   for (int i = 0; i < kMaxSolveSteps; ++i) {
-    const Vec2 next_mm = target_mm - Continued(deviations, command_mm);
+    const Vec2 next_mm = target_mm - ContinuedAt(deviations, command_mm);
     const double step_mm = (next_mm - command_mm).norm();
     command_mm = next_mm;
     if (step_mm < kSolvedMm) return command_mm;

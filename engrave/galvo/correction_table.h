@@ -39,10 +39,13 @@ class CorrectionTable {
   std::vector<Vec2> weights_mm_;
 };
 
+/// The correction there; beyond the border it goes on with the slope that it has there.
+Vec2 ContinuedAt(const CorrectionTable& table, const Vec2& place_mm);
+
 /// Where to command so that the beam arrives at `target_mm`, when a command at u arrives
 /// at u + deviations(u): the solution of u = t - deviations(u). The source subtracts
 /// deviations(t), which is off by its slope times it: 170 um of 3 mm over 100 mm.
-/// Beyond the border the deviations are continued with their slope.
+/// Beyond the border the deviations are those of ContinuedAt.
 /// kInvalidValue: deviations that change as fast as the place have no single solution.
 Result<Vec2> CommandFor(const Vec2& target_mm, const CorrectionTable& deviations);
 

@@ -24,6 +24,9 @@
 namespace intaglio::machine {
 namespace {
 
+/// Of a box, along x and y: as fine as the usual files of corrections over their field.
+constexpr int kCorrectionSteps = 64;
+
 class ScanHead final : public Kinematics {
  public:
   explicit ScanHead(const ScanHeadOptions& options)
@@ -85,7 +88,7 @@ class ScanHead final : public Kinematics {
   // largest; those of corrections may be greatest inside.
   ScaleBounds BoundsOver(const Box3& places_mm) const override {
     Require(!places_mm.empty(), "scale bounds of an empty box");
-    const int steps = corrections_ ? 16 : 1;
+    const int steps = corrections_ ? kCorrectionSteps : 1;
     ScaleBounds bounds{Vec3::Zero(), 0};
     for (int i = 0; i <= steps; ++i) {
       for (int j = 0; j <= steps; ++j) {
@@ -133,7 +136,8 @@ class ScanHead final : public Kinematics {
   Result<Vec3> AxesOf(const Vec2& place_mm, double height_mm) const {
     const Vec2 field_mm = field_per_place_ * place_mm;
     const Vec2 command_mm =
-        corrections_ ? Vec2(field_mm + corrections_->At(field_mm)) : field_mm;
+        corrections_ ? Vec2(field_mm + galvo::ContinuedAt(*corrections_, field_mm))
+                     : field_mm;
     return Vec3(command_mm.x(), command_mm.y(), OnStep(height_mm / z_mm_));
   }
 
@@ -157,9 +161,9 @@ class ScanHead final : public Kinematics {
     constexpr double kStepMm = 1e-3;
     for (int axis = 0; axis < 2; ++axis) {
       const Vec2 step_mm = kStepMm * Vec2::Unit(axis);
-      command.col(axis) +=
-          (corrections_->At(field_mm + step_mm) - corrections_->At(field_mm - step_mm)) /
-          (2 * kStepMm);
+      command.col(axis) += (galvo::ContinuedAt(*corrections_, field_mm + step_mm) -
+                            galvo::ContinuedAt(*corrections_, field_mm - step_mm)) /
+                           (2 * kStepMm);
     }
     return place_per_field_ * command.inverse();
   }

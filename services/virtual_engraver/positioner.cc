@@ -25,14 +25,32 @@ Motion Turn(double angle_rad, const Vec3& pivot_mm) {
 }
 
 Vec2 OfField(const PositionerOptions& positioner, const Vec3& axes) {
-  const Vec2 commanded_mm = (Travelled(positioner.guides[0], 0, axes[0]) +
-                             Travelled(positioner.guides[1], 1, axes[1]))
+  const Vec2 in_field_mm = axes.head<2>() + positioner.deviations.At(axes.head<2>());
+  const Vec2 commanded_mm = (Travelled(positioner.guides[0], 0, in_field_mm.x()) +
+                             Travelled(positioner.guides[1], 1, in_field_mm.y()))
                                 .head<2>();
   const double share = 1e-4 * commanded_mm.squaredNorm();
   return (1 + positioner.distortion_ratio * share) * commanded_mm;
 }
 
 }  // namespace
+
+Vec2 FieldDeviations::At(const Vec2& commanded_mm) const {
+  if (nodes < 2) return Vec2::Zero();
+  const Vec2 in_nodes = (commanded_mm / pitch_mm + Vec2::Constant(0.5 * (nodes - 1)))
+                            .cwiseMax(0)
+                            .cwiseMin(nodes - 1);
+  const Vec2 corner = in_nodes.array().floor().min(nodes - 2.0);
+  const Vec2 share = in_nodes - corner;
+  const auto node = [&](int right, int up) {
+    const int i = static_cast<int>(corner.x()) + right;
+    const int j = static_cast<int>(corner.y()) + up;
+    const double weight =
+        (right == 1 ? share.x() : 1 - share.x()) * (up == 1 ? share.y() : 1 - share.y());
+    return Vec2(weight * values_mm[static_cast<std::size_t>(j * nodes + i)]);
+  };
+  return node(0, 0) + node(1, 0) + node(0, 1) + node(1, 1);
+}
 
 Vec2 BeamSlopes(const PositionerOptions& positioner, const Vec3& axes) {
   if (!positioner.has_mirrors) return Vec2::Zero();

@@ -6,6 +6,7 @@
 // cracks in the wrong place.
 
 #include <array>
+#include <vector>
 
 #include "engrave/core/geometry.h"
 
@@ -17,6 +18,17 @@ struct Guide {
   bool backwards = false;
   double travel_ratio = 1;  ///< mm that the carriage moves for 1 mm of its coordinate
   double turn_rad = 0;      ///< of the guide about the vertical, from its proper way
+};
+
+/// Where the beam arrives less where it was commanded, at the nodes of a square around
+/// the middle of the field, row by row.
+struct FieldDeviations {
+  double pitch_mm = 1;  ///< > 0
+  int nodes = 0;        ///< a side; 0: there are none
+  std::vector<Vec2> values_mm;
+
+  /// Linear along x and y between four nodes; beyond the border as at it.
+  Vec2 At(const Vec2& commanded_mm) const;
 };
 
 /// The machine frame is the laboratory's while all axes are at zero; the block is at
@@ -38,6 +50,7 @@ struct PositionerOptions {
   /// The lens puts the beam farther out than commanded by this share at 100 mm, times the
   /// square of the distance.
   double distortion_ratio = 0;
+  FieldDeviations deviations;
 };
 
 /// Where the focus would be in air, in the frame that goes with the block, mm. `axes`:

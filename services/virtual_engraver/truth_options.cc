@@ -97,6 +97,15 @@ Guide GuideOf(const TruthGuide& truth) {
           truth.has_travel_ratio() ? truth.travel_ratio() : 1, truth.turn_rad()};
 }
 
+FieldDeviations DeviationsOf(const TruthDeviations& truth) {
+  constexpr double kMmPerNm = 1e-6;
+  FieldDeviations deviations{
+      truth.pitch_mm(), static_cast<int>(truth.nodes_a_side()), {}};
+  for (int i = 0; i < truth.x_nm_size(); ++i)
+    deviations.values_mm.emplace_back(kMmPerNm * truth.x_nm(i), kMmPerNm * truth.y_nm(i));
+  return deviations;
+}
+
 PositionerOptions PositionerOf(const TruthPositioner& truth) {
   PositionerOptions positioner;
   positioner.guides = {GuideOf(truth.x()), GuideOf(truth.y()), GuideOf(truth.z())};
@@ -108,6 +117,8 @@ PositionerOptions PositionerOf(const TruthPositioner& truth) {
   if (mirrors.has_pupil_x_mm()) positioner.pupil_mm.x() = mirrors.pupil_x_mm();
   if (mirrors.has_pupil_y_mm()) positioner.pupil_mm.y() = mirrors.pupil_y_mm();
   positioner.distortion_ratio = mirrors.distortion_ratio();
+  if (mirrors.has_deviations())
+    positioner.deviations = DeviationsOf(mirrors.deviations());
   return positioner;
 }
 

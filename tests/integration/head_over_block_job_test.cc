@@ -9,6 +9,7 @@
 #include <fstream>
 #include <random>
 
+#include "tests/engrave/galvo/files/written_corrections.h"
 #include "tests/integration/run_job.h"
 
 namespace intaglio {
@@ -32,21 +33,16 @@ struct Misses {
 
 class HeadOverBlockJob : public RunJob {
  protected:
-  HeadOverBlockJob() {
-    std::ofstream cube(folder_ / "cube.xyz");
-    for (int i = 0; i < kPerEdge * kPerEdge * kPerEdge; ++i) {
-      const Vec3 share(i % kPerEdge, i / kPerEdge % kPerEdge, i / kPerEdge / kPerEdge);
-      points_mm_.push_back(Vec3::Constant((kBlockMm - kEdgeMm) / 2) +
-                           kEdgeMm / (kPerEdge - 1) * share);
-      cube << points_mm_.back().transpose() << "\n";
-    }
-  }
+  HeadOverBlockJob() { MakeCube(kPerEdge); }
   /// galvo-glass with one text in the place of another.
-  std::string ProfileWith(const std::string& replaced, const std::string& by) const {
+  std::string ProfileWith(const std::string& replaced, const std::string& by,
+                          const std::string& of_head = "") const {
     std::string text = testing::TextIn(fs::path(INTAGLIO_SOURCE_DIR) /
                                        "deploy/machines/galvo-glass.textproto");
     EXPECT_NE(text.find(replaced), std::string::npos) << replaced;
     text.replace(text.find(replaced), replaced.size(), by);
+    const std::string begin = "head_over_block {\n";
+    text.insert(text.find(begin) + begin.size(), of_head);
     std::ofstream(folder_ / "machine.textproto") << text;
     return (folder_ / "machine.textproto").string();
   }
@@ -66,6 +62,17 @@ class HeadOverBlockJob : public RunJob {
     Running run(Program("intaglio"), Arguments(words, folder_ / "cube.xyz"),
                 folder_ / "output.txt");
     return run.WaitForEnd(3 * testing::kBound);
+  }
+  /// A cube of so many points an edge.
+  void MakeCube(int per_edge) {
+    points_mm_.clear();
+    std::ofstream cube(folder_ / "cube.xyz");
+    for (int i = 0; i < per_edge * per_edge * per_edge; ++i) {
+      const Vec3 share(i % per_edge, i / per_edge % per_edge, i / per_edge / per_edge);
+      points_mm_.push_back(Vec3::Constant((kBlockMm - kEdgeMm) / 2) +
+                           kEdgeMm / (per_edge - 1) * share);
+      cube << points_mm_.back().transpose() << "\n";
+    }
   }
   /// The nearest crack counts for each point; they are 3.8 mm apart.
   Misses Missed() const {
@@ -150,6 +157,51 @@ TEST_F(HeadOverBlockJob, WithoutThePupilItIsMillimetresTooDeep) {
   // Tolerances: those of the lag and of the aberration of the wide beam.
   EXPECT_NEAR(misses.across_mm, 0.117, 0.010);
   EXPECT_NEAR(misses.depth_mm, 1.997, 0.030);
+}
+
+// A lens that puts the beam up to 0.13 mm too far out, and the file that makes up for it,
+// with half a unit of 0.6 um on each axis. Without the file it is as wrong as the field.
+TEST_F(HeadOverBlockJob, ACorrectionFilePutsEachCrackInItsPlace) {
+  const galvo::WrongField field{0.03};
+  std::ofstream(folder_ / "head.cor", std::ios::binary) << galvo::CorBytes(field, 80);
+  std::ofstream(folder_ / "truth.textproto")
+      << "stage { positioner { mirrors { deviations { pitch_mm: 40 nodes_a_side: 2 "
+         "x_nm: [0, 0, 0, 0] y_nm: [0, 0, 0, 0] } distortion_ratio: 0.03 } } }\n";
+  const std::vector<std::string> in_this_field = {"--truth",
+                                                  (folder_ / "truth.textproto").string()};
+  MakeCube(4);
+  const std::string with =
+      ProfileWith(kEnergy, kStrong, "  correction_file: \"head.cor\"\n");
+  const Ended run = RunOn(with, in_this_field);
+  ASSERT_TRUE(run.in_time);
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  Misses misses = Missed();
+  EXPECT_EQ(misses.cracks, points_mm_.size());
+  EXPECT_LT(misses.across_mm, 0.010);
+  EXPECT_LT(misses.depth_mm, kCrackLengthMm / 10);
+  const Ended wrong = RunOn(ProfileWith(kEnergy, kStrong), in_this_field);
+  ASSERT_TRUE(wrong.in_time);
+  misses = Missed();
+  EXPECT_EQ(misses.cracks, points_mm_.size()) << wrong.output;
+  // At the corners; the larger of both axes counts.
+  const Vec2 corner_mm = Vec2::Constant(kEdgeMm / 2);
+  EXPECT_NEAR(misses.across_mm, field.CorrectionAt(corner_mm).cwiseAbs().maxCoeff(),
+              0.012);
+}
+
+// The virtual glass head has the field that the file makes up for, unless a truth file
+// gives it another.
+TEST_F(HeadOverBlockJob, TheVirtualHeadHasTheFieldOfTheCorrectionFile) {
+  std::ofstream(folder_ / "head.cor", std::ios::binary) << galvo::CorBytes({-0.04}, 80);
+  MakeCube(3);
+  const Ended run =
+      RunOn(ProfileWith(kEnergy, kStrong, "  correction_file: \"head.cor\"\n"));
+  ASSERT_TRUE(run.in_time);
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  const Misses misses = Missed();
+  EXPECT_EQ(misses.cracks, points_mm_.size());
+  EXPECT_LT(misses.across_mm, 0.010);
+  EXPECT_LT(misses.depth_mm, kCrackLengthMm / 10);
 }
 
 // The supplied laser is too weak for the deep corners: they are named before, and the

@@ -6,6 +6,7 @@
 
 #include "services/client/proof/marks/cut_evidence.h"
 #include "services/job/fields/shapes.h"
+#include "services/job/head/field_table.h"
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/head_clearance.h"
 #include "services/job/machine/head_over_block.h"
@@ -59,6 +60,20 @@ void SetFieldShape(const FieldShape& field, TruthPositioner& positioner) {
   if (y_turn_rad != 0) positioner.mutable_y()->set_turn_rad(y_turn_rad);
 }
 
+/// The field that these corrections make up for.
+void SetDeviations(const galvo::CorrectionTable& corrections, TruthMirrors& mirrors) {
+  constexpr int kNodes = 65;
+  // A profile that is checked has an inverse.
+  const auto grid = galvo::CommandGrid(corrections, kNodes);
+  if (!grid) return;
+  const FieldTable table = FieldTableOf(*grid);
+  TruthDeviations& deviations = *mirrors.mutable_deviations();
+  deviations.set_pitch_mm(table.pitch_mm());
+  deviations.set_nodes_a_side(table.nodes_a_side());
+  *deviations.mutable_x_nm() = table.x_nm();
+  *deviations.mutable_y_nm() = table.y_nm();
+}
+
 /// What the axes carry.
 TruthPositioner PositionerOf(const MachineSpec& machine) {
   TruthPositioner positioner;
@@ -79,6 +94,7 @@ TruthPositioner PositionerOf(const MachineSpec& machine) {
     mirrors.set_crack_energy_mj(CrackEnergyMj(machine));
     *positioner.mutable_z() = GuideOf(head->z);
     SetFieldShape(machine.head_over_block().field(), positioner);
+    if (head->corrections) SetDeviations(*head->corrections, mirrors);
     return positioner;
   }
   const auto& linear = std::get<machine::CartesianOptions>(kinematics);

@@ -11,6 +11,7 @@
 #include "services/job/checks/job_check.h"
 #include "services/job/convert/model_kind.h"
 #include "services/job/files/json_position.h"
+#include "services/job/machine/head_over_block.h"
 #include "services/job/machine/machine_defaults.h"
 #include "services/platform/text_format/field_suggestion.h"
 #include "services/platform/text_format/text_format.h"
@@ -120,16 +121,21 @@ void ResolveFiles(JobSpec& job, const fs::path& folder) {
 Result<MachineSpec> ReadUncheckedMachine(const fs::path& path) {
   MachineSpec machine;
   INTAGLIO_TRY(ReadMessage(path, machine));
+  if (machine.has_head_over_block()) {
+    MakeAbsolute(*machine.mutable_head_over_block()->mutable_correction_file(),
+                 fs::absolute(path).parent_path());
+  }
   return machine;
 }
 
 Result<MachineSpec> ReadMachineFile(const fs::path& path) {
-  const MachineSpec machine = INTAGLIO_TRY(ReadUncheckedMachine(path));
+  MachineSpec machine = INTAGLIO_TRY(ReadUncheckedMachine(path));
   if (const auto errors = CheckMachine(machine); !errors.empty()) {
     Error all = JoinErrors(errors);
     all.message = fmt::format("{}:\n{}", path.string(), all.message);
     return tl::unexpected(all);
   }
+  INTAGLIO_TRY(TakeCorrectionFile(machine));
   return WithMachineDefaults(machine);
 }
 
@@ -155,7 +161,11 @@ Status WriteMessage(const fs::path& path, const pb::Message& message) {
 }  // namespace
 
 Status WriteMachineFile(const fs::path& path, const MachineSpec& machine) {
-  return WriteMessage(path, machine);
+  if (machine.head_over_block().correction_file().empty())
+    return WriteMessage(path, machine);
+  MachineSpec with_path = machine;  // who reads it reads the corrections' file again
+  with_path.mutable_head_over_block()->clear_correction_table();
+  return WriteMessage(path, with_path);
 }
 
 Status WriteJobFile(const fs::path& path, const JobSpec& job) {

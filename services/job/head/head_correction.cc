@@ -15,19 +15,18 @@ namespace {
 
 constexpr std::size_t kMaxCorrectionFile = 4 << 20;
 
-Result<galvo::FieldGrid> CorrectionGridOf(const ScanHead& head) {
-  const std::string& file = head.correction_file();
+}  // namespace
+
+Result<galvo::FieldGrid> ReadCorrectionFile(const std::string& file, double field_mm) {
   const std::string bytes = INTAGLIO_TRY(io::ReadWholeFile(file, kMaxCorrectionFile));
   if (file.ends_with(".ct5"))
     return galvo::GridOf(INTAGLIO_TRY(galvo::ReadCt5(bytes, file)));
-  if (file.ends_with(".ctb")) return galvo::ReadCtb(bytes, file, 65536 / head.field_mm());
+  if (file.ends_with(".ctb")) return galvo::ReadCtb(bytes, file, 65536 / field_mm);
   if (file.ends_with(".cor")) return galvo::ReadCor(bytes, file);
   return Fail(ErrorCode::kUnsupported,
               fmt::format("'{}' is no correction file; give .ct5, .ctb or .cor", file),
               file);
 }
-
-}  // namespace
 
 Result<std::optional<galvo::CorrectionTable>> LoadCorrection(const ScanHead& head) {
   if (head.correction_file().empty()) return std::nullopt;
@@ -35,7 +34,8 @@ Result<std::optional<galvo::CorrectionTable>> LoadCorrection(const ScanHead& hea
     error.message = "scan_head.correction_file: " + error.message;
     return error;
   };
-  auto grid = CorrectionGridOf(head).map_error(named);
+  auto grid =
+      ReadCorrectionFile(head.correction_file(), head.field_mm()).map_error(named);
   if (!grid) return tl::make_unexpected(grid.error());
   auto table =
       galvo::CorrectionTable::Make(std::move(*grid), galvo::Interpolation::kBilinear)

@@ -1,7 +1,8 @@
 #pragma once
 
-// The correction of a scan head's field (ScanHead.correction_file): for its driver, and
-// for what is known of a job before it starts.
+// Correction files of a scan head's field: of a head that marks
+// (ScanHead.correction_file), for its driver and for what is known of a job before it
+// starts, and of a head over a block (services/job/machine/head_over_block.h).
 
 #include <optional>
 #include <string>
@@ -12,6 +13,11 @@
 #include "proto/machine.pb.h"
 
 namespace intaglio {
+
+/// What the file adds to the command of each place, by the ending of its name: .ct5, .ctb
+/// or .cor. `field_mm`: the width that the 16 bits of a .ctb file are, > 0; others have
+/// their own scale.
+Result<galvo::FieldGrid> ReadCorrectionFile(const std::string& file, double field_mm);
 
 /// The table of scan_head.correction_file; nothing when there is none. Errors begin with
 /// "scan_head.correction_file".

@@ -12,6 +12,8 @@
 #include "engrave/galvo/head_fit.h"
 #include "engrave/machine/scan_head.h"
 #include "services/job/fields/field_ranges.h"
+#include "services/job/head/field_table.h"
+#include "services/job/head/head_correction.h"
 #include "services/job/machine/profile_errors.h"
 
 namespace intaglio {
@@ -23,6 +25,8 @@ constexpr int kCorrectionNodes = 65;
 // Wider than any field: commands beyond the field are continued.
 constexpr double kWidthPerFocal = 1.2;
 constexpr double kDefaultCrackRatio = 0.8;
+/// motion_line.protocol of a board that adds corrections itself.
+constexpr char kBjjczProtocol[] = "bjjcz";
 
 galvo::HeadModel ModelOf(const HeadNumbers& numbers) {
   return galvo::HeadModel::FromNumbers(
@@ -33,7 +37,7 @@ galvo::HeadModel ModelOf(const HeadNumbers& numbers) {
        numbers.shear_ratio(), numbers.has_axes_ratio() ? numbers.axes_ratio() : 1});
 }
 
-Result<galvo::CorrectionTable> CorrectionsOf(const HeadNumbers& numbers) {
+Result<galvo::CorrectionTable> TableOf(const HeadNumbers& numbers) {
   galvo::HeadFit fit;
   fit.model = ModelOf(numbers);
   const double width_mm = kWidthPerFocal * numbers.focal_mm();
@@ -45,6 +49,69 @@ Result<galvo::CorrectionTable> CorrectionsOf(const HeadNumbers& numbers) {
       galvo::Interpolation::kSpline);
 }
 
+/// Of a file of others: often kinked along the axes.
+Result<galvo::CorrectionTable> Bilinear(Result<galvo::FieldGrid> grid) {
+  if (!grid) return tl::unexpected(grid.error());
+  return galvo::CorrectionTable::Make(*std::move(grid), galvo::Interpolation::kBilinear);
+}
+
+Result<galvo::FieldGrid> ReadFileOf(const HeadOverBlockKinematics& head) {
+  const bool is_ctb = head.correction_file().ends_with(".ctb");
+  if (is_ctb && !head.has_correction_field_mm()) {
+    return Fail(ErrorCode::kMissing,
+                "a .ctb file does not have the width of its field; give "
+                "correction_field_mm");
+  }
+  return ReadCorrectionFile(head.correction_file(), head.correction_field_mm());
+}
+
+Result<galvo::CorrectionTable> TableOf(const HeadOverBlockKinematics& head) {
+  if (head.has_correction_table()) return Bilinear(GridOf(head.correction_table()));
+  if (!head.correction_file().empty()) return Bilinear(ReadFileOf(head));
+  return TableOf(head.correction());
+}
+
+const char* FieldOfCorrection(const HeadOverBlockKinematics& head) {
+  if (!head.correction_file().empty()) return "correction_file";
+  return head.has_correction_table() ? "correction_table" : "correction";
+}
+
+/// That one alone corrects the field, and with a table that has an inverse.
+void CheckCorrection(const MachineSpec& machine, std::vector<Error>& errors) {
+  const HeadOverBlockKinematics& head = machine.head_over_block();
+  const bool has_table = !head.correction_file().empty() || head.has_correction_table();
+  const std::string field = std::string("head_over_block.") + FieldOfCorrection(head);
+  if (head.has_correction_field_mm() && !head.correction_file().ends_with(".ctb")) {
+    Wrong(errors, "head_over_block.correction_field_mm",
+          "is of a .ctb file, all others have their own scale; remove it");
+  }
+  if (head.has_correction() && has_table)
+    Wrong(errors, field,
+          "corrects the field, and so does correction; remove one of them");
+  const std::string& of_board = machine.scan_head().correction_file();
+  const bool board_corrects = machine.motion_line().protocol() == kBjjczProtocol;
+  if (!of_board.empty() && !board_corrects) {
+    Wrong(errors, "scan_head.correction_file",
+          fmt::format("is loaded into a board of the protocol {}, and the motion line "
+                      "has {:?}; give head_over_block.correction_file in its place",
+                      kBjjczProtocol, machine.motion_line().protocol()));
+  }
+  if (!has_table && !head.has_correction()) return;
+  if (!of_board.empty() && board_corrects) {
+    Wrong(errors, field,
+          "corrects the field, and so does the board with scan_head.correction_file; "
+          "remove one of them");
+  }
+  if (!OutOfRange(head, "").empty()) return;
+  const auto corrections = CorrectionsOf(head);
+  if (!corrections) {
+    errors.push_back(corrections.error());
+  } else if (const auto inverse = galvo::CommandGrid(**corrections, kCorrectionNodes);
+             !inverse) {
+    Wrong(errors, field, inverse.error().message);
+  }
+}
+
 void CheckJumps(const JumpAndDwell& jumps, std::vector<Error>& errors) {
   const std::string path = "head_over_block.jump_and_dwell.";
   if (jumps.z_step_mm() == 0)
@@ -54,6 +121,30 @@ void CheckJumps(const JumpAndDwell& jumps, std::vector<Error>& errors) {
 }
 
 }  // namespace
+
+Result<std::shared_ptr<const galvo::CorrectionTable>> CorrectionsOf(
+    const HeadOverBlockKinematics& head) {
+  if (!head.has_correction() && !head.has_correction_table() &&
+      head.correction_file().empty())
+    return nullptr;
+  auto table = TableOf(head);
+  if (!table) {
+    Error error = table.error();
+    error.message =
+        fmt::format("head_over_block.{}: {}", FieldOfCorrection(head), error.message);
+    return tl::unexpected(std::move(error));
+  }
+  return std::make_shared<const galvo::CorrectionTable>(*std::move(table));
+}
+
+Status TakeCorrectionFile(MachineSpec& machine) {
+  const HeadOverBlockKinematics& head = machine.head_over_block();
+  if (head.correction_file().empty() || head.has_correction_table()) return {};
+  const auto table = INTAGLIO_TRY(CorrectionsOf(head));
+  *machine.mutable_head_over_block()->mutable_correction_table() =
+      FieldTableOf(table->grid());
+  return {};
+}
 
 Vec2 FieldScaleOf(const FieldShape& field) {
   return {field.has_x_scale_ratio() ? field.x_scale_ratio() : 1,
@@ -69,12 +160,9 @@ machine::ScanHeadOptions HeadOptionsOf(const HeadOverBlockKinematics& head) {
   const Vec2 scale = FieldScaleOf(field);
   options.place_per_field = machine::FieldMatrix(
       scale.x(), scale.y(), field.squareness_xy_rad(), field.rotation_rad());
-  if (!head.has_correction()) return options;
-  auto corrections = CorrectionsOf(head.correction());
-  Require(corrections.has_value(), "head_over_block.correction: {}",
-          corrections ? "" : corrections.error().message);
-  options.corrections =
-      std::make_shared<const galvo::CorrectionTable>(std::move(*corrections));
+  const auto corrections = CorrectionsOf(head);
+  Require(corrections.has_value(), "{}", corrections ? "" : corrections.error().message);
+  options.corrections = *corrections;
   return options;
 }
 
@@ -110,10 +198,7 @@ void CheckHeadOverBlock(const MachineSpec& machine, std::vector<Error>& errors) 
                     head.crack_energy_mj(), machine.laser().pulse_energy_mj()));
   }
   if (head.has_jump_and_dwell()) CheckJumps(head.jump_and_dwell(), errors);
-  if (!head.has_correction() || !OutOfRange(head.correction(), "").empty()) return;
-  if (const auto corrections = CorrectionsOf(head.correction()); !corrections) {
-    Wrong(errors, "head_over_block.correction", corrections.error().message);
-  }
+  CheckCorrection(machine, errors);
 }
 
 }  // namespace intaglio

@@ -49,6 +49,16 @@ class Checker {
     axis("z", stage.travel_min_mm().z(), max.z());
   }
 
+  void CheckDeviations(const TruthMirrors& mirrors) {
+    if (!mirrors.has_deviations()) return;
+    const TruthDeviations& all = mirrors.deviations();
+    const auto nodes = static_cast<int>(all.nodes_a_side());
+    if (all.x_nm_size() == nodes * nodes && all.y_nm_size() == nodes * nodes) return;
+    Add("stage.positioner.mirrors.deviations",
+        fmt::format("{} and {} numbers", all.x_nm_size(), all.y_nm_size()),
+        fmt::format("are not nodes_a_side squared, {}", nodes * nodes));
+  }
+
   void CheckOffsets(const TruthLaser& laser) {
     if (laser.channel_offset_mm_size() <= 3) return;
     Add("laser.channel_offset_mm",
@@ -116,6 +126,7 @@ std::vector<Error> CheckTruth(const MachineTruth& truth) {
   checker.CheckAxisDrives(truth.stage());
   checker.CheckSerialNumber(truth.stage().serial_number(), "stage.serial_number");
   checker.CheckRates(truth.laser());
+  checker.CheckDeviations(truth.stage().positioner().mirrors());
   checker.CheckOffsets(truth.laser());
   checker.CheckStations(truth.block());
   checker.CheckObstacles(truth);

@@ -44,6 +44,8 @@ void Replace(const MachineTruth& changes, MachineTruth& truth) {
   }
   if (changes.block().stations_size() > 0) truth.mutable_block()->clear_stations();
   if (changes.obstacles_size() > 0) truth.clear_obstacles();
+  if (changes.stage().positioner().mirrors().has_deviations())
+    truth.mutable_stage()->mutable_positioner()->mutable_mirrors()->clear_deviations();
   truth.MergeFrom(changes);
 }
 

@@ -12,7 +12,7 @@
 namespace intaglio {
 
 /// A truth file is below 1 kB; this leaves room for comments.
-inline constexpr std::size_t kMaxTruthFileBytes = 1 << 16;
+inline constexpr std::size_t kMaxTruthFileBytes = 1 << 20;
 
 /// Checked: the machine can be started with it. kNotFound, kIo, kTooLarge; kUnreadable
 /// with "file:line:column: what", an unknown field, too; kInvalidValue with every wrong

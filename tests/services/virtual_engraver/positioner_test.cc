@@ -37,6 +37,27 @@ TEST(Positioner, AnArmSweepsACircleAndTheTableTurnsTheBlockBelow) {
             1e-12);
 }
 
+// Nodes at -10, 0 and 10 mm: between four of them by the areas, beyond them as at the
+// border, and on top of the command before the guides turn and stretch it.
+TEST(Positioner, DeviationsOfTheFieldAreAddedToTheCommand) {
+  PositionerOptions mirrors;
+  mirrors.has_mirrors = true;
+  mirrors.guides[0].travel_ratio = 2;
+  mirrors.deviations = {10, 3, std::vector<Vec2>(9, Vec2::Zero())};
+  mirrors.deviations.values_mm[4] = {0.4, -0.8};  // the middle
+  mirrors.deviations.values_mm[8] = {1, 2};       // at (10, 10)
+  const auto at = [&](double x, double y) {
+    return Vec2(FocusAt(mirrors, {x, y, 0}).head<2>());
+  };
+  EXPECT_LT((at(0, 0) - Vec2(0.8, -0.8)).norm(), 1e-12);
+  EXPECT_LT(
+      (at(5, 2.5) - Vec2(2 * (5 + 0.375 * 0.4 + 0.125), 2.5 - 0.375 * 0.8 + 0.25)).norm(),
+      1e-12);
+  EXPECT_LT((at(-10, 10) - Vec2(-20, 10)).norm(), 1e-12);
+  EXPECT_LT((at(15, 30) - Vec2(32, 32)).norm(), 1e-12);
+  EXPECT_EQ(BeamSlopes(mirrors, {10, 10, 0}), Vec2(22, 12) / 1e6);
+}
+
 TEST(Positioner, FocusPerUnitIsTheLargestOverTheBlock) {
   const Box3 block{Vec3(-25, 80, 0), Vec3(25, 130, 30)};
   EXPECT_EQ(FocusPerAxisUnitMm(PositionerOf("block,head,head"), block), Vec3(1, 1, 1));

@@ -65,6 +65,32 @@ TEST(Truth, TheWaysOfItsPartsAreChecked) {
   }
 }
 
+TEST(Truth, DeviationsOfTheFieldAreASquare) {
+  const auto error = [](const std::string& numbers) {
+    return ErrorOf(
+        "stage { positioner { mirrors { deviations { pitch_mm: 40 "
+        "nodes_a_side: 2 " +
+        numbers + " } } } }");
+  };
+  EXPECT_THAT(error("x_nm: [1, 2, 3, 4] y_nm: 1"),
+              HasSubstr("stage.positioner.mirrors.deviations: 4 and 1 numbers are not "
+                        "nodes_a_side squared, 4"));
+  const std::string whole = "x_nm: [1, 2, 3, 4] y_nm: [0, 0, 0, 5]";
+  EXPECT_EQ(error(whole), "");
+  // A file in place of another replaces the whole square.
+  MachineTruth truth;
+  const MachineTruth changes = *ParseTruth(
+      "stage { positioner { mirrors { deviations { pitch_mm: 40 "
+      "nodes_a_side: 2 " +
+          whole + " } } } }",
+      "t");
+  Replace(changes, truth);
+  Replace(changes, truth);
+  const auto deviations = virtual_engraver::OptionsOf(truth).positioner.deviations;
+  ASSERT_EQ(deviations.values_mm.size(), 4u);
+  EXPECT_EQ(deviations.values_mm[3], Vec2(4, 5) * 1e-6);
+}
+
 TEST(Truth, TooManyRatesForALineAreRefused) {
   std::string rates = "1";
   for (int i = 2; i <= 32; ++i) rates += fmt::format(", {}", i);
