@@ -55,6 +55,7 @@ Engraving::Engraving(EngravingJob job, drivers::LaserController& laser, MotionFe
       settling_(laser, feed, ticks_, record_),
       consent_(job_, record_, chain),
       progress_(job_.plan.rate_hz) {
+  ticks_.SetPulsesPerPoint(job_.pulses_per_point);
   if (job_.earlier.points.empty()) return;
   taken_up_ = true;
   phase_ = Phase::kHalting;

@@ -53,6 +53,11 @@ Result<EngravingJob> EngravingOf(const PreparationTask& task, const PointCloud& 
   job.max_missed_in_a_row = frozen.machine().laser().max_missed_in_a_row();
   job.needs_door_lock = frozen.machine().laser().door_lock();
   job.max_unsettled_points = frozen.machine().laser().max_unsettled_points();
+  // Others make one by themselves.
+  if (frozen.machine().head_over_block().has_jump_and_dwell()) {
+    job.pulses_per_point =
+        static_cast<std::uint16_t>(frozen.job().laser().pulses_per_point());
+  }
   job.photosensor_feedback = frozen.job().laser().photosensor_feedback();
   job.position_tolerance_um = frozen.machine().position_tolerance_um();
   job.asks_when_uncertain = frozen.job().when_uncertain() == UNCERTAIN_POINTS_ASK;

@@ -177,6 +177,7 @@ std::uint8_t Laser::AdvanceTick(bool in_position, double late_s) {
   Note(tick_, outcome);
   if (outcome != TickOutcome::kFiredSeen) return 0;
   ++pulse_count_;
+  made_pulse_count_ += std::max<std::uint16_t>(1, window.pulses_per_point);
   last_fired_tick_ = tick_;
   Discharge(window.pulse_energy_mj);
   // A shutter on its way lets a part of the beam pass.

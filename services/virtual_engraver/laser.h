@@ -93,6 +93,8 @@ class Laser {
   /// Energy of the pulse that AdvanceTick returned, before a splitter; detectors measure
   /// it exactly.
   double pulse_energy_mj() const { return pulse_energy_mj_; }
+  /// Since power-up; a point of which it makes several pulses has them all.
+  std::uint64_t made_pulse_count() const { return made_pulse_count_; }
   /// The photosensors of these channels saw no flash of the pulse that AdvanceTick
   /// returned.
   void Missed(std::uint8_t channels);
@@ -140,7 +142,7 @@ class Laser {
   bool stop_latched_ = false, safe_state_ = false, lock_broken_ = false;
   std::uint64_t decided_through_ = 0;
   std::deque<link::ArmWindow> windows_;
-  std::uint64_t pulse_count_ = 0, last_fired_tick_ = 0;
+  std::uint64_t pulse_count_ = 0, made_pulse_count_ = 0, last_fired_tick_ = 0;
   double pulse_energy_mj_ = 0;
   std::uint8_t pulse_channels_ = 0;
   std::mt19937_64 random_;

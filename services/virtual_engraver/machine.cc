@@ -277,9 +277,9 @@ std::string Machine::StatusLine() {
       "{{\"tick\": {}, \"rate_hz\": {}, \"interlocks\": {}, \"shutters\": {}, "
       "\"pulses\": {}, "
       "\"cracks\": {}, \"stage_mm\": [{}, {}, {}], \"running\": {}, \"safe_state\": {}}}",
-      laser.tick, laser.rate_hz, laser.interlocks, laser.shutters_open, laser.pulse_count,
-      glass_.crack_count(), at.x(), at.y(), at.z(), stage_.running(),
-      (laser.interlocks & link::kSafeState) != 0);
+      laser.tick, laser.rate_hz, laser.interlocks, laser.shutters_open,
+      laser_.made_pulse_count(), glass_.crack_count(), at.x(), at.y(), at.z(),
+      stage_.running(), (laser.interlocks & link::kSafeState) != 0);
 }
 
 }  // namespace intaglio::virtual_engraver

@@ -1,6 +1,8 @@
 // Points in glass through all processes at a virtual BJJCZ board, whose own record is the
 // judge. Its places become places in the glass by a ray trace of the tests' own.
 
+#include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -25,6 +27,7 @@ using testing::Eventually;
 
 constexpr double kAxisStepsPerMm = 400, kZStepMm = 0.066;
 constexpr std::size_t kListPoints = 32;
+constexpr int kPulses = 21;  // of a point; the profile's dwell has 15
 
 std::vector<std::pair<std::string, std::string>> OtherLines(bool slow) {
   if (!slow) return {};
@@ -43,8 +46,9 @@ class BoardPoints : public ::testing::Test {
                .other_lines = OtherLines(on_usb),
                .on_usb = on_usb,
                .has_panel = true,
-               .job = testing::KnotOf(6, 0.3) +
-                      "laser { photosensor_feedback: false }\n"}) {}
+               .job = testing::KnotOf(6, 0.3) + "laser { photosensor_feedback: false" +
+                      (on_usb ? "" : fmt::format(" pulses_per_point: {}", kPulses)) +
+                      " }\n"}) {}
   void SetUp() override {
     ASSERT_TRUE(shop_.Open()) << shop_.Log();
     ASSERT_TRUE(shop_.Submit());
@@ -53,15 +57,19 @@ class BoardPoints : public ::testing::Test {
   void AtPanel(const std::string& command) const {
     EXPECT_EQ(testing::AskPanel(shop_.folder(), command), "ok\n") << command;
   }
-  /// In the glass, in the order in which the board made them.
-  PointList Flashes() const {
+  /// In the glass, in the order in which the board made them. `pulses`: of each.
+  PointList Flashes(std::vector<int>* pulses_of_each = nullptr) const {
     PointList made_mm;
     std::ifstream record(shop_.record());
     for (std::string line; std::getline(record, line);) {
       std::istringstream in(line);
       std::string kind;
-      double x = 0, y = 0, axis = 0;
-      if (!(in >> kind >> x >> y >> axis) || kind != "flash") continue;
+      double x = 0, y = 0, axis = 0, begin_us = 0, lit_us = 0;
+      int pulses = 0;
+      if (!(in >> kind >> x >> y >> axis >> begin_us >> lit_us >> pulses) ||
+          kind != "flash")
+        continue;
+      if (pulses_of_each) pulses_of_each->push_back(pulses);
       made_mm.push_back(
           testing::FocusInGlass(Vec2(x - 32768, y - 32768) * field_mm_ / 65536,
                                 testing::kBlockHeightMm - (axis / kAxisStepsPerMm - 1)));
@@ -117,6 +125,9 @@ TEST_F(BoardPoints, EachIsMadeOnceAndInItsPlace) {
   EXPECT_EQ(judgement.doubled + judgement.stray + judgement.missing +
                 judgement.uncertain + judgement.made_unknown,
             0U);
+  std::vector<int> pulses;
+  ASSERT_EQ(Flashes(&pulses).size(), judgement.points);
+  EXPECT_THAT(pulses, ::testing::Each(kPulses));
   // Half a place of the board on both axes is 1.2 um.
   EXPECT_LT(judgement.beside_um, 2.5);
   // Half a step of z in the glass, its own steps, and the spherical aberration.

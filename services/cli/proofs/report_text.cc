@@ -64,6 +64,10 @@ std::string PulsesText(const JobReport& report) {
   if (report.has_pulse_energy()) text += EnergyText(report.pulse_energy());
   for (const PulseEnergyReport& energy : report.pulse_energies())
     text += EnergyText(energy);
+  if (report.pulses_per_point() > 1) {
+    text += fmt::format("pulses      {}, {} a point\n",
+                        GroupedDigits(report.pulse_count()), report.pulses_per_point());
+  }
   for (const ChannelMisses& misses : report.missed_by_channel()) {
     text += fmt::format("missed      {} by channel {}\n", GroupedDigits(misses.count()),
                         misses.channel());

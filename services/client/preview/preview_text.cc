@@ -19,10 +19,11 @@ std::string PlainSizeText(const Vector3& size_mm) {
 std::string JumpTimeText(const TimePreview& time) {
   const JumpTimePreview& parts = time.jumps();
   return fmt::format(
-      "{}: jumps {}, delays {}, dwell {}, {} of z {}",
+      "{}: jumps {}, delays {}, dwell {}, {} of z {}; {} a point",
       ShortDuration(time.machining_time_s()), ShortDuration(parts.jump_s()),
       ShortDuration(parts.delay_s()), ShortDuration(parts.dwell_s()),
-      GroupedCount(parts.z_move_count(), "move"), ShortDuration(parts.z_s()));
+      GroupedCount(parts.z_move_count(), "move"), ShortDuration(parts.z_s()),
+      GroupedCount(parts.pulses_per_point(), "pulse"));
 }
 
 std::string TimeText(const JobPreview& figures) {

@@ -142,7 +142,8 @@ Result<TimePreview> JumpTimeOf(const FrozenJob& job, const CloudToTime& cloud,
   for (const std::uint32_t index : order) path_mm.push_back(cloud.points_mm[index]);
   const auto axes = INTAGLIO_TRY(machine::AxesAlong(
       AxesFromGlassOf(job), path_mm, AxisLimitsOf(job.machine()).travel_mm));
-  const sort::JumpTime of_jumps = sort::TimeOfJumps(axes, JumpTimesOf(job.machine()));
+  const sort::JumpTime of_jumps =
+      sort::TimeOfJumps(axes, JumpTimesOf(job.machine(), job.job().laser()));
   TimePreview time;
   time.set_machining_time_s(of_jumps.total_s());
   time.set_warm_up_s(job.machine().laser().warm_up_s());
@@ -154,6 +155,7 @@ Result<TimePreview> JumpTimeOf(const FrozenJob& job, const CloudToTime& cloud,
   parts.set_dwell_s(of_jumps.dwell_s);
   parts.set_z_s(of_jumps.z_s);
   parts.set_z_move_count(of_jumps.z_move_count);
+  parts.set_pulses_per_point(job.job().laser().pulses_per_point());
   return time;
 }
 

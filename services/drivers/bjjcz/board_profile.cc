@@ -12,6 +12,7 @@
 #include "engrave/core/try.h"
 #include "engrave/galvo/files/correction_files.h"
 #include "engrave/io/whole_file.h"
+#include "services/job/head/point_pulses.h"
 
 namespace intaglio::drivers {
 namespace {
@@ -25,8 +26,6 @@ constexpr double kCorNodePlaces = 1024;  // between two nodes
 constexpr double kFieldTolerance = 1e-3;
 // A list begins with a jump: the rest of its time is for the mark.
 constexpr double kMaxJumpSeconds = 0.09;
-// A list has one point at least, behind its beginning.
-constexpr double kMaxPointSeconds = 0.14;
 
 // What EzCad 2 sends a board; of most only the number is known.
 constexpr std::array kBoardSettings = {
@@ -133,15 +132,13 @@ void CheckPoints(const MachineSpec& machine, BoardErrors& errors) {
                           "times");
   const JumpAndDwell& jumps = machine.head_over_block().jump_and_dwell();
   if (!(jumps.jump_mm_s() > 0)) return;  // named with the other fields
-  const double point_s =
-      std::sqrt(2) * machine.scan_head().field_mm() / jumps.jump_mm_s() +
-      jumps.jump_delay_s() + jumps.dwell_s();
-  if (point_s > kMaxPointSeconds) {
+  const double point_s = LongestPointSeconds(machine, jumps.dwell_s());
+  if (point_s > kMaxBoardPointSeconds) {
     errors.Wrong(fmt::format(
         "head_over_block.jump_and_dwell: a jump across the field with its delay and "
         "dwell takes {:.3f} s, at most {:g} s is possible, since the board ends what it "
         "has without a host; jump faster, or dwell for a shorter time",
-        point_s, kMaxPointSeconds));
+        point_s, kMaxBoardPointSeconds));
   }
 }
 

@@ -179,6 +179,7 @@ Status BjjczPointDriver::SetEnergy(const link::ArmWindow& window) {
   if (std::ranges::find(window.fire, true) == window.fire.end()) return {};
   powers_.Set(window.first_tick,
               LaserSettingFor(laser_, window.pulse_energy_mj).value_or(1));
+  pulses_.Set(window.first_tick, window.pulses_per_point);
   return {};
 }
 

@@ -97,6 +97,7 @@ class BjjczPointDriver final : public LockstepDriver {
   std::uint32_t openings() const override { return openings_; }
   bool shutter_is_open() const override;
   std::uint64_t LimitedByPulses(std::uint64_t tick) const override;
+  bool DwellsAtPoints() const override { return true; }
   Status SetEnergy(const link::ArmWindow& window) override;
   void DropProgram() override;
   void BeginProgram(std::uint64_t start_tick) override;
@@ -136,6 +137,9 @@ class BjjczPointDriver final : public LockstepDriver {
   void Execute(const Step& step);
 
   std::optional<std::uint64_t> FirstPulse() const;
+  unsigned PulsesAt(std::uint64_t tick) const {
+    return static_cast<unsigned>(pulses_.At(tick));
+  }
   std::int32_t StepsOf(double z_mm) const;
   double HeightOf(std::int32_t steps) const {
     return z_origin_mm_ + steps / steps_per_mm_;
@@ -150,6 +154,7 @@ class BjjczPointDriver final : public LockstepDriver {
   PointLists lists_;
   LaserHead laser_;
   TickPowers powers_;
+  TickPowers pulses_{0};           ///< of a point, by its tick; 0: those of dwell_s
   Vec3 listed_mm_ = Vec3::Zero();  ///< where the list in hand ends
   Vec3 end_mm_ = Vec3::Zero();     ///< where the newest run ended
   std::optional<Piece> held_;      ///< taken, and not in a list yet

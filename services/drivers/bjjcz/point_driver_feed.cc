@@ -156,7 +156,8 @@ bool BjjczPointDriver::AddPiece(const Piece& piece) {
   const bool fires = piece.pulse && !aborted_ && Fires(tick);
   const bool moves = (pieces_.Snapped(piece.to_mm) - listed_mm_).head<2>().norm() > 0;
   const double power_ratio = fires ? powers_.At(tick) : 1;
-  if ((fires || moves) && !lists_.Add(piece.to_mm.head<2>(), fires, power_ratio))
+  if ((fires || moves) &&
+      !lists_.Add(piece.to_mm.head<2>(), fires, power_ratio, PulsesAt(tick)))
     return false;
   steps_.push_back({piece, listed_mm_, fires ? tick : 0});
   listed_mm_ = pieces_.Snapped(piece.to_mm);
@@ -173,7 +174,7 @@ void BjjczPointDriver::FeedAside() {
   if (ticks_.gated(tick)) return ticks_.Settle(tick, Outcome::kNotInPosition);
   if (ticks_.tick() + 1 < tick) PassTicks();
   if (!Fires(tick)) return;
-  (void)lists_.Add(state_.position_mm.head<2>(), true, powers_.At(tick));
+  (void)lists_.Add(state_.position_mm.head<2>(), true, powers_.At(tick), PulsesAt(tick));
   steps_.push_back({std::nullopt, state_.position_mm, tick});
   committed_tick_ = tick;
   Play();

@@ -4,12 +4,15 @@
 #include <cmath>
 #include <utility>
 
+#include "services/job/head/point_pulses.h"
+
 namespace intaglio::drivers {
 
 using enum LmcOperation;
 
 PointLists::PointLists(const MachineSpec& machine)
-    : board_(machine.bjjcz_board()),
+    : machine_(machine),
+      board_(machine.bjjcz_board()),
       jumps_(machine.head_over_block().jump_and_dwell()),
       field_(machine.scan_head().field_mm()),
       max_points_(std::max(1U, machine.laser().max_unsettled_points())) {}
@@ -35,22 +38,22 @@ void PointLists::AddJump(const BoardPlace& to) {
   has_jump_ = true;
 }
 
-bool PointLists::Add(const Vec2& to_mm, bool fires, double power_ratio) {
+bool PointLists::Add(const Vec2& to_mm, bool fires, double power_ratio, unsigned pulses) {
+  const double dwell_s = pulses > 0 ? DwellSecondsOf(machine_, pulses) : jumps_.dwell_s();
   const bool is_first = empty();
   Begin(jumps_.jump_mm_s() * field_.places_per_mm() / 1000, power_ratio);
   if (fires && power_ratio != power_ratio_) return false;
   const BoardPlace to = field_.PlaceOf(to_mm);
   const double way = PlacesBetween(at_, to);
   const double seconds = way / (jumps_.jump_mm_s() * field_.places_per_mm()) +
-                         jumps_.jump_delay_s() + (fires ? jumps_.dwell_s() : 0);
+                         jumps_.jump_delay_s() + (fires ? dwell_s : 0);
   const bool has_room = list_.seconds + seconds <= kMaxListSeconds &&
                         list_.commands.size() + 3 <= kMaxListCommands &&
                         (!fires || point_count_ < max_points_);
   if (!is_first && !has_room) return false;
   AddJump(to);
   if (fires) ++point_count_;
-  if (fires)
-    list_.commands.push_back({kLaserOnPoint, {ToUint16(1e5 * jumps_.dwell_s())}});
+  if (fires) list_.commands.push_back({kLaserOnPoint, {ToUint16(1e5 * dwell_s)}});
   list_.seconds += seconds;
   return true;
 }

@@ -33,8 +33,9 @@ class PointLists {
   void BeginRun() { first_of_run_ = true; }
   /// From where the mirrors are to `to_mm`, and the laser on there, if it `fires`. False:
   /// the list has no room for it, or has its points, or points of another power; an empty
-  /// one has room. `power_ratio`: of the largest, of a point that fires.
-  bool Add(const Vec2& to_mm, bool fires, double power_ratio = 1);
+  /// one has room. Of a point that fires, `power_ratio`: of the largest; `pulses`: it
+  /// dwells for so many, 0: for dwell_s.
+  bool Add(const Vec2& to_mm, bool fires, double power_ratio = 1, unsigned pulses = 0);
   /// Dark, in no less than `seconds`: by hand.
   void AddSlow(const Vec2& to_mm, double seconds);
   /// What was added since the last call; it begins with a jump, wherever the mirrors are.
@@ -52,6 +53,7 @@ class PointLists {
   void AddJump(const BoardPlace& to);
   void Begin(double places_ms, double power_ratio);
 
+  MachineSpec machine_;
   BjjczBoard board_;
   JumpAndDwell jumps_;
   BoardField field_;

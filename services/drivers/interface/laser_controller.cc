@@ -6,6 +6,14 @@
 
 namespace intaglio::drivers {
 
+Status CheckOnePulse(const link::ArmWindow& window) {
+  if (window.pulses_per_point <= 1) return {};
+  return Fail(ErrorCode::kUnsupported,
+              fmt::format("the laser makes a point by one pulse, not by {}",
+                          window.pulses_per_point),
+              fmt::format("{}", window.pulses_per_point));
+}
+
 Status CheckEnergy(const link::LaserIdentity& laser, const link::ArmWindow& window) {
   const double energy_mj = window.pulse_energy_mj;
   const bool fires = std::ranges::find(window.fire, true) != window.fire.end();

@@ -122,6 +122,9 @@ class LaserController {
 /// (services/drivers/laser_output.h); the synchronizer opens that.
 inline constexpr std::string_view kMotionOutput = "motion-output";
 
+/// Of a family that makes a point by one pulse: kUnsupported for a window of more.
+Status CheckOnePulse(const link::ArmWindow& window);
+
 /// For families that cannot set each pulse's energy: kUnsupported when the window fires
 /// and its energy is outside the range of `laser`.
 Status CheckEnergy(const link::LaserIdentity& laser, const link::ArmWindow& window);

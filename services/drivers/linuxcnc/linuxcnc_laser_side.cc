@@ -95,6 +95,7 @@ std::uint64_t LinuxcncDriver::sent_through() const {
 
 Status LinuxcncDriver::Arm(const link::ArmWindow& window) {
   if (!up()) return LinkLost();
+  if (auto one = CheckOnePulse(window); !one) return one;
   if (auto energy = CheckEnergy(identity_, window); !energy) return energy;
   ticks_.Arm(window, sent_through());
   if (interlocked()) ticks_.Interlock();

@@ -127,6 +127,8 @@ class LockstepDriver : public MotionDriver, public LaserController {
   virtual std::uint64_t LimitedByPulses(std::uint64_t tick) const = 0;
 
   // What a family does.
+  /// It makes a point by the pulses of its window.
+  virtual bool DwellsAtPoints() const { return false; }
   /// Before a window is decided: its pulses are of the window's energy, or an error. Of a
   /// laser with one energy: CheckEnergy.
   virtual Status SetEnergy(const link::ArmWindow& window) {

@@ -85,6 +85,9 @@ Status LockstepDriver::Arm(const link::ArmWindow& window) {
   if (!up()) return Down();
   if (window.at_place)
     return Fail(ErrorCode::kUnsupported, "the controller does not compare places");
+  if (!DwellsAtPoints()) {
+    if (auto one = CheckOnePulse(window); !one) return one;
+  }
   if (auto set = SetEnergy(window); !set) return set;
   if (!stop_ && !safe_) {
     ticks_.Decide(window);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "services/job/head/point_pulses.h"
 #include "services/job/machine/laser_setting.h"
 
 namespace intaglio {
@@ -72,6 +73,9 @@ void CheckLaserOn(const LaserOptions& laser, const MachineSpec& machine,
   }
   CheckEnergy("laser.pulse_energy_mj", laser.pulse_energy_mj(), machine, findings);
   CheckPump(laser, head, findings);
+  if (const std::string what = WhyNotSoManyPulses(machine, laser.pulses_per_point());
+      !what.empty())
+    findings.Wrong("laser.pulses_per_point", laser.pulses_per_point(), "{}", what);
   std::set<std::uint32_t> seen;
   for (int i = 0; i < laser.channels_size(); ++i) {
     const std::uint32_t channel = laser.channels(i);

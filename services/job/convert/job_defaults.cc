@@ -12,6 +12,7 @@
 #include "services/job/convert/model_kind.h"
 #include "services/job/convert/placeholders.h"
 #include "services/job/fields/job_kind.h"
+#include "services/job/head/point_pulses.h"
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/machine/machine_defaults.h"
@@ -175,11 +176,14 @@ void FillMotion(MotionOptions& motion, const Lens& lens, const MachineSpec& mach
   if (motion.has_lq()) FillDefaults(*motion.mutable_lq());
 }
 
-void FillLaser(LaserOptions& laser, const LaserHead& head) {
+void FillLaser(LaserOptions& laser, const MachineSpec& machine) {
+  const LaserHead& head = machine.laser();
   if (!laser.has_rate_hz() && head.rates_hz_size() > 0)
     laser.set_rate_hz(DefaultRateHz(head));
   if (!laser.has_wavelength_nm()) laser.set_wavelength_nm(head.wavelength_nm());
   if (!laser.has_pulse_energy_mj()) laser.set_pulse_energy_mj(head.pulse_energy_mj());
+  if (!laser.has_pulses_per_point() && machine.head_over_block().has_jump_and_dwell())
+    laser.set_pulses_per_point(PulsesOfDwell(machine));
   FillDefaults(laser);
 }
 
@@ -231,7 +235,7 @@ JobSpec WithDefaults(JobSpec job, const MachineSpec& machine) {
   FillMotion(*job.mutable_motion(), job.lens(), machine);
   FillOrdering(*job.mutable_ordering(), job.discretization().min_spacing_mm(),
                job.motion(), machine);
-  FillLaser(*job.mutable_laser(), machine.laser());
+  FillLaser(*job.mutable_laser(), machine);
   FillChannels(job);
   if (machine.has_loading() && !job.has_station()) job.set_station(1);
   return job;

@@ -14,6 +14,7 @@
 #include "services/job/fields/field_ranges.h"
 #include "services/job/head/field_table.h"
 #include "services/job/head/head_correction.h"
+#include "services/job/head/point_pulses.h"
 #include "services/job/machine/profile_errors.h"
 
 namespace intaglio {
@@ -166,11 +167,11 @@ machine::ScanHeadOptions HeadOptionsOf(const HeadOverBlockKinematics& head) {
   return options;
 }
 
-sort::JumpTimes JumpTimesOf(const MachineSpec& machine) {
+sort::JumpTimes JumpTimesOf(const MachineSpec& machine, const LaserOptions& laser) {
   const JumpAndDwell& jumps = machine.head_over_block().jump_and_dwell();
   return {jumps.jump_mm_s(),
           jumps.jump_delay_s(),
-          jumps.dwell_s(),
+          DwellSecondsOf(machine, laser.pulses_per_point()),
           machine.z().max_speed_mm_s(),
           machine.z().max_acceleration_mm_s2(),
           jumps.z_settle_s()};

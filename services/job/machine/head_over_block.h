@@ -34,8 +34,9 @@ machine::ScanHeadOptions HeadOptionsOf(const HeadOverBlockKinematics& head);
 /// How far the focus goes in the focal plane for 1 mm of x, and of y.
 Vec2 FieldScaleOf(const FieldShape& field);
 
-/// Times of a head with jump_and_dwell; its z: the machine's axis.
-sort::JumpTimes JumpTimesOf(const MachineSpec& machine);
+/// Times of a head with jump_and_dwell for a job with its defaults; its z: the machine's
+/// axis.
+sort::JumpTimes JumpTimesOf(const MachineSpec& machine, const LaserOptions& laser);
 
 /// The least pulse energy that makes a crack with an upright beam, mJ.
 double CrackEnergyMj(const MachineSpec& machine);

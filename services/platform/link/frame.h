@@ -4,7 +4,7 @@
 //
 //   offset  size  field
 //        0     2  0xA5 0x5A
-//        2     1  version, 10
+//        2     1  version, 11
 //        3     1  type
 //        4     4  session
 //        8     2  sequence number, from 1; 0: unsequenced

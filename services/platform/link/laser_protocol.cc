@@ -82,8 +82,9 @@ struct Layout<ArmWindow> : OnLaserLine {
     io.Bits(m.gated, m.at_place);
     io.template Size<std::uint16_t>(m.fire, 1, kMaxArmTicks);
     io.Number(m.pulse_energy_mj);
-    io.Require(IsEnergy(m.pulse_energy_mj) && (m.gated || !m.at_place) &&
-               !GoesRound(m.first_tick, m.fire.size()));
+    io.Number(m.pulses_per_point);
+    io.Require(IsEnergy(m.pulse_energy_mj) && m.pulses_per_point <= kMaxPulsesPerPoint &&
+               (m.gated || !m.at_place) && !GoesRound(m.first_tick, m.fire.size()));
     io.BitRow(m.fire.size(), [&m](std::size_t i) { return m.fire[i]; });
   }
 };

@@ -84,9 +84,13 @@ struct ArmWindow {
   /// Of each pulse, within the identity's range: else the outcome is kEnergyOutside. 0 of
   /// a window that fires none.
   double pulse_energy_mj = 0;
+  /// Of a laser that dwells at a point: the pulses that make it, at most
+  /// kMaxPulsesPerPoint. 0: those that it makes by itself, of all others one.
+  std::uint16_t pulses_per_point = 0;
 };
 inline constexpr std::size_t kMaxArmTicks = 4096;
 inline constexpr double kMaxPulseEnergy_mj = 1e4;
+inline constexpr std::uint16_t kMaxPulsesPerPoint = 10'000;
 
 struct LaserIdentity {
   std::uint32_t power_up =
@@ -119,10 +123,11 @@ struct LaserStatus {
   std::uint64_t tick = 0;        ///< the newest lamp sync
   std::uint64_t machine_us = 0;  ///< controller's clock at that tick
   double rate_hz = 0;
-  double warm_ratio = 0;              ///< 0..1
-  std::uint8_t interlocks = 0;        ///< InterlockBits
-  std::uint8_t shutters_open = 0;     ///< where they came to rest last
-  std::uint64_t pulse_count = 0;      ///< since power-up
+  double warm_ratio = 0;           ///< 0..1
+  std::uint8_t interlocks = 0;     ///< InterlockBits
+  std::uint8_t shutters_open = 0;  ///< where they came to rest last
+  /// Ticks that fired since power-up, however many pulses each of them made.
+  std::uint64_t pulse_count = 0;
   std::uint64_t last_fired_tick = 0;  ///< 0: none
   std::uint64_t decided_through = 0;  ///< highest decided tick
   /// kDisarm frames taken in this session. A status that counts the newest one shows for

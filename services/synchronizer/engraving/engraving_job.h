@@ -38,6 +38,8 @@ struct EngravingJob {
   std::uint32_t max_missed_in_a_row = 5;
   /// Points that are armed at a time without a result; 0: no limit.
   std::uint32_t max_unsettled_points = 0;
+  /// 0: as the laser makes them by itself.
+  std::uint16_t pulses_per_point = 0;
   bool needs_door_lock = false;  ///< the profile has one: no pulse while it does not hold
   bool lamp_stays = false;       ///< on when the job has ended by itself
   bool photosensor_feedback = true;  ///< false: no sensor sees cracks, a fired point

@@ -37,6 +37,7 @@ bool TickWindows::ArmOne(std::uint64_t last, double pulse_energy_mj,
       late);
   trigger.Mark(window.arm);
   window.arm.pulse_energy_mj = pulse_energy_mj;
+  window.arm.pulses_per_point = pulses_per_point_;
   if (!kept || record_.disk_failed()) return false;
   window.journal_number = record_.appended();
   held_.push_back(std::move(window));

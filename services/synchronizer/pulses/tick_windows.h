@@ -36,6 +36,8 @@ class TickWindows {
   PulseSchedule& schedule() { return schedule_; }
   const PulseSchedule& schedule() const { return schedule_; }
 
+  /// With which each point is made from now on; 0: as the laser does by itself.
+  void SetPulsesPerPoint(std::uint16_t count) { pulses_per_point_ = count; }
   /// A run, in the session of now: everything up to `tick`, the newest one, is decided,
   /// and what the controller has decided already. `lockstep`: idle ticks that are still
   /// on their way, too.
@@ -92,6 +94,7 @@ class TickWindows {
   std::uint64_t sent_through_ = 0;
   std::uint64_t reported_through_ = 0;
   std::uint64_t session_ = 0;
+  std::uint16_t pulses_per_point_ = 0;
 };
 
 }  // namespace intaglio::synchronizer

@@ -264,6 +264,8 @@ JobReport FiguresOf(Evidence& evidence) {
   *report.mutable_collisions() = evidence.collisions.collisions();
   AddPulseEnergies(evidence.history, std::exchange(evidence.energies, {}), report);
   AddMisses(evidence.history, report);
+  CountPulses(evidence.history, std::max(1U, frozen.job().laser().pulses_per_point()),
+              report);
   AddOrder(evidence,
            evidence.has_glass ? MeasureGlass(evidence, report)
                               : CountByController(evidence, report),

@@ -55,6 +55,14 @@ void AddPulseEnergies(std::span<const formats::PointHistory> history,
   }
 }
 
+void CountPulses(std::span<const formats::PointHistory> history, std::uint32_t per_point,
+                 JobReport& report) {
+  const auto fired = std::ranges::count_if(
+      history, [](const auto& point) { return formats::IsFired(point.outcome); });
+  report.set_pulses_per_point(per_point);
+  report.set_pulse_count(static_cast<std::uint64_t>(fired) * per_point);
+}
+
 void AddMisses(std::span<const formats::PointHistory> history, JobReport& report) {
   std::array<std::uint64_t, kMaxChannels> counts{};
   for (const formats::PointHistory& point : history) {

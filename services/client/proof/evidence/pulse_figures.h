@@ -2,6 +2,7 @@
 
 // What the laser reported of its pulses, from the journal.
 
+#include <cstdint>
 #include <span>
 
 #include "engrave/formats/journal_file.h"
@@ -16,6 +17,10 @@ namespace intaglio::client {
 /// order.
 void AddPulseEnergies(std::span<const formats::PointHistory> history,
                       const PointEnergies& energies, JobReport& report);
+
+/// The pulses of the points that were fired, made or missed: `per_point` each.
+void CountPulses(std::span<const formats::PointHistory> history, std::uint32_t per_point,
+                 JobReport& report);
 
 /// Missed pulses by channel, into missed_by_channel. A pulse that two channels missed
 /// counts for both.

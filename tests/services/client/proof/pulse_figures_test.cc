@@ -43,6 +43,18 @@ TEST(PulseFigures, MeanSpreadAndTheFurthestOff) {
   EXPECT_EQ(report.furthest_point(), 5u);
 }
 
+// A point is one of the count however many pulses make it, and a pulse that made no crack
+// was fired.
+TEST(PulseFigures, CountsThePulsesOfThePointsThatWereFired) {
+  const std::vector<PointHistory> history = {
+      Pulse(PointOutcome::kMade, 0), Pulse(PointOutcome::kMissed, 0),
+      Pulse(PointOutcome::kSkipped, 0), Pulse(PointOutcome::kUncertain, 0)};
+  JobReport report;
+  CountPulses(history, 15, report);
+  EXPECT_EQ(report.pulses_per_point(), 15);
+  EXPECT_EQ(report.pulse_count(), 30);
+}
+
 TEST(PulseFigures, ALaserThatMeasuresNoneHasNoMean) {
   const std::vector<PointHistory> history = {Pulse(PointOutcome::kMade, 0)};
   const PulseEnergyReport report = EnergyOf(history, 30);

@@ -70,7 +70,8 @@ class Cell {
     })) << driver->state().message;
   }
   /// `layers` of `count` points each, the energies of a row's points in turn, mJ.
-  void Begin(int layers, int count, const std::vector<double>& turns_mj = {10}) {
+  void Begin(int layers, int count, const std::vector<double>& turns_mj = {10},
+             std::uint16_t pulses = 0) {
     const std::uint64_t start =
         std::max(laser().status().tick, laser().status().decided_through) + 3;
     ASSERT_TRUE(driver->BeginRun(++run, start, 0)) << driver->state().message;
@@ -100,7 +101,8 @@ class Cell {
                                {fire.begin() + static_cast<std::ptrdiff_t>(at),
                                 fire.begin() + static_cast<std::ptrdiff_t>(end)},
                                false,
-                               energies_mj[at]}));
+                               energies_mj[at],
+                               pulses}));
     }
   }
   const std::vector<bjjcz::Flash>& flashes() const { return machine.board.flashes(); }
@@ -176,6 +178,22 @@ TEST(BjjczPoints, EachHasThePowerOfItsEnergy) {
   for (std::size_t i = 0; i < cell.flashes().size(); ++i) {
     const double expected = settings.at(turns_mj[i / kEqualPoints % 4]);
     EXPECT_NEAR(cell.flashes()[i].power_ratio, expected * kFullPower, 1) << "flash " << i;
+  }
+}
+
+// 30 kHz: 0.5 ms are 15 pulses, as the profile has it, and a job may ask for others.
+TEST(BjjczPoints, EachHasThePulsesThatWereAskedFor) {
+  for (const std::uint16_t asked : {0, 3, 40}) {
+    Cell cell;
+    cell.Connect();
+    cell.Prepare();
+    cell.Begin(2, 60, {10}, asked);
+    ASSERT_TRUE(cell.Until([&] {
+      return cell.segments.empty() && cell.driver->state().at_rest;
+    })) << cell.driver->state().message;
+    ASSERT_EQ(cell.MadeTicks().size(), 120u);
+    for (const bjjcz::Flash& flash : cell.flashes())
+      EXPECT_EQ(flash.pulses, asked == 0 ? 15 : asked);
   }
 }
 

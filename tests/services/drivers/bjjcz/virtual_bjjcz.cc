@@ -239,6 +239,13 @@ void VirtualBjjcz::BeginCommand(const Numbers& numbers) {
   }
 }
 
+int VirtualBjjcz::PulsesIn(double lit_us) const {
+  // A fibre source counts its period at 20 MHz, the others at 10 MHz.
+  const double period_us =
+      laser_.mark_period > 0 ? laser_.mark_period / 10.0 : laser_.q_switch_period / 20.0;
+  return period_us > 0 ? static_cast<int>(std::lround(lit_us / period_us)) : 0;
+}
+
 bool VirtualBjjcz::Step(double& left_us) {
   constexpr double kMaxStep_us = 50;
   if (!moves_ && !waits_ && settle_us_ <= 0) {
@@ -283,7 +290,10 @@ bool VirtualBjjcz::Step(double& left_us) {
         at_ = stroke_.to;
         strokes_.push_back(stroke_);
       }
-      if (std::exchange(is_point_, false)) flashes_.push_back(flash_);
+      if (std::exchange(is_point_, false)) {
+        flash_.pulses = PulsesIn(flash_.lit_us);
+        flashes_.push_back(flash_);
+      }
       moves_ = waits_ = false;
     }
   } else if (settle_us_ > 0) {

@@ -32,6 +32,9 @@ struct Flash {
   std::int32_t axis = 0;       ///< steps
   double begin_us = 0, lit_us = 0;
   std::uint16_t current = 0, power_ratio = 0;  ///< as of a Stroke
+  /// So many periods of the source were in the time that it was lit: to the nearest,
+  /// since nobody knows where in a period the light began.
+  int pulses = 0;
 };
 
 /// One command of a list that moved the mirrors, when it has ended or was stopped.
@@ -93,6 +96,7 @@ class VirtualBjjcz {
   bool Step(double& left_us);
   void BeginCommand(const Numbers& numbers);
   void EndMotion();
+  int PulsesIn(double lit_us) const;
   bool MayEmit() const;
   void AdvanceAxis(double us);
 

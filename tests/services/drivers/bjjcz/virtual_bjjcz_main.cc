@@ -7,11 +7,11 @@
 // port; "ready LINE" on the output has what a host opens. Each mark command that the beam
 // made something of is a line of the record when it has ended: "mark X0 Y0 X1 Y1 BEGIN_US
 // END_US LIT_US", in places of the board, 32768 the centre; each point that it lit at
-// rest is "flash X Y AXIS BEGIN_US LIT_US", AXIS in steps. With --axis its axis was
-// homed, and is there. With --guide each way of the mirrors that began with this output
-// on is "guide X0 Y0 X1 Y1", and "gate" behind it, if the gate was on, too. The panel
-// takes lines of text (services/virtual_engraver/lines/panel.h): door open|close, power
-// off|on, unplug, plug. SIGTERM ends it.
+// rest is "flash X Y AXIS BEGIN_US LIT_US PULSES", AXIS in steps. With --axis its axis
+// was homed, and is there. With --guide each way of the mirrors that began with this
+// output on is "guide X0 Y0 X1 Y1", and "gate" behind it, if the gate was on, too. The
+// panel takes lines of text (services/virtual_engraver/lines/panel.h): door open|close,
+// power off|on, unplug, plug. SIGTERM ends it.
 
 #include <signal.h>
 
@@ -49,7 +49,8 @@ void RecordFlashes(const bjjcz::VirtualBjjcz& board, std::size_t& written,
     const bjjcz::Flash& flash = flashes[written];
     if (flash.lit_us <= 0) continue;
     record << "flash " << flash.at[0] << ' ' << flash.at[1] << ' ' << flash.axis << ' '
-           << std::llround(flash.begin_us) << ' ' << flash.lit_us << '\n';
+           << std::llround(flash.begin_us) << ' ' << flash.lit_us << ' ' << flash.pulses
+           << '\n';
   }
   record.flush();
 }
