@@ -237,6 +237,19 @@ def tools(driver, say):
     say("section, colours and time of the cracks")
 
 
+def beam_and_next(driver):
+    """How many pixels have the colour of the beam, and that of the points that come next."""
+    from selenium.webdriver.common.by import By
+
+    red = cyan = 0
+    canvas = driver.find_element(By.CSS_SELECTOR, "canvas").screenshot_as_png
+    for row in pixels(canvas):
+        for r, g, b in row:
+            red += r > 120 and r - g > 60 and r - b > 60
+            cyan += b > 200 and g > 180 and r < 60
+    return red, cyan
+
+
 def look(driver, folder, say, cracks, console_pid):
     """What a person does with the page."""
     from selenium.webdriver.common.by import By
@@ -270,6 +283,12 @@ def look(driver, folder, say, cracks, console_pid):
     say(f"{lit} lit pixels, {bright} of cracks")
     assert lit > 500 and bright > 10, (lit, bright)
 
+    def beam_is_shown():
+        red, cyan = beam_and_next(driver)
+        return red > 30 and cyan > 10 and (red, cyan)
+
+    say(f"the beam and the points that come next: {eventually(beam_is_shown)} pixels")
+
     tools(driver, say)
 
     def confirmed():
@@ -279,6 +298,8 @@ def look(driver, folder, say, cracks, console_pid):
     eventually(confirmed, 10)
     before = cracks()
     say("stopped")
+    eventually(lambda: beam_and_next(driver) == (0, 0))
+    say("no beam where nothing is made")
     driver.refresh()
 
     def held():

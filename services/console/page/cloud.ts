@@ -12,7 +12,10 @@ export class Cloud {
   readonly sides: number[];  // of the block; the longest is 1
   made = 0;
   next = 0;  // record of the journal
+  newest = -1;  // crack, by its place in the order; -1: none since the page shows the job
+  newestAt = 0;  // ms, by performance.now()
   readonly picture: Picture;
+  private isUpToDate = false;  // what was made before the page came is known
   private state: Uint8Array;
   private frame: THREE.Box3Helper;
   private fresh: THREE.Points | undefined;  // made since the last frame
@@ -57,6 +60,22 @@ export class Cloud {
 
   get hasChannels(): boolean {
     return !!this.channels;
+  }
+
+  /** Where a point is in the scene, by its place in the order. */
+  at(place: number): THREE.Vector3 {
+    const from = 4 * this.plan.index[place];
+    const [x, y, z] = this.sides.map((side, axis) =>
+      (this.plan.points[from + axis] / 65535 - 0.5) * side);
+    return new THREE.Vector3().set(x, y, z);
+  }
+
+  /** The places in the order of at most so many open points behind the newest crack. */
+  following(count: number): number[] {
+    const places: number[] = [];
+    for (let place = this.newest + 1; place < this.count && places.length < count; ++place)
+      if (this.state[this.plan.index[place]] === 0) places.push(place);
+    return places;
   }
 
   private setAll(name: string, attribute: THREE.BufferAttribute) {
@@ -156,12 +175,16 @@ export class Cloud {
       const place = value & 0x1fffffff;
       if (place >= this.count) continue;
       const at = this.plan.index[place];
-      if (this.state[at] !== 1 && value >>> 29 === 1) ++this.made;
+      if (this.state[at] !== 1 && value >>> 29 === 1) {
+        ++this.made;
+        if (this.isUpToDate) [this.newest, this.newestAt] = [place, performance.now()];
+      }
       this.state[at] = value >>> 29;
       changed.push(at);
     }
     const more = values[0] !== this.next;
     this.next = values[0];
+    this.isUpToDate ||= !more;
     if (!changed.length) return { more, again: false };
     this.outcomes.needsUpdate = true;
     // When the last of them are not in the picture yet, it is drawn from its begin.

@@ -27,13 +27,20 @@ export class GlassView extends HTMLElement {
     canvas.setAttribute('role', 'application');
     canvas.setAttribute('aria-label', text.glassPicture);
     canvas.tabIndex = 0;
-    this.append(canvas, this.line, this.tools.element);
+    // The beam is drawn over it, and takes neither keys nor fingers.
+    const over = document.createElement('canvas');
+    over.setAttribute('aria-hidden', 'true');
+    const picture = make('div', '', 'picture');
+    picture.append(canvas, over);
+    this.append(picture, this.line, this.tools.element);
     if (!('transferControlToOffscreen' in canvas)) return;
     const offscreen = canvas.transferControlToOffscreen();
+    const overlay = over.transferControlToOffscreen();
     this.worker = new Worker('/view.js');
     const size = () => ({ width: canvas.clientWidth, height: canvas.clientHeight });
     this.worker.postMessage({ hidden: document.hidden });
-    this.worker.postMessage({ canvas: offscreen, ...size() }, [offscreen]);
+    this.worker.postMessage({ canvas: offscreen, overlay, ...size() },
+      [offscreen, overlay]);
     new ResizeObserver(() => this.worker?.postMessage({ resize: size() })).observe(canvas);
     let from: [number, number] | undefined;
     canvas.addEventListener('pointerdown', (event) => {

@@ -1,7 +1,11 @@
 // What TypeScript 4.8 of Debian does not know: of browsers, and of three.js r111, which has no
 // types there. Only what the page uses, so that a wrong name is found.
 // Can be transferred to a worker, as an ImageBitmap.
-interface OffscreenCanvas extends ImageBitmap {}
+interface OffscreenCanvas extends ImageBitmap {
+  width: number;
+  height: number;
+  getContext(kind: '2d'): CanvasRenderingContext2D;
+}
 interface HTMLCanvasElement {
   transferControlToOffscreen(): OffscreenCanvas;
 }
@@ -14,6 +18,7 @@ declare module 'three' {
     set(x: number, y: number, z: number): this;
     clone(): Vector3;
     negate(): this;
+    project(camera: PerspectiveCamera): this;
   }
   export class Object3D {
     position: Vector3;
@@ -37,6 +42,7 @@ declare module 'three' {
     constructor(fov: number, aspect: number, near: number, far: number);
     aspect: number;
     updateProjectionMatrix(): void;
+    updateMatrixWorld(): void;
   }
   export const DynamicDrawUsage: number;
   export class BufferAttribute {

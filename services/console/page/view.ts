@@ -3,6 +3,7 @@ import * as THREE from 'three';
 import { FrameBudget, cellsInView, viewDegrees } from './cells';
 import { Cloud, setLook } from './cloud';
 import { Mode } from './colours';
+import { Overlay } from './overlay';
 import { PlanDecoder } from './plan';
 import { Ticks } from './ticks';
 
@@ -10,6 +11,8 @@ const pollMs = 500;
 
 let renderer: THREE.WebGLRenderer | undefined;
 let camera: THREE.PerspectiveCamera;
+let overlay: Overlay | undefined;
+let showsAll = true;  // not the cracks of an earlier time
 let job = 0;
 let hidden = false;
 let turned = { around: 0.8, above: 0.5, distance: 2 };
@@ -24,6 +27,11 @@ function place() {
                       distance * Math.sin(around) * Math.cos(above), distance * Math.sin(above));
   camera.up.set(0, 0, 1);
   camera.lookAt(0, 0, 0);
+  camera.updateMatrixWorld();
+}
+
+function drawOverlay() {
+  overlay?.draw(showsAll ? cloud : undefined, camera);
 }
 
 let isEmpty = false;  // the picture has to be cleared
@@ -61,6 +69,7 @@ function frame(now: number) {
   cloud?.forget();
   cloud?.hideFrame();
   before = cloud && { at: now, full: added >= points };
+  drawOverlay();
   report();
 }
 
@@ -177,6 +186,7 @@ async function poll() {
     const of = cloud;
     more = await takeMade(of);
     more = await takeColours(of) || more;
+    drawOverlay();
   }
   --asking;
   if (!hidden) pollIn(more ? 0 : pollMs);
@@ -195,6 +205,7 @@ onmessage = (event) => {
     });
     renderer.autoClear = false;
     renderer.setSize(data.width, data.height, false);
+    overlay = new Overlay(data.overlay, data.width, data.height);
     camera = new THREE.PerspectiveCamera(viewDegrees, data.width / data.height, 0.01, 20);
     place();
     run();
@@ -202,6 +213,7 @@ onmessage = (event) => {
   }
   if (data.resize && renderer && data.resize.height > 0) {
     renderer.setSize(data.resize.width, data.resize.height, false);
+    overlay?.resize(data.resize.width, data.resize.height);
     camera.aspect = data.resize.width / data.resize.height;
     camera.updateProjectionMatrix();
     isEmpty = true;
@@ -219,6 +231,7 @@ onmessage = (event) => {
   }
   if (data.look) {
     setLook(data.look);
+    showsAll = data.look.until >= 1;
     moved();
     mode = data.look.mode;
     if (!hidden && !asking) pollIn(0);

@@ -1,0 +1,59 @@
+// What moves over the picture of a block: the beam above the newest crack, and the points that
+// come next. The picture below is added to and not drawn again for them.
+import * as THREE from 'three';
+import { Cloud } from './cloud';
+
+const nextPoints = 60;
+const shownMs = 5000;    // since the newest crack
+const aboveBlock = 0.2;  // where the beam begins, in parts of the longest side
+const halfWidth = 0.012;
+
+type Pixel = [number, number];
+
+export class Overlay {
+  private context: CanvasRenderingContext2D;
+
+  constructor(private canvas: OffscreenCanvas, width: number, height: number) {
+    this.context = canvas.getContext('2d');
+    this.resize(width, height);
+  }
+
+  resize(width: number, height: number) {
+    this.canvas.width = width;
+    this.canvas.height = height;
+  }
+
+  draw(cloud: Cloud | undefined, camera: THREE.PerspectiveCamera) {
+    const { width, height } = this.canvas;
+    this.context.clearRect(0, 0, width, height);
+    if (!cloud || cloud.newest < 0 || performance.now() - cloud.newestAt > shownMs) return;
+    const pixel = (at: THREE.Vector3): Pixel => {
+      const { x, y } = at.project(camera);
+      return [(x + 1) / 2 * width, (1 - y) / 2 * height];
+    };
+    this.drawNext(cloud.following(nextPoints).map((place) => pixel(cloud.at(place))));
+    const focus = cloud.at(cloud.newest);
+    const top = (aside: number) => new THREE.Vector3().set(
+      focus.x + aside, focus.y, cloud.sides[2] / 2 + aboveBlock);
+    this.drawBeam([pixel(top(-halfWidth)), pixel(top(halfWidth)), pixel(focus)]);
+  }
+
+  private drawNext(points: Pixel[]) {
+    this.context.fillStyle = '#00e5ff';
+    for (const [x, y] of points) this.context.fillRect(x - 1, y - 1, 2, 2);
+  }
+
+  private drawBeam(corners: Pixel[]) {
+    this.context.beginPath();
+    for (const [x, y] of corners) this.context.lineTo(x, y);
+    this.context.closePath();
+    this.context.fillStyle = '#ff4f4f';
+    this.context.globalAlpha = 0.5;
+    this.context.fill();
+    this.context.globalAlpha = 1;
+    const [x, y] = corners[corners.length - 1];
+    this.context.beginPath();
+    this.context.arc(x, y, 3.5, 0, 2 * Math.PI);
+    this.context.fill();
+  }
+}
