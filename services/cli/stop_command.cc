@@ -8,6 +8,7 @@
 #include <iostream>
 #include <map>
 #include <memory>
+#include <ranges>
 #include <set>
 #include <string>
 #include <thread>
@@ -64,17 +65,28 @@ int ComplainOfNoMachine() {
       client::kExitWrongInput);
 }
 
-/// Those of the machines that do not hold the press.
-std::vector<std::string> Unconfirmed(const std::map<std::string, MachineStops>& machines,
+using Machines = std::map<std::string, MachineStops>;
+
+/// Those of the machines, or the named one, that do not hold the press.
+std::vector<std::string> Unconfirmed(const Machines& machines, const std::string& named,
                                      const std::string& source, std::uint64_t number,
                                      std::set<std::string>& confirmed) {
   std::vector<std::string> missing;
+  if (!named.empty() && !machines.contains(named)) missing.push_back(named);
   for (const auto& [cell, stops] : machines) {
+    if (!named.empty() && cell != named) continue;
     if (Names(stops.held, source, number) && confirmed.insert(cell).second)
       std::cout << cell << ": stopped" << std::endl;
     if (!confirmed.contains(cell)) missing.push_back(cell);
   }
   return missing;
+}
+
+/// Of a name that no machine has: those that are there.
+std::string OthersThan(const Machines& machines, const std::string& cell) {
+  if (machines.contains(cell) || machines.empty()) return "";
+  return fmt::format("; no machine of this name is there, but {}",
+                     fmt::join(std::views::keys(machines), ", "));
 }
 
 // The press is on the bus before anything is waited for.
@@ -83,11 +95,12 @@ int Press(bus::Bus& bus, const StopOptions& options) {
   StopSource source(bus, kProgram, every ? kEveryMachine : options.cell);
   const auto number = source.Press(options.reason);
   if (!number) return Complain(number.error(), client::kExitMachine);
-  MachineReports reports(bus, options.cell);
+  MachineReports reports(bus, "");
   std::set<std::string> confirmed;
   std::vector<std::string> missing;
   const auto all_confirmed = [&] {
-    missing = Unconfirmed(reports.Poll(), source.name(), *number, confirmed);
+    missing =
+        Unconfirmed(reports.Poll(), options.cell, source.name(), *number, confirmed);
     return missing.empty();
   };
   // It lives that long: the press reaches machines that are discovered late.
@@ -99,8 +112,8 @@ int Press(bus::Bus& bus, const StopOptions& options) {
   for (const std::string& cell : missing) {
     ComplainWith(
         fmt::format("{} has not confirmed the stop within {} s: press the machine's "
-                    "own button",
-                    cell, kAnswerTime.count()),
+                    "own button{}",
+                    cell, kAnswerTime.count(), OthersThan(reports.Poll(), cell)),
         client::kExitMachine);
   }
   return missing.empty() ? client::kExitGood : client::kExitMachine;

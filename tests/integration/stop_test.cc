@@ -256,6 +256,17 @@ TEST_F(Stop, AMachineThatDoesNotConfirmIsNamed) {
                     HasSubstr("own button")));
 }
 
+TEST_F(Stop, ANameThatNoMachineHasIsToldFromOneThatDoesNotAnswer) {
+  bus::Bus bus(Options());
+  Machine left(bus, "left"), right(bus, "right");
+  const Ended ended = Type({"lft"});
+  EXPECT_EQ(ended.exit_code, 4);
+  EXPECT_THAT(ended.output,
+              HasSubstr("press the machine's own button; no machine of this name is "
+                        "there, but left, right"));
+  EXPECT_FALSE(left.pressed());
+}
+
 TEST_F(Stop, WithoutAMachineIsAnError) {
   const Ended ended = Type({});
   EXPECT_EQ(ended.exit_code, 2);
