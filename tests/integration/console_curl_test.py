@@ -42,9 +42,10 @@ def check_answers(folder, schemas, ask):
             continue
         content = operations["get"]["responses"]["200"]["content"]
         schema = content.get("application/json", {}).get("schema")
-        if not schema or path.endswith("/report"):
+        # The first is made later, the other is of a focus series (console_teach_test.py).
+        if not schema or path.endswith(("/report", "/zero_move")):
             continue
-        parts = {"{job}": "1", "{id}": "order-7", "{file}": "sample.obj"}
+        parts = {"{cell}": "els-03", "{job}": "1", "{id}": "order-7", "{file}": "sample.obj"}
         for part, value in parts.items():
             path = path.replace(part, value)
         answer = json.loads(ask(path))
