@@ -24,6 +24,15 @@ web::Response Unknown() {
   return ErrorResponse(404, "there is nothing at this path: docs/console.md has all");
 }
 
+/// Another method than those that the path has, or a path that nothing is at.
+web::Response Unasked(const std::string& path) {
+  const std::string methods = MethodsOf(path);
+  if (methods.empty()) return Unknown();
+  web::Response response = ErrorResponse(405, "this path has " + methods + " alone");
+  response.allow = methods;
+  return response;
+}
+
 constexpr char kNobody[] = "nobody is logged in here: log in";
 constexpr char kNoUsers[] =
     "nobody can log in: on the console's computer, `intaglio console user add NAME "
@@ -197,7 +206,7 @@ std::optional<Visitor> Api::Admit(const web::Request& request, web::Reply& reply
   const Route* route = FindRoute(request.method, request.target.path);
   const auto visitor = access_.VisitorOf(request.caller);
   if (!visitor || route == nullptr) {
-    reply(visitor ? Unknown() : ErrorResponse(401, kNobody));
+    reply(visitor ? Unasked(request.target.path) : ErrorResponse(401, kNobody));
     return std::nullopt;
   }
   if (request.method == "POST") reply = Audited(request, *visitor, std::move(reply));

@@ -106,4 +106,14 @@ const Route* FindRoute(std::string_view method, std::string_view path) {
   return found == std::end(kRoutes) ? nullptr : found;
 }
 
+std::string MethodsOf(std::string_view path) {
+  std::string methods;
+  for (const Route& route : kRoutes) {
+    if (!IsPath(route.path, path) || methods.find(route.method) != std::string::npos)
+      continue;
+    methods += (methods.empty() ? "" : ", ") + std::string(route.method);
+  }
+  return methods;
+}
+
 }  // namespace intaglio::console

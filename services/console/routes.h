@@ -4,6 +4,7 @@
 // the OpenAPI file what is asked and answered.
 
 #include <span>
+#include <string>
 #include <string_view>
 
 namespace intaglio::console {
@@ -29,5 +30,8 @@ struct Route {
 std::span<const Route> Routes();
 /// Null: there is no such request.
 const Route* FindRoute(std::string_view method, std::string_view path);
+
+/// The methods of a path, "GET, POST"; empty: there is nothing at it.
+std::string MethodsOf(std::string_view path);
 
 }  // namespace intaglio::console

@@ -100,6 +100,12 @@ def check_submissions(folder, schemas):
         assert refused["message"].startswith('glass: there is no glass "ICE"'), refused
     code, nothing = curl("/nothing")
     assert code == 404 and nothing["code"] == "not_found", (code, nothing)
+    for method, path, allow in (("POST", "/status", "GET"), ("GET", "/jobs/1/arm", "POST"),
+                                ("GET", order, "POST")):
+        head = subprocess.run(["curl", "-s", "-b", "cookies", "-o", "/dev/null", "-D", "-", "-X",
+                               method, url + path], cwd=folder, check=True, capture_output=True,
+                              text=True).stdout.splitlines()
+        assert " 405 " in head[0] and f"Allow: {allow}" in head, (method, path, head)
     code, other = curl(file, "--data-binary", "@other.textproto")
     assert code == 409, (code, other)
     (folder / "wrong.textproto").write_text('models { file: "/etc/passwd" }')

@@ -259,6 +259,7 @@ class HttpSession : public Waiting, public std::enable_shared_from_this<HttpSess
                       *response.token, core_.own.is_encrypted ? "; Secure" : "",
                       response.token->empty() ? "; Max-Age=0" : ""));
     }
+    if (!response.allow.empty()) message_.set(http::field::allow, response.allow);
     Fill(message_, response, core_, keep_alive_);
     stream_.expires_after(core_.options.limits.write_time);
     http::async_write(stream_, message_,

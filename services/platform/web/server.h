@@ -51,6 +51,7 @@ struct Response {
   std::shared_ptr<const std::string> body;  ///< shared: a large one is not copied
   /// The token that the cookie has from now on; empty: the cookie is removed.
   std::optional<std::string> token = {};
+  std::string allow = {};  ///< header Allow: methods that the path has; empty: without it
 };
 /// A response with a text that is its own.
 Response TextResponse(int status, std::string content_type, std::string body);
