@@ -8,6 +8,11 @@
 // shortest way of the mirrors: nearest neighbours, then 2-opt and Or-opt among near
 // points.
 //
+// Where points have energies of their own, each change takes a list of its own, some
+// milliseconds, against 0.1 ms of a jump. So a layer begins with the nearest point next,
+// and with an energy after the other, rising and falling; each is made shorter with what
+// the changes cost, and the way of least time is taken.
+//
 // Layers are heights of the axis, which are bent surfaces in the glass under a lens that
 // is not telecentric. A lower layer never shades a higher one as long as such a surface
 // is flatter than the cone is steep: dz/dr <= 0.2 at 15 degrees and 60 mm depth, where a
@@ -31,18 +36,23 @@ struct JumpTimes {
   double z_mm_s = 10;       ///< > 0
   double z_mm_s2 = 1000;    ///< > 0
   double z_settle_s = 0;    ///< >= 0, behind each move of z
+  /// Of a list of the controller; 0: no limit.
+  std::uint32_t max_list_points = 0;
 };
 
 struct JumpTime {
   double jump_s = 0, delay_s = 0, dwell_s = 0, z_s = 0;
   std::uint64_t z_move_count = 0;
+  std::uint64_t energy_change_count = 0;  ///< from a point to the next of its layer
+  std::uint64_t list_count = 0;           ///< of one height and one energy each
   double total_s() const { return jump_s + delay_s + dwell_s + z_s; }
 };
 
 /// The time of points in the order in which they are made, by their axes: x, y of the
 /// mirrors and height z, mm. While z moves the mirrors do not. The ways to the first are
-/// not counted.
-JumpTime TimeOfJumps(std::span<const Vec3> axes_mm, const JumpTimes& times);
+/// not counted. `energies`: the number of each point's energy; empty: all have the same.
+JumpTime TimeOfJumps(std::span<const Vec3> axes_mm, const JumpTimes& times,
+                     std::span<const std::uint32_t> energies = {});
 
 Status CheckJumpLayersOptions(const OrderOptions& options);
 

@@ -83,6 +83,13 @@ struct JumpLayersOptions {
   /// Places of the mirrors x, y, mm, and the layer: the height z at which the axis rests,
   /// growing upward; equal for the points of a layer. Empty: no such machine.
   std::function<Vec3(const Vec3& glass_mm)> head_from_glass;
+  /// Number of the energy with which a point is made: a controller changes it only
+  /// between its lists. Empty: all have the same.
+  std::function<std::uint32_t(const Vec3& glass_mm)> energy_from_glass;
+  double jump_mm_s = 2000;  ///< > 0
+  /// What one list more takes, s, 0..1: points of an energy are gathered where their
+  /// longer ways take less. By virtual boards "some milliseconds"; to be measured.
+  double change_s = 0.005;
 };
 
 struct OrderOptions {

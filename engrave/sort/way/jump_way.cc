@@ -34,9 +34,10 @@ NearPoints NearOf(std::span<const Vec2> places_mm) {
 class Way {
  public:
   Way(std::span<const Vec2> places_mm, const Vec2& from_mm,
-      std::vector<std::uint32_t>& way)
+      std::vector<std::uint32_t>& way, const GroupChange& change)
       : places_mm_(places_mm),
         from_mm_(from_mm),
+        change_(change),
         way_(way),
         count_(static_cast<std::ptrdiff_t>(way.size())),
         place_(way.size()),
@@ -64,7 +65,9 @@ class Way {
     if (i >= count_ || j >= count_) return 0;
     const Vec2& a = i < 0 ? from_mm_ : places_mm_[At(i)];
     const Vec2& b = j < 0 ? from_mm_ : places_mm_[At(j)];
-    return (a - b).norm();
+    const bool changes = i >= 0 && j >= 0 && !change_.groups.empty() &&
+                         change_.groups[At(i)] != change_.groups[At(j)];
+    return (a - b).norm() + (changes ? change_.change_mm : 0);
   }
 
   bool Improve(std::uint32_t point) {
@@ -156,6 +159,7 @@ class Way {
 
   std::span<const Vec2> places_mm_;
   Vec2 from_mm_;
+  GroupChange change_;
   std::vector<std::uint32_t>& way_;
   std::ptrdiff_t count_;
   std::vector<std::ptrdiff_t> place_;  // of each point on the way
@@ -167,8 +171,8 @@ class Way {
 }  // namespace
 
 void ShortenWay(std::span<const Vec2> places_mm, const Vec2& from_mm,
-                std::vector<std::uint32_t>& way) {
-  if (way.size() > 1) Way(places_mm, from_mm, way).Shorten();
+                std::vector<std::uint32_t>& way, const GroupChange& change) {
+  if (way.size() > 1) Way(places_mm, from_mm, way, change).Shorten();
 }
 
 }  // namespace intaglio::sort

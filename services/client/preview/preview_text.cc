@@ -18,12 +18,18 @@ std::string PlainSizeText(const Vector3& size_mm) {
 /// The time of a head that jumps and dwells, by part.
 std::string JumpTimeText(const TimePreview& time) {
   const JumpTimePreview& parts = time.jumps();
-  return fmt::format(
-      "{}: jumps {}, delays {}, dwell {}, {} of z {}; {} a point",
-      ShortDuration(time.machining_time_s()), ShortDuration(parts.jump_s()),
-      ShortDuration(parts.delay_s()), ShortDuration(parts.dwell_s()),
-      GroupedCount(parts.z_move_count(), "move"), ShortDuration(parts.z_s()),
-      GroupedCount(parts.pulses_per_point(), "pulse"));
+  std::string text =
+      fmt::format("{}: jumps {}, delays {}, dwell {}, {} of z {}",
+                  ShortDuration(time.machining_time_s()), ShortDuration(parts.jump_s()),
+                  ShortDuration(parts.delay_s()), ShortDuration(parts.dwell_s()),
+                  GroupedCount(parts.z_move_count(), "move"), ShortDuration(parts.z_s()));
+  text += fmt::format("; {} a point, {}", GroupedCount(parts.pulses_per_point(), "pulse"),
+                      GroupedCount(parts.list_count(), "list"));
+  if (parts.energy_change_count() > 0) {
+    text += fmt::format(", {} of energy within layers",
+                        GroupedCount(parts.energy_change_count(), "change"));
+  }
+  return text;
 }
 
 std::string TimeText(const JobPreview& figures) {

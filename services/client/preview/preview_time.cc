@@ -11,6 +11,7 @@
 #include "engrave/core/try.h"
 #include "engrave/machine/axes_from_glass.h"
 #include "engrave/sort/order.h"
+#include "services/job/beams/energy_by_place.h"
 #include "services/job/convert/options.h"
 #include "services/job/machine/head_over_block.h"
 #include "services/job/machine/job_ticks_bound.h"
@@ -135,6 +136,7 @@ Result<std::uint64_t> TicksOfAll(const FrozenJob& job, const CloudToTime& cloud,
 Result<TimePreview> JumpTimeOf(const FrozenJob& job, const CloudToTime& cloud,
                                const ProgressSink& progress) {
   sort::OrderOptions options = OrderOptionsOf(job);
+  options.jump_layers.energy_from_glass = EnergyStepsOf(job);
   const auto order = INTAGLIO_TRY(
       sort::MakeChannelOrder(cloud.points_mm, cloud.masks, options, progress));
   PointList path_mm;
@@ -142,8 +144,13 @@ Result<TimePreview> JumpTimeOf(const FrozenJob& job, const CloudToTime& cloud,
   for (const std::uint32_t index : order) path_mm.push_back(cloud.points_mm[index]);
   const auto axes = INTAGLIO_TRY(machine::AxesAlong(
       AxesFromGlassOf(job), path_mm, AxisLimitsOf(job.machine()).travel_mm));
+  std::vector<std::uint32_t> energies;
+  if (options.jump_layers.energy_from_glass) {
+    for (const Vec3& at : path_mm)
+      energies.push_back(options.jump_layers.energy_from_glass(at));
+  }
   const sort::JumpTime of_jumps =
-      sort::TimeOfJumps(axes, JumpTimesOf(job.machine(), job.job().laser()));
+      sort::TimeOfJumps(axes, JumpTimesOf(job.machine(), job.job().laser()), energies);
   TimePreview time;
   time.set_machining_time_s(of_jumps.total_s());
   time.set_warm_up_s(job.machine().laser().warm_up_s());
@@ -156,6 +163,8 @@ Result<TimePreview> JumpTimeOf(const FrozenJob& job, const CloudToTime& cloud,
   parts.set_z_s(of_jumps.z_s);
   parts.set_z_move_count(of_jumps.z_move_count);
   parts.set_pulses_per_point(job.job().laser().pulses_per_point());
+  parts.set_energy_change_count(of_jumps.energy_change_count);
+  parts.set_list_count(of_jumps.list_count);
   return time;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <set>
 #include <utility>
 #include <vector>
@@ -14,12 +15,17 @@
 namespace intaglio {
 namespace {
 
-/// The step of the ladder above `energy_mj` that has `times` of it, at most `largest_mj`.
-double StepAbove(double energy_mj, double times, double largest_mj) {
+/// Steps of the ladder up to `times` of its beginning.
+double StepsTo(double times) {
   // Rounding of the table's numbers is no step.
   constexpr double kRounding = 1e-9;
-  const double steps =
-      std::ceil(std::log(std::max(1.0, times)) / std::log(kEnergyStepRatio) - kRounding);
+  return std::ceil(std::log(std::max(1.0, times)) / std::log(kEnergyStepRatio) -
+                   kRounding);
+}
+
+/// The step of the ladder above `energy_mj` that has `times` of it, at most `largest_mj`.
+double StepAbove(double energy_mj, double times, double largest_mj) {
+  const double steps = StepsTo(times);
   return std::max(energy_mj,
                   std::min(largest_mj, energy_mj * std::pow(kEnergyStepRatio, steps)));
 }
@@ -39,6 +45,19 @@ std::string WhyOneEnergy(const FrozenJob& job) {
       "the driver of the laser of {} cannot vary it (calibrate laser.energy_calibration "
       "if its controller has a power setting)",
       machine.name());
+}
+
+std::function<std::uint32_t(const Vec3& glass_mm)> EnergyStepsOf(const FrozenJob& job) {
+  if (!job.machine().head_over_block().has_jump_and_dwell() || !WhyOneEnergy(job).empty())
+    return {};
+  const double max_steps = StepsTo(SettableEnergies(job.machine()).max_mj /
+                                   job.job().laser().pulse_energy_mj());
+  const auto beams = std::make_shared<const JobBeams>(job);
+  return [beams, max_steps](const Vec3& glass_mm) {
+    const auto [depth_mm, tangent] = beams->To(glass_mm);
+    const double steps = StepsTo(beams->strength().EnergyTimes(tangent, depth_mm));
+    return static_cast<std::uint32_t>(std::min(steps, max_steps));
+  };
 }
 
 PointEnergies RaisedByPlace(const JobBeams& beams, double largest_mj,

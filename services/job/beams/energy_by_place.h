@@ -9,6 +9,7 @@
 // and a window of ticks or a list of a board has one energy.
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 
@@ -25,6 +26,11 @@ inline constexpr double kEnergyStepRatio = 1.05;
 
 /// Why the energy does not follow the place, as a sentence; empty: it follows.
 std::string WhyOneEnergy(const FrozenJob& job);
+
+/// Number of the step of energy at each place of the block (glass frame, mm), of points
+/// with the job's laser.pulse_energy_mj: for the order of a head that jumps and dwells,
+/// whose lists have one energy each. Empty for others, and where one energy serves all.
+std::function<std::uint32_t(const Vec3& glass_mm)> EnergyStepsOf(const FrozenJob& job);
 
 /// Raised by place: points in the glass frame, mm; `of_models`: by their models.
 PointEnergies RaisedByPlace(const JobBeams& beams, double largest_mj,

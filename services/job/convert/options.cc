@@ -108,6 +108,7 @@ void SetJumps(const FrozenJob& job, sort::OrderOptions& options) {
     at.z() *= up;
     return at;
   };
+  options.jump_layers.jump_mm_s = head.jump_and_dwell().jump_mm_s();
 }
 
 void SetMethod(const Ordering& ordering, sort::OrderOptions& options) {

@@ -174,7 +174,8 @@ sort::JumpTimes JumpTimesOf(const MachineSpec& machine, const LaserOptions& lase
           DwellSecondsOf(machine, laser.pulses_per_point()),
           machine.z().max_speed_mm_s(),
           machine.z().max_acceleration_mm_s2(),
-          jumps.z_settle_s()};
+          jumps.z_settle_s(),
+          machine.laser().max_unsettled_points()};
 }
 
 double CrackEnergyMj(const MachineSpec& machine) {

@@ -107,6 +107,66 @@ TEST(JumpLayers, FiresThroughNothingWhereBeamsLean) {
   EXPECT_GT(in_other_order, 1000);  // a pair can be made in the wrong order
 }
 
+/// Rings of energy around the lens, as an oblique beam needs them.
+std::uint32_t RingOf(const Vec3& p) {
+  return static_cast<std::uint32_t>(p.head<2>().squaredNorm() / 60);
+}
+
+/// By an order in which each point is made once, and none through an earlier crack.
+JumpTime TimeBy(const PointList& points_mm, const OrderOptions& options) {
+  const Order order = MakeOrder(points_mm, options).value();
+  ExpectEachOnce(order, points_mm.size());
+  ExpectNoneShaded(points_mm, order, options.cone);
+  std::vector<std::uint32_t> energies;
+  for (const std::uint32_t i : order) energies.push_back(RingOf(points_mm[i]));
+  JumpTimes times;
+  times.max_list_points = 32;
+  return TimeOfJumps(HeadPlacesOf(points_mm, order, options), times, energies);
+}
+
+// Ten thousand points in thirty layers, twenty energies: with 5 ms for each list more, an
+// energy after the other is far quicker, though its jumps are longer.
+TEST(JumpLayers, GathersThePointsOfAnEnergy) {
+  PointList points_mm = RandomBox(10'000, {50, 50, 3}, 7);
+  for (Vec3& p : points_mm) p -= Vec3(25, 25, 0);
+  OrderOptions options = Telecentric();
+  options.cone = {0.2, 0.02, 0.15};  // steep enough to keep points of a layer apart
+  const JumpTime before = TimeBy(points_mm, options);
+  options.jump_layers.energy_from_glass = RingOf;
+  const JumpTime after = TimeBy(points_mm, options);
+  EXPECT_LT(after.energy_change_count, before.energy_change_count / 3);
+  EXPECT_LT(after.jump_s, 3 * before.jump_s);
+  const auto seconds = [](const JumpTime& time) {
+    return time.jump_s + 0.005 * static_cast<double>(time.list_count);
+  };
+  EXPECT_LT(seconds(after), 0.7 * seconds(before));
+}
+
+// A list that costs nothing is no reason for a longer way.
+TEST(JumpLayers, GathersNothingWhereAListTakesNoTime) {
+  PointList points_mm = RandomBox(2000, {50, 50, 1}, 8);
+  for (Vec3& p : points_mm) p -= Vec3(25, 25, 0);
+  OrderOptions options = Telecentric();
+  const double alone_s = TimeBy(points_mm, options).jump_s;
+  options.jump_layers.energy_from_glass = RingOf;
+  options.jump_layers.change_s = 0;
+  EXPECT_LE(TimeBy(points_mm, options).jump_s, alone_s * (1 + 1e-12));
+}
+
+// A list has one height, one energy, and no more points than it may have.
+TEST(JumpLayers, CountsListsAndChangesOfEnergy) {
+  JumpTimes times;
+  times.max_list_points = 2;
+  const PointList places_mm = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0},
+                               {3, 0, 0}, {4, 0, 1}, {5, 0, 1}};
+  const std::vector<std::uint32_t> energies = {0, 0, 0, 1, 0, 0};
+  const JumpTime time = TimeOfJumps(places_mm, times, energies);
+  EXPECT_EQ(time.list_count, 4) << "two, one, one of another energy, two higher up";
+  EXPECT_EQ(time.energy_change_count, 1) << "with z the list ends anyway";
+  times.max_list_points = 0;
+  EXPECT_EQ(TimeOfJumps(places_mm, times).list_count, 2);
+}
+
 TEST(JumpLayers, CountsEachPartOfTheTime) {
   const JumpTimes times{2000, 0.0002, 0.0005, 10, 1000, 0.1};
   // Jumps of 3, 4 and 2 mm; z goes 0.04 mm, which it does not do at full speed, then 1

@@ -222,6 +222,7 @@ TEST(PreviewTime, OfAHeadThatJumpsIsBySteps) {
   // 22 mm of glass are 22 / 1.52 steps of 1 mm.
   EXPECT_NEAR(static_cast<double>(parts.z_move_count()), 14, 1);
   EXPECT_GT(parts.z_s(), 0.25 * static_cast<double>(parts.z_move_count()));
+  EXPECT_EQ(parts.list_count(), parts.z_move_count() + 1) << "lists have no limit";
   // 0.75 sqrt(n A) a layer, of 15 layers of 40 x 40 mm.
   EXPECT_NEAR(parts.jump_s(), 0.75 * std::sqrt(15.0 * 2000) * 40 / 2000, 0.5);
   EXPECT_NEAR(time->machining_time_s(),

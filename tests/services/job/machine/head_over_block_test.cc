@@ -5,10 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "engrave/galvo/head_model.h"
 #include "engrave/optics/focus.h"
+#include "services/job/beams/energy_by_place.h"
 #include "services/job/checks/job_check.h"
 #include "services/job/convert/job_defaults.h"
 #include "services/job/convert/options.h"
@@ -16,6 +20,7 @@
 #include "services/job/machine/block_origin.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/machine/machine_defaults.h"
+#include "services/job/plan/ordering.h"
 #include "tests/services/job/finding_matcher.h"
 #include "tests/services/job/test_job.h"
 
@@ -171,6 +176,32 @@ TEST(HeadOverBlock, AHeadThatJumpsIsOrderedInLayersOfZ) {
   // Each cone leans with its beam; none is widened to the outermost one.
   EXPECT_EQ(options.cone.tangent, job.optics().cone_tangent());
   EXPECT_TRUE(options.cone.lean);
+}
+
+// Points of one number have one energy, and no others have it.
+TEST(HeadOverBlock, TheOrderOfAHeadThatJumpsKnowsTheStepsOfEnergy) {
+  FrozenJob job = JumpingJob();
+  job.mutable_machine()->mutable_laser()->set_pulse_energy_mj(1);
+  job.mutable_job()->mutable_laser()->set_pulse_energy_mj(0.3);
+  job.mutable_job()->mutable_laser()->set_wavelength_nm(532);
+  const auto step_at = EnergyStepsOf(job);
+  ASSERT_TRUE(step_at);
+  PointList points_mm;
+  for (double at_mm = 2; at_mm < 58; at_mm += 0.5)
+    points_mm.emplace_back(at_mm, 30 + 0.4 * at_mm, 60 - at_mm);
+  const std::vector<std::uint32_t> source(points_mm.size(), 0);
+  const PointEnergies energies = EnergiesOfPoints(job, points_mm, source).value();
+  EXPECT_GT(energies.distinct_mj.size(), 10u);
+  std::map<std::uint32_t, double> energy_of_step;
+  std::set<double> seen_mj;
+  for (std::uint32_t i = 0; i < points_mm.size(); ++i) {
+    const auto [found, is_new] =
+        energy_of_step.emplace(step_at(points_mm[i]), energies.Of(i));
+    EXPECT_EQ(found->second, energies.Of(i));
+    EXPECT_EQ(seen_mj.insert(energies.Of(i)).second, is_new);
+  }
+  EXPECT_TRUE(host::OrderingOf(job).jump_layers.energy_from_glass);
+  EXPECT_FALSE(EnergyStepsOf(Frozen(60))) << "its windows need no lists";
 }
 
 // An axis that counts downward, too, makes the deepest layer first.
