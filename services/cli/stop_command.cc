@@ -82,7 +82,7 @@ std::vector<std::string> Unconfirmed(const Machines& machines, const std::string
   return missing;
 }
 
-/// Of a name that no machine has: those that are there.
+/// The machines that are there, where none has this name.
 std::string OthersThan(const Machines& machines, const std::string& cell) {
   if (machines.contains(cell) || machines.empty()) return "";
   return fmt::format("; no machine of this name is there, but {}",

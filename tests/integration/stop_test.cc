@@ -256,7 +256,7 @@ TEST_F(Stop, AMachineThatDoesNotConfirmIsNamed) {
                     HasSubstr("own button")));
 }
 
-TEST_F(Stop, ANameThatNoMachineHasIsToldFromOneThatDoesNotAnswer) {
+TEST_F(Stop, ANameThatNoMachineHasIsAnsweredWithThoseThatAreThere) {
   bus::Bus bus(Options());
   Machine left(bus, "left"), right(bus, "right");
   const Ended ended = Type({"lft"});

@@ -70,6 +70,12 @@ export class Cloud {
     return new THREE.Vector3().set(x, y, z);
   }
 
+  /** The section leaves this point in the picture. */
+  isWithin(place: number, cut: number[]): boolean {
+    const from = 4 * this.plan.index[place];
+    return cut.every((most, axis) => this.plan.points[from + axis] / 65535 <= most);
+  }
+
   /** The places in the order of at most so many open points behind the newest crack. */
   following(count: number): number[] {
     const places: number[] = [];

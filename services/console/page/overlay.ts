@@ -23,7 +23,8 @@ export class Overlay {
     this.canvas.height = height;
   }
 
-  draw(cloud: Cloud | undefined, camera: THREE.PerspectiveCamera) {
+  /** `cut`: only what the section leaves, as in Look (cloud.ts). */
+  draw(cloud: Cloud | undefined, cut: number[], camera: THREE.PerspectiveCamera) {
     const { width, height } = this.canvas;
     this.context.clearRect(0, 0, width, height);
     if (!cloud || cloud.newest < 0 || performance.now() - cloud.newestAt > shownMs) return;
@@ -31,7 +32,9 @@ export class Overlay {
       const { x, y } = at.project(camera);
       return [(x + 1) / 2 * width, (1 - y) / 2 * height];
     };
-    this.drawNext(cloud.following(nextPoints).map((place) => pixel(cloud.at(place))));
+    this.drawNext(cloud.following(nextPoints).filter((place) => cloud.isWithin(place, cut))
+      .map((place) => pixel(cloud.at(place))));
+    if (!cloud.isWithin(cloud.newest, cut)) return;
     const focus = cloud.at(cloud.newest);
     const top = (aside: number) => new THREE.Vector3().set(
       focus.x + aside, focus.y, cloud.sides[2] / 2 + aboveBlock);

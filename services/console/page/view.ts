@@ -1,8 +1,7 @@
 // Draws a block with its planned points (faint) and the cracks that were made, in a worker.
 import * as THREE from 'three';
 import { FrameBudget, cellsInView, viewDegrees } from './cells';
-import { Cloud, setLook } from './cloud';
-import { Mode } from './colours';
+import { Cloud, Look, setLook } from './cloud';
 import { Overlay } from './overlay';
 import { PlanDecoder } from './plan';
 import { Ticks } from './ticks';
@@ -12,7 +11,7 @@ const pollMs = 500;
 let renderer: THREE.WebGLRenderer | undefined;
 let camera: THREE.PerspectiveCamera;
 let overlay: Overlay | undefined;
-let showsAll = true;  // not the cracks of an earlier time
+let look: Look = { mode: 'outcome', cut: [1, 1, 1], until: 1 };
 let job = 0;
 let hidden = false;
 let turned = { around: 0.8, above: 0.5, distance: 2 };
@@ -31,7 +30,7 @@ function place() {
 }
 
 function drawOverlay() {
-  overlay?.draw(showsAll ? cloud : undefined, camera);
+  overlay?.draw(look.until >= 1 ? cloud : undefined, look.cut, camera);
 }
 
 let isEmpty = false;  // the picture has to be cleared
@@ -144,12 +143,11 @@ async function takeMade(of: Cloud): Promise<boolean> {
   }
 }
 
-let mode: Mode = 'outcome';
 let ticks: Ticks | undefined;  // of the cloud
 
 /** What the colours need that neither plan nor outcomes have; whether there is more. */
 async function takeColours(of: Cloud): Promise<boolean> {
-  const needs = mode === 'tick' ? 'ticks' : mode === 'channel' && !of.hasChannels ? 'channels' : '';
+  const needs = look.mode === 'tick' ? 'ticks' : look.mode === 'channel' && !of.hasChannels ? 'channels' : '';
   if (!needs) return false;
   ticks ??= new Ticks(of.count);
   const wanted = ticks;
@@ -230,10 +228,9 @@ onmessage = (event) => {
     moved();
   }
   if (data.look) {
-    setLook(data.look);
-    showsAll = data.look.until >= 1;
+    look = data.look;
+    setLook(look);
     moved();
-    mode = data.look.mode;
     if (!hidden && !asking) pollIn(0);
   }
   if (data.hidden !== undefined) {
