@@ -15,6 +15,7 @@
 #include "services/console/api.h"
 #include "services/console/console_address.h"
 #include "services/console/page_files.h"
+#include "services/console/submit/about_times.h"
 #include "services/console/webhooks/webhooks.h"
 #include "services/platform/access/new_key.h"
 #include "services/platform/access/users.h"
@@ -127,8 +128,8 @@ Result<std::vector<Receiver>> ReceiversOf(const ConsoleOptions& options) {
   return ReadReceivers(options.webhooks);
 }
 
-void Turn(ShopDesk& desk, JogDesk& jogs, ConsoleAccess& access, Webhooks& webhooks,
-          web::Server& server, Clock::time_point& next_state) {
+void Turn(ShopDesk& desk, JogDesk& jogs, AboutTimes& about, ConsoleAccess& access,
+          Webhooks& webhooks, web::Server& server, Clock::time_point& next_state) {
   desk.Turn(jogs.IsAtWork(Clock::now()));
   for (const auto& [page, view] : jogs.TakeNew(Clock::now()))
     server.Send(page, LineOf(view));
@@ -143,6 +144,8 @@ void Turn(ShopDesk& desk, JogDesk& jogs, ConsoleAccess& access, Webhooks& webhoo
     server.EndSession(std::move(session));
   ConsoleState state = desk.State();
   state.set_in_charge(access.InCharge());
+  about.Follow(desk.client().jobs(), Clock::now());
+  for (AboutTime& time : about.Known()) *state.add_about() = std::move(time);
   if (std::string line = LineOf(state); !line.empty())
     server.Publish(kControlPath, std::move(line));
 }
@@ -202,7 +205,8 @@ Status Serve(const ConsoleOptions& options, const std::function<bool()>& stoppin
     INTAGLIO_TRY(WriteAddressFile(options.address_file, address));
   opened(TextOf(address));
   auto next_state = Clock::now();
-  while (!stopping()) Turn(desk, jogs, access, webhooks, *server, next_state);
+  AboutTimes about(options.database, options.materials.string());
+  while (!stopping()) Turn(desk, jogs, about, access, webhooks, *server, next_state);
   return {};
 }
 

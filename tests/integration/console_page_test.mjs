@@ -133,7 +133,7 @@ async function checkQueueLines() {
   // What the texts ask a browser for.
   globalThis.navigator = { languages: ['en'] };
   globalThis.HTMLElement = class {};
-  const { duration, queueLines } = await import('../../services/console/page/queue_time');
+  const { aboutByCell, duration, queueLines } = await import('../../services/console/page/queue_time');
   const queue = { cell: 'left', jobs: 3, unknown_jobs: 1, left_s: 4350 };
   const noon = new Date(2026, 0, 2, 12);
   const lines = (end, more = {}) =>
@@ -145,6 +145,11 @@ async function checkQueueLines() {
   expect(today[1] === 'left: the time of 1 job is not known yet', today[1]);
   const tomorrow = lines(new Date(2026, 0, 3, 1, 12), { unknown_jobs: 0 });
   expect(tomorrow.length === 1 && tomorrow[0].includes('until Jan 3'), tomorrow[0]);
+  const about = aboutByCell([{ uid: 'a', cell: 'left' }, { uid: 'b', cell: 'right' }],
+    [{ uid: 'a', time_s: 75 }, { uid: 'gone', time_s: 9 }]);
+  const estimated = queueLines([{ ...queue, ends_utc: noon.toISOString() }], noon, about);
+  expect(estimated[1] === 'left: about 1 min 15 s more for 1 job whose points are not made yet' &&
+         estimated.length === 2, estimated.join());
   const unknown = queueLines([{ cell: 'right', jobs: 2, unknown_jobs: 2, left_s: 0,
     ends_utc: '' }], noon);
   expect(unknown.join() === 'right: the time of 2 jobs is not known yet', unknown.join());

@@ -6,7 +6,7 @@ import { FirePanel } from './fire';
 import { GlassView } from './glass';
 import { JobPage } from './job_page';
 import { JogPanel } from './jog';
-import { duration, queueLines } from './queue_time';
+import { aboutByCell, duration, queueLines } from './queue_time';
 import { ResultPanel } from './result';
 import { LogIn, SessionLine, readSession } from './session';
 import { TeachPanel } from './teach';
@@ -180,7 +180,8 @@ class JobLine {
   }
 
   /** `open`: the job as the status of the shop has it; an ended one is not in it. */
-  update(job: Dict, open: Dict | undefined, machine: Dict | undefined, queue: Dict[]) {
+  update(job: Dict, open: Dict | undefined, machine: Dict | undefined, queue: Dict[],
+         about: Dict | undefined) {
     this.updatePlace(job, queue);
     this.title.textContent = `${job.job} ${job.name}: ${job.state}`;
     const stages: Dict[] = job.stages ?? [];
@@ -193,6 +194,7 @@ class JobLine {
       : [];
     if (rate > 0) parts.push(fill(text.perSecond, { rate: rate.toFixed(0) }));
     if (open?.left_s > 0) parts.push(fill(text.left, { time: duration(open!.left_s) }));
+    if (about) parts.push(fill(text.aboutTime, { time: duration(about.time_s) }));
     this.figures.textContent = [...parts, job.message, job.alarm].filter(Boolean).join(', ');
     const ended = endStates.includes(job.state);
     for (const button of this.buttons.querySelectorAll<HTMLElement>('[data-command]'))
@@ -218,7 +220,7 @@ class JobList extends HTMLElement {
     for (const line of this.lines.values()) line.letGo();
   }
 
-  update(jobs: Dict[], shop: Dict, queues: Dict[]) {
+  update(jobs: Dict[], shop: Dict, queues: Dict[], about: Dict[]) {
     const machines: Dict[] = shop.machines ?? [];
     const there = new Set<number>(jobs.map((job) => job.job));
     for (const [number, line] of this.lines) {
@@ -237,9 +239,10 @@ class JobList extends HTMLElement {
       }
       line.update(job, (shop.jobs ?? []).find((open: Dict) => open.uid === job.uid),
         machines.find((machine) => machine.cell === job.cell),
-        waiting.filter((other) => other.cell === job.cell));
+        waiting.filter((other) => other.cell === job.cell),
+        about.find((one) => one.uid === job.uid));
     }
-    this.times.replaceChildren(...queueLines(queues).map((line) => make('div', line)));
+    this.times.replaceChildren(...queueLines(queues, new Date(), aboutByCell(jobs, about)).map((line) => make('div', line)));
     this.order(waiting);
     if (jobs.length) this.empty.remove();
     else this.list.append(this.empty);
@@ -338,6 +341,6 @@ control.onState = (state) => {
   machines.update(state.shop?.machines ?? [], state.stages ?? []);
   hand.update(state.shop?.machines ?? []);
   teach.update(state.jobs ?? []);
-  jobs.update(state.jobs ?? [], state.shop ?? {}, state.queues ?? []);
+  jobs.update(state.jobs ?? [], state.shop ?? {}, state.queues ?? [], state.about ?? []);
   glass.follow(state.jobs ?? []);
 };

@@ -19,13 +19,32 @@ function clock(time: Date, now: Date): string {
   return time.toLocaleString(language, { ...date, hour: '2-digit', minute: '2-digit' });
 }
 
-/** For each machine how long its jobs take, and of how many that is not known. */
-export function queueLines(queues: Dict[], now = new Date()): string[] {
-  return queues.flatMap(({ cell, jobs, unknown_jobs: unknown, left_s, ends_utc }) => {
-    const known = jobs - unknown;
+/** Estimates of jobs that are not planned yet, of each machine: how many, and of all together. */
+export function aboutByCell(jobs: Dict[], about: Dict[]): Record<string, Dict> {
+  const cells: Record<string, Dict> = {};
+  for (const { uid, time_s } of about) {
+    const cell = jobs.find((job) => job.uid === uid)?.cell;
+    if (cell === undefined) continue;
+    const sum = (cells[cell] ??= { jobs: 0, time_s: 0 });
+    sum.jobs += 1;
+    sum.time_s += time_s;
+  }
+  return cells;
+}
+
+/** For each machine how long its jobs take, about how long those that are not planned yet, and of
+ * how many that is not known. */
+export function queueLines(queues: Dict[], now = new Date(),
+                           about: Record<string, Dict> = {}): string[] {
+  return queues.flatMap(({ cell, jobs, unknown_jobs, left_s, ends_utc }) => {
+    const known = jobs - unknown_jobs;
+    const estimated = Math.min(about[cell]?.jobs ?? 0, unknown_jobs);
+    const unknown = unknown_jobs - estimated;
     return [
       ...known ? [fillCounted(text.queueTime, known, {
         cell, known, time: duration(left_s), clock: clock(new Date(ends_utc), now) })] : [],
+      ...estimated ? [fillCounted(text.queueAbout, estimated, {
+        cell, jobs: estimated, time: duration(about[cell].time_s) })] : [],
       ...unknown ? [fillCounted(text.queueUnknown, unknown, { cell, unknown })] : [],
     ];
   });

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 /// Longer than `intaglio submit` waits for a job service, and reads a large model.
 constexpr std::chrono::seconds kSubmitTime{90};
-constexpr std::uint64_t kMaxNameBytes = 255;
+constexpr std::uint64_t kMaxNoteBytes = 255;
 
 Status CheckFile(const std::string& file, const std::string& field,
                  const fs::path& folder) {
@@ -97,7 +97,7 @@ Result<fs::path> Submissions::WriteOnce(const std::string& id,
   // The name of an upload does not begin with '.'.
   const fs::path folder = INTAGLIO_TRY(uploads_.FolderOf(id)) / ".written";
   const fs::path note = folder / "job_file";
-  if (const auto name = io::ReadWholeFile(note, kMaxNameBytes)) return folder / *name;
+  if (const auto name = io::ReadWholeFile(note, kMaxNoteBytes)) return folder / *name;
   const fs::path file = INTAGLIO_TRY(writer(folder));
   INTAGLIO_TRY(io::WriteFileAtomically(note, std::string_view(file.filename().string())));
   return file;
