@@ -9,7 +9,7 @@ export class Ticks {
   readonly of: Float32Array;
   next = 0;  // record of the journal
   last = 0;  // of the newest pulse
-  private begin: number | undefined;  // tick that counts as `base`; undefined: that of the next pulse
+  private begin: number | undefined;  // tick that counts as `base`; undefined: the next pulse's
   private base = 0;
   private known = false;  // a pulse has come
 
