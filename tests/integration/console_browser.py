@@ -23,3 +23,10 @@ def open_browser(width=1280, height=1000):
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     return webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
+
+
+def canvas_png(driver):
+    """The view of the glass; a screenshot has only what is in the window."""
+    canvas = driver.find_element("css selector", "canvas")
+    driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", canvas)
+    return canvas.screenshot_as_png

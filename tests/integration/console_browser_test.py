@@ -12,47 +12,16 @@ import pathlib
 import re
 import shutil
 import signal
-import struct
 import subprocess
 import sys
 import time
-import zlib
 
-from console_browser import missing, open_browser
+from console_browser import canvas_png, missing, open_browser
 from patience import eventually
+from png_files import pixels
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 NAME = "<b>knot</b>"
-
-
-def pixels(png):
-    """Rows of (r, g, b) of a PNG of 8 bits."""
-    at, data = 8, b""
-    while at < len(png):
-        size, kind = struct.unpack(">I4s", png[at:at + 8])
-        chunk = png[at + 8:at + 8 + size]
-        if kind == b"IHDR":
-            width, height, _, color = struct.unpack(">IIBB", chunk[:10])
-        if kind == b"IDAT":
-            data += chunk
-        at += 12 + size
-    step = {2: 3, 6: 4}[color]
-    raw, before, rows = zlib.decompress(data), bytearray(width * step), []
-    for y in range(height):
-        line = raw[y * (width * step + 1):(y + 1) * (width * step + 1)]
-        kind, row = line[0], bytearray(line[1:])
-        for i in range(len(row)):
-            left = row[i - step] if i >= step else 0
-            up, corner = before[i], before[i - step] if i >= step else 0
-            if kind == 4:
-                guess = left + up - corner
-                near = min((left, up, corner), key=lambda v: abs(guess - v))
-            else:
-                near = (0, left, up, (left + up) // 2)[kind]
-            row[i] = (row[i] + near) & 255
-        rows.append([tuple(row[x:x + 3]) for x in range(0, len(row), step)])
-        before = row
-    return rows
 
 
 def languages(driver, say):
@@ -208,11 +177,8 @@ for (const kind of ['input', 'change']) control.dispatchEvent(new Event(kind));"
 
 def tools(driver, say):
     """A section, colours by order, and the cracks up to a time of the job."""
-    from selenium.webdriver.common.by import By
-
     def picture():
-        return [pixel for row in pixels(driver.find_element(By.CSS_SELECTOR, "canvas")
-                                        .screenshot_as_png) for pixel in row]
+        return [pixel for row in pixels(canvas_png(driver)) for pixel in row]
 
     def white():
         return sum(min(pixel) > 170 for pixel in picture())
@@ -285,9 +251,8 @@ def look(driver, folder, say, cracks, console_pid, submit):
     eventually(drawn)
     eventually(made)
 
-    # A busy computer shows what is drawn some frames later.
     def shown():
-        canvas = driver.find_element(By.CSS_SELECTOR, "canvas").screenshot_as_png
+        canvas = canvas_png(driver)
         (folder / "glass.png").write_bytes(canvas)
         lit = sum(max(pixel) > 40 for row in pixels(canvas) for pixel in row)
         bright = sum(min(pixel) > 170 for row in pixels(canvas) for pixel in row)

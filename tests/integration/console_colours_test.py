@@ -18,9 +18,10 @@ import subprocess
 import sys
 import time
 
-from console_browser import missing, open_browser
-from console_browser_test import SET_CONTROL, pixels
+from console_browser import canvas_png, missing, open_browser
+from console_browser_test import SET_CONTROL
 from patience import eventually
+from png_files import pixels
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 COLOURS = (ROOT / "services/console/page/colours.ts").read_text()
@@ -38,9 +39,8 @@ def palette(name):
 
 def counts(driver, colours):
     """Of the bright pixels, how many are near each of these colours."""
-    from selenium.webdriver.common.by import By
     found = [0] * len(colours)
-    for row in pixels(driver.find_element(By.CSS_SELECTOR, "canvas").screenshot_as_png):
+    for row in pixels(canvas_png(driver)):
         for pixel in row:
             if max(pixel) < 130:
                 continue
