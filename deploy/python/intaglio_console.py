@@ -313,6 +313,18 @@ class Console:
         """Its views, a PNG."""
         return self._when_made(f"jobs/{job}/views", wait_s)
 
+    def photo(self, job: Job) -> bytes:
+        """The photograph of its block that somebody has added, a JPEG or a PNG."""
+        return self._bytes(f"photos/{job}")
+
+    def add_photo(self, job: Job, file: Path) -> Message:
+        """Adds it, or another in its place: a JPEG or PNG file of 8 MB and 12 million pixels at
+        most. CommandAnswer."""
+        file = pathlib.Path(file)
+        with self._open("POST", f"/api/v1/photos/{job}", file.read_bytes(),
+                        name=file.name) as answer:
+            return json.load(answer)
+
     def plan(self, job: Job) -> Points:
         """Its planned points, mm, glass frame, in the order in which they are made: an array of
         three columns where numpy is installed, else a list of tuples."""

@@ -11,6 +11,7 @@
 
 #include "services/client/shop/job_record.h"
 #include "services/console/answers/json_response.h"
+#include "services/console/answers/posted_command.h"
 #include "services/console/shop_history.h"
 #include "services/job/files/json_text.h"
 
@@ -83,61 +84,6 @@ std::optional<std::uint32_t> NumberIn(const web::Request& request, const char* n
   const char* end = found->second.data() + found->second.size();
   const auto [read, error] = std::from_chars(found->second.data(), end, number);
   return error == std::errc() && read == end ? std::optional(number) : std::nullopt;
-}
-
-/// The message in a body; nullopt: another one, a field of another name among it.
-template <typename Message>
-std::optional<Message> BodyOf(const std::string& body) {
-  Message message;
-  const bool read =
-      body.empty() || google::protobuf::util::JsonStringToMessage(body, &message).ok();
-  return read ? std::optional(message) : std::nullopt;
-}
-
-/// What a command of this name asks for; nullopt: there is no such one.
-std::optional<intaglio_JobCommandKind> CommandNamed(std::string_view name) {
-  if (name == "arm") return intaglio_COMMAND_ARM;
-  if (name == "pause") return intaglio_COMMAND_PAUSE;
-  if (name == "resume") return intaglio_COMMAND_RESUME;
-  if (name == "cancel") return intaglio_COMMAND_CANCEL;
-  if (name == "speed") return intaglio_COMMAND_SPEED;
-  if (name == "move") return intaglio_COMMAND_MOVE;
-  return std::nullopt;
-}
-
-/// A command with what its body says; `token` of those that let a machine fire.
-struct PostedCommand {
-  client::JobOrder order;
-  std::string token;
-};
-
-/// kInvalidValue: the body is not that of this command.
-Result<PostedCommand> ReadCommand(intaglio_JobCommandKind kind, const std::string& body) {
-  PostedCommand command{.order = {.kind = kind, .basis = intaglio_ARM_BY_PERSON},
-                        .token = {}};
-  client::JobOrder& order = command.order;
-  if (kind == intaglio_COMMAND_ARM) {
-    const auto arm = BodyOf<ArmRequest>(body);
-    if (!arm) return Fail(ErrorCode::kInvalidValue, "the body is no ArmRequest");
-    order.accept_breakage = arm->accept_breakage();
-    command.token = arm->token();
-  } else if (kind == intaglio_COMMAND_RESUME) {
-    const auto resume = BodyOf<ResumeRequest>(body);
-    if (!resume) return Fail(ErrorCode::kInvalidValue, "the body is no ResumeRequest");
-    order.accept_breakage = resume->accept_breakage();
-    order.from_point = resume->from_point();
-    order.fire_uncertain = resume->fire_uncertain();
-    command.token = resume->token();
-  } else if (kind == intaglio_COMMAND_SPEED) {
-    const auto speed = BodyOf<SpeedRequest>(body);
-    if (!speed) return Fail(ErrorCode::kInvalidValue, "the body is no SpeedRequest");
-    order.speed_percent = speed->percent();
-  } else if (kind == intaglio_COMMAND_MOVE) {
-    const auto move = BodyOf<MoveRequest>(body);
-    if (!move) return Fail(ErrorCode::kInvalidValue, "the body is no MoveRequest");
-    order.before_job_uid = move->before();
-  }
-  return command;
 }
 
 /// A body that is no StopRequest prevents no stop.
@@ -231,6 +177,8 @@ void Api::Answer(const web::Request& request, web::Reply reply) {
 std::shared_ptr<web::BodySink> Api::Receive(const web::Request& request,
                                             std::uint64_t body_bytes, web::Reply reply) {
   if (!Admit(request, reply)) return nullptr;
+  if (const auto job = JobOfPhotoPath(request.target.path))
+    return photos_.Receive(*job, request, body_bytes, reply);
   if (const auto path = ParseSubmissionPath(request.target.path))
     return submit_.Receive(*path, request, body_bytes, std::move(reply));
   reply(Unknown());
@@ -251,6 +199,7 @@ void Api::Dispatch(const web::Request& request, const Visitor& visitor,
     return AnswerSession(rest, visitor, reply);
   if (const auto machine = SplitMachinePath(path))
     return teach_.Answer(*machine, request, std::move(reply));
+  if (const auto job = JobOfPhotoPath(path)) return photos_.AnswerGet(*job, reply);
   if (request.method == "GET") return AnswerGet(rest, request, std::move(reply));
   AnswerPost(rest, request, std::move(reply));
 }

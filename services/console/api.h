@@ -12,6 +12,7 @@
 #include "services/console/audit_log.h"
 #include "services/console/cloud_reader.h"
 #include "services/console/console_access.h"
+#include "services/console/photo_api.h"
 #include "services/console/shop_desk.h"
 #include "services/console/submit/submit_api.h"
 #include "services/console/teach/jog_desk.h"
@@ -29,7 +30,7 @@ class Api {
   /// All live longer.
   Api(ShopDesk& desk, CloudReader& clouds, ConsoleAccess& access, AuditLog& audit,
       WorkQueue& log_ins, SubmitApi& submit, JogDesk& jogs, TeachApi& teach,
-      const Webhooks& webhooks, std::filesystem::path database)
+      PhotoApi& photos, const Webhooks& webhooks, std::filesystem::path database)
       : desk_(desk),
         clouds_(clouds),
         access_(access),
@@ -38,6 +39,7 @@ class Api {
         submit_(submit),
         jogs_(jogs),
         teach_(teach),
+        photos_(photos),
         webhooks_(webhooks),
         database_(std::move(database)) {}
 
@@ -76,6 +78,7 @@ class Api {
   SubmitApi& submit_;
   JogDesk& jogs_;
   TeachApi& teach_;
+  PhotoApi& photos_;
   const Webhooks& webhooks_;
   std::filesystem::path database_;  // of the job service; empty: not known
 };

@@ -108,7 +108,7 @@ web::ServerOptions ServerOptionsOf(const ConsoleOptions& options,
   }
   server.event_paths = {kEventsPath};
   server.socket_paths = {kControlPath};
-  server.long_paths = {kSubmissionsPath};
+  server.long_paths = {kSubmissionsPath, kPhotosPath};
   server.limits.answer_time = kAnswerTime;
   return server;
 }
@@ -168,7 +168,8 @@ Status Serve(const ConsoleOptions& options, const std::function<bool()>& stoppin
   SubmitApi submit(
       {options.uploads, client::ShopArguments(options.bus), options.materials.string()});
   TeachApi teach(jogs, submit, FinderOf(desk), options.materials.string());
-  Api api(desk, clouds, access, audit, log_ins, submit, jogs, teach, webhooks,
+  PhotoApi photos(FinderOf(desk), clouds);
+  Api api(desk, clouds, access, audit, log_ins, submit, jogs, teach, photos, webhooks,
           options.database);
   web::Handlers handlers;
   handlers.request = [&](const web::Request& request, web::Reply reply) {

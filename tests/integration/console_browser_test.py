@@ -18,7 +18,7 @@ import time
 
 from console_browser import canvas_png, missing, open_browser
 from patience import eventually
-from png_files import pixels
+from png_files import pixels, png
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 NAME = "<b>knot</b>"
@@ -134,6 +134,34 @@ def arm(driver, say, cracks):
     assert waits() and cracks() == 0, "a short press or a reload arms nothing"
     press(2.5, lambda: None)
     say("armed by a press that is held")
+
+
+def photo(driver, folder, say):
+    """A photo of the block is added, and shown again after a reload."""
+    from selenium.webdriver.common.by import By
+
+    (folder / "block.png").write_bytes(png(3000, 1000))
+    (folder / "notes.png").write_text("no picture")
+
+    def first(selector):
+        return driver.find_element(By.CSS_SELECTOR, ".photo " + selector)
+
+    def width():
+        return first("img").is_displayed() and int(first("img").get_attribute("naturalWidth"))
+
+    first("input").send_keys(str(folder / "notes.png"))
+    eventually(lambda: "notes.png: is no JPEG or PNG file" in
+               driver.find_element(By.CSS_SELECTOR, "job-list").text, 30)
+    first("input").send_keys(str(folder / "block.png"))
+    assert eventually(width, 30) == 2048, "as small as the page makes it"
+    driver.refresh()
+    eventually(lambda: driver.find_elements(By.CSS_SELECTOR, ".photo button"), 30)
+    first("button").click()
+    assert eventually(width, 30) == 2048
+    driver.find_element(By.CSS_SELECTOR, "job-list").screenshot(str(folder / "photo.png"))
+    kept = list(folder.glob("shop/jobs/1-*/block_photo.jpg"))
+    assert kept and kept[0].read_bytes()[:3] == b"\xff\xd8\xff", kept
+    say("a photo of the block is kept with its job")
 
 
 def results(driver, say):
@@ -299,6 +327,7 @@ def look(driver, folder, say, cracks, console_pid, submit):
         return not text("stop-button").startswith("No connection")
 
     eventually(back)
+    photo(driver, folder, say)
     results(driver, say)
     errors = [line for line in driver.get_log("browser") if "Content Security" in line["message"]]
     assert not errors, errors

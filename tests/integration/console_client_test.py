@@ -23,6 +23,7 @@ import intaglio_console  # noqa: E402
 ARGUMENTS = {
     "log_in": ("anna", "secret"),
     "teaching": ("{cell}",),
+    "add_photo": ("{job}", "{file}"),
     "submit_pulse": ("{cell}", "{id}", (50, 50, 30)),
     "submit_focus_series": ("{cell}", "{id}", (50, 50, 30)),
     "series_zero_move": ("{cell}", "{job}", 12),
@@ -36,7 +37,7 @@ ARGUMENTS = {
     "move": ("{job}", ""),
 }
 OF_A_JOB = ("job", "follow", "pause", "cancel", "report", "picture", "views", "plan", "made",
-            "ticks", "channels")
+            "ticks", "channels", "photo")
 PACKED = {"plan": b"INTPLAN2" + bytes(16 + 4 * 513), "made": bytes(4),
           "ticks": bytes(4)}
 
@@ -132,6 +133,11 @@ def check_annotations():
         assert inspect.getdoc(method), f"{name}: no documentation"
 
 
+def is_of_files(path):
+    """The body is no message."""
+    return "/submissions/" in path or "/photos/" in path
+
+
 def check_requests(described):
     sent = {}
     for name in public_methods():
@@ -149,12 +155,12 @@ def check_requests(described):
             assert "PNG" in inspect.getdoc(public_methods()[name]), name
         for method, path, body in console.requests:
             fields = sent.setdefault((method, path), set())
-            if method == "POST" and "/submissions/" not in path:
+            if method == "POST" and not is_of_files(path):
                 fields |= set(json.loads(body))
     unsent = described.requests() - set(sent)
     assert not unsent, f"no method sends {unsent}"
     for (method, path), fields in sent.items():
-        if "/submissions/" in path:
+        if is_of_files(path):
             continue
         wanted = described.body_fields(method, path)
         assert fields == wanted, f"{method} {path}: sends {fields}, the schema has {wanted}"

@@ -21,6 +21,7 @@ import sys
 import jsonschema
 
 from patience import eventually
+from png_files import png
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 DOCS = ROOT / "docs"
@@ -56,6 +57,28 @@ def check_answers(folder, schemas, ask):
     schema = report["content"]["application/json"]["schema"]["$ref"]
     jsonschema.validate(json.loads((folder / "report.json").read_text()),
                         json.loads((schemas.parent / schema).read_text()))
+
+
+def check_photo(curl, folder):
+    """A photo of the block is kept in the job's folder; what is none is refused by its name."""
+    good = png(40, 30)
+    kept = list((folder / "shop/jobs").glob("1-*"))[0]
+    assert curl("/photos/1")[0] == 404
+    for name, content, status, reason in (
+            ("notes.jpg", b"no picture", 422, "save the photo as one of these"),
+            ("cut.png", good[:60], 422, ""),
+            ("huge.png", png(5000, 3000), 413, ""),
+            ("long.png", b"\x89PNG\r\n" + bytes(9 << 20), 413, "fewer pixels")):
+        (folder / name).write_bytes(content)
+        code, refused = curl(f"/photos/1?name={name}", "--data-binary", "@" + name)
+        assert code == status and refused["message"].startswith(name + ": ") and \
+            reason in refused["message"], (name, code, refused)
+    assert not list(kept.glob("block_photo*")), "nothing of these is kept"
+    (folder / "good.png").write_bytes(good)
+    code, taken = curl("/photos/1?name=good.png", "--data-binary", "@good.png")
+    assert code == 200 and taken["taken"], taken
+    assert (kept / "block_photo.png").read_bytes() == good
+    assert curl("/photos/9", "--data-binary", "@good.png")[0] == 404
 
 
 def check_submissions(folder, schemas):
@@ -100,6 +123,7 @@ def check_submissions(folder, schemas):
         assert refused["message"].startswith('glass: there is no glass "ICE"'), refused
     code, nothing = curl("/nothing")
     assert code == 404 and nothing["code"] == "not_found", (code, nothing)
+    check_photo(curl, folder)
     for method, path, allow in (("POST", "/status", "GET"), ("GET", "/jobs/1/arm", "POST"),
                                 ("GET", order, "POST")):
         head = subprocess.run(["curl", "-s", "-b", "cookies", "-o", "/dev/null", "-D", "-", "-X",

@@ -7,6 +7,7 @@ import { GlassView } from './glass';
 import { JobPage } from './job_page';
 import { JogPanel } from './jog';
 import { aboutByCell, duration, queueLines } from './queue_time';
+import { PhotoPanel } from './photo';
 import { ResultPanel } from './result';
 import { LogIn, SessionLine, readSession } from './session';
 import { TeachPanel } from './teach';
@@ -125,8 +126,9 @@ class JobLine {
     this.fire = new FirePanel(this.job, (line) => (this.answer.textContent = line));
     this.results = new ResultPanel(this.job);
     this.answer.setAttribute('role', 'status');
+    const photo = new PhotoPanel(this.job, (line) => (this.answer.textContent = line));
     this.element.append(this.title, this.bar, this.figures, this.buttons, this.fire.element,
-      this.results.element, this.answer);
+      this.results.element, photo.element, this.answer);
     // Each job has the same buttons: a screen reader reads the title of the job with them.
     this.title.id = `job-${job}-title`;
     this.bar.setAttribute('aria-labelledby', this.title.id);
@@ -242,7 +244,8 @@ class JobList extends HTMLElement {
         waiting.filter((other) => other.cell === job.cell),
         about.find((one) => one.uid === job.uid));
     }
-    this.times.replaceChildren(...queueLines(queues, new Date(), aboutByCell(jobs, about)).map((line) => make('div', line)));
+    const lines = queueLines(queues, new Date(), aboutByCell(jobs, about));
+    this.times.replaceChildren(...lines.map((line) => make('div', line)));
     this.order(waiting);
     if (jobs.length) this.empty.remove();
     else this.list.append(this.empty);
