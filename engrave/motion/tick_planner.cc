@@ -42,6 +42,29 @@ std::vector<StepLimits> ChoicesOf(Limits limits, double rate_hz, int levels) {
   return choices;
 }
 
+/// Ticks in which the third axis goes from one side of its tube to the other, twice: it
+/// leaves the one while the mirrors still make points there.
+double TicksAcrossTube(const Limits& limits, double rate_hz, double sweep_mm) {
+  const double way_mm = 2 * sweep_mm;
+  const double seconds =
+      2 * std::sqrt(way_mm / limits.max_acceleration_mm_s2[kSweptAxis]) +
+      way_mm / limits.max_speed_mm_s[kSweptAxis];
+  return std::ceil(2 * seconds * rate_hz);
+}
+
+TickPlannerOptions WithSweepAhead(TickPlannerOptions options, const Limits& limits,
+                                  double rate_hz) {
+  if (!(options.sweep_mm > 0)) return options;
+  constexpr double kMaxAhead = 4096;
+  constexpr int kWindows = 4;
+  const auto ahead = static_cast<int>(
+      std::min(kMaxAhead, TicksAcrossTube(limits, rate_hz, options.sweep_mm)));
+  if (ahead <= options.look_ahead_points) return options;
+  options.look_ahead_points = ahead;
+  options.window_points = std::max(options.window_points, kWindows * ahead);
+  return options;
+}
+
 }  // namespace
 
 TickPlannerOptions OptionsForRate(double rate_hz) {
@@ -56,7 +79,7 @@ TickPlanner::TickPlanner(const Limits& limits, double rate_hz,
     : choices_(ChoicesOf(limits, rate_hz, options.acceleration_levels)),
       full_(StepLimitsOf(limits, rate_hz)),
       rate_hz_(rate_hz),
-      options_(options),
+      options_(WithSweepAhead(options, limits, rate_hz)),
       state_(start),
       labels_(choices_, static_cast<std::size_t>(options.acceleration_levels), rate_hz,
               options.labels) {

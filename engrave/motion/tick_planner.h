@@ -27,7 +27,9 @@ struct TickPlannerOptions {
   /// Points planned at once, >= 2.
   int window_points = 512;
   /// Of these, points planned again with the next ones, < window_points. What comes
-  /// later changes the best way only some ten points back.
+  /// later changes the best way only some ten points back. Where the third axis sweeps
+  /// there are as many as it needs for a way across its tolerance, at most 4096, and the
+  /// window has four times as many: it has to begin in time.
   int look_ahead_points = 64;
   /// Passes that lower acceleration without costing a tick (speed_choice.h).
   int sweeps = 2;

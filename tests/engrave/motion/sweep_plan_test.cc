@@ -76,6 +76,28 @@ MotionReport Verified(const Planned& planned, const PointList& points,
                       rate_hz, options);
 }
 
+// A thousand points a slab at 10 kHz: the third axis takes 20 ms from slab to slab, 200
+// ticks, so it has to begin that long before the last point of a slab.
+TEST(SweepPlan, TheThirdAxisBeginsInTimeAtAnyRate) {
+  constexpr double kRateHz = 10'000, kToleranceMm = kSlabMm / 0.85;
+  std::mt19937_64 random(5);
+  PointList points = Slabs(12'000, 1000, random);
+  for (Vec3& point : points) point.x() *= 0.2;
+  TickPlannerOptions options = OptionsForRate(kRateHz);
+  options.sweep_mm = kToleranceMm;
+  const Planned planned = PlanOf(points, HeadLimits(), options, kRateHz);
+  for (const Segment& segment : planned.segments) {
+    if (segment.point < 0) continue;
+    const Vec3 away = segment.end_position_mm - points[segment.point];
+    ASSERT_LE(std::abs(away.z()), kToleranceMm * (1 + 1e-9));
+  }
+  std::uint64_t subticks = 0;
+  for (const Segment& segment : planned.segments) subticks += segment.duration_subticks;
+  // At the end it goes to the exact height of the last point.
+  EXPECT_LT(static_cast<double>(subticks) / kSubticksPerTick,
+            1.02 * static_cast<double>(points.size()));
+}
+
 TEST(SweepPlan, PassesEachPointInItsPlaceAndWithinTheToleranceOfItsHeight) {
   std::mt19937_64 random(1);
   for (int trial = 0; trial < 30; ++trial) {
