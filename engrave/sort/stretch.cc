@@ -95,16 +95,6 @@ void Stretch::Anneal(std::uint64_t tries, double hot, double cold, std::uint64_t
   }
 }
 
-double Stretch::Cost() const {
-  double cost = 0;
-  for (std::size_t place = 1; place < at_.size(); ++place) {
-    const TimedMove move = MoveTo(place);
-    cost += move.ticks;
-    if (place > 1) cost += TickCost::BendCost(TickCost::Bend(MoveTo(place - 1), move));
-  }
-  return cost;
-}
-
 /// All ticks, a window at a time from the start on.
 void Stretch::ChooseTicks() {
   if (at_.size() <= 2 * kFixed) return;

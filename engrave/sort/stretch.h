@@ -44,9 +44,6 @@ class Stretch {
   /// Cools from `hot` to `cold`, both in ticks, > 0.
   void Anneal(std::uint64_t tries, double hot, double cold, std::uint64_t seed);
 
-  /// Ticks and bends of all of it.
-  double Cost() const;
-
   /// Indices into points_mm.
   std::span<const std::uint32_t> order() const { return at_; }
 

@@ -11,6 +11,7 @@
 
 #include "engrave/core/shared_progress.h"
 #include "engrave/core/try.h"
+#include "engrave/motion/planner.h"
 #include "engrave/sort/cone_order.h"
 #include "engrave/sort/near/tick_cost.h"
 #include "engrave/sort/stretch.h"
@@ -19,7 +20,7 @@
 namespace intaglio::sort {
 namespace {
 
-constexpr double kMinSweepRateHz = 1, kMaxSweepRateHz = 20000;
+constexpr double kMinSweepRateHz = 1, kMaxSweepRateHz = 50000;
 constexpr double kMaxSweepTries = 1e6, kMaxSweepToleranceMm = 100;
 constexpr std::size_t kPointsPerSweepReport = 1 << 12;
 
@@ -33,8 +34,9 @@ constexpr double kPitch = 1.9;
 /// Rounds leave less freedom than the points of a slab have, so they have to be better by
 /// more than a sample errs.
 constexpr double kWorthRounds = 0.98;
-/// Both ways to begin are compared on samples of so many points each, at so many heights.
-constexpr std::size_t kSample = 1024, kMaxSamples = 4, kPointsPerSample = 8192;
+/// The ways to begin are compared on samples of so many points each, at so many heights:
+/// a slab of a dense model has a thousand, and the way to the next one counts.
+constexpr std::size_t kSample = 4096, kMaxSamples = 4, kPointsPerSample = 8192;
 
 /// Places [begin, end) of the order.
 struct Piece {
@@ -99,7 +101,8 @@ class Sweeping {
     return std::move(order_);
   }
 
-  /// What a point costs, in ticks, once the pieces around some places are improved.
+  /// The ticks of a point as they are planned, the slow axis included, once the pieces
+  /// around some places are improved.
   double SampledCost() const {
     const std::size_t count = order_.size();
     const std::size_t samples =
@@ -109,20 +112,45 @@ class Sweeping {
     for (std::size_t sample = 0; sample < samples; ++sample) {
       const std::size_t place = count * (2 * sample + 1) / (2 * samples);
       auto piece = std::ranges::upper_bound(pieces_, place, {}, &Piece::end);
-      for (std::size_t taken = 0; piece != pieces_.end() && taken < kSample; ++piece) {
+      Order made;
+      while (piece != pieces_.end() && made.size() < kSample) {
         const std::size_t begin = piece->size() <= kSample        ? piece->begin
                                   : place + kSample <= piece->end ? place
                                                                   : piece->end - kSample;
         const Piece part{begin, std::min(begin + kSample, piece->end)};
-        cost += Annealed(part, part, 0, [](const Stretch&) {});
-        taken += part.size();
-        points += part.size();
+        Annealed(part, part, 0, [&](const Stretch& stretch) {
+          for (const std::uint32_t i : stretch.order())
+            made.push_back(order_[part.begin + i]);
+        });
+        ++piece;
       }
+      cost += PlannedCost(made);
+      points += made.size();
     }
     return cost / static_cast<double>(points);
   }
 
  private:
+  /// Ticks of the motion through these points.
+  double PlannedCost(const Order& made) const {
+    motion::PlanOptions plan;
+    plan.limits = options_.limits;
+    plan.rate_hz = options_.rate_hz;
+    plan.continuous = true;
+    plan.sweep_mm = options_.sweep.tolerance_mm;
+    const auto at = [&](std::uint32_t i) {
+      return Vec3(points_mm_[i].x(), points_mm_[i].y(), heights_mm_[i]);
+    };
+    const auto planner = motion::MakePlanner(plan, at(made.front()));
+    std::vector<motion::Segment> segments;
+    for (const std::uint32_t i : made) {
+      planner->Append(at(i), -1, false, segments);
+      segments.clear();
+    }
+    planner->Finish(segments);
+    return static_cast<double>(planner->ticks());
+  }
+
   void Anneal(std::size_t number) {
     const Piece& piece = pieces_[number];
     Piece with = piece;
@@ -138,10 +166,10 @@ class Sweeping {
     });
   }
 
-  /// Anneals the places of `piece` among those `with` its neighbours; the cost of them.
+  /// Anneals the places of `piece` among those `with` its neighbours.
   template <typename Take>
-  double Annealed(const Piece& piece, const Piece& with, std::uint64_t seed,
-                  Take&& take) const {
+  void Annealed(const Piece& piece, const Piece& with, std::uint64_t seed,
+                Take&& take) const {
     PointList stretch_mm;
     std::vector<double> heights_mm;
     for (std::size_t place = with.begin; place < with.end; ++place) {
@@ -158,7 +186,6 @@ class Sweeping {
                                               static_cast<double>(piece.size())),
                    kSweepHot, kSweepCold, seed);
     take(stretch);
-    return stretch.Cost();
   }
 
   /// A slab may have few points, and a report takes its time.

@@ -23,6 +23,9 @@ namespace intaglio {
 namespace {
 
 constexpr double kThinnestSlabMm = 0.01;  // of SweepOrder
+/// Of the tolerance in depth: with all of it the places from which z reaches two slabs
+/// have one point alone, and the mirrors wait for z at it.
+constexpr double kSlabPerTolerance = 0.85;
 
 std::string NameOf(const Model& model) {
   return IsText(model)      ? NumberedText(model.text().text(), 1)
@@ -130,8 +133,8 @@ void FillOrdering(Ordering& ordering, double spacing_mm, const MotionOptions& mo
     }
   }
   if (ordering.has_sweep() && !ordering.sweep().has_slab_mm()) {
-    ordering.mutable_sweep()->set_slab_mm(
-        std::max(kThinnestSlabMm, 1e-3 * motion.depth_tolerance_um()));
+    ordering.mutable_sweep()->set_slab_mm(std::max(
+        kThinnestSlabMm, kSlabPerTolerance * 1e-3 * motion.depth_tolerance_um()));
   }
   if (ordering.has_layers() && !ordering.layers().has_layer_thickness_mm()) {
     ordering.mutable_layers()->set_layer_thickness_mm(spacing_mm);

@@ -154,13 +154,29 @@ void SetMethod(const Ordering& ordering, sort::OrderOptions& options) {
 
 }  // namespace
 
+namespace {
+
+/// That of the plan, as a depth of the glass below an upright beam: heights of the lens
+/// are counted so (engrave/sort/sweep.cc). Under oblique beams the plan has less, since a
+/// move of the lens is a longer one of the focus.
+double SweepToleranceMm(const FrozenJob& job) {
+  const double depth_mm = 1e-3 * job.job().motion().depth_tolerance_um();
+  const auto kinematics = KinematicsOptionsOf(job.machine());
+  const auto* head = std::get_if<machine::ScanHeadOptions>(&kinematics);
+  if (head == nullptr) return depth_mm;
+  return AxisDepthOf(job, depth_mm) * std::abs(head->z.per_unit_mm()) /
+         job.optics().stage_per_glass_ratio();
+}
+
+}  // namespace
+
 sort::OrderOptions OrderOptionsOf(const FrozenJob& job) {
   sort::OrderOptions options;
   options.cone = BeamConeOf(job);
   options.limits = GlassLimitsOf(job);
   options.rate_hz = job.job().laser().rate_hz();
   SetMethod(job.job().ordering(), options);
-  options.sweep.tolerance_mm = 1e-3 * job.job().motion().depth_tolerance_um();
+  options.sweep.tolerance_mm = SweepToleranceMm(job);
   if (options.method == sort::Method::kJumpLayers) SetJumps(job, options);
   return options;
 }

@@ -90,6 +90,13 @@ TEST(HeadOverBlock, ItsPointsHaveAToleranceOfDepth) {
   EXPECT_NEAR(frozen.job().ordering().sweep().slab_mm(), 0.01, 1e-12);
   EXPECT_EQ(OrderOptionsOf(frozen).method, sort::Method::kSweep);
   frozen.mutable_job()->mutable_motion()->set_depth_tolerance_um(50);
+  // The order has what the plan has: under the middle, in the glass.
+  EXPECT_NEAR(OrderOptionsOf(frozen).sweep.tolerance_mm,
+              MotionOptionsOf(frozen).sweep_mm / frozen.optics().stage_per_glass_ratio(),
+              1e-12);
+  frozen.mutable_job()->mutable_ordering()->mutable_sweep()->clear_slab_mm();
+  EXPECT_NEAR(WithDefaults(frozen.job(), frozen.machine()).ordering().sweep().slab_mm(),
+              0.85 * 0.05, 1e-12);
   const double sweep_mm = MotionOptionsOf(frozen).sweep_mm;
   const machine::AxesFromGlass axes = AxesFromGlassOf(frozen);
   double largest_mm = 0;
