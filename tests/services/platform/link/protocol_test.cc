@@ -311,15 +311,13 @@ TEST(Protocols, AWindowWithoutTheEnergyIsRefused) {
   EXPECT_FALSE(Taken<ArmWindow>(window));
 }
 
-// Version 10 had no pulses of a point: a window of its length fires nothing.
 TEST(Protocols, AWindowWithoutThePulsesOfAPointIsRefused) {
   ArmWindow window{1, true, {true}, false, 30, kMaxPulsesPerPoint};
-  EXPECT_TRUE(Taken<ArmWindow>(Encode(window)));
+  Bytes bytes = Encode(window);
+  EXPECT_TRUE(Taken<ArmWindow>(bytes));
+  bytes.erase(bytes.begin() + 19, bytes.begin() + 21);
   ++window.pulses_per_point;
-  EXPECT_FALSE(Taken<ArmWindow>(Encode(window)));
-  Bytes old = Encode(ArmWindow{1, true, {true}, false, 30});
-  old.erase(old.begin() + 19, old.begin() + 21);
-  EXPECT_FALSE(Taken<ArmWindow>(old));
+  EXPECT_FALSE(Taken<ArmWindow>(bytes) || Taken<ArmWindow>(Encode(window)));
 }
 
 // Version 4 of the frames had none: such a payload is too short now.
