@@ -43,7 +43,7 @@ window.keyboardTest = {
   /** What a person can use, in the order of the document. */
   controls: () => [...document.querySelectorAll(
     'a[href], button, input, select, textarea, summary, canvas, [contenteditable], [tabindex]')]
-    .filter((element) => isShown(element) && !element.disabled),
+    .filter((element) => isShown(element) && !element.disabled && !element.ariaHidden),
   /** What has to have a name besides. */
   named: () => [...document.querySelectorAll('img, progress, meter, [role=img]')].filter(isShown),
   positiveTabindex: () => [...document.querySelectorAll('[tabindex]')]

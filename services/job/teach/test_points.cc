@@ -83,13 +83,14 @@ Result<double> ZeroMoveOfFirstCrack(const PointList& points_mm, double block_hei
   }
   const double step_mm = points_mm[0].z() - points_mm[1].z();
   if (first == 1) {
-    return Fail(ErrorCode::kInvalidValue,
-                fmt::format("first crack 1: the series began in the glass, so the face is "
-                            "above it: raise the zero (intaglio teach zero --by 0 0 "
-                            "{:.3g}) and engrave another series",
-                            step_mm * stage_per_glass_ratio *
-                                static_cast<double>(points_mm.size()) / 2),
-                "1");
+    return Fail(
+        ErrorCode::kInvalidValue,
+        fmt::format(
+            "first crack 1: the series began in the glass, so the face is "
+            "above it: raise the zero (intaglio teach zero --by 0 0 "
+            "{:.3g}) and engrave another series",
+            step_mm * stage_per_glass_ratio * static_cast<double>(points_mm.size()) / 2),
+        "1");
   }
   const double depth_mm = block_height_mm - points_mm[first - 1].z();
   return -stage_per_glass_ratio * (depth_mm - step_mm / 2);

@@ -8,86 +8,14 @@
 #include <fstream>
 #include <limits>
 #include <map>
-#include <sstream>
 
+#include "tests/services/platform/link/golden_frames.h"
 #include "tests/services/platform/link/sample_frames.h"
 
 namespace intaglio::link {
 namespace {
 
 using ::testing::HasSubstr;
-
-std::string Hex(std::span<const std::byte> bytes) {
-  std::string text;
-  for (const std::byte byte : bytes) text += fmt::format("{:02x}", byte);
-  return text;
-}
-
-/// Frames by name, in hex.
-std::map<std::string, std::string> Golden(const char* of = "link_frames.golden") {
-  std::ifstream file(fmt::format("{}/tests/data/{}", INTAGLIO_SOURCE_DIR, of));
-  std::map<std::string, std::string> golden;
-  for (std::string name, hex; file >> name >> hex;) golden[name] = hex;
-  return golden;
-}
-
-Bytes BytesOf(const std::string& hex) {
-  Bytes bytes;
-  for (std::size_t i = 0; i < hex.size(); i += 2)
-    bytes.push_back(std::byte(std::stoi(hex.substr(i, 2), nullptr, 16)));
-  return bytes;
-}
-
-bool IsByte(const std::string& word) {
-  return word.size() == 2 && word.find_first_not_of("0123456789abcdef") == word.npos;
-}
-
-/// The payload of the only frame in the golden bytes of `name`.
-Bytes PayloadOf(const std::string& name) {
-  Bytes found;
-  FrameParser().Feed(BytesOf(Golden().at(name)),
-                     [&](const FrameHeader& header, auto payload) {
-                       EXPECT_EQ(header.session, 0xDEADBEEFu);
-                       found.assign(payload.begin(), payload.end());
-                     });
-  return found;
-}
-
-// The bytes on the wire are a contract with machines that are already installed: this
-// file changes only together with the version of the frame.
-TEST(Protocols, AreTheGoldenBytes) {
-  const auto golden = Golden();
-  ASSERT_EQ(golden.size(), SampleFrames().size());
-  for (const SampleFrame& sample : SampleFrames()) {
-    EXPECT_EQ(golden.at(sample.name), Hex(Framed(sample))) << sample.name;
-    EXPECT_EQ(PayloadOf(sample.name), sample.payload) << sample.name;
-  }
-}
-
-// A machine that was not upgraded: nothing of it is understood as something else.
-TEST(Protocols, DropEachFrameOfTheVersionBefore) {
-  const auto before = Golden("link_frames_version_10.golden");
-  ASSERT_FALSE(before.empty());
-  for (const auto& [name, hex] : before) {
-    FrameParser().Feed(BytesOf(hex), [&name](const FrameHeader&, auto) {
-      ADD_FAILURE() << name << " is taken";
-    });
-  }
-}
-
-TEST(Protocols, TheExampleOfTheDocumentIsAGoldenFrame) {
-  std::ifstream file(INTAGLIO_SOURCE_DIR "/docs/protocols.md");
-  std::string line, hex;
-  while (std::getline(file, line) && !line.starts_with("Example, LampCommand")) {
-  }
-  std::getline(file, line);
-  // Bytes first, in pairs of digits, then what they are.
-  while (std::getline(file, line) && line != "```") {
-    std::istringstream words(line);
-    for (std::string word; words >> word && IsByte(word);) hex += word;
-  }
-  EXPECT_EQ(hex, Golden().at("LampCommand"));
-}
 
 /// Whether a message's payload is taken, and gives the same bytes again.
 template <typename T>
