@@ -103,8 +103,7 @@ class Builder {
       if (service.version == job_service->version) continue;
       Need(fmt::format(
           "{} on {} has version {}, the job service {}: restart the older one when no "
-          "job "
-          "is engraved; until then it is given nothing to do",
+          "job is engraved; until then it is given nothing to do",
           service.instance, service.host, service.version, job_service->version));
     }
   }
