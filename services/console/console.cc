@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -19,6 +20,8 @@
 #include "services/console/webhooks/webhooks.h"
 #include "services/platform/access/new_key.h"
 #include "services/platform/access/users.h"
+#include "services/platform/host/process/health_writer.h"
+#include "services/platform/host/process/log.h"
 #include "services/platform/web/server.h"
 
 namespace intaglio::console {
@@ -128,6 +131,32 @@ Result<std::vector<Receiver>> ReceiversOf(const ConsoleOptions& options) {
   return ReadReceivers(options.webhooks);
 }
 
+/// Says on the bus where the console serves, so that others link to it. Nothing with an
+/// identity that was made before operators had that right.
+class Announcement {
+ public:
+  Announcement(bus::Bus& bus, const std::string& link) {
+    try {
+      health_.emplace(bus, intaglio_ROLE_CONSOLE, "console");
+    } catch (const bus::BusError& error) {
+      host::LogWarning("other consoles do not link to this one: {}", error.what());
+      return;
+    }
+    health_->Set(intaglio_HEALTH_READY, {}, link);
+  }
+  Announcement(const Announcement&) = delete;
+  Announcement& operator=(const Announcement&) = delete;
+  ~Announcement() {
+    if (health_) health_->Set(intaglio_HEALTH_STOPPING, {}, {});
+  }
+  void Turn() {
+    if (health_) health_->Turn(Clock::now());
+  }
+
+ private:
+  std::optional<host::HealthWriter> health_;
+};
+
 void Turn(ShopDesk& desk, JogDesk& jogs, AboutTimes& about, ConsoleAccess& access,
           Webhooks& webhooks, web::Server& server, Clock::time_point& next_state) {
   desk.Turn(jogs.IsAtWork(Clock::now()));
@@ -207,7 +236,11 @@ Status Serve(const ConsoleOptions& options, const std::function<bool()>& stoppin
   opened(TextOf(address));
   auto next_state = Clock::now();
   AboutTimes about(options.database, options.materials.string());
-  while (!stopping()) Turn(desk, jogs, about, access, webhooks, *server, next_state);
+  Announcement announcement(bus, fmt::format("{}:{}", server->origin(), server->port()));
+  while (!stopping()) {
+    Turn(desk, jogs, about, access, webhooks, *server, next_state);
+    announcement.Turn();
+  }
   return {};
 }
 

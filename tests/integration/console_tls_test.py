@@ -18,6 +18,8 @@ import subprocess
 import sys
 import time
 
+from patience import eventually
+
 PASSWORD = "correct horse"
 
 
@@ -92,6 +94,12 @@ def check(folder, port):
     client.log_in()
     assert client.ask("GET", "/api/v1/session")[0] == 200
     own = f"https://shop.test:{port}"
+
+    def announced():
+        services = json.loads(client.ask("GET", "/api/v1/status")[1])["services"]
+        return any(one["role"] == "console" and one["message"] == own for one in services)
+
+    eventually(announced, 60)  # by its identity, to other consoles of the shop
     stop = ("POST", "/api/v1/stop", "{}")
     assert client.ask(*stop, {"Origin": f"http://shop.test:{port}"})[0] == 403
     assert client.ask(*stop, {"Origin": "https://evil.example"})[0] == 403

@@ -78,7 +78,8 @@ class Builder {
       line.set_message(service.message);
       line.set_version(service.version);
       const bool fault = service.state == intaglio_HEALTH_FAULT;
-      if (fault || !service.message.empty()) {
+      // The message of a console is its address.
+      if (fault || (!service.message.empty() && service.role != intaglio_ROLE_CONSOLE)) {
         const bool has_cell = service.role == intaglio_ROLE_SYNCHRONIZER ||
                               service.role == intaglio_ROLE_MOTION_BRIDGE;
         const std::string of_cell = has_cell ? " of " + service.cell : "";

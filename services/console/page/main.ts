@@ -1,5 +1,6 @@
 // The page: custom elements that show the console's state. What comes from the shop is text,
 // never markup. A reload or a new connection sends nothing.
+import { ConsoleLinks } from './console_links';
 import { Control } from './control';
 import { Dict, endStates, make, post } from './dom';
 import { FirePanel } from './fire';
@@ -274,6 +275,7 @@ customElements.define('log-in', LogIn);
 customElements.define('stop-button', StopButton);
 customElements.define('needs-list', NeedsList);
 customElements.define('machine-list', MachineList);
+customElements.define('console-links', ConsoleLinks);
 customElements.define('job-list', JobList);
 customElements.define('jog-panel', JogPanel);
 customElements.define('teach-panel', TeachPanel);
@@ -285,6 +287,7 @@ const sessionLine = document.querySelector('session-line') as SessionLine;
 const logIn = document.querySelector('log-in') as LogIn;
 const needs = document.querySelector('needs-list') as NeedsList;
 const machines = document.querySelector('machine-list') as MachineList;
+const consoles = document.querySelector('console-links') as ConsoleLinks;
 const jobs = document.querySelector('job-list') as JobList;
 const hand = document.querySelector('jog-panel') as JogPanel;
 const teach = document.querySelector('teach-panel') as TeachPanel;
@@ -342,6 +345,7 @@ control.onState = (state) => {
   sessionLine.showCharge(state.in_charge ?? '');
   needs.update(state.shop?.needs ?? []);
   machines.update(state.shop?.machines ?? [], state.stages ?? []);
+  consoles.update(state.shop?.services ?? []);
   hand.update(state.shop?.machines ?? []);
   teach.update(state.jobs ?? []);
   jobs.update(state.jobs ?? [], state.shop ?? {}, state.queues ?? [], state.about ?? []);

@@ -34,11 +34,12 @@ Topics CellState() {
           Of(bus::kEmergencyStop), Of(bus::kManualState)};
 }
 
+// A web console is an operator, and says where it serves.
 Role Operator() {
   return {bus::kOperatorRole,
           "*",
           {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kEmergencyStop),
-           Of(bus::kManualCommand)},
+           Of(bus::kManualCommand), Of(bus::kServiceHealth)},
           Join({ShopState(), CellState(), {Of(bus::kJobCommandAnswer)}})};
 }
 

@@ -14,6 +14,7 @@
 #include "services/platform/host/peers/identity_role.h"
 #include "services/platform/host/peers/presence.h"
 #include "services/platform/host/process/bounded_end.h"
+#include "services/platform/host/process/health_writer.h"
 #include "services/platform/host/process/init_system.h"
 #include "services/platform/host/process/log.h"
 #include "services/platform/host/process/software_version.h"
@@ -24,17 +25,11 @@ namespace {
 
 using bus::Borrow;
 using Clock = std::chrono::steady_clock;
-constexpr std::chrono::milliseconds kTurnPeriod{200}, kHealthPeriod{600};
+constexpr std::chrono::milliseconds kTurnPeriod{200};
 constexpr std::chrono::days kExpiryWarning{30};
 constexpr std::chrono::hours kExpiryPeriod{24};
 // From the last health to the end of the process; on a busy computer DDS needs seconds.
 constexpr std::chrono::seconds kEndTime{20};
-
-std::string HostName() {
-  char name[256] = "localhost";
-  gethostname(name, sizeof name - 1);
-  return name;
-}
 
 // Set by the signal handler; everything else about a stop happens outside of it.
 std::atomic<bool> stop_asked{false};
@@ -113,36 +108,15 @@ struct ServiceHost::Impl {
   Impl(const ServiceDescription& service, const bus::BusOptions& options)
       : description(service),
         bus(options),
-        health(bus, bus::kServiceHealth),
+        health(bus, service.role, service.name),
         alarms(bus, bus::kAlarm),
-        host(HostName()),
-        instance(InstanceName(service.name, host, getpid(), bus.participant_name())),
-        presence(bus, instance) {}
-
-  void Publish() {
-    const std::string version = SoftwareVersion();
-    intaglio_ServiceHealth sample{};
-    sample.instance = Borrow(instance);
-    sample.role = description.role;
-    sample.state = state;
-    sample.host = Borrow(host);
-    sample.pid = getpid();
-    sample.cell = Borrow(bus.options().cell);
-    sample.job_uid = Borrow(job_uid);
-    sample.version = Borrow(version);
-    sample.message = Borrow(message);
-    sample.steady_ns = Clock::now().time_since_epoch().count();
-    if (auto written = health.Write(sample); !written) {
-      LogWarning("health: {}", written.error().message);
-    }
-    next_publication = Clock::now() + kHealthPeriod;
-  }
+        presence(bus, health.instance()) {}
 
   void Turn(Clock::time_point now) {
     next_turn = now + kTurnPeriod;
     LeaveWhoLostUs();
     NotifyInitAlive();
-    if (now >= next_publication) Publish();
+    health.Turn(now);
   }
 
   void LeaveWhoLostUs() {
@@ -156,13 +130,10 @@ struct ServiceHost::Impl {
 
   ServiceDescription description;
   bus::Bus bus;
-  bus::Writer<intaglio_ServiceHealth> health;
+  HealthWriter health;
   bus::Writer<intaglio_Alarm> alarms;
-  std::string host, instance;
   Presence presence;
-  intaglio_HealthState state = intaglio_HEALTH_STARTING;
-  std::string job_uid, message;
-  Clock::time_point next_turn{}, next_publication{}, next_expiry_check{};
+  Clock::time_point next_turn{}, next_expiry_check{};
   std::uint64_t alarm_number = 0;
   std::stop_source stop;
 };
@@ -170,13 +141,13 @@ struct ServiceHost::Impl {
 ServiceHost::ServiceHost(const ServiceDescription& description,
                          const bus::BusOptions& options)
     : impl_(std::make_unique<Impl>(description, options)) {
-  impl_->Publish();
+  impl_->health.Publish();
 }
 
 ServiceHost::~ServiceHost() = default;
 
 bus::Bus& ServiceHost::bus() { return impl_->bus; }
-const std::string& ServiceHost::instance() const { return impl_->instance; }
+const std::string& ServiceHost::instance() const { return impl_->health.instance(); }
 
 std::stop_token ServiceHost::stop() const {
   if (stop_asked) impl_->stop.request_stop();
@@ -185,15 +156,10 @@ std::stop_token ServiceHost::stop() const {
 
 void ServiceHost::SetHealth(intaglio_HealthState state, const std::string& job_uid,
                             const std::string& message) {
-  if (state == impl_->state && job_uid == impl_->job_uid && message == impl_->message)
-    return;
-  const bool began =
-      impl_->state == intaglio_HEALTH_STARTING && state != intaglio_HEALTH_STOPPING;
-  impl_->state = state;
-  impl_->job_uid = job_uid;
-  impl_->message = message;
-  impl_->Publish();
-  if (began) NotifyInitReady(impl_->instance);
+  const bool began = impl_->health.state() == intaglio_HEALTH_STARTING &&
+                     state != intaglio_HEALTH_STOPPING;
+  if (!impl_->health.Set(state, job_uid, message)) return;
+  if (began) NotifyInitReady(instance());
 }
 
 // What ends with the process cannot be sent again: a host that was too busy for this one
@@ -235,7 +201,7 @@ void ServiceHost::RaiseAlarm(intaglio_AlarmSeverity severity, const std::string&
                                                               : LogLevel::kInfo;
   Log(level, fmt::format("{}: {}", code, message));
   intaglio_Alarm sample{};
-  sample.instance = Borrow(impl_->instance);
+  sample.instance = Borrow(instance());
   sample.sequence_number = impl_->alarm_number++;
   sample.severity = severity;
   sample.cell = Borrow(impl_->bus.options().cell);
