@@ -143,12 +143,12 @@ print_counts() { # PASSED FAILED SKIPPED FLAKY
 }
 
 # Runs ctest, two tests at a time for each processor, for the longest mostly wait for a machine
-# in real time. Three at a time take all that two processors have, and such machines fail then.
-# What failed runs once more, alone, when that is few, or the host took a tenth of the
-# processors' time or more. Prints the tests that were run twice with both results, those that
-# were skipped with their reasons, the slowest and, as the last line, the closing line; all are
-# kept in BUILD/tests.summary. Fails when a test failed (twice, if it was run twice) or a
-# sanitizer reported.
+# in real time: all tests together need half of what two processors give in that time. What
+# failed runs once more, alone, when that is few, or the host took a tenth of the processors'
+# time or more. Prints the tests that were run twice with both results, those that were skipped
+# with their reasons, the slowest and, as the last line, the closing line; all are kept in
+# BUILD/tests.summary. Fails when a test failed (twice, if it was run twice) or a sanitizer
+# reported.
 run_tests() { # BUILD [ARGUMENTS OF CTEST]
   local build=$1 results=$1/tests.results again=$1/tests_again.results reports=$1/reports
   local summary=$1/tests.summary
@@ -205,19 +205,6 @@ run_until() { # SECONDS WHAT COMMAND...
   fi
   [[ $code -ne 124 ]] || echo "$what was left out after $((SECONDS / 60)) minutes: $*"
   return "$code"
-}
-
-# Runs the command in the background, by processors that have nothing else to do, and with the
-# pages of memory that are set, until end_on_idle_processors ends it with all that it started.
-# What it prints goes into the log.
-start_on_idle_processors() { # LOG COMMAND...
-  mkdir -p "$(dirname "$1")"
-  large_pages_setting=none setsid chrt --idle 0 "${@:2}" > "$1" 2>&1 &
-  beside=$!
-}
-end_on_idle_processors() {
-  kill -- "-$beside" 2> /dev/null || true
-  wait "$beside" || true
 }
 
 # Prints what run_tests kept of the given build directories, each line with its directory's

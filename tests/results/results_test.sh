@@ -297,21 +297,5 @@ PartThatEndsInTimeHasItsOwnCode() {
   expect "the output" "$(cat "$build/output")" "it ran"
   expect_status 3
 }
-WorkOnIdleProcessorsEndsWithAllThatItStarted() {
-  # shellcheck disable=SC2016  # the command expands it
-  start_on_idle_processors "$build/logs/it" bash -c \
-    'chrt -p $$; sleep 1000 & echo $! > "$1"; wait' _ "$build/child"
-  for ((tries = 0; tries < 200; ++tries)); do
-    [[ ! -s $build/child ]] || break
-    sleep 0.05
-  done
-  expect "its policy" "$(grep -o 'SCHED_[A-Z]*' "$build/logs/it")" SCHED_IDLE
-  end_on_idle_processors
-  for ((tries = 0; tries < 200; ++tries)); do
-    kill -0 "$(cat "$build/child")" 2> "$build/output" || return 0
-    sleep 0.05
-  done
-  expect "what it started" "at work" "ended"
-}
 
 "${1:?which case}"
