@@ -146,7 +146,9 @@ std::unique_ptr<pb::Message> MessageWith(const Field& field, double value) {
     repeated ? reflection.AddUInt32(message.get(), &field, whole)
              : reflection.SetUInt32(message.get(), &field, whole);
   } else if (field.cpp_type() == Field::CPPTYPE_INT32) {
-    reflection.SetInt32(message.get(), &field, static_cast<std::int32_t>(value));
+    const auto whole = static_cast<std::int32_t>(value);
+    repeated ? reflection.AddInt32(message.get(), &field, whole)
+             : reflection.SetInt32(message.get(), &field, whole);
   } else {
     repeated ? reflection.AddDouble(message.get(), &field, value)
              : reflection.SetDouble(message.get(), &field, value);
