@@ -1,5 +1,8 @@
 """Debian's chromium for tests of the console's page."""
+import argparse
 import pathlib
+import shutil
+import sys
 
 
 def missing():
@@ -10,6 +13,21 @@ def missing():
     except ImportError:
         names.append("python3-selenium")
     return names
+
+
+def page_test_arguments(programs="--intaglio"):
+    """What a test of the page is given: its programs and a folder, which is made anew. Ends with
+    77 (skipped) where the browser is not installed."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument(programs, required=True, type=pathlib.Path)
+    parser.add_argument("--folder", required=True, type=pathlib.Path)
+    given = parser.parse_args()
+    if missing():
+        print("skipped: not installed:", ", ".join(missing()))
+        sys.exit(77)
+    shutil.rmtree(given.folder, ignore_errors=True)
+    given.folder.mkdir(parents=True)
+    return given
 
 
 def open_browser(width=1280, height=1000):

@@ -6,17 +6,15 @@
 Needs chromium, chromium-driver and python3-selenium; ends with 77 (skipped) without them. A
 picture of the page is left in the folder; no points in it fail the test.
 """
-import argparse
 import os
 import pathlib
 import re
-import shutil
 import signal
 import subprocess
 import sys
 import time
 
-from console_browser import canvas_png, missing, open_browser
+from console_browser import canvas_png, open_browser, page_test_arguments
 from patience import eventually
 from png_files import pixels, png
 
@@ -234,11 +232,8 @@ def tools(driver, say):
 
 def beam_and_next(driver):
     """How many pixels have the colour of the beam, and that of the points that come next."""
-    from selenium.webdriver.common.by import By
-
     red = cyan = 0
-    canvas = driver.find_element(By.CSS_SELECTOR, "canvas").screenshot_as_png
-    for row in pixels(canvas):
+    for row in pixels(canvas_png(driver)):
         for r, g, b in row:
             red += r > 120 and r - g > 60 and r - b > 60
             cyan += b > 200 and g > 180 and r < 60
@@ -334,16 +329,8 @@ def look(driver, folder, say, cracks, console_pid, submit):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--intaglio", required=True)
-    parser.add_argument("--folder", required=True, type=pathlib.Path)
-    given = parser.parse_args()
-    if missing():
-        print("skipped: not installed:", ", ".join(missing()))
-        return 77
+    given = page_test_arguments()
     folder = given.folder
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
     place = ["--domain", "47", "--tag", f"browser{folder.stat().st_ino}"]
     log = open(folder / "up.txt", "w")
     up = subprocess.Popen([given.intaglio, "up", "--console", "--folder", folder / "shop",

@@ -7,7 +7,6 @@ behind some points that are left out for good.
 
 Needs chromium, chromium-driver and python3-selenium; ends with 77 (skipped) without them.
 """
-import argparse
 import json
 import os
 import pathlib
@@ -18,7 +17,7 @@ import subprocess
 import sys
 import time
 
-from console_browser import canvas_png, missing, open_browser
+from console_browser import canvas_png, open_browser, page_test_arguments
 from console_browser_test import SET_CONTROL
 from patience import eventually
 from png_files import pixels
@@ -98,16 +97,8 @@ def colours(driver, folder, say):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--intaglio", required=True)
-    parser.add_argument("--folder", required=True, type=pathlib.Path)
-    given = parser.parse_args()
-    if missing():
-        print("skipped: not installed:", ", ".join(missing()))
-        return 77
+    given = page_test_arguments()
     folder = given.folder
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
     shutil.copy(ROOT / "deploy/jobs/sample.obj", folder)
     knots = "".join(
         f'models {{ file: "sample.obj" channels: {channel} placement {{ up: UP_AXIS_Z '

@@ -7,18 +7,16 @@ nothing has started by it. The same of one that was opened in the background.
 
 Needs chromium, chromium-driver and python3-selenium; ends with 77 (skipped) without them.
 """
-import argparse
 import os
 import pathlib
 import re
-import shutil
 import signal
 import subprocess
 import sys
 import time
 import urllib.request
 
-from console_browser import missing, open_browser
+from console_browser import open_browser, page_test_arguments
 from patience import eventually
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
@@ -172,16 +170,8 @@ def check_background(driver, port, url, other):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--intaglio", required=True)
-    parser.add_argument("--folder", required=True, type=pathlib.Path)
-    given = parser.parse_args()
-    if missing():
-        print("skipped: not installed:", ", ".join(missing()))
-        return 77
+    given = page_test_arguments()
     folder = given.folder
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
     place = ["--domain", "53", "--tag", f"hidden{os.getpid()}"]
 
     log = open(folder / "up.txt", "w")

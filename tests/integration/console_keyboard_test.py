@@ -7,16 +7,14 @@ is faint; Escape stops from everywhere. A job is made by keys alone.
 
 Needs chromium, chromium-driver and python3-selenium; ends with 77 (skipped) without them.
 """
-import argparse
 import os
 import pathlib
-import shutil
 import signal
 import subprocess
 import sys
 import time
 
-from console_browser import missing, open_browser
+from console_browser import open_browser, page_test_arguments
 from patience import eventually
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -226,16 +224,9 @@ def make_a_job(page, submit, say):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--intaglio", required=True)
-    parser.add_argument("--folder", required=True, type=pathlib.Path)
-    given = parser.parse_args()
-    if missing():
-        print("skipped: not installed:", ", ".join(missing()))
-        return 77
+    given = page_test_arguments()
     folder = given.folder
-    shutil.rmtree(folder, ignore_errors=True)
-    (folder / "shop").mkdir(parents=True)
+    (folder / "shop").mkdir()
     for name, role in (("anna", "operator"), ("office", "observer")):
         subprocess.run([given.intaglio, "console", "user", "add", name, "--role", role, "--users",
                         folder / "shop/console.users"], input=b"correct horse\n", check=True)

@@ -6,16 +6,13 @@ on the bus may say.
 
 Needs chromium, chromium-driver and python3-selenium; ends with 77 (skipped) without them.
 """
-import argparse
 import os
-import pathlib
-import shutil
 import signal
 import socket
 import subprocess
 import sys
 
-from console_browser import missing, open_browser
+from console_browser import open_browser, page_test_arguments
 from patience import eventually
 
 # What the page makes of services; the next state of the shop would change it again.
@@ -42,16 +39,8 @@ def check_links(driver):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--bin", required=True, type=pathlib.Path)
-    parser.add_argument("--folder", required=True, type=pathlib.Path)
-    given = parser.parse_args()
-    if missing():
-        print("skipped: not installed:", ", ".join(missing()))
-        return 77
+    given = page_test_arguments("--bin")
     folder = given.folder
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
     bus = ["--domain", "54", "--tag", f"links{os.getpid()}"]
     own = folder / "address"
     log = open(folder / "consoles.txt", "w")
