@@ -73,6 +73,7 @@ class GalvoDriver final : public MarkDriver {
   bool SendNext();
   void StopFor(const std::string& fault);
   std::uint64_t TickNow() const;
+  std::uint64_t FirstTick(std::uint64_t now) const;
   Status SendFrame(link::HeadFrame type, const link::Bytes& payload = {});
   Status SendDrop(link::HeadFrame type, const link::Bytes& payload = {});
   void UpdateState();
@@ -106,7 +107,7 @@ class GalvoDriver final : public MarkDriver {
   std::deque<NumberedMark> waiting_;  // the first announced_ of them with kBegun
   std::size_t announced_ = 0, taken_ = 0;
   std::map<std::uint32_t, bool> open_;  // marks that are not ended; begun here
-  std::uint64_t next_tick_ = 0;         // of a web
+  std::uint64_t next_tick_ = 0;         // behind the ticks that were sent
 };
 
 std::unique_ptr<MarkDriver> MakeGalvoDriver(const MachineSpec& machine,

@@ -54,6 +54,14 @@ void GalvoDriver::Pump() {
   finish_sent_ = SendFrame(HeadFrame::kHeadFinish).has_value();
 }
 
+/// Behind what was sent, and late enough for the line and for a host that loses its
+/// processor for some milliseconds. In lockstep time waits.
+std::uint64_t GalvoDriver::FirstTick(std::uint64_t now) const {
+  const double reserve_s = identity_.lockstep ? 0 : AheadSeconds(head_) / 2;
+  return std::max(next_tick_,
+                  now + 1 + static_cast<std::uint64_t>(reserve_s * identity_.rate_hz));
+}
+
 /// False: nothing more for now.
 bool GalvoDriver::SendNext() {
   if (!session_.CanSend() || credit_ < kTicksUnderWay) return false;
@@ -61,10 +69,8 @@ bool GalvoDriver::SendNext() {
   double ahead_s = AheadSeconds(head_);
   if (!web) ahead_s = std::max(ahead_s, kRestAheadSeconds);
   const auto ahead = static_cast<std::uint64_t>(ahead_s * identity_.rate_hz);
-  // Time for the line, of a web; in lockstep time waits.
   const std::uint64_t now = TickNow();
-  const std::uint64_t first =
-      std::max(next_tick_, now + 1 + (identity_.lockstep ? 0 : ahead / 2));
+  const std::uint64_t first = FirstTick(now);
   if (web ? first >= now + ahead : identity_.queue_ticks - credit_ > ahead) return false;
   if (!player_.playing()) {
     // With a closed shutter the controller would break it.
@@ -78,7 +84,8 @@ bool GalvoDriver::SendNext() {
     --announced_;
     --taken_;
   }
-  auto next = player_.NextBlock(player_.placed() ? next_tick_ : first);
+  const bool placed = player_.placed();
+  auto next = player_.NextBlock(placed ? next_tick_ : first);
   if (!next) {
     StopFor(next.error().message);
     return false;
@@ -87,9 +94,14 @@ bool GalvoDriver::SendNext() {
   if (holds && !(web && identity_.lockstep)) return false;
   link::HeadBlock block = holds ? player_.Hold(first) : std::move(**next);
   block.run = run_;
+  // A mark on a piece at rest begins behind the one before, or where that one has ended
+  // or ends too soon, a reserve later: with its first block alone it would be broken.
+  const bool rests = !web && !identity_.lockstep;
+  if (rests && !placed && next_tick_ < first) block.first_tick = first;
   if (!SendFrame(HeadFrame::kHeadBlock, Encode(block))) return false;
   credit_ -= static_cast<std::uint32_t>(block.ticks.size());
-  if (web) next_tick_ = block.first_tick + block.ticks.size();
+  next_tick_ =
+      (block.first_tick != 0 ? block.first_tick : next_tick_) + block.ticks.size();
   if (!holds) player_.Took(block);
   return true;
 }

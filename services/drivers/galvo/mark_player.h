@@ -36,10 +36,10 @@ class MarkPlayer {
   /// Its ticks follow those that were sent without a gap.
   bool placed() const { return placed_ && next_ > 0; }
 
-  /// The ticks that come next, played from `first_tick` on; of a piece at rest behind
-  /// those before, and `first_tick` is not used. Nothing yet: its place is not in the
-  /// field, or its ticks are being made. kRefused: it has left it. They are counted as
-  /// sent by Took.
+  /// The ticks that come next, played from `first_tick` on; of a piece at rest they are
+  /// behind those before, `first_tick` is not used, and the block does not name it.
+  /// Nothing yet: its place is not in the field, or its ticks are being made. kRefused:
+  /// it has left it. They are counted as sent by Took.
   Result<std::optional<link::HeadBlock>> NextBlock(std::uint64_t first_tick);
   void Took(const link::HeadBlock& block);
   /// Mirrors that rest, of a web whose samples are waited for.

@@ -130,6 +130,29 @@ TEST_F(GalvoDriver, RefusesWhatItCannotMakeByTheMarksNumber) {  // K1
   EXPECT_GT(taken, 0u);
 }
 
+// It loses it so many turns after a mark was given to it that comes alone.
+TEST_F(GalvoDriver, AHostThatLosesItsProcessorAtTheBeginningBreaksNoMark) {
+  ASSERT_TRUE(bench_.Connect());
+  std::uint32_t mark = 0;
+  const auto stalled = [&](int turns) {
+    const double from_mm = mark % 2 == 0 ? 0 : 30;  // no jump to it, which is dark
+    ASSERT_TRUE(
+        bench_.driver().Append({mark, LineMark({from_mm, 0}, {30 - from_mm, 0})}));
+    for (int turn = 0; turn < turns; ++turn) bench_.Step();
+    bench_.AdvanceHead(std::chrono::milliseconds(12));
+    ASSERT_TRUE(bench_.Until([&] { return bench_.Has(mark, MarkFate::kDone); }, 1))
+        << turns << " turns: " << bench_.state().fault;
+    ++mark;
+  };
+  for (int turns = 0; turns < 40; ++turns) {
+    const auto run = static_cast<std::uint32_t>(turns + 1);
+    bench_.Run(run, {{kFastPen}, {}}, false);
+    for (int i = 0; i < 4; ++i) ASSERT_NO_FATAL_FAILURE(stalled(turns));
+    ASSERT_TRUE(bench_.driver().Finish());
+    ASSERT_TRUE(bench_.Until([&] { return bench_.state().settled; }, 1));
+  }
+}
+
 TEST_F(GalvoDriver, BurnsOnlyWhilePermittedAndTheControllerEndsItByItself) {  // K2
   BeginLines();
   bench_.permits = false;

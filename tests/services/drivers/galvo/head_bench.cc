@@ -8,6 +8,9 @@
 
 namespace intaglio::drivers {
 
+// Bytes that wait to be read, as in a pseudo-terminal.
+constexpr std::size_t kCapacity = 4096;
+
 struct HeadBench::Wire {
   std::deque<std::byte> to_head, to_host;
 };
@@ -25,7 +28,9 @@ class HeadBench::End final : public link::ByteStream {
   }
   Result<std::size_t> Write(std::span<const std::byte> bytes) override {
     auto& to = host_ ? wire_->to_head : wire_->to_host;
-    if (!cut_) to.insert(to.end(), bytes.begin(), bytes.end());
+    if (cut_) return bytes.size();
+    bytes = bytes.first(std::min(bytes.size(), kCapacity - to.size()));
+    to.insert(to.end(), bytes.begin(), bytes.end());
     return bytes.size();
   }
   int fd() const override { return -1; }
