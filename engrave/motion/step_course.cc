@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "engrave/core/check.h"
-#include "engrave/motion/axis/axis_reach.h"
 #include "engrave/motion/axis/jerk_reach.h"
 #include "engrave/motion/segments/segment.h"
 
@@ -192,13 +191,12 @@ void StepCourse::Add(std::uint64_t end, State at_end) {
   if (end > begin) pieces_[count_++] = {end, at_end};
 }
 
-std::uint64_t StepCourse::OnGrid(double seconds, std::uint64_t grid,
-                                 std::uint64_t longest) const {
+std::uint64_t StepCourse::OnGrid(double seconds, std::uint64_t grid) const {
   const double steps = seconds / (subtick_s_ * static_cast<double>(grid));
   // Rounded up; std::ceil is a call.
   const auto whole = static_cast<std::int64_t>(steps);
   const std::int64_t up = whole + (static_cast<double>(whole) < steps ? 1 : 0);
-  return std::min(grid * static_cast<std::uint64_t>(up), longest);
+  return grid * static_cast<std::uint64_t>(up);
 }
 
 double StepCourse::CruiseFor(std::uint64_t first, std::uint64_t last) const {
@@ -208,29 +206,39 @@ double StepCourse::CruiseFor(std::uint64_t first, std::uint64_t last) const {
          (Seconds(step_.subticks) - 0.5 * (first_s + last_s));
 }
 
-void StepCourse::TakeArcs(const Limits& planned, int axis, bool hardest) {
+// Where the cruise is so short that the grid has no room for it, two arcs go the way:
+// what they pass the planned speed by is within its reserve.
+StepCourse::ArcTimes StepCourse::ArcsOnGrid(const Arcs& arcs) const {
   const double v = step_.start_mm_s, w = step_.end_mm_s, d = step_.distance_mm;
-  const double seconds = Seconds(step_.subticks);
-  const AxisLimits limits = LimitsOf(planned, axis);
-  const Arcs arcs = hardest ? HardestArcs(v, w, d, seconds, limits)
-                            : GentlestArcs(v, w, d, seconds, limits.max_speed_mm_s);
   const std::uint64_t total = step_.subticks;
-  std::uint64_t first = 0, last = 0;
+  const double seconds = Seconds(total);
   const bool first_is_longer = arcs.first_s > arcs.last_s;
-  std::uint64_t& longer = first_is_longer ? first : last;
-  std::uint64_t& shorter = first_is_longer ? last : first;
+  const auto in_order = [&](std::uint64_t longer, std::uint64_t shorter) {
+    return first_is_longer ? ArcTimes{longer, shorter} : ArcTimes{shorter, longer};
+  };
   if (arcs.first_s + arcs.last_s < seconds * (1 - 1e-12)) {
-    longer = OnGrid(std::max(arcs.first_s, arcs.last_s), grid_, total);
+    const std::uint64_t longer = OnGrid(std::max(arcs.first_s, arcs.last_s), grid_);
     const double longer_s = Seconds(longer);
     const double shorter_s =
         first_is_longer
             ? OtherArc(v, w, d, longer_s, seconds, arcs.peak_acceleration_mm_s2)
             : OtherArc(w, v, d, longer_s, seconds, arcs.peak_acceleration_mm_s2);
-    shorter = OnGrid(shorter_s, grid_, total - longer);
-  } else {
-    shorter = OnGrid(std::min(arcs.first_s, arcs.last_s), grid_, total);
-    longer = total - shorter;
+    const std::uint64_t shorter = OnGrid(shorter_s, grid_);
+    if (longer + shorter <= total) return in_order(longer, shorter);
+    return ArcsOnGrid(GentlestArcs(v, w, d, seconds, kUnlimited));
   }
+  const std::uint64_t shorter =
+      std::min(OnGrid(std::min(arcs.first_s, arcs.last_s), grid_), total);
+  return in_order(total - shorter, shorter);
+}
+
+void StepCourse::TakeArcs(const Limits& planned, int axis, bool hardest) {
+  const double v = step_.start_mm_s, w = step_.end_mm_s, d = step_.distance_mm;
+  const std::uint64_t total = step_.subticks;
+  const AxisLimits limits = LimitsOf(planned, axis);
+  const auto [first, last] =
+      ArcsOnGrid(hardest ? HardestArcs(v, w, d, Seconds(total), limits)
+                         : GentlestArcs(v, w, d, Seconds(total), limits.max_speed_mm_s));
   const double cruise = CruiseFor(first, last);
   const double first_s = Seconds(first), hold_s = Seconds(total - first - last);
   const double first_mm = 0.5 * (v + cruise) * first_s;
@@ -246,15 +254,15 @@ void StepCourse::TakePulses(const StepLimits& limits, int axis, bool hardest) {
   const Pulses pulses = hardest ? HardestPulses(v, w, d, Seconds(total), planned)
                                 : GentlestPulses(v, w, d, Seconds(total), planned);
   if (pulses.share < 1e-9) return Add(total, {d, w});
-  std::uint64_t first = OnGrid(pulses.first_s, unit, total);
-  std::uint64_t last = OnGrid(pulses.last_s, unit, total - first);
+  std::uint64_t first = std::min(OnGrid(pulses.first_s, unit), total);
+  std::uint64_t last = std::min(OnGrid(pulses.last_s, unit), total - first);
   // A pulse made longer changes the cruise, which then has to be reached from an end that
   // was at it.
   const double change = CruiseFor(first, last) - (first == 0 ? v : w);
   if (first == 0)
-    first = OnGrid(PulseSeconds(std::abs(change), planned), unit, total - last);
+    first = std::min(OnGrid(PulseSeconds(std::abs(change), planned), unit), total - last);
   if (last == 0)
-    last = OnGrid(PulseSeconds(std::abs(change), planned), unit, total - first);
+    last = std::min(OnGrid(PulseSeconds(std::abs(change), planned), unit), total - first);
   const double cruise = CruiseFor(first, last);
   AccelerationNodes nodes(subtick_s_);
   nodes.AddPulse(0, first, cruise - v, first > last, grid_, planned);

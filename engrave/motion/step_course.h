@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 
+#include "engrave/motion/axis/axis_reach.h"
 #include "engrave/motion/step_limits.h"
 
 namespace intaglio::motion {
@@ -56,14 +57,19 @@ class StepCourse {
     State At(double t) const;
   };
 
+  struct ArcTimes {
+    std::uint64_t first, last;
+  };
+  /// On the grid, subticks; together at most the step.
+  ArcTimes ArcsOnGrid(const Arcs& arcs) const;
   void TakeArcs(const Limits& planned, int axis, bool hardest);
   void TakePulses(const StepLimits& limits, int axis, bool hardest);
   /// The speed that takes the axis the whole way when the first and the last arc or
   /// pulse are this long.
   double CruiseFor(std::uint64_t first, std::uint64_t last) const;
   void Add(std::uint64_t end, State at_end);
-  /// The next duration on a grid, at most `longest`.
-  std::uint64_t OnGrid(double seconds, std::uint64_t grid, std::uint64_t longest) const;
+  /// The next duration on a grid.
+  std::uint64_t OnGrid(double seconds, std::uint64_t grid) const;
   double Seconds(std::uint64_t subticks) const;
   Cubic CubicOf(std::size_t piece) const;
   bool StaysWithin(double lo_mm, double hi_mm) const;
