@@ -87,7 +87,7 @@ void Stretch::Anneal(std::uint64_t tries, double hot, double cold, std::uint64_t
       temperature = hot * std::pow(cold / hot, share);
     }
     Change change;
-    if (!Propose(change)) continue;
+    if (!Propose(change) || !EndsStayInTube(change)) continue;
     const double chance = (static_cast<double>(generator_() >> 11) + 1) * 0x1p-53;
     const double bearable = -temperature * std::log(chance);
     if (-GainOf(change, bearable) > bearable || !IsAllowed(change)) continue;
@@ -257,6 +257,18 @@ bool Stretch::StaysInTube(const Change& change) const {
     if (std::abs(height_mm - tube_.axis_mm[place]) > tube_.tolerance_mm) return false;
   }
   return true;
+}
+
+/// Most changes that leave the tube do so here, which costs less than their gain.
+bool Stretch::EndsStayInTube(const Change& change) const {
+  if (tube_.points_mm.empty()) return true;
+  const std::size_t meet = change.begin + change.end - change.middle;
+  const auto stays = [&](std::size_t place) {
+    const double height_mm = tube_.points_mm[at_[OldPlace(change, place)]];
+    return std::abs(height_mm - tube_.axis_mm[place]) <= tube_.tolerance_mm;
+  };
+  return stays(change.begin) && stays(change.end - 1) && stays(meet - 1) &&
+         stays(std::min(meet, change.end - 1));
 }
 
 bool Stretch::IsAllowed(const Change& change) const {
