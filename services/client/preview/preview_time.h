@@ -5,8 +5,10 @@
 // place of `anneal`, which would save another 0.2 % of the ticks on a bunny of 277 000
 // points, and up to 3 % where steps are irregular. Beyond `max_planned_points` eight
 // compact pieces from all over the cloud are ordered and planned, and the time of all
-// points is that of the pieces times the ratio of the points: within a piece points have
-// the neighbours that they have in the whole, so the steps are as long.
+// points is that of the middle halves of the pieces times the ratio of the points: within
+// a piece points have the neighbours that they have in the whole, so the steps are as
+// long, and at its ends it comes from rest and to it, as the whole does once. Pieces of
+// an order of slabs are slices, four times as large.
 
 #include <cstdint>
 #include <vector>

@@ -250,6 +250,30 @@ TEST(PreviewTime, OfASampleIsThatOfTheWhole) {
   EXPECT_EQ(sample->ticks_bound(), whole->ticks_bound());
 }
 
+// A slow axis that starts and stops in each piece took 8 % of its ticks.
+TEST(PreviewTime, OfASampleOfASweepIsThatOfTheWhole) {
+  JobSpec spec = GoodJob();
+  spec.mutable_ordering()->mutable_sweep();
+  spec.mutable_motion()->set_depth_tolerance_um(50);
+  FrozenJob job = FrozenOf(spec);
+  for (AxisLimits* mirror :
+       {job.mutable_machine()->mutable_x(), job.mutable_machine()->mutable_y()}) {
+    mirror->set_max_speed_mm_s(8000);
+    mirror->set_max_acceleration_mm_s2(5e7);
+  }
+  job.mutable_machine()->mutable_z()->set_max_speed_mm_s(50);
+  job.mutable_machine()->mutable_z()->set_max_acceleration_mm_s2(1000);
+  job.mutable_job()->mutable_laser()->set_rate_hz(4000);
+  const PointList points_mm = Scatter(60'000);
+  const std::vector<ChannelMask> masks(points_mm.size(), 1);
+  const auto whole = EstimateTime(job, {points_mm, masks}, 60'000, {}, {});
+  const auto sample = EstimateTime(job, {points_mm, masks}, 3'000, {}, {});
+  ASSERT_TRUE(whole && sample) << whole.error().message;
+  EXPECT_LT(sample->planned_count(), 20'000u);
+  const auto ticks = static_cast<double>(whole->ticks());
+  EXPECT_NEAR(static_cast<double>(sample->ticks()), ticks, 0.03 * ticks);
+}
+
 TEST(PreviewTime, AnOrderThatTakesMinutesIsReplaced) {
   JobSpec spec = GoodJob();
   spec.mutable_ordering()->mutable_anneal()->set_time_s(600);
