@@ -11,7 +11,6 @@
 #include "engrave/core/try.h"
 #include "engrave/machine/axes_from_glass.h"
 #include "engrave/sort/order.h"
-#include "services/job/beams/energy_by_place.h"
 #include "services/job/convert/options.h"
 #include "services/job/machine/head_over_block.h"
 #include "services/job/machine/job_ticks_bound.h"
@@ -151,8 +150,7 @@ Result<std::uint64_t> TicksOfAll(const FrozenJob& job, const CloudToTime& cloud,
 /// times: its clock knows no ticks.
 Result<TimePreview> JumpTimeOf(const FrozenJob& job, const CloudToTime& cloud,
                                const ProgressSink& progress) {
-  sort::OrderOptions options = OrderOptionsOf(job);
-  options.jump_layers.energy_from_glass = EnergyStepsOf(job);
+  const sort::OrderOptions options = OrderOptionsOf(job);
   const auto order = INTAGLIO_TRY(
       sort::MakeChannelOrder(cloud.points_mm, cloud.masks, options, progress));
   PointList path_mm;

@@ -11,6 +11,7 @@
 #include "engrave/motion/profiles.h"
 #include "engrave/optics/focus.h"
 #include "engrave/sort/kdz.h"
+#include "services/job/beams/energy_by_place.h"
 #include "services/job/machine/block_origin.h"
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/head_over_block.h"
@@ -178,6 +179,7 @@ sort::OrderOptions OrderOptionsOf(const FrozenJob& job) {
   SetMethod(job.job().ordering(), options);
   options.sweep.tolerance_mm = SweepToleranceMm(job);
   if (options.method == sort::Method::kJumpLayers) SetJumps(job, options);
+  options.jump_layers.energy_from_glass = EnergyStepsOf(job);
   return options;
 }
 

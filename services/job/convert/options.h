@@ -24,7 +24,8 @@ sort::BeamCone PointConeOf(const FrozenJob& job);
 sort::BeamCone PointConeInMachine(const FrozenJob& job);
 
 /// Method, the beam's cone with the cracks of the job's lens, and the stage's limits in
-/// the glass. Where the order Kdz leaves its weight open, it follows from the cone.
+/// the glass, and the energies of places. Where the order Kdz leaves its weight open, it
+/// follows from the cone.
 /// Workers and a time budget (AnnealOrder.time_s) are the caller's to set.
 sort::OrderOptions OrderOptionsOf(const FrozenJob& job);
 

@@ -1,6 +1,5 @@
 #include "services/job/plan/ordering.h"
 
-#include "services/job/beams/energy_by_place.h"
 #include "services/job/convert/options.h"
 #include "services/platform/host/threads/worker_threads.h"
 
@@ -9,7 +8,6 @@ namespace intaglio::host {
 sort::OrderOptions OrderingOf(const FrozenJob& job) {
   sort::OrderOptions options = OrderOptionsOf(job);
   options.executor = AllCores();
-  options.jump_layers.energy_from_glass = EnergyStepsOf(job);
   if (const AnnealOrder& anneal = job.job().ordering().anneal(); anneal.has_time_s()) {
     options.anneal.used_share = ShareOfTime(anneal.time_s());
   }

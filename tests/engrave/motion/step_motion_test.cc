@@ -81,7 +81,7 @@ TEST_P(StepMotion, KeepsTheLimitsOfEveryFeasibleStep) {
   const Limits& planned = step_limits.planned;
   std::mt19937 random(5);
   int made = 0;
-  Peaks most;
+  Peaks largest;
   for (int i = 0; i < 300000 && !HasFailure(); ++i) {
     const auto ticks = static_cast<std::uint32_t>(1 + random() % 3);
     const double seconds = ticks / machine.rate_hz;
@@ -98,15 +98,15 @@ TEST_P(StepMotion, KeepsTheLimitsOfEveryFeasibleStep) {
           << ticks << " ticks, " << to.position_mm.y() << " mm, from "
           << from.velocity_mm_s.y() << " to " << to.velocity_mm_s.y() << " mm/s";
     }
-    most = {std::max(most.speed, peaks.speed),
-            std::max(most.acceleration, peaks.acceleration),
-            std::max(most.jerk, peaks.jerk)};
+    largest = {std::max(largest.speed, peaks.speed),
+               std::max(largest.acceleration, peaks.acceleration),
+               std::max(largest.jerk, peaks.jerk)};
     ++made;
   }
   EXPECT_GT(made, 100000);
-  RecordProperty("speed", std::to_string(most.speed));
-  RecordProperty("acceleration", std::to_string(most.acceleration));
-  RecordProperty("jerk", std::to_string(most.jerk));
+  RecordProperty("speed", std::to_string(largest.speed));
+  RecordProperty("acceleration", std::to_string(largest.acceleration));
+  RecordProperty("jerk", std::to_string(largest.jerk));
 }
 
 INSTANTIATE_TEST_SUITE_P(, StepMotion,
