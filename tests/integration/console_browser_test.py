@@ -219,14 +219,26 @@ def tools(driver, say):
         driver.execute_script(SET_CONTROL, label, value)
         eventually(what, 30)
 
-    whole = lit()
+    def set_section(axis, up_to):
+        driver.execute_script(SET_CONTROL, "Section", axis)
+        driver.execute_script(SET_CONTROL, "up to", up_to)
+        time.sleep(1)  # until it is drawn
+
+    def cuts(axis, up_to, ratio):
+        """Points are made meanwhile, so the whole is looked at again each time."""
+        set_section(0, 1000)
+        whole = lit()
+        set_section(axis, up_to)
+        return lit() < ratio * whole
+
     expect("Made up to", 0, lambda: white() == 0)
     expect("Made up to", 1000, lambda: white() > 10)
     expect("Colours", 1, lambda: white() == 0 and coloured() > 10)
     expect("Colours", 0, lambda: white() > 10)
-    expect("Section", 3, lambda: lit() < 0.9 * whole)
-    expect("up to", 0, lambda: lit() < 0.5 * whole and white() == 0)
-    expect("Section", 0, lambda: lit() > 0.9 * whole)
+    eventually(lambda: cuts(3, 500, 0.9), 60)
+    eventually(lambda: cuts(3, 0, 0.5) and white() == 0, 60)
+    set_section(0, 1000)
+    eventually(lambda: white() > 10, 30)
     say("section, colours and time of the cracks")
 
 
