@@ -20,6 +20,7 @@
 #include "services/console/webhooks/webhooks.h"
 #include "services/platform/access/new_key.h"
 #include "services/platform/access/users.h"
+#include "services/platform/command_line/other_programs.h"
 #include "services/platform/host/process/health_writer.h"
 #include "services/platform/host/process/log.h"
 #include "services/platform/web/server.h"
@@ -197,7 +198,8 @@ Status Serve(const ConsoleOptions& options, const std::function<bool()>& stoppin
   SubmitApi submit(
       {options.uploads, client::ShopArguments(options.bus), options.materials.string()});
   TeachApi teach(jogs, submit, FinderOf(desk), options.materials.string());
-  PhotoApi photos(FinderOf(desk), clouds);
+  PhotoApi photos(FinderOf(desk), clouds,
+                  {command_line::ProgramFolder() / "intaglio-picture-reader"});
   Api api(desk, clouds, access, audit, log_ins, submit, jogs, teach, photos, webhooks,
           options.database);
   web::Handlers handlers;

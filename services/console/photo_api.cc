@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "engrave/core/try.h"
-#include "engrave/image/image_file.h"
 #include "engrave/io/atomic_file.h"
 #include "engrave/io/whole_file.h"
 #include "services/console/answers/json_response.h"
@@ -34,14 +33,12 @@ const PhotoKind* PhotoKindOf(std::string_view bytes) {
   return nullptr;
 }
 
-/// Little beside what a console has in memory.
-image::ImageOptions PhotoOptions() {
-  image::ImageOptions options;
-  options.samples = image::Samples::kAsStored;
-  options.limits.max_file_bytes = kMaxPhotoBytes;
-  options.limits.max_pixels = 12'000'000;
-  options.limits.max_decoder_bytes = std::uint64_t{48} << 20;
-  return options;
+image::ImageLimits PhotoLimits() {
+  image::ImageLimits limits;
+  limits.max_file_bytes = kMaxPhotoBytes;
+  limits.max_pixels = 12'000'000;
+  limits.max_decoder_bytes = std::uint64_t{48} << 20;
+  return limits;
 }
 
 web::Response Refused(const Error& error) {
@@ -56,17 +53,14 @@ std::optional<std::string> JobOfPhotoPath(std::string_view path) {
   return std::string(path.substr(kBegin.size()));
 }
 
-Status SavePhoto(const fs::path& folder, const std::string& name,
-                 std::string_view bytes) {
+Status SavePhoto(const fs::path& folder, const std::string& name, std::string_view bytes,
+                 const reading::PictureProcess& reader) {
   const PhotoKind* kind = PhotoKindOf(bytes);
   if (kind == nullptr) {
     return Fail(ErrorCode::kUnsupported,
                 name + ": is no JPEG or PNG file: save the photo as one of these", name);
   }
-  if (const auto read = image::ParseImage(bytes, PhotoOptions()); !read) {
-    return Fail(read.error().code, fmt::format("{}: {}", name, read.error().message),
-                name);
-  }
+  INTAGLIO_TRY(reading::CheckPictureBy(reader, bytes, PhotoLimits(), name));
   std::error_code error;
   if (!fs::is_directory(folder, error)) {
     return Fail(ErrorCode::kNotFound,
@@ -138,8 +132,9 @@ std::shared_ptr<web::BodySink> PhotoApi::Receive(const std::string& job,
 void PhotoApi::Save(const std::string& job, std::string name, std::string bytes,
                     const web::Reply& reply) {
   Ask(job, reply,
-      [reply, name = std::move(name), bytes = std::move(bytes)](const FoundJob& found) {
-        if (const auto saved = SavePhoto(found.folder, name, bytes); !saved)
+      [reply, name = std::move(name), bytes = std::move(bytes),
+       reader = reader_](const FoundJob& found) {
+        if (const auto saved = SavePhoto(found.folder, name, bytes, reader); !saved)
           return reply(Refused(saved.error()));
         CommandAnswer answer;
         answer.set_job(found.number);

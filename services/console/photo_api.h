@@ -12,6 +12,7 @@
 #include "engrave/core/result.h"
 #include "services/console/cloud_reader.h"
 #include "services/console/teach/teach_api.h"
+#include "services/job/reading/picture_process.h"
 #include "services/platform/web/server.h"
 
 namespace intaglio::console {
@@ -22,18 +23,19 @@ inline constexpr std::uint64_t kMaxPhotoBytes = 8 << 20;
 /// "7" of "/api/v1/photos/7"; nullopt: another path.
 std::optional<std::string> JobOfPhotoPath(std::string_view path);
 
-/// Saves a photograph in place of the one before. `name`: of the file, for errors.
+/// Saves a photograph in place of the one before, when `reader` can decode it: a file
+/// that crashes its decoder costs that process alone. `name`: of the file, for errors.
 /// kUnsupported: it is no JPEG or PNG file; kUnreadable: it is damaged; kTooLarge: it has
 /// more than 12 million pixels; kNotFound: there is no such folder yet; kIo.
 Status SavePhoto(const std::filesystem::path& folder, const std::string& name,
-                 std::string_view bytes);
+                 std::string_view bytes, const reading::PictureProcess& reader);
 
 /// In the server's thread; files have a thread of their own.
 class PhotoApi {
  public:
   /// `files` lives longer.
-  PhotoApi(FindJob find_job, CloudReader& files)
-      : find_job_(std::move(find_job)), files_(files) {}
+  PhotoApi(FindJob find_job, CloudReader& files, reading::PictureProcess reader)
+      : find_job_(std::move(find_job)), files_(files), reader_(std::move(reader)) {}
 
   void AnswerGet(const std::string& job, const web::Reply& reply);
   /// Its bytes; `name` of the query is that of the file.
@@ -51,6 +53,7 @@ class PhotoApi {
 
   FindJob find_job_;
   CloudReader& files_;
+  reading::PictureProcess reader_;
 };
 
 }  // namespace intaglio::console

@@ -98,6 +98,7 @@ TEST_F(Installation, HasAllThatBelongsToIt) {
                                           "intaglio-marker",
                                           "intaglio-mesh-reader",
                                           "intaglio-motion-bridge",
+                                          "intaglio-picture-reader",
                                           "intaglio-recorder",
                                           "intaglio-sorter",
                                           "intaglio-synchronizer",

@@ -32,6 +32,7 @@ const std::vector<std::pair<std::string, std::string>> kPrograms = {
     {"intaglio-marker", "--domain 57 --cell galvo --machine galvo.textproto"},
     {"intaglio-recorder", "--domain 57 --out r.mcap"},
     {"intaglio-mesh-reader", "obj model.obj"},
+    {"intaglio-picture-reader", ""},
     {"virtual-engraver",
      "--truth t.textproto --laser-line l --motion-line m --glass-record g --panel p"},
 };

@@ -1,9 +1,7 @@
 #pragma once
 
 // Meshes are read by a process of their own. The library that reads all formats but STL
-// trusts its files: a file that is damaged, or made to harm, may crash it, fill the
-// memory or be read for ever. In that case only this process ends, and the error names
-// the file; a service or a command goes on.
+// trusts its files (services/job/reading/file_process.h).
 
 #include <chrono>
 #include <filesystem>

@@ -1,11 +1,11 @@
-#include "services/job/models/whole_file.h"
+#include "services/job/reading/whole_file.h"
 
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 
-namespace intaglio::mesh_reader {
+namespace intaglio::reading {
 
 bool WriteAll(int descriptor, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
@@ -32,4 +32,4 @@ std::vector<std::byte> ReadAll(int descriptor) {
   return bytes;
 }
 
-}  // namespace intaglio::mesh_reader
+}  // namespace intaglio::reading
