@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """The colours of points on the console's page, against a shop of real processes: by outcome, order,
 tick and channel, by the pixels of each. A job in two channels is paused in the middle, and goes on
-behind some points that are left out for good.
+behind some points that are left out for good. Then its journal gets points that were missed,
+skipped and uncertain, while the page is open.
 
   console_colours_test.py --intaglio PROGRAM --folder FOLDER
 
@@ -13,9 +14,11 @@ import pathlib
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import time
+import zlib
 
 from console_browser import canvas_png, open_browser, page_test_arguments
 from console_browser_test import SET_CONTROL
@@ -25,6 +28,8 @@ from png_files import pixels
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 COLOURS = (ROOT / "services/console/page/colours.ts").read_text()
 LEFT_OUT = 30
+OUTCOMES = {"missed": 2, "skipped": 3, "uncertain": 4}  # PointOutcome
+OF_EACH = 25
 MODES = ("outcome", "order", "tick", "channel")
 
 
@@ -96,6 +101,39 @@ def colours(driver, folder, say):
     say(f"by channel: {found[1:]} pixels")
 
 
+def write_outcomes(journal, planned):
+    """As a synchronizer appends them (engrave/formats/journal_file.h), of points all along the
+    order."""
+    with open(journal, "ab") as out:
+        for i in range(OF_EACH):
+            for which, outcome in enumerate(OUTCOMES.values()):
+                point = i * (planned // OF_EACH) + 2 * which
+                record = struct.pack("<BBBBIQIfI", 2, outcome, 0, 0, 1, 0, point, 0, 0)
+                out.write(record + struct.pack("<I", zlib.crc32(record)))
+
+
+def other_outcomes(driver, folder, planned, say):
+    """What was not made has its colour: as it comes, and in a page that is opened later."""
+    every = palette("ofOutcome")
+    wanted = [every[outcome] for outcome in OUTCOMES.values()]
+    choose(driver, "outcome")
+    before = counts(driver, [every[1], every[5], *wanted])
+    # Where cracks and what is left out overlap, few pixels resemble another colour.
+    assert max(before[2:]) < OF_EACH, before
+    journal = next(folder.glob("shop/jobs/1-*/journal.bin"))
+    write_outcomes(journal, planned)
+
+    def found():
+        now = counts(driver, [every[1], every[5], *wanted])
+        more = [now[i] - before[i] for i in (2, 3, 4)]
+        return min(more) > OF_EACH and dict(zip(OUTCOMES, more))
+
+    say(f"as they come, pixels of {eventually(found, 60)}")
+    driver.save_screenshot(str(folder / "outcome.png"))
+    driver.refresh()
+    say(f"in a new page, pixels of {eventually(found, 60)}")
+
+
 def main():
     given = page_test_arguments()
     folder = given.folder
@@ -147,6 +185,7 @@ def main():
         driver = open_browser()
         driver.get((folder / "shop/console.address").read_text().strip())
         colours(driver, folder, print)
+        other_outcomes(driver, folder, job()["planned"], print)
         errors = [line for line in driver.get_log("browser") if line["level"] == "SEVERE"
                   and "favicon" not in line["message"]]
         assert not errors, errors
