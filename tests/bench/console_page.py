@@ -76,18 +76,32 @@ def random_cloud(path, count):
                 generator.uniform(MARGIN_MM, BLOCK_MM - MARGIN_MM) for _ in range(3)))
 
 
-def memory_mb(kind):
-    """Of chromium's processes of this kind, what is theirs (PSS)."""
-    total = 0
-    for process in pathlib.Path("/proc").glob("[0-9]*"):
+def started_by(parent):
+    """The process and all that it has started, directly or through others."""
+    processes = [parent]
+    for process in processes:
         try:
-            words = (process / "cmdline").read_bytes().replace(b"\0", b" ").decode()
-            if "chromium" in words and f"--type={kind}" in words:
-                total += int(next(line for line in (process / "smaps_rollup").read_text()
-                                  .splitlines() if line.startswith("Pss:")).split()[1])
+            processes += [int(child) for task in pathlib.Path(f"/proc/{process}/task").iterdir()
+                          for child in (task / "children").read_text().split()]
         except OSError:
             pass  # it has ended
-    return total / 1000
+    return processes
+
+
+def memory_mb(driver, kind):
+    """Of the largest process of this kind of the browser, what is its own (PSS). Beside the
+    renderer of a page chromium has another one ready, which has none."""
+    largest = 0
+    for process in started_by(driver.service.process.pid):
+        try:
+            place = pathlib.Path(f"/proc/{process}")
+            if f"--type={kind}".encode() in (place / "cmdline").read_bytes():
+                largest = max(largest, int(next(
+                    line for line in (place / "smaps_rollup").read_text().splitlines()
+                    if line.startswith("Pss:")).split()[1]))
+        except OSError:
+            pass  # it has ended
+    return largest / 1000
 
 
 def console_mb(folder):
@@ -180,8 +194,8 @@ def measure(given, folder, driver, place):
     for name in runs[0]:
         times = [run[name] for run in runs]
         print(f"{name}: median {statistics.median(times):.2f} s, most {max(times):.2f} s")
-    print(f"memory: renderer {memory_mb('renderer'):.0f} MB, GPU process "
-          f"{memory_mb('gpu-process'):.0f} MB, console {console_mb(folder):.0f} MB")
+    print(f"memory: renderer {memory_mb(driver, 'renderer'):.0f} MB, GPU process "
+          f"{memory_mb(driver, 'gpu-process'):.0f} MB, console {console_mb(folder):.0f} MB")
     rate, budget = frames_while_turning(driver)
     print(f"while the view turns: {rate:.1f} frames a second of {budget} points")
     with bulk_transfer(url):

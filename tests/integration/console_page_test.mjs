@@ -1,8 +1,11 @@
 // Parts of the console's page that need no browser: the decoder of a plan, what of a cloud a
-// frame draws, the budget of a frame, and the lines of the queues.
-//   esbuild --bundle --platform=node console_page_test.mjs | node - REPOSITORY
+// frame draws, the budget of a frame, the numbers that a graphics card gets, and the lines of the
+// queues.
+//   esbuild --bundle --platform=node --alias:three=MODULE console_page_test.mjs |
+//     node - REPOSITORY
 import { readFileSync } from 'fs';
 import { FrameBudget, Picture, cellsInView } from '../../services/console/page/cells';
+import { Cloud } from '../../services/console/page/cloud';
 import { PlanDecoder } from '../../services/console/page/plan';
 import { Ticks } from '../../services/console/page/ticks';
 
@@ -55,6 +58,24 @@ for (const at of [0, 24 + 4 * 512, 2076 + 8 * 40 + 1]) {
   fails(() => decoded(broken, 64), `broken at ${at}`);
 }
 fails(() => decoded(Uint8Array.from([...golden, 0]), 64), 'too long');
+
+// Normalized numbers, 1 byte or a multiple of 4 of each point, or floats: what a graphics card
+// reads as it is. Of others its driver keeps a second copy.
+const cloud = new Cloud(decoded(golden, 1000));
+cloud.takeChannels(new Uint8Array(40).fill(2).buffer);
+cloud.take(Uint32Array.from([1, 3 + 2 ** 29]).buffer);
+const geometries = cloud.group.children.map((child) => child.geometry)
+  .filter((geometry) => geometry.attributes.outcome);
+expect(geometries.length > 2, 'cells and what was made');
+for (const { attributes } of geometries) {
+  expect(Object.keys(attributes).sort().join() === 'channel,outcome,position',
+         `numbers of a point: ${Object.keys(attributes)}`);
+  for (const [name, { array, itemSize, normalized }] of Object.entries(attributes)) {
+    const bytes = itemSize * (array?.BYTES_PER_ELEMENT ?? 0);
+    expect(array instanceof Float32Array || normalized && (bytes === 1 || bytes % 4 === 0),
+           `${name}: ${itemSize} of ${array?.constructor.name}`);
+  }
+}
 
 // Cells of different sizes; none of every third is in view.
 const starts = new Uint32Array(513);

@@ -30,13 +30,12 @@ export class Cloud {
     this.sides = plan.sizeMm.map((mm) => mm / longest);
     this.picture = new Picture(plan.starts);
     this.state = new Uint8Array(plan.count);
-    this.outcomes = new THREE.BufferAttribute(this.state, 1);
+    this.outcomes = bytesOf(this.state);
     this.outcomes.setUsage(THREE.DynamicDrawUsage);
     const positions = positionsOf(plan.points);
     for (let cell = 0; cell < 512; ++cell) {
       const geometry = new THREE.BufferGeometry();
       geometry.setAttribute('position', positions);
-      geometry.setAttribute('order', ordersOf(positions));
       geometry.setAttribute('outcome', this.outcomes);
       const points = this.inBlock(geometry);
       points.visible = false;
@@ -94,7 +93,7 @@ export class Cloud {
     if (masks.length !== this.count) return;
     this.channels = new Uint8Array(this.count);
     masks.forEach((mask, place) => (this.channels![this.plan.index[place]] = mask));
-    this.setAll('channel', new THREE.BufferAttribute(this.channels, 1));
+    this.setAll('channel', bytesOf(this.channels));
   }
 
   /** At which ticks points were fired. */
@@ -158,14 +157,11 @@ export class Cloud {
     changed.forEach((at, to) =>
       points.set(this.plan.points.subarray(4 * at, 4 * at + 4), 4 * to));
     const geometry = new THREE.BufferGeometry();
-    const positions = positionsOf(points);
-    geometry.setAttribute('position', positions);
-    geometry.setAttribute('order', ordersOf(positions));
-    geometry.setAttribute('outcome',
-      new THREE.BufferAttribute(Uint8Array.from(changed, (at) => this.state[at]), 1));
+    geometry.setAttribute('position', positionsOf(points));
+    geometry.setAttribute('outcome', bytesOf(Uint8Array.from(changed, (at) => this.state[at])));
     const { channels, ticks } = this;
     if (channels) geometry.setAttribute('channel',
-      new THREE.BufferAttribute(Uint8Array.from(changed, (at) => channels[at]), 1));
+      bytesOf(Uint8Array.from(changed, (at) => channels[at])));
     if (ticks) geometry.setAttribute('tick',
       new THREE.BufferAttribute(Float32Array.from(changed, (at) => ticks[at]), 1));
     this.fresh = this.inBlock(geometry);
@@ -205,14 +201,17 @@ export class Cloud {
   }
 }
 
-function positionsOf(points: Uint16Array): THREE.InterleavedBufferAttribute {
-  return new THREE.InterleavedBufferAttribute(
-    new THREE.InterleavedBuffer(points, 4), 3, 0, true);
+// Formats that every graphics card reads as they are: of any other one its driver makes a copy
+// in numbers of 4 bytes, and makes it again at each change.
+
+/** x, y, z and place in the order of each point, 0..1. */
+function positionsOf(points: Uint16Array): THREE.BufferAttribute {
+  return new THREE.BufferAttribute(points, 4, true);
 }
 
-/** The fourth number of each point: its place in the order, 0..1. */
-function ordersOf(positions: THREE.InterleavedBufferAttribute): THREE.InterleavedBufferAttribute {
-  return new THREE.InterleavedBufferAttribute(positions.data, 1, 3, true);
+/** Small numbers; the shader gets them divided by 255. */
+function bytesOf(values: Uint8Array): THREE.BufferAttribute {
+  return new THREE.BufferAttribute(values, 1, true);
 }
 
 /** What is shown of every cloud. */
@@ -232,17 +231,19 @@ function glsl(colour: number[]): string {
   return `vec3(${colour.map((part) => part.toFixed(3)).join(', ')})`;
 }
 
-const material = new THREE.ShaderMaterial({
+const material = new THREE.RawShaderMaterial({
   transparent: true,
   uniforms: {
     mode: { value: 0 }, until: { value: 1 }, cut: { value: new THREE.Vector3().set(1, 1, 1) },
     lastTick: { value: 1 },
   },
   depthWrite: false,
-  vertexShader: `attribute float outcome, order, tick, channel;
+  vertexShader: `precision highp float;
+    attribute vec4 position; attribute float outcome, tick, channel;
+    uniform mat4 projectionMatrix, modelViewMatrix;
     uniform float mode, until, lastTick; uniform vec3 cut; varying vec4 shade;
     vec3 inChannels() {
-      vec4 is = mod(floor((channel + .5) / vec4(1., 2., 4., 8.)), 2.);
+      vec4 is = mod(floor((255. * channel + .5) / vec4(1., 2., 4., 8.)), 2.);
       return (${ofChannel.map((colour, i) => `is[${i}] * ${glsl(colour)}`).join(' + ')})
         / max(1., dot(is, vec4(1.)));
     }
@@ -251,15 +252,17 @@ const material = new THREE.ShaderMaterial({
         `state < ${i}.5 ? ${glsl(colour)} : `).join('')}${glsl(ofOutcome[ofOutcome.length - 1])};
     }
     void main() {
-      float state = order > until || until <= 0. ? 0. : outcome;
+      float order = position.w;
+      float state = order > until || until <= 0. ? 0. : 255. * outcome;
       bool made = state > .5 && state < 1.5, planned = state < .5;
       float along = mode < 1.5 ? order : tick / lastTick;
       vec3 colour = (planned || made) && mode > 2.5 ? inChannels()
         : made && mode > .5 ? mix(${glsl(first)}, ${glsl(last)}, along) : ofOutcome(state);
       shade = vec4(colour, planned ? ${faint} : made ? .95 : 1.);
-      gl_Position = any(greaterThan(position, cut))
-        ? vec4(2., 2., 2., 1.) : projectionMatrix * modelViewMatrix * vec4(position, 1.);
+      gl_Position = any(greaterThan(position.xyz, cut))
+        ? vec4(2., 2., 2., 1.) : projectionMatrix * modelViewMatrix * vec4(position.xyz, 1.);
       gl_PointSize = state < .5 ? 1.5 : 2.2;
     }`,
-  fragmentShader: 'varying vec4 shade; void main() { gl_FragColor = shade; }',
+  fragmentShader: `precision mediump float;
+    varying vec4 shade; void main() { gl_FragColor = shade; }`,
 });

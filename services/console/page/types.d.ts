@@ -46,24 +46,17 @@ declare module 'three' {
   }
   export const DynamicDrawUsage: number;
   export class BufferAttribute {
-    constructor(array: Float32Array | Uint8Array, size: number);
+    constructor(array: Float32Array | Uint8Array | Uint16Array, size: number,
+                normalized?: boolean);
     needsUpdate: boolean;
     setUsage(usage: number): this;
   }
-  export class InterleavedBuffer {
-    constructor(array: Uint16Array, stride: number);
-    array: Uint16Array;
-  }
-  export class InterleavedBufferAttribute {
-    data: InterleavedBuffer;
-    constructor(buffer: InterleavedBuffer, size: number, offset: number, normalized: boolean);
-  }
   export class BufferGeometry {
-    setAttribute(name: string, attribute: BufferAttribute | InterleavedBufferAttribute): this;
+    setAttribute(name: string, attribute: BufferAttribute): this;
     setDrawRange(start: number, count: number): void;
     dispose(): void;
   }
-  export class ShaderMaterial {
+  export class RawShaderMaterial {
     constructor(parameters: {
       transparent: boolean;
       depthWrite: boolean;
@@ -74,7 +67,7 @@ declare module 'three' {
     uniforms: Record<string, { value: any }>;
   }
   export class Points extends Object3D {
-    constructor(geometry: BufferGeometry, material: ShaderMaterial);
+    constructor(geometry: BufferGeometry, material: RawShaderMaterial);
     geometry: BufferGeometry;
   }
   export class WebGLRenderer {
