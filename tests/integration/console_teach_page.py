@@ -160,6 +160,26 @@ def make_test_jobs(page, shop, folder):
     print(f"a focus series moves the zero by {moved:.3f} mm", flush=True)
 
 
+def limit_on_the_page(page, shop):
+    """The fields have the machine's limits; what is saved there is the machine's, and goes."""
+    def limits():
+        return [[axis["limit_min"], axis["limit_max"]] for axis in shop.status()["axes"]]
+
+    def shown():
+        return [[float(page.field(f"{axis} {end}").get_attribute("value") or "nan")
+                 for end in ("from", "to")] for axis in "xyz"]
+
+    travel = limits()
+    eventually(lambda: shown() == travel, 10)
+    wanted = [[low + 5, high - 4] for low, high in travel]
+    for axis, (low, high) in zip("xyz", wanted):
+        page.fill(f"{axis} from", f"{low:g}")
+        page.fill(f"{axis} to", f"{high:g}")
+    page.hold("Save the limits", lambda: limits() == wanted)
+    page.hold("Remove the limits", lambda: limits() == travel)
+    eventually(lambda: shown() == travel, 10)
+
+
 def teach_on_the_page(shop, folder):
     from selenium.webdriver.common.by import By
     from selenium.webdriver.support.ui import Select
@@ -192,6 +212,7 @@ def teach_on_the_page(shop, folder):
             "return [document.scrollingElement.scrollWidth, window.innerWidth]")
         assert wide[0] <= wide[1], f"wider than the window: {wide}"
         page.hold("Undo the last change", lambda: "zero, of the profile: " in page.text())
+        limit_on_the_page(page, shop)
         page.hold("Lamp, while held", lambda: shop.status()["lamp_on"])
         eventually(lambda: not shop.status()["lamp_on"], 10)
         page.hold("Shutter, while held", lambda: shop.status()["shutters_open"] == [3])

@@ -90,6 +90,29 @@ def never():
     return False
 
 
+def check_limits(shop, finger):
+    """Soft limits are set, kept in the profile and removed; wrong ones are refused."""
+    def limits():
+        return [(axis["limit_min"], axis["limit_max"]) for axis in shop.status()["axes"]]
+
+    travel = limits()
+    lowest = {axis: travel[i][0] + 5 for i, axis in enumerate("xyz")}
+    highest = {f"{axis}_max": travel[i][1] - 4 for i, axis in enumerate("xyz")}
+    answer, message = shop.does(finger, "save_limits", **lowest, **highest)
+    assert answer == "done", message
+    assert limits() == [(low + 5, high - 4) for low, high in travel], (travel, limits())
+    assert "limits {" in shop.profile()
+    answer, message = shop.does(finger, "save_limits", **lowest, x_max=lowest["x"] - 1)
+    assert answer == "refused", (answer, message)
+    answer, message = shop.does(finger, "forget_limits")
+    assert answer == "done", message
+    assert limits() == travel, (travel, limits())
+    for _ in range(2):
+        answer, message = shop.does(finger, "undo")
+        assert answer == "done", message
+    assert limits() == travel, (travel, limits())
+
+
 def teach_by_messages(shop):
     finger = Finger(shop.port, shop.key)
     eventually(shop.answers, 30)
@@ -100,7 +123,7 @@ def teach_by_messages(shop):
     place = [axis["position"] for axis in shop.status()["axes"]]
 
     observer = Finger(shop.port, shop.observer)
-    for kind in ("save_zero", "undo", "lamp", "shutter"):
+    for kind in ("save_zero", "save_limits", "undo", "lamp", "shutter"):
         answer, message = shop.hold(observer, kind, never, lens=LENS, z=HEIGHT_MM, channel=1)
         assert answer == "refused" and "an observer" in message, (kind, answer, message)
     assert shop.profile() == text, "an observer teaches nothing"
@@ -126,6 +149,7 @@ def teach_by_messages(shop):
         answer, message = shop.does(finger, "undo")
         assert answer == "done", message
     assert not shop.zero(2)["taught"]
+    check_limits(shop, finger)
     answer, message = shop.does(finger, "save_zero", lens="f99", channel=1)
     assert answer == "refused" and "f99" in message, message
 

@@ -11,9 +11,9 @@
 namespace intaglio::client {
 namespace {
 
-/// The others need what a sample of a page does not have.
+/// An outline needs what a sample of a page does not have.
 bool IsPassedOn(intaglio_ManualCommandKind kind) {
-  return kind != intaglio_MANUAL_OUTLINE && kind != intaglio_TEACH_LIMITS;
+  return kind != intaglio_MANUAL_OUTLINE;
 }
 
 }  // namespace
@@ -29,8 +29,9 @@ std::string JogRelay::SenderOf(std::uint64_t person) const {
 
 Status JogRelay::Pass(const SentOrder& sent) {
   if (!IsPassedOn(sent.order.kind))
-    return Fail(ErrorCode::kInvalidValue, "outlines and limits are not passed on");
-  if (!sent.order.place.allFinite() || !std::isfinite(sent.order.speed_mm_s))
+    return Fail(ErrorCode::kInvalidValue, "outlines are not passed on");
+  if (!sent.order.place.allFinite() || !sent.order.place_max.allFinite() ||
+      !std::isfinite(sent.order.speed_mm_s))
     return Fail(ErrorCode::kInvalidValue, "the place or the speed is no number");
   const std::lock_guard lock(mutex_);
   const auto known = commands_.find(sent.cell);

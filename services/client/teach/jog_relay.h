@@ -28,7 +28,7 @@ class JogRelay {
   /// "PROGRAM-PID-RANDOM-PERSON".
   std::string SenderOf(std::uint64_t person) const;
   /// From any thread. kNotFound: no such machine is there. kInvalidValue: a number that
-  /// is none, or an order of outlines or limits. kRefused: the identity may not command.
+  /// is none, or an order of outlines. kRefused: the identity may not command.
   Status Pass(const SentOrder& sent);
   /// The machines whose state has come since the last call; from one thread.
   std::vector<MachineView> TakeNew();

@@ -12,6 +12,9 @@ export interface Order {
   channel?: number;
   lens?: string;
   sets?: number;  // of a zero: 1 x, 2 y, 4 z, or a sum
+  x_max?: number;  // of limits
+  y_max?: number;
+  z_max?: number;
 }
 
 /** Of a button that is held. */

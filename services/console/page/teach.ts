@@ -3,6 +3,7 @@
 // slips; the motion bridge decides.
 import { Dict, make } from './dom';
 import { JogPanel, Order } from './jog';
+import { SoftLimits } from './soft_limits';
 import { TestJobs } from './test_jobs';
 import { fill, language, text } from './text';
 
@@ -18,6 +19,7 @@ export class TeachPanel extends HTMLElement {
   private light = make('div', '', 'need');
   private answer = make('div', '', 'need');
   private ofProfile: HTMLElement[] = [];  // what a machine without one does not have
+  private limits!: SoftLimits;
   private tests!: TestJobs;
   private teaching: Dict = {};
   private shown = '';  // machine and number of what was taught that are shown
@@ -47,16 +49,20 @@ export class TeachPanel extends HTMLElement {
     const places = this.buttons(
       this.button(text.saveSample, () => ({ kind: 'save_sample' })),
       this.button(text.savePark, () => ({ kind: 'save_park' })));
+    this.limits = new SoftLimits(this.buttons(
+      this.button(text.saveLimits, () => this.limits.order, () => this.limits.missing),
+      this.button(text.forgetLimits, () => ({ kind: 'forget_limits' }))));
     const lights = this.buttons(
       this.button(text.lampOn, () => ({ kind: 'lamp' })),
       this.button(text.shutterOpen, () => ({ kind: 'shutter', channel: this.channelNumber })));
     this.tests = new TestJobs(hand, () =>
       ({ lens: this.lens.value, channel: this.channelNumber }));
-    this.ofProfile = [lens, channel, this.zero, this.last, places, lights, this.tests.element];
+    this.ofProfile = [lens, channel, this.zero, this.last, places, this.limits.element,
+      lights, this.tests.element];
     this.answer.setAttribute('role', 'status');
     this.append(make('p', text.teachHint, 'quiet'), this.profile, lens, channel, this.zero,
-      labelled(text.heightMm, this.height), axes, zeros, this.last, places, lights, this.light,
-      this.answer, this.tests.element);
+      labelled(text.heightMm, this.height), axes, zeros, this.last, places, this.limits.element,
+      lights, this.light, this.answer, this.tests.element);
     this.show();
   }
 
@@ -94,6 +100,7 @@ export class TeachPanel extends HTMLElement {
     this.light.textContent = [view.lamp_by_hand ? text.lampByHand : '',
       shutters.length ? fill(text.shutterByHand, { channels: shutters.join(', ') }) : '']
       .filter(Boolean).join(', ');
+    this.limits.follow(view);
     const shown = `${view.cell} ${view.taught_number}`;
     if (shown === this.shown) return;
     this.shown = shown;

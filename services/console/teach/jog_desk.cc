@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <optional>
+#include <string_view>
 
 namespace intaglio::console {
 namespace {
+
+constexpr std::string_view kForgetLimits = "forget_limits";
 
 std::optional<intaglio_ManualCommandKind> KindNamed(const std::string& name) {
   if (name.empty()) return intaglio_MANUAL_NONE;
@@ -20,6 +23,7 @@ std::optional<intaglio_ManualCommandKind> KindNamed(const std::string& name) {
   if (name == "move_zero") return intaglio_TEACH_ZERO_MOVED;
   if (name == "save_sample") return intaglio_TEACH_SAMPLE;
   if (name == "save_park") return intaglio_TEACH_PARK;
+  if (name == "save_limits" || name == kForgetLimits) return intaglio_TEACH_LIMITS;
   if (name == "undo") return intaglio_TEACH_UNDO;
   return std::nullopt;
 }
@@ -73,9 +77,11 @@ Result<bool> JogDesk::Pass(web::PeerId page, const JogRequest& request,
   if (!kind) {
     return Fail(
         ErrorCode::kInvalidValue,
-        fmt::format("kind '{}': give jog, move, home, zero, lamp, shutter, save_zero, "
-                    "move_zero, save_sample, save_park, undo, or nothing",
-                    request.kind()),
+        fmt::format(
+            "kind '{}': give jog, move, home, zero, lamp, shutter, save_zero, "
+            "move_zero, save_sample, save_park, save_limits, forget_limits, undo, or "
+            "nothing",
+            request.kind()),
         request.kind());
   }
   bool is_first = false;
@@ -95,6 +101,8 @@ Result<bool> JogDesk::Pass(web::PeerId page, const JogRequest& request,
   sent.operator_name = person;
   sent.order.kind = *kind;
   sent.order.place = {request.x(), request.y(), request.z()};
+  sent.order.place_max = {request.x_max(), request.y_max(), request.z_max()};
+  sent.order.forget = request.kind() == kForgetLimits;
   sent.order.speed_mm_s = request.speed_mm_s();
   sent.order.channel = request.channel();
   sent.order.lens = request.lens();
