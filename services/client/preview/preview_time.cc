@@ -16,14 +16,12 @@
 #include "services/job/machine/job_ticks_bound.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/plan/plan_summary.h"
+#include "services/job/plan/steady_ticks.h"
 
 namespace intaglio::client {
 namespace {
 
 constexpr std::size_t kPieces = 8;
-/// A slab of a dense model has some thousand points, and the way from one to the next
-/// counts: with less the 0.99 points a tick of a bunny at 10 kHz were 0.89.
-constexpr std::size_t kSweepPieceRatio = 4;
 
 using Indices = std::vector<std::uint32_t>;
 
@@ -83,18 +81,6 @@ std::string OrderNameOf(const FrozenJob& job) {
   return field == nullptr ? "" : field->name();
 }
 
-/// Twice the ticks of the middle half: at its ends a piece comes from rest and to it,
-/// which the whole does once.
-std::uint64_t SteadyTicks(const PlanSummary& summary) {
-  const auto& at = summary.point_ticks;
-  const std::size_t count = at.size();
-  if (count < 8) return summary.ticks;
-  const std::size_t from = count / 4, to = count - count / 4 - 1;
-  const double ticks = static_cast<double>(at[to] - at[from]);
-  return static_cast<std::uint64_t>(
-      std::llround(ticks * static_cast<double>(count) / static_cast<double>(to - from)));
-}
-
 Result<std::uint64_t> TicksOf(const FrozenJob& job, const CloudToTime& cloud,
                               const Indices& piece, bool is_sample,
                               const Executor& executor, const ProgressSink& progress) {
@@ -119,7 +105,10 @@ Result<std::uint64_t> TicksOf(const FrozenJob& job, const CloudToTime& cloud,
   plan.machine_points_mm = std::move(axes);
   plan.options = MotionOptionsOf(job);
   const auto summary = INTAGLIO_TRY(Summarize(plan, progress));
-  return is_sample ? SteadyTicks(summary) : summary.ticks;
+  if (!is_sample) return summary.ticks;
+  const double ticks =
+      SteadyTicksPerStep(summary.point_ticks) * static_cast<double>(piece.size());
+  return static_cast<std::uint64_t>(std::llround(ticks));
 }
 
 /// The sum over all pieces. Several are planned at once, and one by all workers.
@@ -205,7 +194,7 @@ Result<TimePreview> EstimateTime(const FrozenJob& job, const CloudToTime& cloud,
     return JumpTimeOf(job, cloud, progress);
   const bool sweeps = job.job().ordering().has_sweep();
   const std::vector<Indices> pieces = PiecesOf(
-      cloud.points_mm, max_planned_points * (sweeps ? kSweepPieceRatio : 1), sweeps);
+      cloud.points_mm, max_planned_points * (sweeps ? kSweepSampleRatio : 1), sweeps);
   const FrozenJob quick = WithQuickOrder(job, point_count);
   const auto planned_ticks =
       INTAGLIO_TRY(TicksOfAll(quick, cloud, pieces, executor, progress));

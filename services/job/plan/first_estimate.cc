@@ -11,6 +11,7 @@
 #include "engrave/sort/local_samples.h"
 #include "services/job/convert/options.h"
 #include "services/job/machine/machine_axes.h"
+#include "services/job/plan/steady_ticks.h"
 
 namespace intaglio {
 namespace {
@@ -30,21 +31,26 @@ class Estimator {
   /// Estimates points that are made in the same channels.
   Result<double> TicksOf(const PointList& points_mm) const {
     if (points_mm.size() < 2) return 0.0;
+    const bool sweeps = order_.method == sort::Method::kSweep;
+    const auto samples = sort::LocalSamples(
+        points_mm, options_.sample_count,
+        options_.sample_points * (sweeps ? kSweepSampleRatio : 1), sweeps);
     double ticks = 0, steps = 0;
-    for (const auto& sample :
-         sort::LocalSamples(points_mm, options_.sample_count, options_.sample_points,
-                            order_.method == sort::Method::kSweep)) {
+    for (const auto& sample : samples) {
       PointList part_mm;
       part_mm.reserve(sample.size());
       for (const std::uint32_t index : sample) part_mm.push_back(points_mm[index]);
-      ticks += INTAGLIO_TRY(PlannedTicksOf(part_mm));
-      steps += static_cast<double>(part_mm.size() - 1);
+      const auto at = INTAGLIO_TRY(PlannedTicksOf(part_mm));
+      const auto own_steps = static_cast<double>(at.size() - 1);
+      ticks += samples.size() == 1 ? at.back() : own_steps * SteadyTicksPerStep(at);
+      steps += own_steps;
     }
     return ticks / steps * static_cast<double>(points_mm.size() - 1);
   }
 
  private:
-  Result<double> PlannedTicksOf(const PointList& part_mm) const {
+  /// Of each point, from the start.
+  Result<std::vector<std::uint32_t>> PlannedTicksOf(const PointList& part_mm) const {
     const auto order = INTAGLIO_TRY(sort::MakeOrder(
         part_mm, order_,
         [this](std::uint64_t, std::uint64_t) { return !progress_ || progress_(0, 0); }));
@@ -53,18 +59,20 @@ class Estimator {
     for (const std::uint32_t index : order) path_mm.push_back(part_mm[index]);
     const auto places = INTAGLIO_TRY(
         machine::AxesAlong(axes_, std::move(path_mm), motion_.limits.travel_mm));
-    std::uint64_t subticks = 0, of_last_point = 0;
-    motion::PointPlan plan(motion_, places.front(),
-                           [&](std::span<const motion::Segment> segments) {
-                             for (const motion::Segment& segment : segments) {
-                               subticks += segment.duration_subticks;
-                               if (segment.point >= 0) of_last_point = subticks;
-                             }
-                           });
+    std::uint64_t subticks = 0;
+    std::vector<std::uint32_t> point_ticks;
+    motion::PointPlan plan(
+        motion_, places.front(), [&](std::span<const motion::Segment> segments) {
+          for (const motion::Segment& segment : segments) {
+            subticks += segment.duration_subticks;
+            if (segment.point < 0) continue;
+            point_ticks.push_back(
+                static_cast<std::uint32_t>(subticks / motion::kSubticksPerTick));
+          }
+        });
     for (const Vec3& place : places) plan.Append(place);
     plan.Rest();
-    return static_cast<double>(of_last_point) /
-           static_cast<double>(motion::kSubticksPerTick);
+    return point_ticks;
   }
 
   const EstimateOptions& options_;

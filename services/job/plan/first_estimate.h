@@ -1,7 +1,8 @@
 #pragma once
 
 // The machining time of a cloud before it is ordered: parts of it are ordered and planned
-// as the whole will be, and the whole takes as many ticks for each point as they do.
+// as the whole will be, and the whole takes as many ticks for each point as their middle
+// halves do (steady_ticks.h).
 
 #include <cstdint>
 #include <span>
@@ -15,7 +16,8 @@
 namespace intaglio {
 
 struct EstimateOptions {
-  /// Parts, and points of each; a cloud that has no more points in all is planned whole.
+  /// Parts, and points of each, in an order of slabs kSweepSampleRatio as many; a cloud
+  /// that has no more points in all is planned whole.
   std::size_t sample_count = 4;
   std::size_t sample_points = 2500;
 };

@@ -92,6 +92,26 @@ TEST(FirstEstimate, OfPartsIsThatOfTheWhole) {
   }
 }
 
+// A slow axis that starts and stops in each part took many of its ticks.
+TEST(FirstEstimate, OfPartsOfASweepIsThatOfTheWhole) {
+  FrozenJob job = SampleJob(4000);
+  job.mutable_job()->mutable_ordering()->mutable_sweep()->set_slab_mm(0.05);
+  job.mutable_job()->mutable_motion()->set_depth_tolerance_um(50);
+  MachineSpec& machine = *job.mutable_machine();
+  for (AxisLimits* mirror : {machine.mutable_x(), machine.mutable_y()}) {
+    mirror->set_max_speed_mm_s(8000);
+    mirror->set_max_acceleration_mm_s2(5e7);
+  }
+  machine.mutable_z()->set_max_speed_mm_s(50);
+  machine.mutable_z()->set_max_acceleration_mm_s2(1000);
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> across(5, 45), up(4, 14);
+  PointList points_mm;
+  for (int i = 0; i < 30000; ++i)
+    points_mm.push_back({across(random), across(random), up(random)});
+  EXPECT_NEAR(RatioOf(job, points_mm, {4, 400}), 1, 0.05);
+}
+
 TEST(FirstEstimate, AddsTheChannelsThatAreMadeOneAfterAnother) {
   const FrozenJob job = SampleJob(200);
   const PointList points_mm = Sections();
