@@ -22,7 +22,7 @@ std::string ShownName(const BatchJobResult& job) {
   std::string shown;
   for (const char c : job.name()) {
     const bool begins = (c & 0xC0) != 0x80;
-    if (begins && ColumnsOf(shown) == kMaxNameColumns) return shown + "...";
+    if (begins && ColumnsOf(shown) >= kMaxNameColumns) return shown + "...";
     shown += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
   }
   return shown;

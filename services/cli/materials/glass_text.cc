@@ -13,6 +13,7 @@
 #include "engrave/core/counted.h"
 #include "materials_db/near_names.h"
 #include "materials_db/numbers.h"
+#include "services/cli/terminal/text_table.h"
 #include "services/job/files/json_text.h"
 #include "services/job/files/material_record.h"
 #include "services/job/quality/pulse_focus.h"
@@ -34,7 +35,7 @@ std::string Table(const std::vector<Row>& rows) {
   for (const Row& row : rows) {
     widths.resize(std::max(widths.size(), row.size()));
     for (std::size_t i = 0; i < row.size(); ++i) {
-      widths[i] = std::max(widths[i], row[i].size());
+      widths[i] = std::max(widths[i], ColumnsOf(row[i]));
     }
   }
   std::string text;

@@ -1,5 +1,7 @@
 #include "services/cli/terminal/text_table.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -14,8 +16,9 @@ constexpr char kIndent[] = "        ";
 }  // namespace
 
 std::size_t ColumnsOf(const std::string& text) {
-  return static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+  // fmt pads to columns, so what it does not pad with is the text's own.
+  const std::size_t enough = 2 * text.size();
+  return text.size() + enough - fmt::formatted_size("{:<{}}", text, enough);
 }
 
 TextTable::TextTable(std::vector<Column> columns) : columns_(std::move(columns)) {

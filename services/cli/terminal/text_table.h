@@ -9,7 +9,7 @@
 
 namespace intaglio::cli {
 
-/// Characters of UTF-8, not bytes.
+/// That a terminal shows a text of UTF-8 in: two for a wide character, as of Chinese.
 std::size_t ColumnsOf(const std::string& text);
 
 class TextTable {

@@ -19,6 +19,18 @@ TEST(TextTable, ColumnsAreAsWideAsTheirWidestCellInCharacters) {
             "        to do: intaglio resume 12345\n");
 }
 
+TEST(TextTable, AWideCharacterTakesTwoColumns) {
+  TextTable table({{"name"}, {"why"}});
+  table.AddRow({"龍", "paused"});
+  table.AddRow({"Zoë 7", "made"});
+  EXPECT_EQ(table.Text(),
+            "name   why\n"
+            "龍     paused\n"
+            "Zoë 7  made\n");
+  EXPECT_EQ(ColumnsOf("龍 ガラス"), 9u);
+  EXPECT_EQ(ColumnsOf(""), 0u);
+}
+
 TEST(TextTable, WithoutRowsItHasItsTitles) {
   EXPECT_EQ(TextTable({{"job"}, {"name"}}).Text(), "job  name\n");
 }
