@@ -82,6 +82,11 @@ void HeadController::Pause() {
   if (!in_hand_) EndRun(HeadRunState::kPaused);
 }
 
+void HeadController::Finish() {
+  finishing_ = true;
+  if (queue_.empty() && !in_hand_) EndRun(HeadRunState::kFinished);
+}
+
 void HeadController::Stop() {
   ++drops_taken_;
   permitted_ = false;

@@ -41,7 +41,9 @@ class HeadController {
   void Permit(bool permitted, std::chrono::nanoseconds now);
   void Begin(const link::HeadBegin& begin);
   void Take(link::HeadBlock block);
-  void Finish() { finishing_ = true; }
+  /// The run ends behind what is queued; without any, at once: in lockstep no tick passes
+  /// any more.
+  void Finish();
   void Pause();
   void Stop();
   void Reset();

@@ -326,6 +326,20 @@ class GalvoInLockstep : public ::testing::Test {
   HeadBench bench_{HeadProfile(), Options()};
 };
 
+// No tick passes any more when all marks are made.
+TEST(GalvoRunInLockstep, EndsWhenItsHostFinishesItLate) {
+  virtual_engraver::HeadOptions options = HeadTruthOf(HeadProfile());
+  options.lockstep = true;
+  HeadBench bench(HeadProfile(), options);
+  ASSERT_TRUE(bench.Connect());
+  bench.Run(1, {{kFastPen}, {LineMark({0, 0}, {5, 0})}}, false);
+  ASSERT_TRUE(bench.Until([&] { return bench.Has(0, MarkFate::kDone); }));
+  ASSERT_FALSE(bench.Until([] { return false; }, 0.1));
+  ASSERT_TRUE(bench.driver().Finish());
+  EXPECT_TRUE(bench.Until([&] { return bench.state().settled; }, 1));
+  EXPECT_EQ(bench.state().fault, "");
+}
+
 // Wall time says nothing of a machine whose time waits for its host.
 TEST_F(GalvoInLockstep, APermissionThatIsLateByTheClockBreaksNoMark) {
   ASSERT_FALSE(bench_.Until([] { return false; }, 0.3));
