@@ -73,7 +73,7 @@ class GalvoDriver final : public MarkDriver {
   bool SendNext();
   void StopFor(const std::string& fault);
   std::uint64_t TickNow() const;
-  std::uint64_t FirstTick(std::uint64_t now) const;
+  std::uint64_t FirstTick(std::uint64_t now, bool web) const;
   Status SendFrame(link::HeadFrame type, const link::Bytes& payload = {});
   Status SendDrop(link::HeadFrame type, const link::Bytes& payload = {});
   void UpdateState();

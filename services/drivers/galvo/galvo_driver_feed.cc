@@ -15,6 +15,8 @@ constexpr std::size_t kMaxAnnounced = 64;
 constexpr std::uint32_t kTicksUnderWay = 33 * link::kMaxHeadTicks;
 // On a piece at rest nothing is predicted, so more can be sent ahead.
 constexpr double kRestAheadSeconds = 0.2;
+// How long before its beginning the first block of a mark is sent that begins alone.
+constexpr double kRestReserveSeconds = 0.05;
 
 }  // namespace
 
@@ -56,8 +58,10 @@ void GalvoDriver::Pump() {
 
 /// Behind what was sent, and late enough for the line and for a host that loses its
 /// processor for some milliseconds. In lockstep time waits.
-std::uint64_t GalvoDriver::FirstTick(std::uint64_t now) const {
-  const double reserve_s = identity_.lockstep ? 0 : AheadSeconds(head_) / 2;
+std::uint64_t GalvoDriver::FirstTick(std::uint64_t now, bool web) const {
+  const double reserve_s = identity_.lockstep ? 0
+                           : web              ? AheadSeconds(head_) / 2
+                                              : kRestReserveSeconds;
   return std::max(next_tick_,
                   now + 1 + static_cast<std::uint64_t>(reserve_s * identity_.rate_hz));
 }
@@ -70,7 +74,7 @@ bool GalvoDriver::SendNext() {
   if (!web) ahead_s = std::max(ahead_s, kRestAheadSeconds);
   const auto ahead = static_cast<std::uint64_t>(ahead_s * identity_.rate_hz);
   const std::uint64_t now = TickNow();
-  const std::uint64_t first = FirstTick(now);
+  const std::uint64_t first = FirstTick(now, web);
   if (web ? first >= now + ahead : identity_.queue_ticks - credit_ > ahead) return false;
   if (!player_.playing()) {
     // With a closed shutter the controller would break it.

@@ -139,7 +139,7 @@ TEST_F(GalvoDriver, AHostThatLosesItsProcessorAtTheBeginningBreaksNoMark) {
     ASSERT_TRUE(
         bench_.driver().Append({mark, LineMark({from_mm, 0}, {30 - from_mm, 0})}));
     for (int turn = 0; turn < turns; ++turn) bench_.Step();
-    bench_.AdvanceHead(std::chrono::milliseconds(12));
+    bench_.AdvanceHead(std::chrono::milliseconds(30));
     ASSERT_TRUE(bench_.Until([&] { return bench_.Has(mark, MarkFate::kDone); }, 1))
         << turns << " turns: " << bench_.state().fault;
     ++mark;
