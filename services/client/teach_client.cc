@@ -11,6 +11,7 @@
 
 #include "services/client/job_client.h"
 #include "services/client/listed_services.h"
+#include "services/platform/bus/manual_orders.h"
 #include "services/platform/bus/samples.h"
 
 namespace intaglio::client {
@@ -159,7 +160,7 @@ Status TeachClient::Connect(std::chrono::milliseconds timeout) {
 
 std::uint64_t TeachClient::Hold(const TeachOrder& order) {
   held_ = order;
-  ++number_;
+  number_ = bus::NumberOfOrder(number_, view_.number);
   Send(true);
   return number_;
 }

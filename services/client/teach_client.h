@@ -61,7 +61,7 @@ struct TeachOrder {
 struct SentOrder {
   std::string cell;
   std::string sender;        ///< of one person at one program; no other has it
-  std::uint64_t number = 0;  ///< of the order, greater with each
+  std::uint64_t number = 0;  ///< of the order (bus/manual_orders.h)
   std::uint64_t seen = 0;    ///< `number` of the MachineView that the person saw last
   std::string operator_name;
   TeachOrder order = {};

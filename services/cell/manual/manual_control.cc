@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "services/platform/bus/manual_orders.h"
+
 namespace intaglio::cell {
 namespace {
 
@@ -76,6 +78,7 @@ std::string WhyNoMotionByHand(const ManualConditions& conditions,
 }
 
 void ManualControl::NotePublished(std::uint64_t number, Nanoseconds now) {
+  if (!first_published_) first_published_ = number;
   published_.emplace_back(number, now);
   if (published_.size() > kRemembered) published_.pop_front();
 }
@@ -96,6 +99,22 @@ bool ManualControl::IsFresh(std::uint64_t seen, Nanoseconds now) const {
 bool ManualControl::IsNew(const ManualOrder& order) const {
   const auto spent = spent_.find(order.sender);
   return spent == spent_.end() || order.number > spent->second;
+}
+
+bool ManualControl::RefusesEarlier(const ManualOrder& order) {
+  const bool began_here =
+      first_published_ &&
+      bus::BeganAmong(order.number, *first_published_, published_.back().first);
+  if (order.by_cell || began_here) return false;
+  if (earlier_.size() >= kMaxSenders && !earlier_.contains(order.sender))
+    earlier_.erase(earlier_.begin());
+  std::uint64_t& refused = earlier_[order.sender];
+  if (refused == order.number) return true;
+  refused = order.number;
+  answer_ = {order.sender, order.number, intaglio_MANUAL_REFUSED,
+             "it began before the service of this machine was started again: let go, and "
+             "give it again"};
+  return true;
 }
 
 void ManualControl::Answer(const ManualOrder& order, intaglio_ManualAnswer code,
@@ -119,6 +138,7 @@ void ManualControl::Take(const ManualOrder& order, Nanoseconds now) {
   if (order.kind == intaglio_MANUAL_NONE || !IsNew(order)) return;
   const auto made_at = PublishedAt(order.seen);
   if (!made_at || now - *made_at > kHeldTime) return;  // its sender repeats a live one
+  if (RefusesEarlier(order)) return;
   if (of_mover && order.number == order_.number) {
     held_at_ = std::max(held_at_, *made_at);
   } else if (moves() && !of_mover) {

@@ -23,7 +23,9 @@
 // moves.
 //
 // Nothing restarts by itself: what ended, for whatever reason, is spent with its number;
-// only an order with a greater number moves again.
+// only an order with a greater number moves again. A number is that of the state at which
+// the order began, so an order that is held while this process is started again has one
+// that this process has not published, and moves nothing.
 //
 // Key, door and stop are read by the laser's controller and reported by another process.
 // A motion is ended when what is known of them is older than kInterlockTime: so much
@@ -145,6 +147,8 @@ class ManualControl {
   void Answer(const ManualOrder& order, intaglio_ManualAnswer code, std::string message);
   /// A number of this sender that was not answered before.
   bool IsNew(const ManualOrder& order) const;
+  /// It began at no state of this process: answered once, and not to be executed.
+  bool RefusesEarlier(const ManualOrder& order);
 
  private:
   enum class Phase { kResting, kMoving, kBraking };
@@ -171,7 +175,9 @@ class ManualControl {
   Box3 limits_;
   std::array<std::string, 3> names_;
   std::deque<std::pair<std::uint64_t, Nanoseconds>> published_;
-  std::map<std::string, std::uint64_t> spent_;  // greatest number by sender
+  std::optional<std::uint64_t> first_published_;
+  std::map<std::string, std::uint64_t> spent_;    // greatest number by sender
+  std::map<std::string, std::uint64_t> earlier_;  // number that was refused last
   std::optional<ManualOrder> pending_;
   Phase phase_ = Phase::kResting;
   ManualOrder order_;      // whose motion is executed

@@ -142,7 +142,8 @@ void ManualDesk::TakeAtZero(ManualOrder order, const intaglio_ManualCommand& com
     order.place = *axes;
     return control_.Take(order, now);
   }
-  if (control_.IsNew(order) && control_.IsFresh(order.seen, now))
+  if (control_.IsNew(order) && control_.IsFresh(order.seen, now) &&
+      !control_.RefusesEarlier(order))
     control_.Answer(order, intaglio_MANUAL_REFUSED, axes.error().message);
 }
 
@@ -162,7 +163,9 @@ std::string ManualDesk::WhyNoTeaching() const {
 
 void ManualDesk::Teach(const ManualOrder& order, const intaglio_ManualCommand& command,
                        std::chrono::nanoseconds now) {
-  if (!control_.IsNew(order) || !control_.IsFresh(order.seen, now)) return;
+  if (!control_.IsNew(order) || !control_.IsFresh(order.seen, now) ||
+      control_.RefusesEarlier(order))
+    return;
   std::string why = WhyNoTeaching();
   if (!why.empty())
     return control_.Answer(order, intaglio_MANUAL_REFUSED, std::move(why));

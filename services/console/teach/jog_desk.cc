@@ -6,8 +6,12 @@
 #include <optional>
 #include <string_view>
 
+#include "services/platform/bus/manual_orders.h"
+
 namespace intaglio::console {
 namespace {
+
+using namespace std::chrono_literals;
 
 constexpr std::string_view kForgetLimits = "forget_limits";
 
@@ -85,18 +89,26 @@ Result<bool> JogDesk::Pass(web::PeerId page, const JogRequest& request,
         request.kind());
   }
   bool is_first = false;
+  std::uint64_t number = 0;
   {
     const std::lock_guard lock(mutex_);
-    std::erase_if(pages_,
-                  [&](const auto& one) { return now - one.second.sent > kQuietTime; });
+    ForgetPages(now);
     Page& known = pages_[page];
-    is_first = *kind != intaglio_MANUAL_NONE && known.press != request.press();
-    known = {request.cell(), is_first ? request.press() : known.press, now};
+    // A page that has not seen the machine yet cannot begin.
+    is_first = *kind != intaglio_MANUAL_NONE && known.press != request.press() &&
+               request.seen() != 0;
+    if (is_first) {
+      known.press = request.press();
+      known.number = bus::NumberOfOrder(known.number, request.seen());
+    }
+    known.cell = request.cell();
+    known.sent = now;
+    number = known.number;
   }
   client::SentOrder sent;
   sent.cell = request.cell();
   sent.sender = relay_.SenderOf(page);
-  sent.number = request.press();
+  sent.number = number;
   sent.seen = request.seen();
   sent.operator_name = person;
   sent.order.kind = *kind;
@@ -110,6 +122,14 @@ Result<bool> JogDesk::Pass(web::PeerId page, const JogRequest& request,
   if (const auto passed = relay_.Pass(sent); !passed)
     return tl::unexpected(passed.error());
   return is_first;
+}
+
+// A page keeps the number of its press while it is silent, or the same press would begin
+// again.
+void JogDesk::ForgetPages(Clock::time_point now) {
+  constexpr std::size_t kMaxPages = 1024;
+  if (pages_.size() < kMaxPages) return;
+  std::erase_if(pages_, [&](const auto& one) { return now - one.second.sent > 60s; });
 }
 
 bool JogDesk::IsAtWork(Clock::time_point now) const {
@@ -141,8 +161,9 @@ std::vector<std::pair<web::PeerId, JogView>> JogDesk::TakeNew(Clock::time_point 
       if (page.cell != machine.cell || now - page.sent > kQuietTime) continue;
       JogView view = ViewOf(machine);
       view.set_held_here(machine.held_by == relay_.SenderOf(id));
-      if (machine.answered_sender == relay_.SenderOf(id)) {
-        view.set_answered_press(static_cast<std::uint32_t>(machine.answered_number));
+      if (machine.answered_sender == relay_.SenderOf(id) &&
+          machine.answered_number == page.number) {
+        view.set_answered_press(page.press);
         view.set_answer(NameOf(machine.answer));
         view.set_message(machine.message);
       }

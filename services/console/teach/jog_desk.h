@@ -42,12 +42,15 @@ class JogDesk {
   struct Page {
     std::string cell;
     std::uint32_t press = 0;
+    std::uint64_t number = 0;  // of its order; the state at which the press began
     Clock::time_point sent;
   };
   struct Known {
     client::MachineView view;
     Clock::time_point taken;
   };
+  void ForgetPages(Clock::time_point now);
+
   static constexpr std::chrono::seconds kQuietTime{1};
   /// Four periods of a machine that nobody moves.
   static constexpr std::chrono::seconds kKnownTime{2};

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <csignal>
 #include <optional>
+#include <thread>
 
 #include "services/platform/bus/samples.h"
 #include "tests/services/platform/bus/child_program.h"
@@ -44,11 +45,16 @@ class ManualProcess : public ::testing::Test {
     std::filesystem::copy_file(
         std::filesystem::path(INTAGLIO_SOURCE_DIR) / "deploy/machines/els-03.textproto",
         profile);
-    bridge_.emplace(
-        intaglio::testing::Program("intaglio-motion-bridge").string(),
-        std::vector<std::string>{"--machine", profile.string(), "--device",
-                                 engraver_.motion_line(), "--tag", test::PrivateTag(),
-                                 "--cell", kMachine, "--log-level", "error"});
+    ASSERT_NO_FATAL_FAILURE(StartBridge());
+    begun_at_ = number_;
+  }
+  void StartBridge() {
+    refusal_ = "no state came";
+    bridge_.emplace(intaglio::testing::Program("intaglio-motion-bridge").string(),
+                    std::vector<std::string>{
+                        "--machine", (folder_ / "machine.textproto").string(), "--device",
+                        engraver_.motion_line(), "--tag", test::PrivateTag(), "--cell",
+                        kMachine, "--log-level", "error"});
     ASSERT_TRUE(Eventually([&] {
       Beat();
       return commands_.matched_count() > 0 && permissions_.matched_count() > 0 &&
@@ -78,16 +84,17 @@ class ManualProcess : public ::testing::Test {
       x_mm_ = state.position[0];
       held_ = !View(state.held_by).empty();
       answer_ = state.answer;
-      answered_ = state.answered_number;
+      answered_ = state.answered_number == 0 ? 0 : state.answered_number - begun_at_;
       message_ = View(state.message);
     });
   }
+  /// `number`: of the order, from 1, of those that begin at the state begun_at_.
   void Send(intaglio_ManualCommandKind kind, std::uint64_t number,
             const Vec3& place = Vec3(1, 0, 0)) {
     intaglio_ManualCommand command{};
     command.cell = Borrow(kMachine);
     command.sender = Borrow(kSender);
-    command.number = number;
+    command.number = begun_at_ + number;
     command.seen = number_;
     command.kind = kind;
     command.place[0] = place.x(), command.place[1] = place.y(),
@@ -130,7 +137,7 @@ class ManualProcess : public ::testing::Test {
   std::optional<test::ChildProgram> bridge_;
   bool armed_ = false, held_ = false, beats_interlocks_ = true;
   double speed_mm_s_ = 20;
-  std::uint64_t number_ = 0, answered_ = 0;
+  std::uint64_t number_ = 0, answered_ = 0, begun_at_ = 0;
   std::string refusal_ = "no state came", message_;
   double x_mm_ = 0;
   intaglio_ManualAnswer answer_ = intaglio_MANUAL_DONE;
@@ -153,6 +160,28 @@ TEST_F(ManualProcess, ABridgeThatIsKilledStopsTheStage) {
   ASSERT_TRUE(BeginJog(1)) << message_;
   bridge_.reset();
   EXPECT_TRUE(Eventually([&] { return !StageRuns(); }, 2s));
+}
+
+// It has all that it needs to move again but a fresh word.
+TEST_F(ManualProcess, ABridgeThatIsStartedAgainMovesNothingThatIsStillHeld) {
+  ASSERT_TRUE(BeginJog(1)) << message_;
+  bridge_.reset();
+  ASSERT_TRUE(Eventually([&] { return !StageRuns(); }, 2s));
+  const double at_mm = StageX();
+  ASSERT_NO_FATAL_FAILURE(StartBridge());
+  bool is_refused = false;
+  for (const auto end = Clock::now() + 3s; Clock::now() < end;) {
+    Beat();
+    Send(intaglio_MANUAL_JOG, 1);
+    is_refused |= answered_ == 1 && answer_ == intaglio_MANUAL_REFUSED;
+    ASSERT_FALSE(StageRuns());
+    std::this_thread::sleep_for(20ms);
+  }
+  EXPECT_TRUE(is_refused) << message_;
+  EXPECT_NE(message_.find("started again"), std::string::npos) << message_;
+  EXPECT_NEAR(StageX(), at_mm, 0.1);
+  begun_at_ = number_;
+  EXPECT_TRUE(BeginJog(1)) << message_;
 }
 
 class LostSynchronizer : public ManualProcess,

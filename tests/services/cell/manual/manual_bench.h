@@ -77,8 +77,9 @@ class ManualControlTest : public ::testing::Test {
     if (are_reported_) conditions_.interlocks_at = now_;
     control_.Turn(conditions_, now_);
   }
+  /// The order of this number, from 1, of those that begin at the first state.
   ManualOrder Jog(std::uint64_t number, const std::string& sender = "ann") const {
-    return {sender, number, number_, intaglio_MANUAL_JOG, Vec3(1, 0, 0), 20};
+    return {sender, kBefore + number, number_, intaglio_MANUAL_JOG, Vec3(1, 0, 0), 20};
   }
   void Give(const ManualOrder& order) {
     control_.Take(order, now_);
@@ -99,7 +100,9 @@ class ManualControlTest : public ::testing::Test {
   ManualConditions conditions_;
   Nanoseconds now_ = 10s;
   bool are_reported_ = true;
-  std::uint64_t number_ = 1000;
+  /// The number before the first state.
+  static constexpr std::uint64_t kBefore = 1000;
+  std::uint64_t number_ = kBefore;
 };
 
 }  // namespace intaglio::cell

@@ -1,3 +1,4 @@
+#include "services/platform/bus/manual_orders.h"
 #include "tests/services/cell/manual/manual_bench.h"
 
 namespace intaglio::cell {
@@ -36,7 +37,7 @@ TEST_F(ManualControlTest, AZeroOfTheControllerIsSetAtRest) {
   EXPECT_EQ(control_.answer().code, intaglio_MANUAL_REFUSED);
   EXPECT_EQ(driver_.zeros, 0);
   conditions_.door_closed = true;
-  zero.number = 2;
+  zero.number = kBefore + 2;
   Give(zero);
   ASSERT_EQ(driver_.zeros, 1);
   EXPECT_EQ(driver_.target, Vec3(0, 0, 0.1));
@@ -64,7 +65,7 @@ TEST_F(ManualControlTest, AxesWhosePlaceIsLostGoTheirWholeLengthForAPersonAlone)
   EXPECT_EQ(driver_.jogs, 0);
   EXPECT_THAT(control_.answer().message, HasSubstr("outside the limits"));
   driver_.now.place_lost = "nobody knows where the axes are";
-  back.number = 2;
+  back.number = kBefore + 2;
   Give(back);
   ASSERT_EQ(driver_.jogs, 1);
   EXPECT_EQ(driver_.target, Vec3(-90, 10, 10));
@@ -129,6 +130,45 @@ TEST_F(ManualControlTest, ACommandThatWasHeldBackKeepsNothingMoving) {
   stored.seen = 3;  // of another life of the bridge
   Give(stored);
   EXPECT_EQ(driver_.jogs, 1);
+}
+
+// A finger that is held while the service is started again echoes the new states.
+TEST_F(ManualControlTest, AnOrderThatBeganBeforeThisProcessMovesNothing) {
+  for (const std::uint64_t number : {kBefore, std::uint64_t{3}, kBefore + 100000}) {
+    ManualOrder held = Jog(1);
+    held.number = number;
+    for (int i = 0; i < 50; ++i) {
+      now_ += 20ms;
+      Publish();
+      held.seen = number_;
+      Give(held);
+    }
+    EXPECT_EQ(driver_.jogs, 0) << number;
+    EXPECT_EQ(control_.answer().number, number);
+    EXPECT_EQ(control_.answer().code, intaglio_MANUAL_REFUSED);
+    EXPECT_THAT(control_.answer().message, HasSubstr("started again"));
+  }
+  ManualOrder pressed = Jog(1);
+  pressed.number = bus::NumberOfOrder(kBefore + 100000, number_);
+  Give(pressed);
+  EXPECT_EQ(driver_.jogs, 1);
+}
+
+TEST(NumberOfOrder, IsThatOfTheStateOrTheNextOne) {
+  EXPECT_EQ(bus::NumberOfOrder(0, 5000), 5000u);
+  EXPECT_EQ(bus::NumberOfOrder(5000, 5000), 5001u);
+  EXPECT_EQ(bus::NumberOfOrder(5001, 5000), 5002u);
+  EXPECT_EQ(bus::NumberOfOrder(5001, 5010), 5010u);
+  EXPECT_EQ(bus::NumberOfOrder(std::uint64_t{9} << 40, 5000), 5000u);
+  std::uint64_t last = 0;
+  for (std::uint64_t i = 0; i < 60; ++i) {
+    const std::uint64_t next = bus::NumberOfOrder(last, 5000 + i / 20);
+    ASSERT_GT(next, last);
+    ASSERT_TRUE(bus::BeganAmong(next, 5000, 5000 + i / 20)) << i;
+    last = next;
+  }
+  EXPECT_FALSE(bus::BeganAmong(4999, 5000, 5100));
+  EXPECT_FALSE(bus::BeganAmong(5000 + 165, 5000, 5100));
 }
 
 TEST_F(ManualControlTest, LettingGoOrTheEndOfItsProcessEndsTheJog) {
@@ -272,11 +312,11 @@ TEST_F(ManualControlTest, APlaceOutsideTheLimitsIsRefusedWithAxisAndLimits) {
   Give(order);
   EXPECT_EQ(driver_.jogs, 0);
   EXPECT_THAT(control_.answer().message, HasSubstr("y 80.001 is outside the limits, 0"));
-  order.number = 2;
+  order.number = kBefore + 2;
   order.place = Vec3(50, std::nan(""), 10);
   Give(order);
   EXPECT_EQ(driver_.jogs, 0);
-  order.number = 3;
+  order.number = kBefore + 3;
   order.place = Vec3(50, 80, 10);
   Give(order);
   EXPECT_EQ(driver_.target, Vec3(50, 80, 10));

@@ -10,7 +10,7 @@ using ::testing::HasSubstr;
 class ManualLight : public ManualControlTest {
  protected:
   ManualLight() { control_.SetChannels(2); }
-  std::uint64_t order_ = 100;
+  std::uint64_t order_ = 10;
   ManualOrder Light(std::uint64_t number, intaglio_ManualCommandKind kind,
                     std::uint32_t channel = 1) const {
     ManualOrder order = Jog(number);

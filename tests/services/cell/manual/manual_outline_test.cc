@@ -38,7 +38,7 @@ class ManualOutline : public ManualControlTest {
     EXPECT_FALSE(control_.moves());
   }
 
-  std::uint64_t order_ = 100;
+  std::uint64_t order_ = 10;
   int begun_ = 0;
 };
 
