@@ -254,15 +254,16 @@ void StepCourse::TakePulses(const StepLimits& limits, int axis, bool hardest) {
   const Pulses pulses = hardest ? HardestPulses(v, w, d, Seconds(total), planned)
                                 : GentlestPulses(v, w, d, Seconds(total), planned);
   if (pulses.share < 1e-9) return Add(total, {d, w});
-  std::uint64_t first = std::min(OnGrid(pulses.first_s, unit), total);
-  std::uint64_t last = std::min(OnGrid(pulses.last_s, unit), total - first);
+  const auto at_most = [&](std::uint64_t longest, double pulse_s) {
+    return std::min(OnGrid(pulse_s, unit), longest);
+  };
+  std::uint64_t first = at_most(total, pulses.first_s);
+  std::uint64_t last = at_most(total - first, pulses.last_s);
   // A pulse made longer changes the cruise, which then has to be reached from an end that
   // was at it.
   const double change = CruiseFor(first, last) - (first == 0 ? v : w);
-  if (first == 0)
-    first = std::min(OnGrid(PulseSeconds(std::abs(change), planned), unit), total - last);
-  if (last == 0)
-    last = std::min(OnGrid(PulseSeconds(std::abs(change), planned), unit), total - first);
+  if (first == 0) first = at_most(total - last, PulseSeconds(std::abs(change), planned));
+  if (last == 0) last = at_most(total - first, PulseSeconds(std::abs(change), planned));
   const double cruise = CruiseFor(first, last);
   AccelerationNodes nodes(subtick_s_);
   nodes.AddPulse(0, first, cruise - v, first > last, grid_, planned);

@@ -249,12 +249,17 @@ bool Stretch::CanTurn(std::size_t begin, std::size_t end) const {
   return true;
 }
 
-/// Whether each point that moves is within the tolerance of the axis where it comes to.
+/// Whether the point that comes to this place is within the tolerance of the axis there.
+bool Stretch::StaysInTubeAt(const Change& change, std::size_t place) const {
+  const double height_mm = tube_.points_mm[at_[OldPlace(change, place)]];
+  return std::abs(height_mm - tube_.axis_mm[place]) <= tube_.tolerance_mm;
+}
+
+/// Whether each point that moves does.
 bool Stretch::StaysInTube(const Change& change) const {
   if (tube_.points_mm.empty()) return true;
   for (std::size_t place = change.begin; place < change.end; ++place) {
-    const double height_mm = tube_.points_mm[at_[OldPlace(change, place)]];
-    if (std::abs(height_mm - tube_.axis_mm[place]) > tube_.tolerance_mm) return false;
+    if (!StaysInTubeAt(change, place)) return false;
   }
   return true;
 }
@@ -263,10 +268,7 @@ bool Stretch::StaysInTube(const Change& change) const {
 bool Stretch::EndsStayInTube(const Change& change) const {
   if (tube_.points_mm.empty()) return true;
   const std::size_t meet = change.begin + change.end - change.middle;
-  const auto stays = [&](std::size_t place) {
-    const double height_mm = tube_.points_mm[at_[OldPlace(change, place)]];
-    return std::abs(height_mm - tube_.axis_mm[place]) <= tube_.tolerance_mm;
-  };
+  const auto stays = [&](std::size_t place) { return StaysInTubeAt(change, place); };
   return stays(change.begin) && stays(change.end - 1) && stays(meet - 1) &&
          stays(std::min(meet, change.end - 1));
 }

@@ -72,6 +72,7 @@ class Stretch {
   std::size_t WindowsAround(const std::size_t (&steps)[3], Window (&windows)[3]) const;
   float GainOf(const Change& change, double bearable);
   bool IsAllowed(const Change& change) const;
+  bool StaysInTubeAt(const Change& change, std::size_t place) const;
   bool EndsStayInTube(const Change& change) const;
   bool StaysInTube(const Change& change) const;
   bool CanTurn(std::size_t begin, std::size_t end) const;

@@ -208,15 +208,19 @@ def measure(given, folder, driver, place):
               f"{quantile(times, 0.99):.1f} ms, most {max(times):.1f} ms of {len(times)}")
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__,
+def bench_arguments(description, **counts):
+    """What a bench of the console is given: programs, a folder, and these numbers."""
+    parser = argparse.ArgumentParser(description=description,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--bin", required=True, help="folder of the programs")
-    parser.add_argument("--points", type=int, default=1000000)
-    parser.add_argument("--runs", type=int, default=5)
-    parser.add_argument("--presses", type=int, default=60)
+    for name, default in counts.items():
+        parser.add_argument(f"--{name}", type=int, default=default)
     parser.add_argument("--folder", type=pathlib.Path)
-    given = parser.parse_args()
+    return parser.parse_args()
+
+
+def main():
+    given = bench_arguments(__doc__, points=1000000, runs=5, presses=60)
     if missing():
         print("not installed:", ", ".join(missing()), file=sys.stderr)
         return 2

@@ -10,7 +10,6 @@ that the machine fires no pulse, its shutters are closed and its stage rests; be
 the stop is released. Then the same with the job service killed: no stop is released then, and
 each press is confirmed by its own number. Needs curl.
 """
-import argparse
 import contextlib
 import http.client
 import json
@@ -28,7 +27,7 @@ import time
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "integration"))
 from console_jog_test import Finger  # noqa: E402
-from console_page import bulk_transfer, quantile, random_cloud  # noqa: E402
+from console_page import bench_arguments, bulk_transfer, quantile, random_cloud  # noqa: E402
 from patience import eventually  # noqa: E402
 
 PONG = bytes([0x8a, 0x80]) + bytes(4)
@@ -163,14 +162,7 @@ def measure(shop, what, presses, between):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--bin", required=True, help="folder of the programs")
-    parser.add_argument("--pages", type=int, default=50)
-    parser.add_argument("--presses", type=int, default=200)
-    parser.add_argument("--points", type=int, default=100000)
-    parser.add_argument("--folder", type=pathlib.Path)
-    given = parser.parse_args()
+    given = bench_arguments(__doc__, pages=50, presses=200, points=100000)
     folder = given.folder or pathlib.Path(tempfile.mkdtemp())
     folder.mkdir(parents=True, exist_ok=True)
     random_cloud(folder / "cloud.xyz", given.points)

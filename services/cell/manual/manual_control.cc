@@ -18,6 +18,14 @@ constexpr std::size_t kRemembered = 128;
 // Clients come and go; the oldest names are of processes that have ended.
 constexpr std::size_t kMaxSenders = 256;
 
+/// The number of this sender; the map keeps kMaxSenders at most.
+std::uint64_t& NumberOf(const std::string& sender,
+                        std::map<std::string, std::uint64_t>& numbers) {
+  if (numbers.size() >= kMaxSenders && !numbers.contains(sender))
+    numbers.erase(numbers.begin());
+  return numbers[sender];
+}
+
 bool IsLight(intaglio_ManualCommandKind kind) {
   return kind == intaglio_MANUAL_LAMP || kind == intaglio_MANUAL_SHUTTER;
 }
@@ -106,9 +114,7 @@ bool ManualControl::RefusesEarlier(const ManualOrder& order) {
       first_published_ &&
       bus::BeganAmong(order.number, *first_published_, published_.back().first);
   if (order.by_cell || began_here) return false;
-  if (earlier_.size() >= kMaxSenders && !earlier_.contains(order.sender))
-    earlier_.erase(earlier_.begin());
-  std::uint64_t& refused = earlier_[order.sender];
+  std::uint64_t& refused = NumberOf(order.sender, earlier_);
   if (refused == order.number) return true;
   refused = order.number;
   answer_ = {order.sender, order.number, intaglio_MANUAL_REFUSED,
@@ -121,9 +127,7 @@ void ManualControl::Answer(const ManualOrder& order, intaglio_ManualAnswer code,
                            std::string message) {
   answer_ = {order.sender, order.number, code, std::move(message)};
   if (code == intaglio_MANUAL_ACCEPTED) return;
-  if (spent_.size() >= kMaxSenders && !spent_.contains(order.sender))
-    spent_.erase(spent_.begin());
-  std::uint64_t& spent = spent_[order.sender];
+  std::uint64_t& spent = NumberOf(order.sender, spent_);
   spent = std::max(spent, order.number);
 }
 

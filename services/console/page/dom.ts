@@ -11,6 +11,13 @@ export function make(tag: string, content = '', className = ''): HTMLElement {
   return element;
 }
 
+/** A control with its name before it. */
+export function labelled(name: string, control: HTMLElement): HTMLElement {
+  const label = make('label', `${name} `);
+  label.append(control);
+  return label;
+}
+
 /** The answer of the console, also when it refuses; undefined: there was none. */
 export async function post(path: string, body: Dict): Promise<Dict | undefined> {
   try {

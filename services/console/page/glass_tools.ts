@@ -1,7 +1,7 @@
 // What a person chooses of the picture of the block: a section, the colours, and how far along
 // the order the cracks are shown.
 import { Colour, Mode, css, first, last, modes, ofChannel, ofOutcome } from './colours';
-import { Dict, make } from './dom';
+import { Dict, labelled, make } from './dom';
 import { fill, language, text } from './text';
 
 const steps = 1000;      // of a slider
@@ -118,10 +118,4 @@ function slider(value: number): HTMLInputElement {
   range.max = String(steps);
   range.value = String(value);
   return range;
-}
-
-function labelled(name: string, control: HTMLElement): HTMLElement {
-  const label = make('label', `${name} `);
-  label.append(control);
-  return label;
 }

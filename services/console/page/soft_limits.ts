@@ -1,5 +1,5 @@
 // The soft limits of a machine, to be seen and set: a place of each axis, from and to.
-import { Dict, make } from './dom';
+import { Dict, labelled, make } from './dom';
 import { Order } from './jog';
 import { fill, text } from './text';
 
@@ -49,10 +49,4 @@ function place(): HTMLInputElement {
   const input = document.createElement('input');
   Object.assign(input, { type: 'number', step: 'any' });
   return input;
-}
-
-function labelled(name: string, field: HTMLElement): HTMLElement {
-  const label = make('label', `${name} `);
-  label.append(field);
-  return label;
 }

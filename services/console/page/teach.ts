@@ -1,7 +1,7 @@
 // What is taught at the machine that is moved by hand: zeros, positions, lamp and shutters. Each
 // order is one of a button that is held (jog.ts), so none is sent by a reload or a touch that
 // slips; the motion bridge decides.
-import { Dict, make } from './dom';
+import { Dict, labelled, make } from './dom';
 import { JogPanel, Order } from './jog';
 import { SoftLimits } from './soft_limits';
 import { TestJobs } from './test_jobs';
@@ -169,10 +169,4 @@ function checkbox(): HTMLInputElement {
   const input = document.createElement('input');
   Object.assign(input, { type: 'checkbox', checked: true });
   return input;
-}
-
-function labelled(name: string, control: HTMLElement): HTMLElement {
-  const label = make('label', `${name} `);
-  label.append(control);
-  return label;
 }
