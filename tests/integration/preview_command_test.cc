@@ -105,6 +105,26 @@ TEST_F(PreviewCommand, OfModelsTakesTheOptionsOfAJob) {
   EXPECT_NEAR(figures.size_mm().z(), 20, 2 * 0.4);
 }
 
+TEST_F(PreviewCommand, OfAJobOfContoursShowsThemWithTheirTime) {
+  fs::copy_file(INTAGLIO_SOURCE_DIR "/tests/data/boards/gap_is_tool.gbr",
+                folder_ / "board.gbr");
+  std::ofstream(folder_ / "board.textproto")
+      << "machine_file: \"mill\" course { files: \"board.gbr\" make: "
+         "COURSE_MAKE_OUTLINE tool_diameter_mm: 0.1 round_corners: true }";
+  const Ended ended = Type({"preview", (folder_ / "board.textproto").string(), "--json",
+                            "--out", (folder_ / "p").string()});
+  ASSERT_EQ(ended.exit_code, 0) << ended.output;
+  const JobPreview figures = Figures("p");
+  EXPECT_EQ(figures.verdict(), "ready");
+  EXPECT_EQ(figures.course().contour_count(), 2u);
+  // Two tracks of 10 mm, round at their ends, followed at half of the tool beside them.
+  const double length_mm = 2 * (2 * 10 + 3.14159265 * (0.25 + 0.1));
+  EXPECT_NEAR(figures.course().work_mm(), length_mm, 1e-3);
+  EXPECT_NEAR(figures.course().work_s(), length_mm / 5, 1e-3);
+  EXPECT_GT(figures.time().machining_time_s(), length_mm / 5);
+  EXPECT_THAT(TextIn(folder_ / "p/preview.svg"), HasSubstr("<svg"));
+}
+
 TEST_F(PreviewCommand, AsksForTheUnitBeforeAnythingIsMade) {
   const Ended ended = Type({"preview", kKnot, "--unit", "10000", "--block", "50", "50",
                             "50", "--out", (folder_ / "p").string()});

@@ -15,6 +15,7 @@
 #include "services/cli/job/job_limits.h"
 #include "services/cli/job/job_options.h"
 #include "services/cli/json/print_json.h"
+#include "services/cli/preview/course_preview.h"
 #include "services/cli/preview/named_job.h"
 #include "services/cli/progress/late_meter.h"
 #include "services/cli/terminal/complain.h"
@@ -62,8 +63,8 @@ Result<JobToPreview> FreezeNamed(const PreviewCommandOptions& options) {
                       std::move(job.of_arrangement)};
 }
 
-void Print(const client::Preview& preview, const fs::path& folder) {
-  const JobPreview& figures = preview.figures;
+/// `page`: what shows it.
+void Print(const JobPreview& figures, const fs::path& page) {
   std::cout << fmt::format("{:<11} {}\n", "job", figures.name());
   for (const client::PreviewLine& line : client::LinesOf(figures)) {
     std::cout << fmt::format("{:<11} {}\n", line.label, line.value);
@@ -73,13 +74,23 @@ void Print(const client::Preview& preview, const fs::path& folder) {
                              warning.text());
   }
   std::cout << fmt::format("{:<11} {}\n{:<11} {}\n", "verdict",
-                           client::VerdictText(figures), "page",
-                           (folder / client::kPreviewPage).string());
+                           client::VerdictText(figures), "page", page.string());
 }
 
 fs::path FolderOf(const PreviewCommandOptions& options, const std::string& name) {
   return options.out.empty() ? fs::path("intaglio-preview") / client::FolderNameOf(name)
                              : fs::path(options.out);
+}
+
+int PreviewOfCourse(const PreviewCommandOptions& options, const JobSpec& job) {
+  const std::string name =
+      job.name().empty() ? fs::path(job.course().files(0)).stem().string() : job.name();
+  const fs::path folder = FolderOf(options, name);
+  const auto figures = PreviewCourse(job, options.job.size_limits, folder);
+  if (!figures) return Complain(figures.error());
+  if (options.json) return PrintJson(*figures);
+  Print(*figures, folder / kCoursePicture);
+  return client::kExitGood;
 }
 
 /// A person looks at it meanwhile; what is wrong is reported by the preview.
@@ -95,6 +106,9 @@ int MakeAndWrite(const PreviewCommandOptions& given) {
   PreviewCommandOptions options = given;
   if (const auto taken = TakeAnswers(options.accept, options.job); !taken)
     return Complain(taken.error());
+  const auto course = FindCourseJob(options.job);
+  if (!course) return Complain(course.error());
+  if (*course) return PreviewOfCourse(options, **course);
   options.job.kept_meshes = std::make_shared<KeptMeshes>();
   const auto job = FreezeNamed(options);
   if (!job) return Complain(job.error());
@@ -119,7 +133,7 @@ int MakeAndWrite(const PreviewCommandOptions& given) {
   if (options.json) {
     if (const int failed = PrintJson(preview->figures); failed != 0) return failed;
   } else {
-    Print(*preview, folder);
+    Print(preview->figures, folder / client::kPreviewPage);
   }
   return preview->figures.verdict() == client::kNeedsConsent ? client::kExitNotGood
                                                              : client::kExitGood;

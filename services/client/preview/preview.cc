@@ -86,7 +86,9 @@ void AddModels(const JobSpec& job, const PointCloud& cloud, JobPreview& figures)
     if (const Method* method = MethodOf(model)) preview.set_method(method->name());
     const auto at = static_cast<std::size_t>(i);
     preview.set_point_count(counts[at]);
+    if (counts[at] == 0) continue;
     Set(boxes[at].size_mm(), *preview.mutable_size_mm());
+    Set(boxes[at].min_mm, *preview.mutable_low_mm());
   }
 }
 
@@ -112,18 +114,6 @@ void AddLight(const FrozenJob& job, double lowest_mm, JobPreview& figures) {
   light.set_deepest_ratio(optics::LightAtDepth(values.reflectance_ratio(),
                                                values.absorption_per_mm(),
                                                std::max(0.0, height_mm - lowest_mm)));
-}
-
-const char* VerdictOf(const Warnings& warnings) {
-  switch (GreatestWeight(warnings)) {
-    case WarningWeight::kConsent:
-      return kNeedsConsent;
-    case WarningWeight::kWarning:
-      return kReadyWithWarnings;
-    case WarningWeight::kNote:
-      break;
-  }
-  return kReady;
 }
 
 void AddOblique(const ObliqueFigures& found, JobPreview& figures) {
@@ -251,7 +241,19 @@ Result<Preview> MakePreview(const FrozenJob& job, const PreviewOptions& options,
   return preview;
 }
 
-Status WritePreview(const fs::path& folder, const Preview& preview) {
+const char* VerdictOf(const Warnings& warnings) {
+  switch (GreatestWeight(warnings)) {
+    case WarningWeight::kConsent:
+      return kNeedsConsent;
+    case WarningWeight::kWarning:
+      return kReadyWithWarnings;
+    case WarningWeight::kNote:
+      break;
+  }
+  return kReady;
+}
+
+Status WriteFigures(const fs::path& folder, const JobPreview& figures) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) {
@@ -260,12 +262,16 @@ Status WritePreview(const fs::path& folder, const Preview& preview) {
                             folder.string(), error.message()),
                 folder.string());
   }
+  const auto json = INTAGLIO_TRY(JsonTextOf(figures));
+  return io::WriteFileAtomically(folder / kPreviewFigures, json);
+}
+
+Status WritePreview(const fs::path& folder, const Preview& preview) {
+  INTAGLIO_TRY(WriteFigures(folder, preview.figures));
   for (const PreviewPicture& picture : preview.pictures) {
     INTAGLIO_TRY(io::WriteFileAtomically(folder / picture.file,
                                          std::as_bytes(std::span(picture.png))));
   }
-  const auto json = INTAGLIO_TRY(JsonTextOf(preview.figures));
-  INTAGLIO_TRY(io::WriteFileAtomically(folder / kPreviewFigures, json));
   return io::WriteFileAtomically(folder / kPreviewPage, PageOf(preview));
 }
 

@@ -63,6 +63,11 @@ inline constexpr const char* kPreviewFile = "preview.png";
 inline constexpr const char* kPreviewPage = "preview.html";
 inline constexpr const char* kPreviewFigures = "preview.json";
 
+/// The verdict that its warnings give, a value of preview_text.h.
+const char* VerdictOf(const Warnings& warnings);
+
+/// The figures alone; makes the folder. kIo.
+Status WriteFigures(const std::filesystem::path& folder, const JobPreview& figures);
 /// Page, figures and pictures, each whole or not at all; makes the folder. kIo.
 Status WritePreview(const std::filesystem::path& folder, const Preview& preview);
 

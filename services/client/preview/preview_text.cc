@@ -141,7 +141,27 @@ std::string SizeText(const Vector3& size_mm) {
                      size_mm.z());
 }
 
+namespace {
+
+std::vector<PreviewLine> CourseLines(const JobPreview& figures) {
+  const CoursePreview& course = figures.course();
+  return {{"contours",
+           fmt::format("{}, {:.1f} mm with a tool of {:g} mm; {}; {:.1f} mm between",
+                       GroupedDigits(course.contour_count()), course.work_mm(),
+                       course.tool_diameter_mm(),
+                       GroupedCount(course.hole_count(), "hole"), course.idle_mm())},
+          {"time",
+           fmt::format("{}: {} at work, {} between, {} drilling; without acceleration",
+                       ShortDuration(figures.time().machining_time_s()),
+                       ShortDuration(course.work_s()), ShortDuration(course.idle_s()),
+                       ShortDuration(course.drill_s()))},
+          {"machine", figures.machine()}};
+}
+
+}  // namespace
+
 std::vector<PreviewLine> LinesOf(const JobPreview& figures) {
+  if (figures.has_course()) return CourseLines(figures);
   const Vector3& low = figures.low_mm();
   std::vector<PreviewLine> lines = {
       {"piece", SizeText(figures.size_mm())},

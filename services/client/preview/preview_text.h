@@ -25,7 +25,8 @@ struct PreviewLine {
   bool bad = false;   ///< the glass may break
 };
 
-/// Piece, points, time, glass, machine; in this order. Of a draft what it has.
+/// Piece, points, time, glass, machine; in this order. Of a draft what it has, of a job
+/// of contours its contours in place of piece, points and glass.
 std::vector<PreviewLine> LinesOf(const JobPreview& figures);
 
 /// "40.4 x 31.3 x 39.9 mm".
