@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <chrono>
 #include <iostream>
 #include <map>
@@ -18,13 +17,12 @@
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/client/shop/shop_stops.h"
+#include "services/client/shop/stop_reset.h"
 #include "services/platform/host/peers/role_refusal.h"
 
 namespace intaglio::cli {
 namespace {
 
-using client::HeldPress;
-using client::HeldPresses;
 using client::kEveryMachine;
 using client::MachineReports;
 using client::MachineStops;
@@ -139,49 +137,10 @@ Result<std::string> MachineToReset(MachineReports& reports, const StopOptions& o
                           fmt::join(cells, ", ")));
 }
 
-/// What keeps it from firing besides the stops of the bus.
-std::vector<std::string> OpenInterlocks(const MachineStops& stops) {
-  if (!stops.laser_line_up)
-    return {"its laser does not answer, so that key and door are not known"};
-  std::vector<std::string> open;
-  if (!stops.key_on) open.emplace_back("the key is off");
-  if (!stops.door_closed) open.emplace_back("the door is open");
-  return open;
-}
-
-int ComplainOfHeld(const std::string& cell, const MachineStops& stops) {
-  std::vector<std::string> held;
-  for (const HeldPress& press : stops.held)
-    held.push_back(fmt::format("{} (number {})", press.source, press.number));
-  const auto open = OpenInterlocks(stops);
-  const std::string also = open.empty() ? "" : fmt::format("; {}", fmt::join(open, ", "));
-  if (stops.pressed && held.empty()) {
-    return ComplainWith(
-        fmt::format("{} is still stopped by more presses than it can name{}: restart its "
-                    "synchronizer",
-                    cell, also),
-        client::kExitMachine);
-  }
-  if (stops.pressed) {
-    return ComplainWith(
-        fmt::format("{} is still stopped by a press that came during the reset: {}{}; "
-                    "check the machine, then reset it again",
-                    cell, fmt::join(held, ", "), also),
-        client::kExitMachine);
-  }
-  return ComplainWith(fmt::format("{}: the stop is reset, but the machine is still held: "
-                                  "{}; then arm or resume the job",
-                                  cell, fmt::join(open, ", ")),
-                      client::kExitMachine);
-}
-
 int ReportReset(const std::string& cell, const MachineStops& stops) {
-  if (stops.pressed || !OpenInterlocks(stops).empty()) return ComplainOfHeld(cell, stops);
-  std::cout << cell << ": reset; "
-            << (stops.own_stop_released
-                    ? ""
-                    : "its own stop is pressed, or latched until the next arm; ")
-            << "arm or resume the job to continue\n";
+  if (const auto held = client::WhyStillHeld(cell, stops); !held.empty())
+    return ComplainWith(held, client::kExitMachine);
+  std::cout << cell << ": reset; " << client::AfterReset(stops) << "\n";
   return client::kExitGood;
 }
 
@@ -197,17 +156,10 @@ int Reset(bus::Bus& bus, const StopOptions& options) {
             *cell, kAnswerTime.count()),
         client::kExitMachine);
   }
-  const HeldPresses named = reports.Of(*cell).held;
-  StopSource source(bus, kProgram, *cell);
-  if (auto sent = source.Release(named); !sent)
+  client::StopReset reset(bus, kProgram, *cell, reports.Of(*cell).held);
+  if (auto sent = reset.Send("reset on the command line"); !sent)
     return Complain(sent.error(), client::kExitMachine);
-  const auto released = [&] {
-    const HeldPresses& held = reports.Of(*cell).held;
-    return std::none_of(held.begin(), held.end(), [&](const HeldPress& press) {
-      return Names(named, press.source, press.number);
-    });
-  };
-  if (!Until(released, kAnswerTime)) {
+  if (!Until([&] { return reset.IsConfirmed(reports.Of(*cell)); }, kAnswerTime)) {
     return ComplainWith(
         fmt::format("{} has not confirmed the reset within {} s: check that its "
                     "synchronizer, its motion bridge and the job service run",

@@ -7,6 +7,7 @@
 #include <array>
 #include <charconv>
 #include <filesystem>
+#include <memory>
 #include <string_view>
 
 #include "engrave/core/try.h"
@@ -312,34 +313,55 @@ Status VisitHistory(const std::string& database, const Filter& filter,
   return {};
 }
 
+namespace {
+
+/// The row of a job, stepped to; kNotFound.
+Result<std::unique_ptr<sql::Statement>> SelectJob(sql::Connection& opened,
+                                                  const char* columns,
+                                                  const std::string& place,
+                                                  const std::string& uid_or_number) {
+  // As it is written: 12, not 012. A uid has a hyphen.
+  std::uint32_t number = 0;
+  const char* const end = uid_or_number.data() + uid_or_number.size();
+  const auto read = std::from_chars(uid_or_number.data(), end, number);
+  const bool is_number =
+      !uid_or_number.starts_with('0') && read.ec == std::errc() && read.ptr == end;
+  auto select = opened.Prepare(fmt::format("SELECT {} FROM jobs WHERE {} = ?", columns,
+                                           is_number ? "number" : "uid"));
+  if (is_number) {
+    select->Bind(1, number);
+  } else {
+    select->Bind(1, uid_or_number);
+  }
+  if (select->Step()) return select;
+  return Fail(ErrorCode::kNotFound,
+              fmt::format("{}: no job '{}'; intaglio history lists the jobs", place,
+                          uid_or_number),
+              uid_or_number);
+}
+
+}  // namespace
+
 Result<JobSpec> ReadJob(const std::string& database, const std::string& uid_or_number) {
   return Opened<JobSpec>(database, [&](sql::Connection& opened) -> Result<JobSpec> {
-    // As it is written: 12, not 012. A uid has a hyphen.
-    std::uint32_t number = 0;
-    const char* const end = uid_or_number.data() + uid_or_number.size();
-    const auto read = std::from_chars(uid_or_number.data(), end, number);
-    const bool is_number =
-        !uid_or_number.starts_with('0') && read.ec == std::errc() && read.ptr == end;
-    const auto select = opened.Prepare(fmt::format(
-        "SELECT frozen_job FROM jobs WHERE {} = ?", is_number ? "number" : "uid"));
-    if (is_number) {
-      select->Bind(1, number);
-    } else {
-      select->Bind(1, uid_or_number);
-    }
     const std::string place = sql::WithoutPassword(database);
-    if (!select->Step()) {
-      return Fail(ErrorCode::kNotFound,
-                  fmt::format("{}: no job '{}'; intaglio history lists the jobs", place,
-                              uid_or_number),
-                  uid_or_number);
-    }
+    const auto row = INTAGLIO_TRY(SelectJob(opened, "frozen_job", place, uid_or_number));
     FrozenJob frozen;
-    if (frozen.ParseFromString(select->Text(0))) return frozen.job();
+    if (frozen.ParseFromString(row->Text(0))) return frozen.job();
     return Fail(ErrorCode::kUnreadable,
                 fmt::format("{}: job {} cannot be read; submit its job file again", place,
                             uid_or_number),
                 uid_or_number);
+  });
+}
+
+Result<JobFolder> FindJobFolder(const std::string& database,
+                                const std::string& uid_or_number) {
+  return Opened<JobFolder>(database, [&](sql::Connection& opened) -> Result<JobFolder> {
+    const auto row =
+        INTAGLIO_TRY(SelectJob(opened, "number, result_directory",
+                               sql::WithoutPassword(database), uid_or_number));
+    return JobFolder{static_cast<std::uint32_t>(row->Integer(0)), row->Text(1)};
   });
 }
 

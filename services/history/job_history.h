@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -50,6 +51,15 @@ Status VisitHistory(const std::string& database, const Filter& filter,
 /// A job as it was made, every default filled in, by its uid or short number. Errors as
 /// above, and kNotFound for a job that is none of this shop's.
 Result<JobSpec> ReadJob(const std::string& database, const std::string& uid_or_number);
+
+/// Where the files of a job are: on the computer of the job service.
+struct JobFolder {
+  std::uint32_t number = 0;  ///< short
+  std::filesystem::path folder;
+};
+/// Errors as of ReadJob.
+Result<JobFolder> FindJobFolder(const std::string& database,
+                                const std::string& uid_or_number);
 
 /// As ReadHistory, from an open database; throws sql::SqlError. `now` is for the
 /// progress and the expected end of a job that is engraved.

@@ -1,10 +1,9 @@
 #include "services/client/shop/shop_snapshot.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <thread>
 
+#include "services/client/shop/stop_reset.h"
 #include "services/platform/bus/samples.h"
 
 namespace intaglio::client {
@@ -26,8 +25,7 @@ void TakeInterlock(const intaglio_Interlock& sample, CellSnapshot& cell) {
   cell.stop_pressed = sample.bus_stop_pressed;
   cell.stops_held.clear();
   for (const intaglio_StopPress& press : View(sample.bus_stops)) {
-    cell.stops_held.push_back(
-        fmt::format("{} (number {})", View(press.source), press.number));
+    cell.stops_held.push_back(TextOf({std::string(View(press.source)), press.number}));
   }
 }
 

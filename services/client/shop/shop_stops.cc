@@ -43,8 +43,9 @@ Result<std::uint64_t> StopSource::Press(const std::string& reason) {
   return Send(true, reason, {});
 }
 
-Result<std::uint64_t> StopSource::Release(const HeldPresses& presses) {
-  return Send(false, "reset on the command line", presses);
+Result<std::uint64_t> StopSource::Release(const HeldPresses& presses,
+                                          const std::string& reason) {
+  return Send(false, reason, presses);
 }
 
 Result<std::uint64_t> StopSource::Send(bool pressed, const std::string& reason,

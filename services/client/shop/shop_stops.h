@@ -37,7 +37,7 @@ class StopSource {
   const std::string& name() const { return name_; }
   /// The number of the press.
   Result<std::uint64_t> Press(const std::string& reason);
-  Result<std::uint64_t> Release(const HeldPresses& presses);
+  Result<std::uint64_t> Release(const HeldPresses& presses, const std::string& reason);
 
  private:
   Result<std::uint64_t> Send(bool pressed, const std::string& reason,

@@ -17,24 +17,25 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::array kExtensions = {".textproto", ".json", ".post"};
 
-std::vector<std::string> NamesIn(const fs::path& folder) {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    const fs::path file = entry.path().filename();
-    if (std::ranges::find(kExtensions, file.extension().string()) != kExtensions.end())
-      names.push_back(file.stem().string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
 }  // namespace
 
 fs::path SuppliedFolder() {
   const char* named = std::getenv(kSuppliedVariable);
   if (named != nullptr && *named != '\0') return named;
   return ProgramFolder().parent_path() / "share" / "intaglio";
+}
+
+std::vector<std::string> SuppliedNames(const SuppliedKind& kind) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& entry :
+       fs::directory_iterator(SuppliedFolder() / kind.folder, error)) {
+    const fs::path file = entry.path().filename();
+    if (std::ranges::find(kExtensions, file.extension().string()) != kExtensions.end())
+      names.push_back(file.stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
 }
 
 Result<fs::path> FindSupplied(const std::string& name_or_file, const SuppliedKind& kind) {
@@ -46,7 +47,7 @@ Result<fs::path> FindSupplied(const std::string& name_or_file, const SuppliedKin
     const fs::path supplied = folder / (name_or_file + extension);
     if (fs::exists(supplied, error)) return fs::canonical(supplied);
   }
-  const auto names = NamesIn(folder);
+  const auto names = SuppliedNames(kind);
   const auto near = io::NearestName(name_or_file, names);
   const std::string known =
       names.empty()

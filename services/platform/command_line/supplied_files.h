@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "engrave/core/result.h"
 
@@ -25,6 +26,9 @@ struct SuppliedKind {
 inline constexpr SuppliedKind kSuppliedProfiles{"machines", "profile"};
 inline constexpr SuppliedKind kSuppliedJobs{"jobs", "job"};
 inline constexpr SuppliedKind kSuppliedTemplates{"post", "template"};
+
+/// The names by which FindSupplied finds the supplied files of a kind, sorted.
+std::vector<std::string> SuppliedNames(const SuppliedKind& kind);
 
 /// The absolute path of an existing file, or of the supplied file of this name, with
 /// symbolic links followed. kNotFound: lists the supplied names, or the folder where they
