@@ -139,6 +139,10 @@ class Console:
         """A job by its number or uid; JobRecord."""
         return self._get(f"jobs/{job}")
 
+    def choices(self) -> Message:
+        """The glasses and machines that a job may name; JobChoices."""
+        return self._get("choices")
+
     def history(self, **filters: str) -> List[Message]:
         """The jobs that have ended: those of JobHistory, each a JobStatistics. since, until, name, glass, verdict,
         cell choose some."""
@@ -156,6 +160,11 @@ class Console:
         """The figures of machines and jobs: the text for Prometheus."""
         with self._open("GET", "/metrics") as answer:
             return answer.read().decode()
+
+    def reset(self, machine: str, presses: List[str]) -> Message:
+        """Releases the emergency stops that a person has read in stops_held of the machine, and no
+        other; CommandAnswer."""
+        return self._post(f"machines/{machine}/reset", presses=presses)
 
     def teaching(self, machine: str) -> Message:
         """What there is to teach at a machine, and what was taught last; MachineTeaching."""

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <iostream>
 #include <optional>
+#include <set>
 
 #include "services/client/shop/job_record.h"
 #include "services/console/answers/json_response.h"
@@ -197,8 +198,10 @@ void Api::Dispatch(const web::Request& request, const Visitor& visitor,
   const std::string rest = path.substr(kApi.size());
   if (rest == "session" || rest == "logout" || rest == "charge")
     return AnswerSession(rest, visitor, reply);
-  if (const auto machine = SplitMachinePath(path))
-    return teach_.Answer(*machine, request, std::move(reply));
+  const auto machine = SplitMachinePath(path);
+  if (machine && machine->part == "reset")
+    return Reset(machine->cell, request, visitor, std::move(reply));
+  if (machine) return teach_.Answer(*machine, request, std::move(reply));
   if (const auto job = JobOfPhotoPath(path)) return photos_.AnswerGet(*job, reply);
   if (request.method == "GET") return AnswerGet(rest, request, std::move(reply));
   AnswerPost(rest, request, std::move(reply));
@@ -272,6 +275,7 @@ void Api::AnswerGet(const std::string& path, const web::Request& request,
   }
   if (const auto submission = ParseSubmissionPath(request.target.path))
     return submit_.AnswerGet(*submission, std::move(reply));
+  if (path == "choices") return submit_.AnswerChoices(std::move(reply));
   if (const auto form = HistoryFormOf(path)) {
     const bool taken = clouds_.Ask([this, form, query = request.target.query, reply] {
       reply(HistoryResponse(*form, database_, query));
@@ -290,19 +294,39 @@ void Api::AnswerJob(const std::string& job, const std::string& part, std::uint32
   const JobFile* file = JobFileOf(part);
   if (file == nullptr && !part.empty() && part != "plan" && !CloudReader::IsPart(part))
     return reply(Unknown());
-  desk_.Order([this, job, part, file, from, reply](ShopDesk& desk) {
-    const auto found = desk.client().Find(job);
-    if (!found) return reply(ErrorResponse(404, found.error()));
-    if (part.empty()) return reply(JsonResponse(200, client::JobRecordOf(*found)));
-    const std::filesystem::path folder = found->result_directory;
+  if (part.empty()) {
+    return desk_.Order([job, reply](ShopDesk& desk) {
+      const auto found = desk.client().Find(job);
+      reply(found ? JsonResponse(200, client::JobRecordOf(*found))
+                  : ErrorResponse(404, found.error()));
+    });
+  }
+  find_job_(job, [this, part, file, from, reply](const Result<FoundJob>& found) {
+    if (!found) {
+      const Error& error = found.error();
+      return reply(ErrorResponse(StatusOf(error.code, 404), error));
+    }
     const char* type = file != nullptr ? file->content_type : kBytes;
     const auto answer = [reply, type](const Result<CloudReader::Bytes>& bytes) {
       reply(BytesResponse(bytes, type));
     };
-    const bool taken = file != nullptr  ? clouds_.AskForFile(folder / file->file, answer)
-                       : part == "plan" ? clouds_.AskForPlan(folder, answer)
-                                        : clouds_.AskForPart(part, folder, from, answer);
+    const bool taken =
+        file != nullptr  ? clouds_.AskForFile(found->folder / file->file, answer)
+        : part == "plan" ? clouds_.AskForPlan(found->folder, answer)
+                         : clouds_.AskForPart(part, found->folder, from, answer);
     if (!taken) reply(ErrorResponse(503, kManyFiles));
+  });
+}
+
+void Api::Reset(const std::string& cell, const web::Request& request,
+                const Visitor& visitor, web::Reply reply) {
+  const auto asked = BodyOf<ResetRequest>(request.body);
+  if (!asked) return reply(ErrorResponse(400, "the body is no ResetRequest"));
+  const std::set<std::string> presses(asked->presses().begin(), asked->presses().end());
+  desk_.Order([cell, presses, person = visitor.name, reply](ShopDesk& desk) {
+    desk.Reset(cell, presses, person, [reply](int status, const CommandAnswer& answer) {
+      reply(JsonResponse(status, answer));
+    });
   });
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "services/console/answers/find_job.h"
 #include "services/console/audit_log.h"
 #include "services/console/cloud_reader.h"
 #include "services/console/console_access.h"
@@ -30,7 +31,8 @@ class Api {
   /// All live longer.
   Api(ShopDesk& desk, CloudReader& clouds, ConsoleAccess& access, AuditLog& audit,
       WorkQueue& log_ins, SubmitApi& submit, JogDesk& jogs, TeachApi& teach,
-      PhotoApi& photos, const Webhooks& webhooks, std::filesystem::path database)
+      PhotoApi& photos, const Webhooks& webhooks, FindJob find_job,
+      std::filesystem::path database)
       : desk_(desk),
         clouds_(clouds),
         access_(access),
@@ -41,6 +43,7 @@ class Api {
         teach_(teach),
         photos_(photos),
         webhooks_(webhooks),
+        find_job_(std::move(find_job)),
         database_(std::move(database)) {}
 
   // In the server's thread.
@@ -67,6 +70,8 @@ class Api {
   void Dispatch(const web::Request& request, const Visitor& visitor, web::Reply reply);
   void AnswerGet(const std::string& path, const web::Request& request, web::Reply reply);
   void AnswerPost(const std::string& path, const web::Request& request, web::Reply reply);
+  void Reset(const std::string& cell, const web::Request& request, const Visitor& visitor,
+             web::Reply reply);
   void AnswerJob(const std::string& job, const std::string& part, std::uint32_t from,
                  web::Reply reply);
 
@@ -80,6 +85,7 @@ class Api {
   TeachApi& teach_;
   PhotoApi& photos_;
   const Webhooks& webhooks_;
+  FindJob find_job_;
   std::filesystem::path database_;  // of the job service; empty: not known
 };
 

@@ -15,6 +15,7 @@
 #include "services/console/answers/json_response.h"
 #include "services/console/api.h"
 #include "services/console/console_address.h"
+#include "services/console/job_finder.h"
 #include "services/console/page_files.h"
 #include "services/console/submit/about_times.h"
 #include "services/console/webhooks/webhooks.h"
@@ -117,16 +118,6 @@ web::ServerOptions ServerOptionsOf(const ConsoleOptions& options,
   return server;
 }
 
-FindJob FinderOf(ShopDesk& shop) {
-  return [&shop](std::string job, std::function<void(Result<FoundJob>)> found) {
-    shop.Order([job = std::move(job), found = std::move(found)](ShopDesk& desk) {
-      const auto view = desk.client().Find(job);
-      if (!view) return found(tl::unexpected(view.error()));
-      found(FoundJob{view->number, view->result_directory});
-    });
-  };
-}
-
 Result<std::vector<Receiver>> ReceiversOf(const ConsoleOptions& options) {
   if (options.webhooks.empty()) return std::vector<Receiver>();
   return ReadReceivers(options.webhooks);
@@ -157,6 +148,13 @@ class Announcement {
  private:
   std::optional<host::HealthWriter> health_;
 };
+
+std::vector<ShopMachine> ProfilesOf(const std::vector<client::MachineView>& machines) {
+  std::vector<ShopMachine> profiles;
+  for (const client::MachineView& machine : machines)
+    profiles.push_back({machine.cell, machine.profile});
+  return profiles;
+}
 
 void Turn(ShopDesk& desk, JogDesk& jogs, AboutTimes& about, ConsoleAccess& access,
           Webhooks& webhooks, web::Server& server, Clock::time_point& next_state) {
@@ -196,12 +194,14 @@ Status Serve(const ConsoleOptions& options, const std::function<bool()>& stoppin
   WorkQueue log_ins(kMaxLogIns);
   JogDesk jogs(bus);
   SubmitApi submit(
-      {options.uploads, client::ShopArguments(options.bus), options.materials.string()});
-  TeachApi teach(jogs, submit, FinderOf(desk), options.materials.string());
-  PhotoApi photos(FinderOf(desk), clouds,
+      {options.uploads, client::ShopArguments(options.bus), options.materials.string(),
+       [&jogs] { return ProfilesOf(jogs.Machines(JogDesk::Clock::now())); }});
+  const FindJob find_job = JobFinder(desk, clouds, options.database.string());
+  TeachApi teach(jogs, submit, find_job, options.materials.string());
+  PhotoApi photos(find_job, clouds,
                   {command_line::ProgramFolder() / "intaglio-picture-reader"});
   Api api(desk, clouds, access, audit, log_ins, submit, jogs, teach, photos, webhooks,
-          options.database);
+          find_job, options.database);
   web::Handlers handlers;
   handlers.request = [&](const web::Request& request, web::Reply reply) {
     api.Answer(request, std::move(reply));

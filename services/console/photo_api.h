@@ -10,8 +10,8 @@
 #include <string_view>
 
 #include "engrave/core/result.h"
+#include "services/console/answers/find_job.h"
 #include "services/console/cloud_reader.h"
-#include "services/console/teach/teach_api.h"
 #include "services/job/reading/picture_process.h"
 #include "services/platform/web/server.h"
 

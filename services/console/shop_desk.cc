@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "services/client/refusal_code.h"
@@ -33,7 +34,8 @@ std::string EndedSentence(const client::JobView& job) {
 }  // namespace
 
 ShopDesk::ShopDesk(bus::Bus& bus)
-    : watcher_(bus),
+    : bus_(bus),
+      watcher_(bus),
       reports_(bus, ""),
       source_(bus, "intaglio-console", client::kEveryMachine) {}
 
@@ -69,6 +71,7 @@ void ShopDesk::Turn(bool in_haste) {
   for (const auto& order : orders) order(*this);
   AnswerCommands();
   AnswerStops();
+  AnswerResets();
 }
 
 std::vector<std::string> ShopDesk::TakeEvents() {
@@ -229,6 +232,56 @@ void ShopDesk::AnswerCommands() {
     command.answer.set_message(
         "the job service did not answer; the command is withdrawn: check that it runs");
     command.reply(504, command.answer);
+    return true;
+  });
+}
+
+void ShopDesk::Reset(const std::string& cell, const std::set<std::string>& presses,
+                     const std::string& person, Answer answer) {
+  CommandAnswer refused;
+  const auto refuse = [&](int status, ErrorCode code, std::string message) {
+    refused.set_code(ErrorCodeName(code));
+    refused.set_message(std::move(message));
+    answer(status, refused);
+  };
+  const auto& machines = reports_.Poll();
+  const auto machine = machines.find(cell);
+  if (machine == machines.end())
+    return refuse(404, ErrorCode::kNotFound, fmt::format("no machine {} is there", cell));
+  client::HeldPresses seen;
+  std::ranges::copy_if(machine->second.held, std::back_inserter(seen),
+                       [&](const client::HeldPress& press) {
+                         return presses.contains(client::TextOf(press));
+                       });
+  if (seen.empty()) {
+    return refuse(409, ErrorCode::kRefused,
+                  fmt::format("{} holds none of these presses any more: read again what "
+                              "it holds",
+                              cell));
+  }
+  auto reset = std::make_unique<client::StopReset>(bus_, "intaglio-console", cell, seen);
+  if (const auto sent = reset->Send("reset in the console by " + person); !sent)
+    return refuse(503, sent.error().code, sent.error().message);
+  resets_.push_back({cell, std::move(reset),
+                     Clock::now() + client::JobClient::kAnswerTime, std::move(answer)});
+}
+
+void ShopDesk::AnswerResets() {
+  if (resets_.empty()) return;
+  const auto& machines = reports_.Poll();
+  std::erase_if(resets_, [&](const PendingReset& pending) {
+    const auto machine = machines.find(pending.cell);
+    const bool is_done =
+        machine != machines.end() && pending.reset->IsConfirmed(machine->second);
+    if (!is_done && Clock::now() < pending.end) return false;
+    CommandAnswer answer;
+    answer.set_taken(is_done);
+    answer.set_message(is_done ? client::WhyStillHeld(pending.cell, machine->second)
+                               : pending.cell +
+                                     " has not confirmed the reset: check that "
+                                     "its services run");
+    if (!is_done) answer.set_code(ErrorCodeName(ErrorCode::kTimedOut));
+    pending.reply(is_done ? 200 : 504, answer);
     return true;
   });
 }

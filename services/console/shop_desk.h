@@ -6,8 +6,10 @@
 #include <chrono>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -17,6 +19,7 @@
 #include "services/client/event_lines.h"
 #include "services/client/shop/shop_snapshot.h"
 #include "services/client/shop/shop_stops.h"
+#include "services/client/shop/stop_reset.h"
 #include "services/console/arm_holds.h"
 #include "services/console/shop_metrics.h"
 
@@ -59,6 +62,10 @@ class ShopDesk {
   /// Arm or resume, at the end of the hold with this token; answers as Command.
   void Fire(const std::string& job, const std::string& token, client::JobOrder order,
             Answer answer);
+  /// Releases those of `presses`, texts of MachineStatus.stops_held, that the machine
+  /// holds. Answers as Command; 409 also when it is still held by something.
+  void Reset(const std::string& cell, const std::set<std::string>& presses,
+             const std::string& person, Answer answer);
   /// `answer` gets the confirmations of the press when every machine has confirmed it, or
   /// after a second.
   void AwaitConfirmation(std::uint32_t number,
@@ -75,6 +82,12 @@ class ShopDesk {
     Clock::time_point end;
     Answer reply;
   };
+  struct PendingReset {
+    std::string cell;
+    std::unique_ptr<client::StopReset> reset;
+    Clock::time_point end;
+    Answer reply;
+  };
   struct PendingStop {
     Clock::time_point end;
     std::function<void(const StopAnswer&)> reply;
@@ -85,10 +98,14 @@ class ShopDesk {
   void Send(const client::JobView& job, const client::JobOrder& order, Answer answer);
   void AnswerCommands();
   void AnswerStops();
-  bool IsAwaited() { return !commands_.empty() || !stops_.empty() || IsStopAwaited(); }
+  void AnswerResets();
+  bool IsAwaited() {
+    return !commands_.empty() || !stops_.empty() || !resets_.empty() || IsStopAwaited();
+  }
   /// A press of the last second that no State has shown as confirmed.
   bool IsStopAwaited();
 
+  bus::Bus& bus_;
   client::ShopWatcher watcher_;
   client::MachineReports reports_;
   std::ostringstream lines_;
@@ -99,6 +116,7 @@ class ShopDesk {
   ShopMetrics metrics_;
   std::vector<PendingCommand> commands_;
   std::vector<PendingStop> stops_;
+  std::vector<PendingReset> resets_;
   std::uint32_t shown_confirmed_ =
       0;                         ///< number of the last press that a State confirmed
   bool has_had_orders_ = false;  // in the last turn: more will follow

@@ -6,9 +6,11 @@
 Needs chromium, chromium-driver and python3-selenium; ends with 77 (skipped) without them. A
 picture of the page is left in the folder; no points in it fail the test.
 """
+import json
 import os
 import pathlib
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -24,8 +26,6 @@ NAME = "<b>knot</b>"
 
 def languages(driver, say):
     """The page in each language that it has."""
-    import json
-
     from selenium.webdriver.common.by import By
     from selenium.webdriver.support.ui import Select
 
@@ -75,19 +75,57 @@ def by_hand(driver, say):
     say(f"moved by hand to x = {rests} mm")
 
 
-def new_job(driver, say):
-    """A job is made from a file, shown and submitted; the page fits a phone."""
+def new_job(driver, folder, say, preview):
+    """A job is made from a file, placed by the mouse, shown and submitted; its file is one for
+    the command line, and the page fits a phone."""
+    from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.common.by import By
 
     page = driver.find_element(By.CSS_SELECTOR, "job-page")
-    page.find_element(By.CSS_SELECTOR, "input[type=file]").send_keys(
-        str(ROOT / "deploy/jobs/sample.obj"))
+
+    def card(name):
+        return page.find_element(By.XPATH, f".//fieldset/label[span[1]='{name}']/input")
+
+    def field(name):
+        return page.find_element(By.XPATH, f".//fieldset/label[starts-with(., '{name}')]/input")
+
+    def boxes():
+        return page.find_elements(By.CSS_SELECTOR, ".places figure:first-child .model")
 
     def previewed():
         picture = page.find_element(By.TAG_NAME, "img")
-        return "points, about" in page.text and picture.get_attribute("naturalWidth") != "0"
+        return "points, about" in page.text and picture.get_attribute("naturalWidth") != "0" and \
+            boxes() and page.text
 
-    eventually(previewed, 120)
+    eventually(lambda: "here: els-03" in page.text and card("els-03").is_selected())
+    assert card("N-BK7").is_selected() and "n 1.5195" in page.text
+    page.find_element(By.CSS_SELECTOR, "input[type=file]").send_keys(
+        str(ROOT / "deploy/jobs/sample.obj"))
+    before = eventually(previewed, 120)
+    from_x = float(boxes()[0].get_attribute("x"))
+    driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", boxes()[0])
+    ActionChains(driver).drag_and_drop_by_offset(boxes()[0], 30, -12).perform()
+    moved = float(field("x").get_attribute("value"))
+    assert moved > 1 and float(field("y").get_attribute("value")) > 0, "the box was dragged"
+    card("sections").click()
+    eventually(lambda: previewed() and previewed() != before, 120)
+    # As the preview finds it in the points that it made.
+    eventually(lambda: abs(float(boxes()[0].get_attribute("x")) - from_x - moved) < 0.5, 60)
+    points = re.search(r"([\d,]+) points, about", eventually(previewed, 120))[1].replace(",", "")
+    driver.set_window_size(1280, 1700)
+    keep(driver, folder, "new_job", page.find_element(By.XPATH, ".."))
+    driver.set_window_size(1280, 1000)
+    driver.execute_script(
+        "const made = URL.createObjectURL;"
+        "URL.createObjectURL = (blob) => { blob.text().then((text) => (window.saved = text));"
+        " return made.call(URL, blob); };")
+    page.find_element(By.XPATH, ".//button[text()='Save job file']").click()
+    (folder / "saved").mkdir()
+    (folder / "saved/job.json").write_text(eventually(
+        lambda: driver.execute_script("return window.saved")))
+    shutil.copy(ROOT / "deploy/jobs/sample.obj", folder / "saved")
+    assert preview(folder / "saved/job.json")["point_count"] == points
+    say(f"a job of {points} points, placed by the mouse, is one for the command line")
     page.find_element(By.XPATH, ".//button[text()='Submit']").click()
 
     def submitted():
@@ -96,10 +134,83 @@ def new_job(driver, say):
 
     eventually(submitted, 120)
     say("a job of a dropped file is submitted")
+    page.find_element(By.XPATH, ".//button[text()='Remove']").click()
+    page.find_element(By.CSS_SELECTOR, "input[type=file]").send_keys(
+        str(ROOT / "tests/data/boards/gap_is_tool.gbr"))
+    eventually(lambda: card("board or sheet").is_selected() and card("mill").is_displayed())
+    field_ = page.find_element(By.XPATH, ".//label[starts-with(., 'Diameter of the tool')]/input")
+    field_.clear()
+    field_.send_keys("0.1")
+    shown = eventually(lambda: re.search(r"(\d+) contours?, \d+ holes, about", page.text), 60)
+    assert int(shown[1]) > 0
+    say(f"a dropped board is a job of {shown[1]} contours")
     driver.set_window_size(500, 900)
     width = driver.execute_script(
         "return [document.scrollingElement.scrollWidth, window.innerWidth]")
     assert width[0] <= width[1], f"wider than a phone: {width}"
+
+
+def keep(driver, folder, name, element=None):
+    """A picture of a part of the page, as docs/console.md shows it; INTAGLIO_WRITE_GOLDEN=1
+    renews that one. No page is shown by an empty picture."""
+    if element:
+        driver.execute_script("arguments[0].scrollIntoView()", element)
+    made = element.screenshot_as_png if element else driver.get_screenshot_as_png()
+    (folder / f"{name}.png").write_bytes(made)
+    kept = ROOT / f"docs/console/{name}.png"
+    if os.environ.get("INTAGLIO_WRITE_GOLDEN"):
+        kept.parent.mkdir(exist_ok=True)
+        kept.write_bytes(made)
+
+    def lit(picture):
+        rows = pixels(picture)
+        return len(rows[0]), sum(max(pixel) > 100 for row in rows for pixel in row)
+
+    (width, bright), (kept_width, kept_bright) = lit(made), lit(kept.read_bytes())
+    assert bright > 2000, f"{name}: nothing is shown"
+    assert width == kept_width and 0.5 < bright / kept_bright < 2, \
+        f"{kept} is not like the page any more: INTAGLIO_WRITE_GOLDEN=1 renews it"
+
+
+def history(driver, folder, say):
+    """The job that was cancelled is in the history, with its picture and its photo."""
+    from selenium.webdriver.common.by import By
+
+    past = driver.find_element(By.CSS_SELECTOR, "history-list")
+    past.find_element(By.CSS_SELECTOR, "button").click()
+    eventually(lambda: f"1 {NAME}: cancelled" in past.text, 30)
+    assert "1 job, 1 shown" in past.text and " made" in past.text, past.text
+
+    def width(selector):
+        past.find_element(By.CSS_SELECTOR, f"{selector} button").click()
+        time.sleep(1)
+        picture = past.find_element(By.CSS_SELECTOR, f"{selector} img")
+        return picture.is_displayed() and int(picture.get_attribute("naturalWidth"))
+
+    assert eventually(lambda: width(".result"), 60) and eventually(lambda: width(".photo"), 60)
+    keep(driver, folder, "history", past.find_element(By.XPATH, ".."))
+    past.find_element(By.CSS_SELECTOR, "select").send_keys("good")
+    past.find_element(By.CSS_SELECTOR, "button").click()
+    eventually(lambda: "0 jobs" in past.text, 30)
+    say("the history has what was made, with reason, picture and photo")
+
+
+def reset(driver, say, cracks):
+    """A stop that was read is released by two presses, and nothing starts."""
+    from selenium.webdriver.common.by import By
+
+    made = cracks()
+    list_ = driver.find_element(By.CSS_SELECTOR, "machine-list")
+    button = list_.find_element(By.CSS_SELECTOR, "[data-command=reset]")
+    driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", button)
+    button.click()
+    time.sleep(1)
+    assert "STOP PRESSED" in list_.text and "release its stop?" in button.text
+    button.click()
+    eventually(lambda: "stop released" in list_.text, 10)
+    time.sleep(2)
+    assert cracks() == made, "nothing starts by a reset"
+    say("the stop is released on the page")
 
 
 def arm(driver, say, cracks):
@@ -294,7 +405,8 @@ def look(driver, folder, say, cracks, console_pid, submit):
         return lit > 500 and bright > 10 and f"{lit} lit pixels, {bright} of cracks"
 
     say(eventually(shown, 30))
-    driver.save_screenshot(str(folder / "page.png"))
+    driver.execute_script("window.scrollTo(0, 0)")
+    keep(driver, folder, "shop")
 
     def beam_is_shown():
         red, cyan = beam_and_next(driver)
@@ -321,6 +433,7 @@ def look(driver, folder, say, cracks, console_pid, submit):
     eventually(held)
     time.sleep(3)
     assert cracks() == before, "nothing starts by a reload"
+    reset(driver, say, cracks)
     os.kill(console_pid(), signal.SIGSTOP)
 
     def lost():
@@ -336,6 +449,7 @@ def look(driver, folder, say, cracks, console_pid, submit):
     eventually(back)
     photo(driver, folder, say)
     results(driver, say)
+    history(driver, folder, say)
     errors = [line for line in driver.get_log("browser") if "Content Security" in line["message"]]
     assert not errors, errors
 
@@ -379,6 +493,12 @@ def main():
                             "--height", "12", "--spacing", "0.5", "--rate", "25", "--name", name,
                             *place], check=True)
 
+        def preview(job):
+            made = subprocess.run([given.intaglio, "preview", job, "--json", "--materials",
+                                   folder / "materials.db", "--out", folder / "saved/preview"],
+                                  check=True, stdout=subprocess.PIPE)
+            return json.loads(made.stdout)
+
         url = eventually(address)
         submit(NAME)
         driver = open_browser()
@@ -388,7 +508,9 @@ def main():
         by_hand(driver, print)
         arm(driver, print, cracks)
         look(driver, folder, print, cracks, console_pid, submit)
-        new_job(driver, print)
+        keep(driver, folder, "by_hand", driver.find_element("css selector", ".hand"))
+        keep(driver, folder, "teach", driver.find_element("css selector", ".hand.wide"))
+        new_job(driver, folder, print, preview)
     finally:
         if driver:
             driver.quit()

@@ -35,6 +35,7 @@ ARGUMENTS = {
     "resume": ("{job}", "block"),
     "set_speed": ("{job}", 50),
     "move": ("{job}", ""),
+    "reset": ("{cell}", ["intaglio-stop (number 1)"]),
 }
 OF_A_JOB = ("job", "follow", "pause", "cancel", "report", "picture", "views", "plan", "made",
             "ticks", "channels", "photo")

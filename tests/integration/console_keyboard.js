@@ -40,10 +40,12 @@ const worst = (front, element) =>
   Math.min(...backgrounds(element).map((behind) => contrast(front, behind)));
 
 window.keyboardTest = {
-  /** What a person can use, in the order of the document. */
+  /** What a person can use, in the order of the document. Tab reaches the chosen one of a group of
+   * radio buttons, and the arrow keys the others. */
   controls: () => [...document.querySelectorAll(
     'a[href], button, input, select, textarea, summary, canvas, [contenteditable], [tabindex]')]
-    .filter((element) => isShown(element) && !element.disabled && !element.ariaHidden),
+    .filter((element) => isShown(element) && !element.disabled && !element.ariaHidden &&
+      (element.type !== 'radio' || element.checked)),
   /** What has to have a name besides. */
   named: () => [...document.querySelectorAll('img, progress, meter, [role=img]')].filter(isShown),
   positiveTabindex: () => [...document.querySelectorAll('[tabindex]')]

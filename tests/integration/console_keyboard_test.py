@@ -173,11 +173,22 @@ def state_is(page, state):
 
 
 def check_new_job(page, say):
-    """A file is chosen, which has a preview and may be removed."""
+    """A file is chosen, which has a preview, is placed and may be removed, all by keys."""
+    from selenium.webdriver.common.keys import Keys
     page.driver.find_element("css selector", "job-page input[type=file]").send_keys(
         str(ROOT / "deploy/jobs/sample.obj"))
     eventually(lambda: "points, about" in page.text("job-page"))
     check(page, "a new job", say)
+    page.tab_to(".places .model")
+    page.press(Keys.ARROW_RIGHT, Keys.ARROW_RIGHT, Keys.ARROW_UP)
+    place = [field.get_attribute("value")
+             for field in page.shown("job-page fieldset:not(.cards) input[type=number]")[:3]]
+    assert place == ["2", "1", "0"], f"the arrow keys move the model: {place}"
+    page.tab_to("job-page input[value=glass]")
+    page.press(Keys.ARROW_RIGHT)
+    eventually(lambda: "Diameter of the tool" in page.text("job-page"))
+    page.press(Keys.ARROW_LEFT)
+    eventually(lambda: "points, about" in page.text("job-page"))
 
 
 def make_a_job(page, submit, say):

@@ -19,15 +19,46 @@ export function labelled(name: string, control: HTMLElement): HTMLElement {
 }
 
 /** The answer of the console, also when it refuses; undefined: there was none. */
-export async function post(path: string, body: Dict): Promise<Dict | undefined> {
+export function post(path: string, body: Dict): Promise<Dict | undefined> {
+  return ask(path, {
+    method: 'POST',
+    headers: { 'Content-Type': 'application/json' },
+    body: JSON.stringify(body),
+  });
+}
+
+/** The same without a body. */
+export function get(path: string): Promise<Dict | undefined> {
+  return ask(path, {});
+}
+
+async function ask(path: string, request: RequestInit): Promise<Dict | undefined> {
   try {
-    const response = await fetch(`/api/v1/${path}`, {
-      method: 'POST',
-      headers: { 'Content-Type': 'application/json' },
-      body: JSON.stringify(body),
-    });
+    const response = await fetch(`/api/v1/${path}`, request);
     return await response.json();
   } catch {
     return undefined;
   }
+}
+
+/** A button whose second press within 4 s counts, once it has asked; no dialog, which would take
+ * the page away from Stop. */
+export function askTwice(button: HTMLElement, question: string, act: () => void,
+                         onAsk: () => void = () => {}) {
+  const label = button.textContent;
+  let isAsked = false;
+  const forget = () => {
+    isAsked = false;
+    button.textContent = label;
+  };
+  button.addEventListener('click', () => {
+    if (isAsked) {
+      forget();
+      return act();
+    }
+    isAsked = true;
+    onAsk();
+    button.textContent = question;
+    setTimeout(forget, 4000);
+  });
 }

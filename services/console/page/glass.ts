@@ -18,7 +18,7 @@ export class GlassView extends HTMLElement {
   private worker?: Worker;
   private line = make('div', text.noGlass, 'quiet');
   private tools = new GlassTools((look) => this.worker?.postMessage({ look }));
-  private job = 0;
+  private job: number | string = 0;  // number or uid; 0: none
   private marked = new Set<string>();
 
   connectedCallback() {
@@ -87,7 +87,7 @@ export class GlassView extends HTMLElement {
     performance.mark(`glass ${this.job}: ${name}`);
   }
 
-  show(job: number) {
+  show(job: number | string) {
     if (job === this.job) return;
     this.job = job;
     this.marked.clear();

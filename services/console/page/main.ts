@@ -2,12 +2,14 @@
 // never markup. A reload or a new connection sends nothing.
 import { ConsoleLinks } from './console_links';
 import { Control } from './control';
-import { Dict, endStates, make, post } from './dom';
+import { Dict, askTwice, endStates, make, post } from './dom';
 import { FirePanel } from './fire';
+import { HistoryList } from './history_list';
 import { GlassView } from './glass';
 import { JobPage } from './job_page';
 import { JogPanel } from './jog';
 import { aboutByCell, duration, queueLines } from './queue_time';
+import { MachineList } from './machine_list';
 import { PhotoPanel } from './photo';
 import { ResultPanel } from './result';
 import { LogIn, SessionLine, readSession } from './session';
@@ -80,29 +82,6 @@ class NeedsList extends HTMLElement {
   }
 }
 
-class MachineList extends HTMLElement {
-  update(machines: Dict[], stages: Dict[]) {
-    const list = make('ul');
-    for (const machine of machines) {
-      const stage = stages.find((candidate) => candidate.cell === machine.cell);
-      const place = stage
-        ? [stage.x_mm, stage.y_mm, stage.z_mm].map((mm: number) => mm.toFixed(2)).join(' ')
-        : '-';
-      const lamp = fill(text.lamp, { lamp: machine.lamp });
-      const door = machine.door_closed ? text.doorClosed : text.doorOpen;
-      const key = machine.key_on ? text.keyOn : text.keyOff;
-      const held = machine.stops_held?.length ? text.stopPressed : text.stopReleased;
-      const item = make('li', machine.cell);
-      item.append(make('div', [lamp, key, door, held].join(', ')));
-      item.append(make('div', fill(text.stagePlace, { place, block: machine.mounted || '-' }),
-        'quiet'));
-      list.append(item);
-    }
-    if (!machines.length) list.append(make('li', text.noMachines, 'quiet'));
-    this.replaceChildren(list);
-  }
-}
-
 /** A line of the list; it stays the same element while its job is there. */
 class JobLine {
   readonly element = make('li');
@@ -140,19 +119,9 @@ class JobLine {
   private command(name: string, label: string, question = '') {
     const button = make('button', label);
     button.dataset.command = name;
-    let asked = question === '';
-    button.addEventListener('click', async () => {
-      if (!asked) {  // no dialog: it would take the page away from Stop
-        asked = true;
-        button.textContent = question;
-        setTimeout(() => {
-          asked = false;
-          button.textContent = label;
-        }, 4000);
-        return;
-      }
-      this.send(name, {});
-    });
+    const send = () => this.send(name, {});
+    if (question) askTwice(button, question, send);
+    else button.addEventListener('click', send);
     this.buttons.append(button);
   }
 
@@ -280,6 +249,7 @@ customElements.define('job-list', JobList);
 customElements.define('jog-panel', JogPanel);
 customElements.define('teach-panel', TeachPanel);
 customElements.define('job-page', JobPage);
+customElements.define('history-list', HistoryList);
 customElements.define('glass-view', GlassView);
 
 const stop = document.querySelector('stop-button') as StopButton;
@@ -289,6 +259,7 @@ const needs = document.querySelector('needs-list') as NeedsList;
 const machines = document.querySelector('machine-list') as MachineList;
 const consoles = document.querySelector('console-links') as ConsoleLinks;
 const jobs = document.querySelector('job-list') as JobList;
+const newJob = document.querySelector('job-page') as JobPage;
 const hand = document.querySelector('jog-panel') as JogPanel;
 const teach = document.querySelector('teach-panel') as TeachPanel;
 teach.attach(hand);
@@ -335,7 +306,9 @@ document.addEventListener('visibilitychange', letGo);
 window.addEventListener('blur', letGo);
 window.addEventListener('pagehide', letGo);
 control.onStop = (answer) => stop.answer(answer);
+const history = document.querySelector('history-list') as HistoryList;
 jobs.onShow = (job) => glass.show(job);
+history.onShow = (job) => glass.show(job);
 let drawnAt = 0;
 control.onState = (state) => {
   const held = (state.shop?.machines ?? []).some((machine: Dict) => machine.stops_held?.length);
@@ -347,6 +320,7 @@ control.onState = (state) => {
   machines.update(state.shop?.machines ?? [], state.stages ?? []);
   consoles.update(state.shop?.services ?? []);
   hand.update(state.shop?.machines ?? []);
+  newJob.follow(state.shop?.machines ?? []);
   teach.update(state.jobs ?? []);
   jobs.update(state.jobs ?? [], state.shop ?? {}, state.queues ?? [], state.about ?? []);
   glass.follow(state.jobs ?? []);

@@ -24,14 +24,14 @@ async function smaller(file: File): Promise<Blob> {
   }
 }
 
-/** Of one job. */
+/** Of one job, by its number or uid. */
 export class PhotoPanel {
   readonly element = make('div', '', 'photo');
   private file = document.createElement('input');
   private picture = document.createElement('img');
   private url: string;
 
-  constructor(job: number, private report: (line: string) => void) {
+  constructor(job: number | string, private report: (line: string) => void) {
     this.url = `/api/v1/photos/${job}`;
     Object.assign(this.file, { type: 'file', accept: 'image/jpeg,image/png' });
     const add = make('label', `${text.addPhoto} `);

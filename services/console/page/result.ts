@@ -8,7 +8,8 @@ export class ResultPanel {
   private picture = document.createElement('img');
   private missing = make('div', text.noPicture, 'quiet');
 
-  constructor(private job: number) {
+  /** `job`: number or uid. */
+  constructor(private job: number | string) {
     const show = make('button', text.picture);
     show.addEventListener('click', () => this.show());
     const report = document.createElement('a');

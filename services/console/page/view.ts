@@ -12,7 +12,7 @@ let renderer: THREE.WebGLRenderer | undefined;
 let camera: THREE.PerspectiveCamera;
 let overlay: Overlay | undefined;
 let look: Look = { mode: 'outcome', cut: [1, 1, 1], until: 1 };
-let job = 0;
+let job: number | string = 0;  // number or uid; 0: none
 let hidden = false;
 let turned = { around: 0.8, above: 0.5, distance: 2 };
 let cloud: Cloud | undefined;
@@ -100,7 +100,7 @@ function clear() {
 }
 
 /** Shows the points of a plan while its order is still coming. */
-async function read(wanted: number, plan: ReadableStream<Uint8Array>) {
+async function read(wanted: number | string, plan: ReadableStream<Uint8Array>) {
   const decoder = new PlanDecoder();
   const reader = plan.getReader();
   let shown: Cloud | undefined;
@@ -119,7 +119,7 @@ async function read(wanted: number, plan: ReadableStream<Uint8Array>) {
   else report();
 }
 
-async function load(wanted: number) {
+async function load(wanted: number | string) {
   try {
     const response = await fetch(`/api/v1/jobs/${wanted}/plan`);
     if (wanted !== job) return;
@@ -167,7 +167,7 @@ async function takeColours(of: Cloud): Promise<boolean> {
 }
 
 let polling: ReturnType<typeof setTimeout> | undefined;
-let loading = 0;  // the job whose plan is coming
+let loading: number | string = 0;  // the job whose plan is coming
 
 let asking = 0;  // answers that are awaited
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <google/protobuf/util/json_util.h>
 
+#include <algorithm>
 #include <system_error>
 
 #include "engrave/core/try.h"
@@ -49,6 +50,12 @@ bool IsNameOfAProfile(const std::string& machine) {
   return machine.find_first_of("./\\") == std::string::npos;
 }
 
+bool IsProfileOf(const std::vector<ShopMachine>& shop, const std::string& file) {
+  return std::ranges::any_of(shop, [&](const ShopMachine& machine) {
+    return !file.empty() && machine.profile == file;
+  });
+}
+
 int StatusOfExit(int exit_code) {
   return exit_code == client::kExitWrongInput ? 422 : 503;
 }
@@ -64,13 +71,15 @@ bool IsJson(const std::string& job_file) {
   return first != std::string::npos && job_file[first] == '{';
 }
 
-Status CheckFilesOfSubmission(JobSpec job, const fs::path& folder) {
+Status CheckFilesOfSubmission(JobSpec job, const fs::path& folder,
+                              const std::vector<ShopMachine>& shop) {
   Status status;
   ForEachFile(job, [&](const std::string& file, const std::string& field) {
     if (status && !IsFontFamily(file, field)) status = CheckFile(file, field, folder);
   });
-  if (status && !IsNameOfAProfile(job.machine_file()))
-    return CheckFile(job.machine_file(), "machine_file", folder);
+  const std::string& profile = job.machine_file();
+  if (status && !IsNameOfAProfile(profile) && !IsProfileOf(shop, profile))
+    return CheckFile(profile, "machine_file", folder);
   return status;
 }
 
@@ -80,7 +89,7 @@ Result<fs::path> Submissions::Write(const std::string& id,
   const bool is_json = IsJson(job_file);
   auto job = INTAGLIO_TRY(ParseJob(
       job_file, is_json ? JobFileFormat::kJson : JobFileFormat::kText, "job file"));
-  INTAGLIO_TRY(CheckFilesOfSubmission(std::move(job), folder));
+  INTAGLIO_TRY(CheckFilesOfSubmission(std::move(job), folder, machines_()));
   std::error_code error;
   fs::create_directories(folder, error);
   // By its bytes: another job with the same id, which is refused, replaces nothing.
@@ -150,8 +159,10 @@ PreviewAnswer Submissions::Preview(const std::string& id,
   if (!file) return {422, {}, ErrorOf(file.error())};
   const fs::path folder = file->parent_path();
   std::vector<std::string> words = {"preview", file->string(), "--json", "--out",
-                                    (folder / kPreviewPicture).parent_path().string()};
+                                    (folder / kPreviewFolder).string()};
   if (!materials_.empty()) words.insert(words.end(), {"--materials", materials_});
+  std::error_code ignored;
+  for (const char* picture : kPreviewPictures) fs::remove(folder / picture, ignored);
   const auto end = RunIntaglio(std::move(words), folder, kSubmitTime);
   if (!end) return {StatusOfRun(end.error()), {}, ErrorOf(end.error())};
   JobPreview preview;

@@ -24,6 +24,19 @@ web::Response RefusalOf(const Error& error) {
   return JsonResponse(StatusOf(error.code, kNoSpace), answer);
 }
 
+/// That of points or of contours.
+web::Response PreviewPictureIn(const std::filesystem::path& folder) {
+  for (const char* file : kPreviewPictures) {
+    const bool is_svg = std::string_view(file).ends_with(".svg");
+    auto picture = io::ReadWholeFile(folder / file, kMaxPictureBytes);
+    if (picture)
+      return web::TextResponse(200, is_svg ? "image/svg+xml" : "image/png",
+                               std::move(*picture));
+    if (picture.error().code != ErrorCode::kNotFound) return RefusalOf(picture.error());
+  }
+  return ErrorResponse(404, "there is no preview of this submission yet");
+}
+
 /// `fallback` without the name; nullopt: no whole number.
 std::optional<std::uint64_t> NumberOf(const web::Request& request, const char* name,
                                       std::uint64_t fallback) {
@@ -132,12 +145,19 @@ void SubmitApi::AnswerGet(const SubmissionPath& path, web::Reply reply) {
     if (path.is_preview) {
       const auto folder = uploads_.FolderOf(path.id);
       if (!folder) return reply(RefusalOf(folder.error()));
-      auto picture = io::ReadWholeFile(*folder / kPreviewPicture, kMaxPictureBytes);
-      return reply(picture ? web::TextResponse(200, "image/png", std::move(*picture))
-                           : RefusalOf(picture.error()));
+      return reply(PreviewPictureIn(*folder));
     }
     const auto answer = uploads_.Find(path.id, path.file);
     reply(answer ? JsonResponse(200, *answer) : RefusalOf(answer.error()));
+  });
+  if (!taken) reply(ErrorResponse(503, kBusy));
+}
+
+void SubmitApi::AnswerChoices(web::Reply reply) {
+  const bool taken = disk_.Add([this, reply] {
+    const auto choices = ListJobChoices(machines_(), materials_);
+    reply(choices ? JsonResponse(200, *choices)
+                  : ErrorResponse(StatusOf(choices.error().code), choices.error()));
   });
   if (!taken) reply(ErrorResponse(503, kBusy));
 }

@@ -32,17 +32,23 @@ struct SubmitOptions {
   std::filesystem::path uploads;            ///< folder; empty: nothing is submitted here
   std::vector<std::string> shop_arguments;  ///< by which `intaglio` finds the shop
   std::string materials;  ///< material base of previews; empty: the user's
+  ShopMachines machines;  ///< those whose profiles a job may name
 };
 
 /// In the server's thread; disks and processes have threads of their own.
 class SubmitApi {
  public:
   explicit SubmitApi(const SubmitOptions& options)
-      : uploads_(options.uploads),
-        submissions_(uploads_, options.shop_arguments, options.materials) {}
+      : materials_(options.materials),
+        machines_(options.machines),
+        uploads_(options.uploads),
+        submissions_(uploads_, options.shop_arguments, options.materials,
+                     options.machines) {}
 
   /// How much of a file has come, or the picture of a preview.
   void AnswerGet(const SubmissionPath& path, web::Reply reply);
+  /// JobChoices.
+  void AnswerChoices(web::Reply reply);
   /// A job file, or the bytes of another one, from `offset` of the query on; `size` is
   /// where that ends, default the end of this body.
   std::shared_ptr<web::BodySink> Receive(const SubmissionPath& path,
@@ -57,6 +63,8 @@ class SubmitApi {
   void Run(std::function<SubmissionAnswer()> submit, const web::Reply& reply);
   void Preview(const std::string& id, std::string job_file, web::Reply reply);
 
+  std::string materials_;
+  ShopMachines machines_;
   UploadFolder uploads_;
   Submissions submissions_;
   WorkQueue disk_{64};

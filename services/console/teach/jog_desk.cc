@@ -153,6 +153,14 @@ Result<client::MachineView> JogDesk::Machine(const std::string& cell,
       cell);
 }
 
+std::vector<client::MachineView> JogDesk::Machines(Clock::time_point now) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<client::MachineView> machines;
+  for (const auto& [cell, known] : machines_)
+    if (now - known.taken <= kKnownTime) machines.push_back(known.view);
+  return machines;
+}
+
 std::vector<std::pair<web::PeerId, JogView>> JogDesk::TakeNew(Clock::time_point now) {
   std::vector<std::pair<web::PeerId, JogView>> views;
   for (client::MachineView& machine : relay_.TakeNew()) {

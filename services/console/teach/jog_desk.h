@@ -32,6 +32,8 @@ class JogDesk {
   /// A machine by its newest state, from any thread. kNotFound: none came within 2 s.
   Result<client::MachineView> Machine(const std::string& cell,
                                       Clock::time_point now) const;
+  /// Those of which a state came within 2 s, by cell, from any thread.
+  std::vector<client::MachineView> Machines(Clock::time_point now) const;
 
   // From the thread that turns the shop.
 

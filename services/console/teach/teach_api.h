@@ -5,13 +5,13 @@
 // (jog_desk.h), while a person holds a button; a test job fires when it is armed.
 
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "services/client/teach/stage_per_glass.h"
+#include "services/console/answers/find_job.h"
 #include "services/console/answers/work_queue.h"
 #include "services/console/submit/submit_api.h"
 #include "services/console/teach/jog_desk.h"
@@ -26,14 +26,6 @@ struct MachinePath {
   std::string cell, part;
 };
 std::optional<MachinePath> SplitMachinePath(std::string_view path);
-
-struct FoundJob {
-  std::uint32_t number = 0;
-  std::filesystem::path folder;
-};
-/// Finds a job by its number or uid, and calls `found` from another thread.
-using FindJob =
-    std::function<void(std::string job, std::function<void(Result<FoundJob>)> found)>;
 
 /// In the server's thread; disks and processes have threads of their own.
 class TeachApi {

@@ -100,7 +100,8 @@ TEST_F(Uploads, AJobIsMadeOfFilesThatWereSentForIt) {
     JobSpec job;
     job.add_models()->set_file(model);
     job.set_machine_file(machine);
-    return CheckFilesOfSubmission(job, folder_ / "order-7");
+    return CheckFilesOfSubmission(job, folder_ / "order-7",
+                                  {{"keeps-none", ""}, {"own", "/shop/own.textproto"}});
   };
   EXPECT_TRUE(check("knot.stl", "els-03"));
   EXPECT_TRUE(check("knot.stl", ""));
@@ -108,6 +109,7 @@ TEST_F(Uploads, AJobIsMadeOfFilesThatWereSentForIt) {
   EXPECT_FALSE(check("/etc/passwd", ""));
   EXPECT_FALSE(check("../order-8/knot.stl", ""));
   EXPECT_FALSE(check("knot.stl", "/etc/machine.textproto"));
+  EXPECT_TRUE(check("knot.stl", "/shop/own.textproto")) << "of a machine of the shop";
   fs::create_symlink("/etc/passwd", folder_ / "order-7/link.stl");
   EXPECT_FALSE(check("link.stl", ""));
 }
