@@ -41,7 +41,8 @@ constexpr std::array kRows = {
     Row{WarningCode::kObliqueBeam, "oblique_beam", kWarning},
     Row{WarningCode::kTwoFoci, "two_foci", kWarning},
     Row{WarningCode::kPulseHeat, "pulse_heat", kWarning},
-    Row{WarningCode::kModelsOverlap, "models_overlap", kWarning}};
+    Row{WarningCode::kModelsOverlap, "models_overlap", kWarning},
+    Row{WarningCode::kSlowDepthAxis, "slow_depth_axis", kNote}};
 
 constexpr bool RowsAreInOrder() {
   for (std::size_t i = 0; i < kRows.size(); ++i) {

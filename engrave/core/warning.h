@@ -48,6 +48,7 @@ enum class WarningCode {
   kTwoFoci,            ///< points whose crack may begin at either of two depths
   kPulseHeat,          ///< pulses too weak for a crack, or so strong that they melt it
   kModelsOverlap,      ///< a text and models that lie in one another
+  kSlowDepthAxis,      ///< a scan head waits for its z, by a narrow tolerance in depth
 };
 
 struct Warning {

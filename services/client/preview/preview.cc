@@ -14,6 +14,7 @@
 #include "engrave/io/atomic_file.h"
 #include "engrave/optics/absorption.h"
 #include "engrave/proof/cloud_quality.h"
+#include "services/client/preview/depth_hint.h"
 #include "services/client/preview/preview_page.h"
 #include "services/client/preview/preview_picture.h"
 #include "services/client/preview/preview_text.h"
@@ -227,12 +228,16 @@ Result<Preview> MakePreview(const FrozenJob& job, const PreviewOptions& options,
       FindInCloud(job.job(), job.machine(), made.cloud, made.masks, options.executor);
   Preview preview;
   preview.figures = FiguresOf(job, made, found, oblique, options);
+  const ProgressSink timing = [&](std::uint64_t done, std::uint64_t total) {
+    return !progress || progress("time", done, total);
+  };
+  const CloudToTime cloud{made.cloud.points_mm, made.masks};
   const auto time = INTAGLIO_TRY(
-      EstimateTime(job, {made.cloud.points_mm, made.masks}, options.max_planned_points,
-                   options.executor, [&](std::uint64_t done, std::uint64_t total) {
-                     return !progress || progress("time", done, total);
-                   }));
+      EstimateTime(job, cloud, options.max_planned_points, options.executor, timing));
   *preview.figures.mutable_time() = time;
+  const auto slow = INTAGLIO_TRY(SlowDepthAxisIn(
+      job, time, cloud, options.max_planned_points, options.executor, timing));
+  if (slow) *preview.figures.add_warnings() = RecordOf(*slow);
   if (progress && !progress("picture", 0, 0)) {
     return Fail(ErrorCode::kCancelled, "the preview was cancelled");
   }

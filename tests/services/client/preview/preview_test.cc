@@ -2,6 +2,7 @@
 
 #include "services/client/preview/preview.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
@@ -14,6 +15,7 @@
 
 #include "engrave/machine/axes_from_glass.h"
 #include "materials_db/material_store.h"
+#include "services/client/preview/depth_hint.h"
 #include "services/client/preview/preview_text.h"
 #include "services/client/preview/preview_time.h"
 #include "services/job/convert/options.h"
@@ -250,11 +252,11 @@ TEST(PreviewTime, OfASampleIsThatOfTheWhole) {
   EXPECT_EQ(sample->ticks_bound(), whole->ticks_bound());
 }
 
-// A slow axis that starts and stops in each piece took 8 % of its ticks.
-TEST(PreviewTime, OfASampleOfASweepIsThatOfTheWhole) {
+/// A job of a head of two fast mirrors and a slow z at 4 kHz.
+FrozenJob SweptJob(double depth_tolerance_um) {
   JobSpec spec = GoodJob();
   spec.mutable_ordering()->mutable_sweep();
-  spec.mutable_motion()->set_depth_tolerance_um(50);
+  spec.mutable_motion()->set_depth_tolerance_um(depth_tolerance_um);
   FrozenJob job = FrozenOf(spec);
   for (AxisLimits* mirror :
        {job.mutable_machine()->mutable_x(), job.mutable_machine()->mutable_y()}) {
@@ -264,6 +266,12 @@ TEST(PreviewTime, OfASampleOfASweepIsThatOfTheWhole) {
   job.mutable_machine()->mutable_z()->set_max_speed_mm_s(50);
   job.mutable_machine()->mutable_z()->set_max_acceleration_mm_s2(1000);
   job.mutable_job()->mutable_laser()->set_rate_hz(4000);
+  return job;
+}
+
+// A slow axis that starts and stops in each piece took 8 % of its ticks.
+TEST(PreviewTime, OfASampleOfASweepIsThatOfTheWhole) {
+  const FrozenJob job = SweptJob(50);
   const PointList points_mm = Scatter(60'000);
   const std::vector<ChannelMask> masks(points_mm.size(), 1);
   const auto whole = EstimateTime(job, {points_mm, masks}, 60'000, {}, {});
@@ -272,6 +280,32 @@ TEST(PreviewTime, OfASampleOfASweepIsThatOfTheWhole) {
   EXPECT_LT(sample->planned_count(), 20'000u);
   const auto ticks = static_cast<double>(whole->ticks());
   EXPECT_NEAR(static_cast<double>(sample->ticks()), ticks, 0.03 * ticks);
+}
+
+TEST(SlowDepthAxis, IsANoteWithWhatAWiderToleranceSaves) {
+  const PointList points_mm = Scatter(5'000);
+  const std::vector<ChannelMask> masks(points_mm.size(), 1);
+  const CloudToTime cloud{points_mm, masks};
+  const auto hint_of = [&](const FrozenJob& job, TimePreview& time) {
+    time = EstimateTime(job, cloud, 5'000, {}, {}).value();
+    return SlowDepthAxisIn(job, time, cloud, 5'000, {}, {}).value();
+  };
+  FrozenJob narrow = SweptJob(5);
+  for (MachineLens& lens : *narrow.mutable_machine()->mutable_lenses())
+    lens.set_crack_length_mm(0.15);
+  TimePreview time, wide_time;
+  const auto hint = hint_of(narrow, time);
+  ASSERT_TRUE(hint) << time.utilisation() << " points a tick";
+  EXPECT_EQ(hint->weight, WarningWeight::kNote);
+  EXPECT_THAT(hint->text, HasSubstr("--set motion.depth_tolerance_um=50"));
+  FrozenJob wide = SweptJob(50);
+  *wide.mutable_machine() = narrow.machine();
+  EXPECT_FALSE(hint_of(wide, wide_time)) << "it has that tolerance already";
+  EXPECT_LT(wide_time.machining_time_s(), 0.9 * time.machining_time_s());
+  EXPECT_THAT(hint->text,
+              HasSubstr(fmt::format("gives {:.2f}", wide_time.utilisation())));
+  narrow.mutable_job()->mutable_ordering()->mutable_sweep()->set_slab_mm(0.4);
+  EXPECT_FALSE(hint_of(narrow, time)) << "the job has a slab of its own";
 }
 
 TEST(PreviewTime, AnOrderThatTakesMinutesIsReplaced) {
