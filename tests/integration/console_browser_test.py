@@ -213,14 +213,36 @@ def reset(driver, say, cracks):
     say("the stop is released on the page")
 
 
+def hold_button(driver, name):
+    """Of the first job, where it is shown with this name."""
+    found = driver.find_elements("css selector", ".fire .hold")
+    return found and found[0].is_displayed() and name in found[0].text and found[0]
+
+
+def resume(driver, say, cracks):
+    """What the stop has paused goes on by a press that is held."""
+    from selenium.webdriver.common.action_chains import ActionChains
+
+    made = cracks()
+
+    def resumed():
+        button = hold_button(driver, "RESUME")
+        if button:
+            ActionChains(driver).move_to_element(button).click_and_hold().pause(2.5).release() \
+                .perform()
+        return cracks() > made
+
+    eventually(resumed, 60)
+    say("resumed by a press that is held")
+
+
 def arm(driver, say, cracks):
     """Only a button that is held arms the job."""
     from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.common.by import By
 
     def button():
-        found = driver.find_elements(By.CSS_SELECTOR, ".hold")
-        return found and found[0].is_displayed() and "ARM" in found[0].text and found[0]
+        return hold_button(driver, "ARM")
 
     def waits():
         return "waiting_for_arm" in driver.find_element(By.CSS_SELECTOR, "job-list").text
@@ -302,6 +324,15 @@ def results(driver, say):
 
     eventually(ended)
     say(f"its picture is {eventually(width, 120)} pixels wide")
+
+    def proof():
+        driver.find_element(By.XPATH, "//job-list//button[text()='Proof']").click()
+        time.sleep(1)
+        picture = driver.find_element(By.CSS_SELECTOR, ".result img")
+        return picture.is_displayed() and picture.get_attribute("alt") == "Proof" and \
+            int(picture.get_attribute("naturalWidth"))
+
+    say(f"its proof is {eventually(proof, 60)} pixels wide")
 
 
 SET_CONTROL = """
@@ -434,6 +465,7 @@ def look(driver, folder, say, cracks, console_pid, submit):
     time.sleep(3)
     assert cracks() == before, "nothing starts by a reload"
     reset(driver, say, cracks)
+    resume(driver, say, cracks)
     os.kill(console_pid(), signal.SIGSTOP)
 
     def lost():
