@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "engrave/core/check.h"
@@ -62,23 +63,35 @@ Stretch::Stretch(std::span<const Vec3> points_mm, const BeamCone& cone,
 
 Stretch::Stretch(std::span<const Vec3> points_mm, const BeamCone& cone,
                  const TickCost& cost, const HeightTube& tube)
+    : Stretch(ScaleAll(points_mm, cost), points_mm, cone, cost, tube) {}
+
+Stretch::Stretch(const std::vector<Scaled>& points, std::span<const Vec3> points_mm,
+                 const BeamCone& cone, const TickCost& cost, const HeightTube& tube)
     : cost_(cost),
-      points_(ScaleAll(points_mm, cost)),
-      at_(points_mm.size()),
-      place_(points_mm.size()),
-      ticks_(points_mm.size(), 1),
-      tube_(tube),
+      places_(points.size()),
+      at_(points.size()),
+      place_(points.size()),
+      has_tube_(!tube.points_mm.empty()),
+      tolerance_mm_(static_cast<float>(tube.tolerance_mm)),
       precedence_(points_mm, cone),
-      near_(WithTubeHeights(points_, tube), kNear, TypicalStep(points_)) {
+      near_(WithTubeHeights(points, tube), kNear, TypicalStep(points)) {
   std::iota(at_.begin(), at_.end(), 0U);
   std::iota(place_.begin(), place_.end(), 0U);
+  for (std::size_t i = 0; i < points.size(); ++i) places_[i] = {points[i], 0, 1, 1, 0};
+  if (has_tube_) {
+    const double from_mm = tube.points_mm.front();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      places_[i].height_mm = static_cast<float>(tube.points_mm[i] - from_mm);
+      axis_mm_.push_back(static_cast<float>(tube.axis_mm[i] - from_mm));
+    }
+  }
   ChooseTicks();
 }
 
 void Stretch::Anneal(std::uint64_t tries, double hot, double cold, std::uint64_t seed) {
   Require(hot > 0 && cold > 0, "temperatures must be positive, are {} and {}", hot, cold);
   if (at_.size() <= 2 * kFixed + 1) return;
-  generator_.seed(seed);
+  random_.Seed(seed);
   double temperature = hot;
   const std::uint64_t tries_a_step = tries / kCoolingSteps + 1;
   for (std::uint64_t i = 0; i < tries; ++i) {
@@ -88,7 +101,7 @@ void Stretch::Anneal(std::uint64_t tries, double hot, double cold, std::uint64_t
     }
     Change change;
     if (!Propose(change) || !EndsStayInTube(change)) continue;
-    const double chance = (static_cast<double>(generator_() >> 11) + 1) * 0x1p-53;
+    const double chance = (static_cast<double>(random_() >> 11) + 1) * 0x1p-53;
     const double bearable = -temperature * std::log(chance);
     if (-GainOf(change, bearable) > bearable || !IsAllowed(change)) continue;
     Apply(change);
@@ -98,20 +111,33 @@ void Stretch::Anneal(std::uint64_t tries, double hot, double cold, std::uint64_t
 /// All ticks, a window at a time from the start on.
 void Stretch::ChooseTicks() {
   if (at_.size() <= 2 * kFixed) return;
-  TimedMove before{points_[at_[1]] - points_[at_[0]], 1};
-  before.ticks = ticks_[1] = cost_.MinTicks(before.step);
+  for (std::size_t i = 1; i < at_.size(); ++i) SetStepTo(i);
   const std::size_t last = at_.size() - 1;
-  ticks_[last] = cost_.MinTicks(MoveTo(last).step);
+  places_[1].ticks = places_[1].min_ticks;
+  places_[last].ticks = places_[last].min_ticks;
   // The second half of each window is chosen again with the next one.
   constexpr std::size_t kHalf = TickCost::kMaxSteps / 2;
   for (std::size_t first = kFixed; first < last; first += kHalf) {
     Scaled steps[TickCost::kMaxSteps];
+    float ticks[TickCost::kMaxSteps];
     const std::size_t count = std::min(TickCost::kMaxSteps, last - first);
     for (std::size_t i = 0; i < count; ++i) steps[i] = MoveTo(first + i).step;
     TimedMove after = MoveTo(first + count);
-    if (first + count < last) after.ticks = cost_.MinTicks(after.step);
-    cost_.BestTicks(MoveTo(first - 1), {steps, count}, after, &ticks_[first]);
+    if (first + count < last) after.ticks = places_[first + count].min_ticks;
+    cost_.BestTicks(MoveTo(first - 1), {steps, count}, after, ticks);
+    for (std::size_t i = 0; i < count; ++i) places_[first + i].ticks = ticks[i];
   }
+  SetBends(kFixed, last);
+}
+
+void Stretch::SetStepTo(std::size_t place) {
+  places_[place].min_ticks = cost_.MinTicks(MoveTo(place).step);
+}
+
+/// Of the steps to these places, both included.
+void Stretch::SetBends(std::size_t first, std::size_t last) {
+  for (std::size_t i = first; i <= last; ++i)
+    places_[i].bend_cost = TickCost::BendCost(TickCost::Bend(MoveTo(i - 1), MoveTo(i)));
 }
 
 std::size_t Stretch::PieceLength(std::size_t place, bool forwards) {
@@ -122,7 +148,7 @@ std::size_t Stretch::PieceLength(std::size_t place, bool forwards) {
   std::size_t length = 1;
   for (; length < kLongestPiece; ++length) {
     const std::size_t step = forwards ? place + length : place - length + 1;
-    if (step <= kFixed || step >= at_.size() - kFixed || ticks_[step] > 1) break;
+    if (step <= kFixed || step >= at_.size() - kFixed || places_[step].ticks > 1) break;
   }
   return length;
 }
@@ -131,7 +157,7 @@ bool Stretch::Propose(Change& change) {
   std::size_t here = 0;
   for (int draws = 0; draws < kDraws; ++draws) {
     here = kFixed + Below(static_cast<std::uint32_t>(at_.size() - 2 * kFixed));
-    if (ticks_[here] > 1 || ticks_[here + 1] > 1) break;
+    if (places_[here].ticks > 1 || places_[here + 1].ticks > 1) break;
   }
   const auto near = near_.Of(at_[here]);
   if (near.empty()) return false;
@@ -174,7 +200,7 @@ std::size_t Stretch::OldPlace(const Change& change, std::size_t place) const {
 }
 
 TimedMove Stretch::MoveTo(std::size_t place) const {
-  return {points_[at_[place]] - points_[at_[place - 1]], ticks_[place]};
+  return {places_[place].point - places_[place - 1].point, places_[place].ticks};
 }
 
 /// The move to a place once the change is made; where two pieces meet anew, its ticks
@@ -182,7 +208,7 @@ TimedMove Stretch::MoveTo(std::size_t place) const {
 TimedMove Stretch::MoveAfter(const Change& change, std::size_t place) const {
   const std::size_t from = OldPlace(change, place - 1);
   const std::size_t to = OldPlace(change, place);
-  return {points_[at_[to]] - points_[at_[from]], ticks_[std::max(from, to)]};
+  return {places_[to].point - places_[from].point, places_[std::max(from, to)].ticks};
 }
 
 /// Each step with one more on both sides, joined where they touch.
@@ -203,38 +229,58 @@ std::size_t Stretch::WindowsAround(const std::size_t (&steps)[3],
   return count;
 }
 
+/// The fewest ticks of the steps where pieces meet anew, less those of the steps that go.
+float Stretch::NewMinTicks(const Change& change) const {
+  const auto [begin, middle, end, turn_left, turn_right] = change;
+  const Scaled left[] = {places_[begin].point, places_[middle - 1].point};
+  const Scaled& before = places_[begin - 1].point;
+  const Scaled& after = places_[end].point;
+  const float gone = places_[begin].min_ticks + places_[end].min_ticks;
+  if (middle == end) {
+    return cost_.MinTicks(left[turn_left ? 1 : 0] - before) +
+           cost_.MinTicks(after - left[turn_left ? 0 : 1]) - gone;
+  }
+  const Scaled right[] = {places_[middle].point, places_[end - 1].point};
+  return cost_.MinTicks(right[turn_right ? 1 : 0] - before) +
+         cost_.MinTicks(left[turn_left ? 1 : 0] - right[turn_right ? 0 : 1]) +
+         cost_.MinTicks(after - left[turn_left ? 0 : 1]) - gone -
+         places_[middle].min_ticks;
+}
+
 /// How much cheaper the order is with the change. Both sides sum over the same steps but
 /// those that go and come. Where even the fewest ticks of the new steps lose more than
 /// `bearable`, no more than that is computed.
 float Stretch::GainOf(const Change& change, double bearable) {
-  float gain = 0;
   Window old[3];
   const std::size_t old_count =
       WindowsAround({change.begin, change.middle, change.end}, old);
+  float cost = 0, spare = -NewMinTicks(change);
   for (std::size_t w = 0; w < old_count; ++w) {
-    TimedMove moves[TickCost::kMaxSteps];
-    std::size_t count = 0;
-    for (std::size_t i = old[w].first; i <= old[w].last; ++i) moves[count++] = MoveTo(i);
-    gain += TickCost::CostOf(MoveTo(old[w].first - 1), {moves, count},
-                             MoveTo(old[w].last + 1));
+    for (std::size_t i = old[w].first; i <= old[w].last; ++i) {
+      const Place& place = places_[i];
+      cost += place.ticks + place.bend_cost;
+      spare += place.ticks - place.min_ticks + place.bend_cost;
+    }
+    const float bend_behind = places_[old[w].last + 1].bend_cost;
+    cost += bend_behind;
+    spare += bend_behind;
   }
+  // What the new steps may cost beyond their fewest ticks. Sums of floats are rounded.
+  constexpr float kRounded = 1e-3F;
+  const float left = spare + static_cast<float>(bearable) + kRounded;
+  if (left < 0) return spare;
   const std::size_t meet = change.begin + change.end - change.middle;
   new_window_count_ = WindowsAround({change.begin, meet, change.end}, new_windows_);
-  Scaled steps[3][TickCost::kMaxSteps];
-  float greatest = gain;
-  for (std::size_t w = 0; w < new_window_count_; ++w) {
-    std::size_t count = 0;
-    for (std::size_t i = new_windows_[w].first; i <= new_windows_[w].last; ++i) {
-      steps[w][count] = MoveAfter(change, i).step;
-      greatest -= cost_.MinTicks(steps[w][count++]);
-    }
-  }
-  if (-greatest > bearable) return greatest;
+  float gain = cost;
   for (std::size_t w = 0; w < new_window_count_; ++w) {
     Window& window = new_windows_[w];
-    gain -= cost_.BestTicks(MoveAfter(change, window.first - 1),
-                            {steps[w], window.last - window.first + 1},
-                            MoveAfter(change, window.last + 1), window.ticks);
+    Scaled steps[TickCost::kMaxSteps];
+    std::size_t count = 0;
+    for (std::size_t i = window.first; i <= window.last; ++i)
+      steps[count++] = MoveAfter(change, i).step;
+    gain -= cost_.BestTicks(MoveAfter(change, window.first - 1), {steps, count},
+                            MoveAfter(change, window.last + 1), window.ticks, left);
+    if (gain == -std::numeric_limits<float>::infinity()) return gain;
   }
   return gain;
 }
@@ -251,22 +297,31 @@ bool Stretch::CanTurn(std::size_t begin, std::size_t end) const {
 
 /// Whether the point that comes to this place is within the tolerance of the axis there.
 bool Stretch::StaysInTubeAt(const Change& change, std::size_t place) const {
-  const double height_mm = tube_.points_mm[at_[OldPlace(change, place)]];
-  return std::abs(height_mm - tube_.axis_mm[place]) <= tube_.tolerance_mm;
+  const float height_mm = places_[OldPlace(change, place)].height_mm;
+  return std::abs(height_mm - axis_mm_[place]) <= tolerance_mm_;
 }
 
 /// Whether each point that moves does.
 bool Stretch::StaysInTube(const Change& change) const {
-  if (tube_.points_mm.empty()) return true;
-  for (std::size_t place = change.begin; place < change.end; ++place) {
-    if (!StaysInTubeAt(change, place)) return false;
+  if (!has_tube_) return true;
+  const auto [begin, middle, end, turn_left, turn_right] = change;
+  return PieceStaysInTube(middle, end, turn_right, begin) &&
+         PieceStaysInTube(begin, middle, turn_left, begin + end - middle);
+}
+
+/// The same of the places [begin, end), moved to `to` and turned round or not.
+bool Stretch::PieceStaysInTube(std::size_t begin, std::size_t end, bool turned,
+                               std::size_t to) const {
+  for (std::size_t i = 0; i < end - begin; ++i) {
+    const float height_mm = places_[turned ? end - 1 - i : begin + i].height_mm;
+    if (!(std::abs(height_mm - axis_mm_[to + i]) <= tolerance_mm_)) return false;
   }
   return true;
 }
 
 /// Most changes that leave the tube do so here, which costs less than their gain.
 bool Stretch::EndsStayInTube(const Change& change) const {
-  if (tube_.points_mm.empty()) return true;
+  if (!has_tube_) return true;
   const std::size_t meet = change.begin + change.end - change.middle;
   const auto stays = [&](std::size_t place) { return StaysInTubeAt(change, place); };
   return stays(change.begin) && stays(change.end - 1) && stays(meet - 1) &&
@@ -296,22 +351,32 @@ bool Stretch::IsAllowed(const Change& change) const {
 }
 
 void Stretch::Apply(const Change& change) {
+  const std::size_t meet = change.begin + change.end - change.middle;
   moved_.clear();
-  moved_ticks_.clear();
+  moved_places_.clear();
   for (std::size_t i = change.begin; i < change.end; ++i) {
-    moved_.push_back(at_[OldPlace(change, i)]);
-    moved_ticks_.push_back(MoveAfter(change, i).ticks);
+    const std::size_t old = OldPlace(change, i);
+    moved_.push_back(at_[old]);
+    Place& place = moved_places_.emplace_back(places_[old]);
+    if (!(i < meet ? change.turn_right : change.turn_left)) continue;
+    // The other way round the step to it is the one that left it.
+    place.ticks = places_[old + 1].ticks;
+    place.min_ticks = places_[old + 1].min_ticks;
+    place.bend_cost = places_[old + 2].bend_cost;
   }
   for (std::size_t i = 0; i < moved_.size(); ++i) {
     at_[change.begin + i] = moved_[i];
     place_[moved_[i]] = static_cast<std::uint32_t>(change.begin + i);
-    ticks_[change.begin + i] = moved_ticks_[i];
+    places_[change.begin + i] = moved_places_[i];
   }
+  for (const std::size_t joint : {change.begin, meet, change.end}) SetStepTo(joint);
   for (std::size_t w = 0; w < new_window_count_; ++w) {
     const Window& window = new_windows_[w];
-    std::copy_n(window.ticks, window.last - window.first + 1,
-                ticks_.begin() + static_cast<std::ptrdiff_t>(window.first));
+    for (std::size_t i = window.first; i <= window.last; ++i)
+      places_[i].ticks = window.ticks[i - window.first];
   }
+  for (std::size_t w = 0; w < new_window_count_; ++w)
+    SetBends(new_windows_[w].first, new_windows_[w].last + 1);
 }
 
 }  // namespace intaglio::sort

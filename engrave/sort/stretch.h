@@ -11,11 +11,11 @@
 // tick_cost.h; ticks of the steps around a change are chosen again with it.
 
 #include <cstdint>
-#include <random>
 #include <span>
 #include <vector>
 
 #include "engrave/core/geometry.h"
+#include "engrave/core/quick_random.h"
 #include "engrave/sort/beam/beam_cone.h"
 #include "engrave/sort/beam/precedence.h"
 #include "engrave/sort/near/near_points.h"
@@ -48,6 +48,9 @@ class Stretch {
   std::span<const std::uint32_t> order() const { return at_; }
 
  private:
+  Stretch(const std::vector<Scaled>& points, std::span<const Vec3> points_mm,
+          const BeamCone& cone, const TickCost& cost, const HeightTube& tube);
+
   /// The places [begin, end) are two pieces that meet at `middle`; they change places,
   /// and one may be turned round. With middle == end it is one piece, turned round.
   struct Change {
@@ -59,38 +62,53 @@ class Stretch {
     std::size_t first, last;  ///< of the steps' places; step i leads to place i
     float ticks[TickCost::kMaxSteps];
   };
+  /// What is known of a place: its point, and the step that leads to it. Together, as it
+  /// is used: most changes are refused by some of it alone.
+  struct Place {
+    Scaled point;
+    float height_mm;  ///< of its point in the tube, from the first one's
+    float ticks;
+    float min_ticks;
+    float bend_cost;  ///< between the step before and this one
+  };
 
   std::uint32_t Below(std::uint32_t end) {
-    return static_cast<std::uint32_t>(((generator_() >> 32) * end) >> 32);
+    return static_cast<std::uint32_t>(((random_() >> 32) * end) >> 32);
   }
   void ChooseTicks();
   bool Propose(Change& change);
   std::size_t PieceLength(std::size_t place, bool forwards);
   std::size_t OldPlace(const Change& change, std::size_t place) const;
   TimedMove MoveTo(std::size_t place) const;
+  void SetStepTo(std::size_t place);
+  void SetBends(std::size_t first, std::size_t last);
   TimedMove MoveAfter(const Change& change, std::size_t place) const;
   std::size_t WindowsAround(const std::size_t (&steps)[3], Window (&windows)[3]) const;
   float GainOf(const Change& change, double bearable);
+  float NewMinTicks(const Change& change) const;
   bool IsAllowed(const Change& change) const;
   bool StaysInTubeAt(const Change& change, std::size_t place) const;
   bool EndsStayInTube(const Change& change) const;
   bool StaysInTube(const Change& change) const;
+  bool PieceStaysInTube(std::size_t begin, std::size_t end, bool turned,
+                        std::size_t to) const;
   bool CanTurn(std::size_t begin, std::size_t end) const;
   void Apply(const Change& change);
 
   const TickCost& cost_;
-  std::vector<Scaled> points_;
+  std::vector<Place> places_;
   std::vector<std::uint32_t> at_;     ///< of each place its point
   std::vector<std::uint32_t> place_;  ///< of each point its place
-  std::vector<float> ticks_;          ///< of the step to each place
-  HeightTube tube_;
+  bool has_tube_;
+  float tolerance_mm_;
+  std::vector<float> axis_mm_;  ///< of each place, from the first point's height
   Precedence precedence_;
   NearPoints near_;
-  std::mt19937_64 generator_;
+  QuickRandom random_;
   Window new_windows_[3];
   std::size_t new_window_count_ = 0;
   std::vector<std::uint32_t> moved_;
-  std::vector<float> moved_ticks_;
+  std::vector<Place> moved_places_;
 };
 
 }  // namespace intaglio::sort

@@ -33,7 +33,7 @@ constexpr double kSweepHot = 0.25, kSweepCold = 0.03;
 /// more.
 constexpr double kPitch = 1.97;
 /// By trial: a change of rounds often leaves the tube, and then costs a quarter.
-constexpr double kTriesInTube = 2.5;
+constexpr double kTriesInTube = 3;
 /// Rounds leave less freedom than the points of a slab have, so they have to be better by
 /// more than a sample errs.
 constexpr double kWorthRounds = 0.98;
@@ -47,6 +47,22 @@ struct Piece {
 
   std::size_t size() const { return end - begin; }
 };
+
+/// What the way through some points costs.
+struct Sample {
+  double ticks = 0;
+  std::size_t point_count = 0;
+};
+
+/// Ticks of a point.
+double MeanCost(std::span<const Sample> samples) {
+  Sample sum;
+  for (const Sample& sample : samples) {
+    sum.ticks += sample.ticks;
+    sum.point_count += sample.point_count;
+  }
+  return sum.ticks / static_cast<double>(sum.point_count);
+}
 
 /// The third axis costs nothing: it is under way anyway.
 motion::Limits WithFreeHeight(motion::Limits limits) {
@@ -104,33 +120,30 @@ class Sweeping {
     return std::move(order_);
   }
 
-  /// The ticks of a point as they are planned, the slow axis included, once the pieces
-  /// around some places are improved.
-  double SampledCost() const {
+  /// How many samples a way to begin is compared by.
+  static std::size_t SampleCount(std::size_t point_count) {
+    return std::clamp<std::size_t>(point_count / kPointsPerSample, 1, kMaxSamples);
+  }
+
+  /// The ticks of one sample as they are planned, the slow axis included, once the pieces
+  /// around its place are improved.
+  Sample CostOfSample(std::size_t sample) const {
     const std::size_t count = order_.size();
-    const std::size_t samples =
-        std::clamp<std::size_t>(count / kPointsPerSample, 1, kMaxSamples);
-    double cost = 0;
-    std::size_t points = 0;
-    for (std::size_t sample = 0; sample < samples; ++sample) {
-      const std::size_t place = count * (2 * sample + 1) / (2 * samples);
-      auto piece = std::ranges::upper_bound(pieces_, place, {}, &Piece::end);
-      Order made;
-      while (piece != pieces_.end() && made.size() < kSample) {
-        const std::size_t begin = piece->size() <= kSample        ? piece->begin
-                                  : place + kSample <= piece->end ? place
-                                                                  : piece->end - kSample;
-        const Piece part{begin, std::min(begin + kSample, piece->end)};
-        Annealed(part, part, 0, [&](const Stretch& stretch) {
-          for (const std::uint32_t i : stretch.order())
-            made.push_back(order_[part.begin + i]);
-        });
-        ++piece;
-      }
-      cost += PlannedCost(made);
-      points += made.size();
+    const std::size_t place = count * (2 * sample + 1) / (2 * SampleCount(count));
+    auto piece = std::ranges::upper_bound(pieces_, place, {}, &Piece::end);
+    Order made;
+    while (piece != pieces_.end() && made.size() < kSample) {
+      const std::size_t begin = piece->size() <= kSample        ? piece->begin
+                                : place + kSample <= piece->end ? place
+                                                                : piece->end - kSample;
+      const Piece part{begin, std::min(begin + kSample, piece->end)};
+      Annealed(part, part, 0, [&](const Stretch& stretch) {
+        for (const std::uint32_t i : stretch.order())
+          made.push_back(order_[part.begin + i]);
+      });
+      ++piece;
     }
-    return cost / static_cast<double>(points);
+    return {PlannedCost(made), made.size()};
   }
 
  private:
@@ -230,11 +243,16 @@ Order MakeSweep(const PointList& points_mm, const OrderOptions& options,
   }
   Sweeping rounds(points_mm, heights_mm, options,
                   BeginInRounds(lifted_mm, kPitch * options.sweep.tolerance_mm));
-  double costs[2];
-  RunEach(options.executor, 2,
-          [&](std::size_t i) { costs[i] = (i == 0 ? slabs : rounds).SampledCost(); });
+  // Rounds first, which take longer: the workers end together.
+  const std::size_t count = Sweeping::SampleCount(points_mm.size());
+  std::vector<Sample> samples(2 * count);
+  RunEach(options.executor, 2 * count, [&](std::size_t i) {
+    samples[i] = (i < count ? rounds : slabs).CostOfSample(i % count);
+  });
+  const double in_rounds = MeanCost(std::span(samples).first(count));
+  const double in_slabs = MeanCost(std::span(samples).last(count));
   Order order =
-      std::move(costs[1] < kWorthRounds * costs[0] ? rounds : slabs).Improve(shared);
+      std::move(in_rounds < kWorthRounds * in_slabs ? rounds : slabs).Improve(shared);
   return shared.cancelled() ? Order() : order;
 }
 

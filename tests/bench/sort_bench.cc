@@ -7,6 +7,10 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
+#include <atomic>
+#include <thread>
+#include <vector>
+
 #include "engrave/motion/planner.h"
 #include "engrave/sort/order.h"
 #include "engrave/sort/shadow.h"
@@ -96,10 +100,13 @@ constexpr NamedMethod kMethods[] = {
 
 void RegisterOrder(const std::string& name, const PointList& points_mm,
                    const OrderOptions& options) {
-  benchmark::RegisterBenchmark(("order/" + name).c_str(), [&points_mm, options](
-                                                              benchmark::State& state) {
-    Measure(state, points_mm, options);
-  })->Unit(benchmark::kMillisecond);
+  benchmark::RegisterBenchmark(("order/" + name).c_str(),
+                               [&points_mm, options](benchmark::State& state) {
+                                 Measure(state, points_mm, options);
+                               })
+      ->Unit(benchmark::kMillisecond)
+      ->MeasureProcessCPUTime()
+      ->UseRealTime();
 }
 
 void RegisterShadow(const std::string& name, const PointList& points_mm) {
@@ -116,6 +123,29 @@ void RegisterShadow(const std::string& name, const PointList& points_mm) {
   })->Unit(benchmark::kMillisecond);
 }
 
+/// On two threads.
+void RunOnTwo(std::size_t count, const std::function<void(std::size_t)>& work) {
+  std::atomic<std::size_t> next = 0;
+  const auto run = [&] {
+    for (std::size_t i = next++; i < count; i = next++) work(i);
+  };
+  const std::jthread other(run);
+  run();
+}
+
+/// Mirrors and the axis of the lens; two workers.
+OrderOptions SweepOf(double rate_hz, double speed_mm_s) {
+  OrderOptions options;
+  options.method = Method::kSweep;
+  options.sweep.tolerance_mm = options.sweep.slab_mm;
+  options.cone = {0.02, 0.035, 0.15};
+  options.rate_hz = rate_hz;
+  options.limits.max_speed_mm_s = {speed_mm_s, speed_mm_s, 50};
+  options.limits.max_acceleration_mm_s2 = {5e7, 5e7, 1000};
+  options.executor = &RunOnTwo;
+  return options;
+}
+
 const int kRegistered = [] {
   static const std::vector<NamedCloud> clouds = [] {
     std::vector<NamedCloud> made = {{"vase", SlicedVase(200, 0.1, 0.1)},
@@ -127,20 +157,15 @@ const int kRegistered = [] {
   static const PointList large = DentedSphere(2000000, 1);
   // A scan head over a block: slabs of 50 um.
   static const PointList box = RandomBox(100000, {50, 50, 50}, 3);
+  static const PointList full_box = RandomBox(1000000, {50, 50, 50}, 3);
   for (const double rate_hz : {2000.0, 4000.0, 10000.0}) {
     for (const double speed_mm_s : {8000.0, 30000.0}) {
-      OrderOptions options;
-      options.method = Method::kSweep;
-      options.sweep.tolerance_mm = options.sweep.slab_mm;
-      options.cone = {0.02, 0.035, 0.15};
-      options.rate_hz = rate_hz;
-      options.limits.max_speed_mm_s = {speed_mm_s, speed_mm_s, 50};
-      options.limits.max_acceleration_mm_s2 = {5e7, 5e7, 1000};
       RegisterOrder(
           fmt::format("sweep, box, {:g} Hz, {:g} m/s", rate_hz, 1e-3 * speed_mm_s), box,
-          options);
+          SweepOf(rate_hz, speed_mm_s));
     }
   }
+  RegisterOrder("sweep, full box, 4000 Hz, 8 m/s", full_box, SweepOf(4000, 8000));
   for (const NamedCloud& cloud : clouds) {
     for (const double rate_hz : {100, 200}) {
       for (const auto& [method, method_name] : kMethods) {

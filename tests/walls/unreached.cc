@@ -109,7 +109,8 @@ void AddNames(std::string_view code, const std::string& header, Names& names) {
     while (end < code.size() && IsOfName(code[end])) ++end;
     if (end > at && std::isdigit(static_cast<unsigned char>(code[at])) == 0) {
       const std::string name(code.substr(at, end - at));
-      if (!IsDeclaration(code, at, end))
+      // `struct alignas(64) Leaf` looks like a function.
+      if (name == "alignas" || !IsDeclaration(code, at, end))
         names.used.insert(name);
       else if (!header.empty())
         names.declared.emplace(name, header);

@@ -87,77 +87,83 @@ double TickCost::StopAndGoTicks(double mm) const {
 
 namespace {
 
-/// The choices for one step side by side, for the vector unit.
-template <int kCount>
-struct Choices {
-  alignas(32) float ticks[kCount];
-  alignas(32) float vx[kCount], vy[kCount], vz[kCount];  ///< step / ticks
-  alignas(32) float cost[kCount];                        ///< of the way to here
-  int from[kCount];
+/// What one choice of ticks makes of a step. Without initial values: of hundreds few are
+/// used.
+struct Choice {
+  float ticks;
+  float vx, vy, vz;  ///< step / ticks
+  float cost;        ///< of the way to here
+  int from;          ///< the choice of the step before
 
-  void Set(const TimedMove& move, int choice) {
-    const float per_tick = 1 / move.ticks;
-    ticks[choice] = move.ticks;
-    vx[choice] = move.step.x * per_tick;
-    vy[choice] = move.step.y * per_tick;
-    vz[choice] = move.step.z * per_tick;
+  void Set(const Scaled& step, float in_ticks) {
+    const float per_tick = 1 / in_ticks;
+    ticks = in_ticks;
+    vx = step.x * per_tick;
+    vy = step.y * per_tick;
+    vz = step.z * per_tick;
   }
 };
 
-/// The cheapest way over `from` to choice `to` of the next step, less its own ticks.
-template <int kCount>
-float CheapestWay(const Choices<kCount>& from, const Choices<kCount>& next, int to,
-                  int& chosen) {
-  alignas(32) float cost[kCount];
-  for (int i = 0; i < kCount; ++i) {
-    const float dx = std::abs(next.vx[to] - from.vx[i]);
-    const float dy = std::abs(next.vy[to] - from.vy[i]);
-    const float dz = std::abs(next.vz[to] - from.vz[i]);
-    const float xy = dx > dy ? dx : dy;
-    const float bend = 2 * (xy > dz ? xy : dz) / (from.ticks[i] + next.ticks[to]);
-    cost[i] = from.cost[i] + TickCost::BendCost(bend);
-  }
-  chosen = 0;
-  for (int i = 1; i < kCount; ++i) {
-    if (cost[i] < cost[chosen]) chosen = i;
-  }
-  return cost[chosen];
-}
+constexpr int kMaxChoices = 8;
 
-template <int kCount>
-float ChooseTicks(const TickCost& tick_cost, const TimedMove& before,
-                  std::span<const Scaled> steps, const TimedMove& after, float* ticks) {
-  Choices<kCount> choices[TickCost::kMaxSteps + 2];
-  for (int c = 0; c < kCount; ++c) {
-    choices[0].Set(before, c);
-    choices[0].cost[c] = 0;
+struct Choices {
+  Choice all[kMaxChoices];
+  int count;
+};
+
+/// Sets the cost of `to` to that of the cheapest way over `from`, its own ticks included.
+void GoCheapest(const Choices& from, float own_ticks, Choice& to) {
+  to.cost = std::numeric_limits<float>::infinity();
+  for (int i = 0; i < from.count; ++i) {
+    const Choice& before = from.all[i];
+    const float largest =
+        std::max({std::abs(to.vx - before.vx), std::abs(to.vy - before.vy),
+                  std::abs(to.vz - before.vz)});
+    const float bend = 2 * largest / (before.ticks + to.ticks);
+    const float cost = before.cost + TickCost::BendCost(bend);
+    if (cost < to.cost) to.cost = cost, to.from = i;
   }
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    Choices<kCount>& to = choices[i + 1];
-    const float smallest = tick_cost.MinTicks(steps[i]);
-    for (int c = 0; c < kCount; ++c) {
-      to.Set({steps[i], smallest + kBeyond[c]}, c);
-      to.cost[c] = to.ticks[c] + CheapestWay(choices[i], to, c, to.from[c]);
-    }
-  }
-  Choices<kCount>& end = choices[steps.size() + 1];
-  end.Set(after, 0);
-  int chosen = 0;
-  const float best = CheapestWay(choices[steps.size()], end, 0, chosen);
-  for (std::size_t i = steps.size(); i-- > 0;) {
-    ticks[i] = choices[i + 1].ticks[chosen];
-    chosen = choices[i + 1].from[chosen];
-  }
-  return best;
+  to.cost += own_ticks;
 }
 
 }  // namespace
 
+// A step with more than the fewest ticks makes the sum so much larger at least: choices
+// beyond the spare need no trial, nor does what follows a way that has used it up.
 float TickCost::BestTicks(const TimedMove& before, std::span<const Scaled> steps,
-                          const TimedMove& after, float* ticks) const {
+                          const TimedMove& after, float* ticks, float spare) const {
   Require(!steps.empty() && steps.size() <= kMaxSteps, "{} steps at once", steps.size());
-  return many_choices_ ? ChooseTicks<8>(*this, before, steps, after, ticks)
-                       : ChooseTicks<4>(*this, before, steps, after, ticks);
+  const int max_count = many_choices_ ? kMaxChoices : kMaxChoices / 2;
+  int count = 1;
+  while (count < max_count && kBeyond[count] <= spare) ++count;
+  Choices choices[kMaxSteps + 2];
+  choices[0].all[0].Set(before.step, before.ticks);
+  choices[0].all[0].cost = 0;
+  choices[0].count = 1;
+  float fewest = 0;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    Choices& to = choices[i + 1];
+    const float smallest = MinTicks(steps[i]);
+    fewest += smallest;
+    float cheapest = std::numeric_limits<float>::infinity();
+    to.count = count;
+    for (int c = 0; c < count; ++c) {
+      Choice& choice = to.all[c];
+      choice.Set(steps[i], smallest + kBeyond[c]);
+      GoCheapest(choices[i], choice.ticks, choice);
+      cheapest = std::min(cheapest, choice.cost);
+    }
+    if (cheapest > fewest + spare) return std::numeric_limits<float>::infinity();
+  }
+  Choice end;
+  end.Set(after.step, after.ticks);
+  GoCheapest(choices[steps.size()], 0, end);
+  int chosen = end.from;
+  for (std::size_t i = steps.size(); i-- > 0;) {
+    ticks[i] = choices[i + 1].all[chosen].ticks;
+    chosen = choices[i + 1].all[chosen].from;
+  }
+  return end.cost;
 }
 
 float TickCost::CostOf(const TimedMove& before, std::span<const TimedMove> moves,

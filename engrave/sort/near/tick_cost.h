@@ -15,6 +15,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <span>
 
 #include "engrave/core/geometry.h"
@@ -53,8 +55,13 @@ class TickCost {
   float MinTicks(const Scaled& step) const {
     const float ticks =
         std::max({std::abs(step.x) * per_speed_.x, std::abs(step.y) * per_speed_.y,
-                  std::abs(step.z) * per_speed_.z});
-    return std::max(1.0F, std::ceil(ticks * (1 - 1e-6F)));
+                  std::abs(step.z) * per_speed_.z}) *
+        (1 - 1e-6F);
+    // Larger floats are whole. std::ceil is a call where the processor is not known.
+    constexpr float kWhole = 1 << 23;
+    if (!(ticks < kWhole)) return ticks;
+    const auto below = static_cast<float>(static_cast<std::int32_t>(ticks));
+    return std::max(1.0F, below < ticks ? below + 1 : below);
   }
 
   /// The share of the limit of acceleration between two steps.
@@ -81,9 +88,13 @@ class TickCost {
   static constexpr std::size_t kMaxSteps = 16;
 
   /// The cheapest ticks of `steps` (1..kMaxSteps) between two moves that stay as they
-  /// are: writes them and returns their sum and the cost of all bends.
+  /// are: writes them and returns their sum and the cost of all bends. Where that is more
+  /// than `spare` ticks above the sum of the fewest, what is written is of no use, and
+  /// the result is only known to be more: few choices have to be compared for a small
+  /// spare.
   float BestTicks(const TimedMove& before, std::span<const Scaled> steps,
-                  const TimedMove& after, float* ticks) const;
+                  const TimedMove& after, float* ticks,
+                  float spare = std::numeric_limits<float>::infinity()) const;
 
   /// The same of ticks that are given.
   static float CostOf(const TimedMove& before, std::span<const TimedMove> moves,

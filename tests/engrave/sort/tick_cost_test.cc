@@ -206,6 +206,27 @@ double Cheapest(const TickCost& cost, const std::vector<float>& beyond,
   return smallest;
 }
 
+/// With what the best has above the fewest ticks it is found; with less, all that comes
+/// is that it costs more.
+void ExpectSpareDecides(const TickCost& cost, const std::vector<TimedMove>& moves,
+                        const std::vector<Scaled>& steps, double best, double tolerance) {
+  double fewest = 0;
+  for (const Scaled& step : steps) fewest += cost.MinTicks(step);
+  const double excess = best - fewest;
+  float ticks[TickCost::kMaxSteps] = {};
+  const auto found = [&](double spare) {
+    return cost.BestTicks(moves.front(), steps, moves.back(), ticks,
+                          static_cast<float>(spare));
+  };
+  EXPECT_NEAR(found(excess + 2 * tolerance), best, tolerance);
+  EXPECT_NEAR(found(3 * excess + 1), best, tolerance);
+  for (const double share : {0.0, 0.3, 0.9}) {
+    const double spare = share * excess - 2 * tolerance;
+    if (spare < 0) continue;
+    EXPECT_GT(found(spare), fewest + spare);
+  }
+}
+
 TEST(TickCost, BestTicksAreTheCheapestOfAllChoices) {
   std::mt19937_64 random(5);
   for (int i = 0; i < 400; ++i) {
@@ -230,6 +251,7 @@ TEST(TickCost, BestTicksAreTheCheapestOfAllChoices) {
     const double tolerance = 1e-6 * best + 1e-5;
     EXPECT_NEAR(TickCost::CostOf(moves.front(), chosen, moves.back()), best, tolerance);
     EXPECT_NEAR(Cheapest(cost, beyond, moves, 1), best, tolerance);
+    ExpectSpareDecides(cost, moves, steps, best, tolerance);
   }
 }
 
