@@ -10,12 +10,10 @@
 namespace intaglio::virtual_engraver {
 namespace {
 
-using link::LaserFrame;
 using link::MotionFrame;
 using std::chrono::nanoseconds;
 using namespace std::chrono_literals;
 
-constexpr auto kStatusPeriod = 20ms;
 constexpr auto kIdle = 10ms;
 // A line with jitter is read this often, so that jitter is all that is added.
 constexpr auto kLateLineIdle = 200us;
@@ -42,7 +40,7 @@ std::unique_ptr<link::ByteStream> Machine::Delayed(
 }
 
 void Machine::PlugLaserLine(std::unique_ptr<link::ByteStream> end) {
-  laser_line_.Plug(Delayed(std::move(end)), clock_, options_.laser.lockstep);
+  laser_end_.Plug(Delayed(std::move(end)), clock_, options_.laser.lockstep);
 }
 
 void Machine::PlugMotionLine(std::unique_ptr<link::ByteStream> end) {
@@ -55,22 +53,15 @@ void Machine::PlugOneLine(std::unique_ptr<link::ByteStream> end) {
 }
 
 void Machine::PollLines() {
-  // The identity goes first in a session, before what its frames are answered with.
-  if (laser_line_.Poll([this](std::uint8_t type, std::span<const std::byte> payload) {
-        const bool motion =
-            one_line_ && type >= static_cast<std::uint8_t>(MotionFrame::kBeginRun);
-        motion ? HandleMotion(static_cast<MotionFrame>(type), payload)
-               : HandleLaser(static_cast<LaserFrame>(type), payload);
-      })) {
-    laser_.NewSession();
-    laser_line_.Send(LaserFrame::kLaserIdentity, Encode(laser_.Identity()));
-    if (one_line_) GreetMotionHost();
+  const auto handle = [this](std::uint8_t type, std::span<const std::byte> payload) {
+    HandleMotion(static_cast<MotionFrame>(type), payload);
+  };
+  if (one_line_) {
+    if (laser_end_.Poll(handle)) GreetMotionHost();
+    return;
   }
-  if (motion_line_.Poll([this](std::uint8_t type, std::span<const std::byte> payload) {
-        HandleMotion(static_cast<MotionFrame>(type), payload);
-      })) {
-    GreetMotionHost();
-  }
+  laser_end_.Poll();
+  if (motion_line_.Poll(handle)) GreetMotionHost();
 }
 
 void Machine::GreetMotionHost() {
@@ -80,22 +71,6 @@ void Machine::GreetMotionHost() {
   if (const OwnClock* own = stage_.own_clock()) {
     line.Send(MotionFrame::kControllerClock,
               Encode(link::ControllerClock{own->power_up(), own->now_ns()}));
-  }
-}
-
-void Machine::HandleLaser(LaserFrame type, std::span<const std::byte> payload) {
-  if (laser_.Obey(type, payload)) return;
-  switch (type) {
-    case LaserFrame::kLaserStatusRequest:
-      laser_line_.AskForStatus();
-      return;
-    case LaserFrame::kPastRequest:
-      if (const auto m = link::Decode<link::PastRequest>(payload)) {
-        laser_line_.Send(LaserFrame::kPastReport, Encode(laser_.Past(*m)));
-      }
-      return;
-    default:
-      return;  // a frame of another version of the protocol
   }
 }
 
@@ -151,7 +126,7 @@ void Machine::FeelBodies() {
 }
 
 void Machine::KeepSafe() {
-  if (laser_line_.silent() && laser_.MayFire()) laser_.EnterSafeState();
+  laser_end_.KeepSafe();
   if (MotionLine().silent() && stage_.running())
     stage_.Fail(link::StageFault::kSafeState);
 }
@@ -160,7 +135,7 @@ bool Machine::MayPassTick() const {
   if (!laser_.CountsSync()) return false;
   if (!options_.laser.lockstep) return clock_() >= next_tick_at_;
   return laser_.NextIsDecided() && stage_.MayPass(laser_.rate_hz()) &&
-         !laser_line_.is_full() && !motion_line_.is_full();
+         !laser_end_.line().is_full() && !motion_line_.is_full();
 }
 
 void Machine::DelaySync(double seconds) {
@@ -223,10 +198,7 @@ void Machine::Fire(std::uint8_t channels, const Vec3& place_mm) {
 
 void Machine::SendReports(bool at_once) {
   const nanoseconds now = clock_();
-  // Reports first: a status speaks of ticks whose outcomes are known already.
-  for (const link::PulseReport& report : laser_.TakeReports()) {
-    laser_line_.Send(LaserFrame::kPulseReport, Encode(report));
-  }
+  laser_end_.SendOutcomes();
   for (const link::Positions& positions : stage_.TakePositions()) {
     MotionLine().Send(MotionFrame::kPositions, Encode(positions));
   }
@@ -235,13 +207,7 @@ void Machine::SendReports(bool at_once) {
     if (!MotionLine().is_up()) break;
     MotionLine().Send(MotionFrame::kTimedPositions, Encode(positions));
   }
-  const link::LaserStatus status = laser_.Report();
-  const std::uint32_t interlocks = status.interlocks | status.shutters_open << 8;
-  if (at_once || interlocks != sent_interlocks_ || laser_line_.IsStatusDue(now)) {
-    sent_interlocks_ = interlocks;
-    laser_line_.SetNextStatus(now + kStatusPeriod);
-    if (laser_line_.is_up()) laser_line_.Send(LaserFrame::kLaserStatus, Encode(status));
-  }
+  laser_end_.SendStatus(now, at_once);
   if (at_once || stage_.fault() != sent_fault_ || motion_line_.IsStatusDue(now)) {
     sent_fault_ = stage_.fault();
     motion_line_.SetNextStatus(now + kStatusPeriod);
@@ -249,7 +215,7 @@ void Machine::SendReports(bool at_once) {
       MotionLine().Send(MotionFrame::kMotionStatus, Encode(stage_.Report()));
     }
   }
-  laser_line_.Flush();
+  laser_end_.line().Flush();
   motion_line_.Flush();
 }
 

@@ -25,6 +25,7 @@
 #include "services/virtual_engraver/bodies.h"
 #include "services/virtual_engraver/glass.h"
 #include "services/virtual_engraver/laser.h"
+#include "services/virtual_engraver/laser_end.h"
 #include "services/virtual_engraver/lines/device_line.h"
 #include "services/virtual_engraver/positioner.h"
 #include "services/virtual_engraver/stage.h"
@@ -86,8 +87,7 @@ class Machine {
   void PollLines();
   void GreetMotionHost();
   /// What carries the frames of the stage.
-  DeviceLine& MotionLine() { return one_line_ ? laser_line_ : motion_line_; }
-  void HandleLaser(link::LaserFrame type, std::span<const std::byte> payload);
+  DeviceLine& MotionLine() { return one_line_ ? laser_end_.line() : motion_line_; }
   void HandleMotion(link::MotionFrame type, std::span<const std::byte> payload);
   void AdvanceJog();
   void KeepSafe();
@@ -105,7 +105,8 @@ class Machine {
   Glass glass_;
   Bodies bodies_;
   link::SteadyClock clock_;
-  DeviceLine laser_line_, motion_line_;
+  LaserEnd laser_end_{laser_};
+  DeviceLine motion_line_;
   bool one_line_ = false;
   unsigned lines_plugged_ = 0;
   std::chrono::nanoseconds next_tick_at_;
@@ -114,7 +115,6 @@ class Machine {
   std::uint64_t to_miss_ = 0, to_overlook_ = 0;
   std::uint8_t blind_channels_ = 0;
   double sync_late_s_ = 0;
-  std::uint32_t sent_interlocks_ = 0;
   link::StageFault sent_fault_ = link::StageFault::kNone;
 };
 

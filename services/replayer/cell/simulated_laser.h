@@ -11,11 +11,10 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <utility>
 
 #include "proto/machine.pb.h"
-#include "services/platform/link/reliable_link.h"
 #include "services/virtual_engraver/laser.h"
+#include "services/virtual_engraver/laser_end.h"
 #include "services/virtual_engraver/lines/pty_line.h"
 
 namespace intaglio::replayer {
@@ -36,21 +35,13 @@ class SimulatedLaser {
  private:
   SimulatedLaser(virtual_engraver::PtyLine line, virtual_engraver::LaserOptions options);
   void PollLine();
-  void Take(link::LaserFrame type, std::span<const std::byte> payload);
-  void Note(std::span<const std::byte> window);
+  void Note(link::LaserFrame type, std::span<const std::byte> payload);
   bool PassTick(const EndOfPulse& end_of_pulse);
-  void SendReports(std::chrono::nanoseconds now, bool at_once);
-  void Send(link::LaserFrame type, link::Bytes payload);
 
   virtual_engraver::PtyLine line_;
   virtual_engraver::Laser laser_;
-  link::ReliableLink link_;
-  std::uint32_t session_ = 0;
+  virtual_engraver::LaserEnd end_{laser_};
   std::deque<std::uint64_t> armed_;  // ticks that are to fire and have not passed
-  std::deque<std::pair<link::LaserFrame, link::Bytes>> waiting_;
-  std::chrono::nanoseconds next_status_{0};
-  std::uint32_t reported_ = 0;
-  bool status_asked_ = false;
 };
 
 }  // namespace intaglio::replayer
