@@ -133,6 +133,7 @@ TickOutcome Laser::OutcomeAt(bool armed, const link::ArmWindow& window,
                              bool in_position) const {
   if (!armed) return TickOutcome::kNotArmed;
   if (window.gated && !in_position) return TickOutcome::kNotInPosition;
+  if (window.at_place && !options_.fires_at_place) return TickOutcome::kNotInPosition;
   if (interlocked()) return TickOutcome::kInterlocked;
   if (!lamp_on_ || lamp_s_ < options_.warm_up_s) return TickOutcome::kLampNotReady;
   if (shutters_ == 0) return TickOutcome::kShutterClosed;
@@ -177,8 +178,9 @@ std::uint8_t Laser::AdvanceTick(bool in_position, double late_s) {
   Note(tick_, outcome);
   if (outcome != TickOutcome::kFiredSeen) return 0;
   ++pulse_count_;
-  made_pulse_count_ += std::max<std::uint16_t>(1, window.pulses_per_point);
-  last_fired_tick_ = tick_;
+  pulses_of_point_ = std::max<std::uint16_t>(1, window.pulses_per_point);
+  made_pulse_count_ += pulses_of_point_;
+  fired_before_tick_ = std::exchange(last_fired_tick_, tick_);
   Discharge(window.pulse_energy_mj);
   // A shutter on its way lets a part of the beam pass.
   const double time_s = options_.signals.shutter_time_s;
@@ -190,12 +192,24 @@ std::uint8_t Laser::AdvanceTick(bool in_position, double late_s) {
   return pulse_channels_;
 }
 
+void Laser::Withhold() {
+  --pulse_count_;
+  made_pulse_count_ -= pulses_of_point_;
+  last_fired_tick_ = fired_before_tick_;
+  reports_.back().outcome.back() = TickOutcome::kTriggerOutside;
+  reports_.back().missed.back() = 0;
+  reports_.back().measured_mj.back() = 0;
+  past_[tick_ % past_.size()] = TickOutcome::kTriggerOutside;
+  past_missed_[tick_ % past_.size()] = 0;
+}
+
 void Laser::Discharge(double energy_mj) {
   // The same numbers from every standard library.
   const double uniform = static_cast<double>(random_() >> 11) * 0x1p-53;
   pulse_energy_mj_ = energy_mj * (1 + options_.energy_error_ratio) *
                      (1 + options_.energy_spread_ratio * (2 * uniform - 1));
-  reports_.back().measured_mj.back() = static_cast<float>(pulse_energy_mj_);
+  if (options_.measures_energy)
+    reports_.back().measured_mj.back() = static_cast<float>(pulse_energy_mj_);
 }
 
 void Laser::Missed(std::uint8_t channels) {
@@ -205,6 +219,11 @@ void Laser::Missed(std::uint8_t channels) {
   reports_.back().missed.back() |= missed;
   past_[tick_ % past_.size()] = TickOutcome::kFiredUnseen;
   past_missed_[tick_ % past_.size()] |= missed;
+}
+
+void Laser::Unseen() {
+  reports_.back().outcome.back() = TickOutcome::kFiredUnseen;
+  past_[tick_ % past_.size()] = TickOutcome::kFiredUnseen;
 }
 
 void Laser::Note(std::uint64_t tick, TickOutcome outcome) {
@@ -273,15 +292,9 @@ link::LaserStatus Laser::Report() const {
 }
 
 link::LaserIdentity Laser::Identity() const {
-  return {options_.power_up,
-          options_.lockstep,
-          options_.channels,
-          options_.rates_hz,
-          "Intaglio virtual engraver",
-          options_.serial_number,
-          true,
-          options_.min_energy_mj,
-          options_.max_energy_mj,
+  return {options_.power_up,       options_.lockstep,      options_.channels,
+          options_.rates_hz,       options_.model,         options_.serial_number,
+          options_.fires_at_place, options_.min_energy_mj, options_.max_energy_mj,
           options_.locks_door};
 }
 

@@ -32,6 +32,9 @@ struct LaserOptions {
   bool lockstep = false;
   std::uint32_t power_up = 1;                     ///< random number of this power-up
   std::string serial_number = "virtual-laser-1";  ///< empty: it has none
+  std::string model = "Intaglio virtual engraver";
+  bool fires_at_place = true;   ///< it has the stage's compare output
+  bool measures_energy = true;  ///< it has detectors for the energy of a pulse
   LaserSignals signals = {};
   /// What the energy of a pulse can be set to, before a splitter.
   double min_energy_mj = 0.001, max_energy_mj = 30;
@@ -53,6 +56,7 @@ class Laser {
   void SetLamp(const link::LampCommand& command);
   void SetShutters(std::uint8_t open_mask);
   void SetTiming(const link::PulseTiming& timing) { timing_ = timing; }
+  const link::PulseTiming& timing() const { return timing_; }
   void Decide(const link::ArmWindow& window);
   void Disarm();
   void Stop() {
@@ -90,6 +94,9 @@ class Laser {
   /// One lamp sync later, which comes `late_s` after its time. Returns the mask of
   /// channels that fire; 0: no pulse.
   std::uint8_t AdvanceTick(bool in_position, double late_s = 0);
+  /// The pulse that AdvanceTick returned does not come: its controller was too late to
+  /// trigger it.
+  void Withhold();
   /// Energy of the pulse that AdvanceTick returned, before a splitter; detectors measure
   /// it exactly.
   double pulse_energy_mj() const { return pulse_energy_mj_; }
@@ -98,6 +105,8 @@ class Laser {
   /// The photosensors of these channels saw no flash of the pulse that AdvanceTick
   /// returned.
   void Missed(std::uint8_t channels);
+  /// There are no photosensors: nobody knows what came of it.
+  void Unseen();
   /// Whether a photosensor would count a flash at this height, glass frame.
   bool CountsFlashAt(double height_mm) const {
     return height_mm >= timing_.min_flash_height_mm &&
@@ -105,6 +114,7 @@ class Laser {
   }
 
   double rate_hz() const { return rate_hz_; }
+  bool lamp_is_on() const { return lamp_on_; }
   std::uint64_t tick() const { return tick_; }
   std::uint8_t shutters() const { return shutters_; }
   link::LaserStatus Report() const;
@@ -143,6 +153,8 @@ class Laser {
   std::uint64_t decided_through_ = 0;
   std::deque<link::ArmWindow> windows_;
   std::uint64_t pulse_count_ = 0, made_pulse_count_ = 0, last_fired_tick_ = 0;
+  std::uint64_t fired_before_tick_ = 0;  // the one before last_fired_tick_
+  std::uint16_t pulses_of_point_ = 0;    // of the pulse that AdvanceTick returned
   double pulse_energy_mj_ = 0;
   std::uint8_t pulse_channels_ = 0;
   std::mt19937_64 random_;

@@ -81,7 +81,8 @@ TEST(CommandLine, TheServicesTooAreDocumentedAsTheyAre) {
   for (const char* program :
        {"intaglio-job-service", "intaglio-discretizer", "intaglio-sorter",
         "intaglio-synchronizer", "intaglio-motion-bridge", "intaglio-marker",
-        "intaglio-recorder", "intaglio-console", "virtual-engraver"}) {
+        "intaglio-recorder", "intaglio-console", "intaglio-reference-controller",
+        "virtual-engraver"}) {
     Running run(Program(program), {"--help"},
                 test::FreshFolder("command_line_services") / "output.txt");
     const Ended ended = run.WaitForEnd(30s);

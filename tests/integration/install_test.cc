@@ -100,11 +100,12 @@ TEST_F(Installation, HasAllThatBelongsToIt) {
                                           "intaglio-motion-bridge",
                                           "intaglio-picture-reader",
                                           "intaglio-recorder",
+                                          "intaglio-reference-controller",
                                           "intaglio-sorter",
                                           "intaglio-synchronizer",
                                           "virtual-engraver"};
   EXPECT_EQ(NamesIn(moved_ / "bin"), programs);
-  for (const char* kind : {"machines", "jobs", "truth"}) {
+  for (const char* kind : {"boards", "machines", "jobs", "truth"}) {
     EXPECT_EQ(NamesIn(moved_ / "share/intaglio" / kind),
               NamesIn(fs::path(INTAGLIO_SOURCE_DIR) / "deploy" / kind));
   }

@@ -193,6 +193,12 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"services/virtual_engraver",
      {"engrave/core", "engrave/formats", "proto", "services/platform/command_line",
       "services/platform/link", "services/virtual_engraver/truth"}},
+    // The laser controller of the virtual engraver behind real outputs: of a second one
+    // nobody would know that it keeps the same rules.
+    {"services/reference_controller",
+     {"engrave/core", "engrave/io", "proto", "services/platform/command_line",
+      "services/platform/fields", "services/platform/link",
+      "services/platform/text_format", "services/virtual_engraver"}},
     {"services/virtual_engraver/truth",
      {"engrave/core", "engrave/io", "proto", "services/platform/fields",
       "services/platform/text_format"}},
@@ -209,6 +215,7 @@ const std::vector<Kept> kKept = {
     {"curl/", false, {"services/console/webhooks"}},
     {"assimp/", false, {"engrave/mesh/import"}},
     {"boost/", false, {"services/platform/web"}},
+    {"gpiod", false, {"services/reference_controller"}},
     {"sodium", false, {"services/platform/access"}},
     {"hb", false, {"engrave/drawing"}},
     {"lcms2", false, {"engrave/image"}},

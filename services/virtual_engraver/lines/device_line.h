@@ -29,6 +29,8 @@ class DeviceLine {
   /// Nothing is heard of a host that was there.
   bool silent() const { return session_ != 0 && !is_up(); }
   bool is_up() const { return link_ != nullptr && link_->up(); }
+  /// Its end is plugged in, and not lost.
+  bool is_plugged() const { return link_ != nullptr; }
   bool is_full() const { return waiting_.size() >= kMaxWaiting; }
   /// The next session is a new one, even if it has the same number.
   void ForgetSession() { session_ = 0; }

@@ -15,6 +15,7 @@
 
 #include "proto/drive.pb.h"
 #include "proto/job.pb.h"
+#include "proto/laser_board.pb.h"
 #include "proto/machine.pb.h"
 #include "proto/truth.pb.h"
 #include "services/platform/fields/field_defaults.h"
@@ -30,7 +31,7 @@ std::vector<const pb::FileDescriptor*> WrittenFiles() {
   return {JobSpec::descriptor()->file(),     Course::descriptor()->file(),
           Marks::descriptor()->file(),       Text::descriptor()->file(),
           MachineSpec::descriptor()->file(), MachineTruth::descriptor()->file(),
-          DriveProfile::descriptor()->file()};
+          LaserBoard::descriptor()->file(),  DriveProfile::descriptor()->file()};
 }
 
 std::vector<const Field*> WrittenFields() {

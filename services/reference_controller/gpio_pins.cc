@@ -1,0 +1,174 @@
+#include "services/reference_controller/gpio_pins.h"
+
+#include <fmt/format.h>
+#include <gpiod.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "engrave/core/try.h"
+#include "services/reference_controller/board_file.h"
+
+namespace intaglio::reference_controller {
+namespace {
+
+using std::chrono::nanoseconds;
+
+constexpr char kConsumer[] = "intaglio-reference-controller";
+
+struct ChipCloser {
+  void operator()(gpiod_chip* chip) const { gpiod_chip_close(chip); }
+};
+
+/// A line that the board has; null: it has none.
+struct Pin {
+  gpiod_line* line = nullptr;
+  std::string name = {};
+  bool on = false;
+};
+
+tl::unexpected<Error> PinError(const Pin& pin, const char* what) {
+  return Fail(
+      ErrorCode::kIo,
+      fmt::format("{}: cannot {} the line: {}", pin.name, what, std::strerror(errno)),
+      pin.name);
+}
+
+class GpioPins final : public LaserPins {
+ public:
+  ~GpioPins() override {
+    for (Pin& pin : outputs_)
+      if (pin.line != nullptr) (void)gpiod_line_set_value(pin.line, 0);
+  }
+
+  Status Open(const LaserBoard& board) {
+    for (const auto& [name, line] : BoardLines(board)) {
+      const auto output = kOutputs.find(name);
+      if (output != kOutputs.end())
+        INTAGLIO_TRY(Request(name, line, outputs_[Index(output->second)], &OpenOutput));
+    }
+    for (const auto& [name, line] : BoardLines(board)) {
+      const auto input = kInputs.find(name);
+      if (input == kInputs.end()) continue;
+      const bool has_edges = input->second >= Input::kLampSync;
+      INTAGLIO_TRY(Request(name, line, inputs_[Index(input->second)],
+                           has_edges ? &OpenEdges : &OpenInput));
+    }
+    return {};
+  }
+
+  bool Has(Output output) const override {
+    return outputs_[Index(output)].line != nullptr;
+  }
+  bool Has(Input input) const override { return inputs_[Index(input)].line != nullptr; }
+
+  Status Set(Output output, bool on) override {
+    Pin& pin = outputs_[Index(output)];
+    if (pin.line == nullptr || pin.on == on) return {};
+    if (gpiod_line_set_value(pin.line, on ? 1 : 0) != 0) return PinError(pin, "set");
+    pin.on = on;
+    return {};
+  }
+
+  Result<std::uint32_t> Levels() override {
+    std::uint32_t levels = 0;
+    for (const Input input :
+         {Input::kKey, Input::kDoor, Input::kStop, Input::kInPosition}) {
+      const Pin& pin = inputs_[Index(input)];
+      const int value = gpiod_line_get_value(pin.line);
+      if (value < 0) return PinError(pin, "read");
+      if (value > 0) levels |= BitOf(input);
+    }
+    return levels;
+  }
+
+  Result<std::optional<nanoseconds>> NextEdge(Input input) override {
+    const Pin& pin = inputs_[Index(input)];
+    if (pin.line == nullptr) return std::optional<nanoseconds>();
+    const timespec at_once{};
+    const int waiting = gpiod_line_event_wait(pin.line, &at_once);
+    if (waiting == 0) return std::optional<nanoseconds>();
+    gpiod_line_event event{};
+    if (waiting < 0 || gpiod_line_event_read(pin.line, &event) != 0)
+      return PinError(pin, "read an edge of");
+    return std::optional(std::chrono::seconds(event.ts.tv_sec) +
+                         nanoseconds(event.ts.tv_nsec));
+  }
+
+ private:
+  using Opener = int (*)(gpiod_line*, bool active_low);
+  static const std::map<std::string, Output> kOutputs;
+  static const std::map<std::string, Input> kInputs;
+
+  template <typename Signal>
+  static std::size_t Index(Signal signal) {
+    return static_cast<std::size_t>(signal);
+  }
+  static int OpenOutput(gpiod_line* line, bool active_low) {
+    const int flags = active_low ? GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW : 0;
+    return gpiod_line_request_output_flags(line, kConsumer, flags, 0);
+  }
+  static int InputFlags(bool active_low) {
+    return active_low
+               ? GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW | GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_UP
+               : GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_DOWN;
+  }
+  static int OpenInput(gpiod_line* line, bool active_low) {
+    return gpiod_line_request_input_flags(line, kConsumer, InputFlags(active_low));
+  }
+  static int OpenEdges(gpiod_line* line, bool active_low) {
+    return gpiod_line_request_rising_edge_events_flags(line, kConsumer,
+                                                       InputFlags(active_low));
+  }
+
+  Status Request(const std::string& name, const BoardLine& line, Pin& pin, Opener open) {
+    auto& chip = chips_[line.chip()];
+    if (!chip) chip.reset(gpiod_chip_open(line.chip().c_str()));
+    pin.name = fmt::format("{}, line {} of {}", name, line.line(), line.chip());
+    if (!chip) return PinError(pin, "open the chip of");
+    gpiod_line* const found = gpiod_chip_get_line(chip.get(), line.line());
+    if (found == nullptr) return PinError(pin, "find");
+    if (open(found, line.active_low()) != 0) return PinError(pin, "request");
+    pin.line = found;
+    return {};
+  }
+
+  std::map<std::string, std::unique_ptr<gpiod_chip, ChipCloser>> chips_;
+  std::array<Pin, kOutputCount> outputs_;
+  std::array<Pin, kInputCount> inputs_;
+};
+
+const std::map<std::string, Output> GpioPins::kOutputs = {
+    {"q_switch", Output::kQSwitch},
+    {"shutters[0]", Output::kShutter1},
+    {"shutters[1]", Output::kShutter2},
+    {"shutters[2]", Output::kShutter3},
+    {"shutters[3]", Output::kShutter4},
+    {"lamp_trigger", Output::kLampTrigger},
+    {"lamp", Output::kLamp},
+    {"door_lock", Output::kDoorLock},
+    {"alive", Output::kAlive}};
+const std::map<std::string, Input> GpioPins::kInputs = {
+    {"key", Input::kKey},
+    {"door", Input::kDoor},
+    {"stop", Input::kStop},
+    {"in_position", Input::kInPosition},
+    {"lamp_sync", Input::kLampSync},
+    {"photosensors[0]", Input::kPhotosensor1},
+    {"photosensors[1]", Input::kPhotosensor2},
+    {"photosensors[2]", Input::kPhotosensor3},
+    {"photosensors[3]", Input::kPhotosensor4}};
+
+}  // namespace
+
+Result<std::unique_ptr<LaserPins>> OpenGpioPins(const LaserBoard& board) {
+  auto pins = std::make_unique<GpioPins>();
+  INTAGLIO_TRY(pins->Open(board));
+  return std::unique_ptr<LaserPins>(std::move(pins));
+}
+
+}  // namespace intaglio::reference_controller

@@ -1,0 +1,77 @@
+#include "services/reference_controller/simulated_pins.h"
+
+#include <utility>
+
+namespace intaglio::reference_controller {
+namespace {
+
+using std::chrono::nanoseconds;
+
+// A flash comes with its trigger; the next look of a controller sees it.
+constexpr nanoseconds kFlashAfter{1000};
+
+}  // namespace
+
+SimulatedPins::SimulatedPins(SimulatedPinsOptions options, link::SteadyClock clock,
+                             std::function<void(const Edge&)> recorded)
+    : options_(options),
+      clock_(std::move(clock)),
+      recorded_(std::move(recorded)),
+      levels_(BitOf(Input::kKey) | BitOf(Input::kDoor) | BitOf(Input::kStop) |
+              BitOf(Input::kInPosition)) {}
+
+SimulatedPins::~SimulatedPins() {
+  for (int output = 0; output < kOutputCount; ++output)
+    (void)Set(static_cast<Output>(output), false);
+}
+
+bool SimulatedPins::Has(Output output) const {
+  const int shutter = static_cast<int>(output) - static_cast<int>(Output::kShutter1);
+  return shutter < 0 || shutter >= 4 || shutter < options_.channels;
+}
+
+bool SimulatedPins::Has(Input input) const {
+  if (input == Input::kLampSync) return options_.has_lamp_sync;
+  const int sensor = static_cast<int>(input) - static_cast<int>(Input::kPhotosensor1);
+  return sensor < options_.channels;
+}
+
+Status SimulatedPins::Set(Output output, bool on) {
+  bool& now = on_[static_cast<std::size_t>(output)];
+  if (!Has(output) || now == on) return {};
+  now = on;
+  if (output == Output::kAlive) {
+    ++alive_count_;
+    return {};
+  }
+  recorded_({output, on, clock_()});
+  if (on) Answer(output);
+  return {};
+}
+
+void SimulatedPins::Answer(Output output) {
+  if (output == Output::kLampTrigger && options_.has_lamp_sync)
+    Edges(Input::kLampSync).push_back(clock_() + options_.sync_after);
+  if (output != Output::kQSwitch) return;
+  for (int channel = 0; channel < options_.channels; ++channel) {
+    const bool blind = (options_.blind_channels >> channel & 1) != 0;
+    if (is_on(ShutterOutput(channel)) && !blind)
+      Edges(PhotosensorInput(channel)).push_back(clock_() + kFlashAfter);
+  }
+}
+
+Result<std::uint32_t> SimulatedPins::Levels() { return levels_; }
+
+Result<std::optional<nanoseconds>> SimulatedPins::NextEdge(Input input) {
+  auto& edges = Edges(input);
+  if (edges.empty() || edges.front() > clock_()) return std::optional<nanoseconds>();
+  const nanoseconds at = edges.front();
+  edges.pop_front();
+  return std::optional(at);
+}
+
+void SimulatedPins::Hold(Input input, bool on) {
+  levels_ = on ? levels_ | BitOf(input) : levels_ & ~BitOf(input);
+}
+
+}  // namespace intaglio::reference_controller

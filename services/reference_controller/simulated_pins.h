@@ -1,0 +1,64 @@
+#pragma once
+
+// Outputs that are recorded, each change with its time, and a laser that answers them:
+// photosensors that see a flash of each trigger behind an open shutter, and a lamp sync
+// for each lamp trigger.
+
+#include <array>
+#include <deque>
+#include <functional>
+#include <vector>
+
+#include "services/platform/link/steady_clock.h"
+#include "services/reference_controller/laser_pins.h"
+
+namespace intaglio::reference_controller {
+
+struct Edge {
+  Output output = Output::kQSwitch;
+  bool on = false;
+  std::chrono::nanoseconds at{0};
+};
+
+struct SimulatedPinsOptions {
+  int channels = 1;                 ///< 1..4, each with a shutter and a photosensor
+  bool has_lamp_sync = false;       ///< of the laser; else ticks begin with the trigger
+  std::uint8_t blind_channels = 0;  ///< bit 0..3: their photosensors see nothing
+  std::chrono::nanoseconds sync_after{0};  ///< from the lamp trigger to the lamp sync
+};
+
+class SimulatedPins final : public LaserPins {
+ public:
+  /// `recorded` is called with each change of an output but Output::kAlive.
+  SimulatedPins(SimulatedPinsOptions options, link::SteadyClock clock,
+                std::function<void(const Edge&)> recorded);
+  ~SimulatedPins() override;
+
+  bool Has(Output output) const override;
+  bool Has(Input input) const override;
+  Status Set(Output output, bool on) override;
+  Result<std::uint32_t> Levels() override;
+  Result<std::optional<std::chrono::nanoseconds>> NextEdge(Input input) override;
+
+  /// Key, door, stop or in-position; all are on at first.
+  void Hold(Input input, bool on);
+  bool is_on(Output output) const { return on_[static_cast<std::size_t>(output)]; }
+  /// Changes of Output::kAlive.
+  std::uint64_t alive_count() const { return alive_count_; }
+
+ private:
+  std::deque<std::chrono::nanoseconds>& Edges(Input input) {
+    return edges_[static_cast<std::size_t>(input)];
+  }
+  void Answer(Output output);
+
+  SimulatedPinsOptions options_;
+  link::SteadyClock clock_;
+  std::function<void(const Edge&)> recorded_;
+  std::array<bool, kOutputCount> on_{};
+  std::array<std::deque<std::chrono::nanoseconds>, kInputCount> edges_;
+  std::uint32_t levels_;
+  std::uint64_t alive_count_ = 0;
+};
+
+}  // namespace intaglio::reference_controller
