@@ -215,6 +215,53 @@ TEST(Laser, AMissedPulseIsFiredButUnseen) {
   EXPECT_EQ(laser.Report().pulse_count, 2u);
 }
 
+TEST(Laser, AWithheldPulseIsNoneAndIsNotCounted) {
+  Laser laser = ReadyLaser();
+  laser.Decide({11, false, {true, true}});
+  ASSERT_NE(laser.AdvanceTick(false), 0);
+  const link::LaserStatus fired = laser.Report();
+  ASSERT_NE(laser.AdvanceTick(false), 0);
+  laser.Withhold();
+  EXPECT_EQ(laser.Report().pulse_count, fired.pulse_count);
+  EXPECT_EQ(laser.Report().last_fired_tick, 11u);
+  EXPECT_EQ(laser.made_pulse_count(), 1u);
+  EXPECT_EQ(laser.Past({12, 1}).outcome, std::vector{TickOutcome::kTriggerOutside});
+  const std::map<std::uint64_t, TickOutcome> expected = {
+      {11, TickOutcome::kFiredSeen}, {12, TickOutcome::kTriggerOutside}};
+  EXPECT_EQ(OutcomesOf(laser), expected);
+}
+
+TEST(Laser, WithoutPhotosensorsNoChannelIsNamed) {
+  Laser laser = ReadyLaser();
+  laser.Decide(FireAt(11));
+  laser.AdvanceTick(false);
+  laser.Unseen();
+  EXPECT_EQ(laser.Past({11, 1}).outcome, std::vector{TickOutcome::kFiredUnseen});
+  const auto reports = laser.TakeReports();
+  ASSERT_EQ(reports.size(), 1u);
+  EXPECT_EQ(reports[0].outcome, std::vector{TickOutcome::kFiredUnseen});
+  EXPECT_EQ(reports[0].missed, std::vector<std::uint8_t>{0});
+}
+
+TEST(Laser, WhatItHasNotItDoesNotOfferAndDoesNotDo) {
+  LaserOptions options = Quick();
+  options.fires_at_place = options.measures_energy = false;
+  Laser laser(options);
+  EXPECT_FALSE(laser.Identity().fires_at_place);
+  laser.SetLamp({true, 100});
+  for (int i = 0; i < 10; ++i) laser.AdvanceTick(false);
+  laser.SetShutters(1);
+  link::ArmWindow at_place = FireAt(11, true);
+  at_place.at_place = true;
+  laser.Decide(at_place);
+  laser.Decide(FireAt(12));
+  EXPECT_EQ(laser.AdvanceTick(true), 0);
+  EXPECT_EQ(laser.AdvanceTick(true), 1);
+  const auto reports = laser.TakeReports();
+  ASSERT_EQ(reports.size(), 1u);
+  EXPECT_EQ(reports[0].measured_mj, std::vector<float>(2, 0));
+}
+
 TEST(Laser, ReportsEveryDecidedTickOnceAndInOrder) {
   Laser laser = ReadyLaser();
   const std::vector<bool> fire(1000, true);
