@@ -68,6 +68,7 @@ Missing FirstMissing(const ChainLinks& links, bool with_shutters) {
   if (!links.lamp_warm) return Missing::kLamp;
   if (!links.motion_fresh) return Missing::kMotionState;
   if (!links.motion_without_fault) return Missing::kMotionFault;
+  if (!links.block_at_place) return Missing::kBlockPlace;
   if (with_shutters && !links.shutters_open) return Missing::kShutter;
   if (with_shutters && !links.door_locked) return Missing::kDoorLock;
   return Missing::kNothing;
@@ -100,6 +101,9 @@ std::string TextOf(Missing missing) {
              "resume";
     case Missing::kMotionFault:
       return "the stage reports a fault";
+    case Missing::kBlockPlace:
+      return "the stage that carries the block is not at the job's place: check that "
+             "nothing holds or pushes it, then resume, and it moves there";
     case Missing::kShutter:
       return "the shutter does not open: check its drive, then resume";
     case Missing::kDoorLock:

@@ -5,7 +5,8 @@
 //
 //   operator's arm (this job, this epoch, fresh, not spent) -> no emergency stop on the
 //   bus -> laser line up -> key on -> door closed -> stop released -> no safe state ->
-//   lamp on and warm -> motion state fresh, no fault -> [shutters open -> door locked]
+//   lamp on and warm -> motion state fresh, no fault -> block at the job's place ->
+//   [shutters open -> door locked]
 //
 // Each arm by a person is a grant with a number of its own, greater than those before. It
 // is spent when key, door or a stop opens, also before the first run, and by every fault
@@ -80,6 +81,8 @@ struct ChainLinks {
   /// Whoever has the line to the motion controller answers, and says that the line is
   /// down: a fault that passes, and an absence of the controller all the same.
   bool motion_line_down = false;
+  /// The stage that carries the block is where the job needs it, or there is none.
+  bool block_at_place = true;
   bool shutters_open = false;
   bool door_locked = false;  ///< or the machine has no lock
   MachineCounters counters;  ///< of the laser controller, while its line is up
@@ -101,6 +104,7 @@ enum class Missing : std::uint8_t {
   kLamp,
   kMotionState,
   kMotionFault,
+  kBlockPlace,
   kShutter,
   kDoorLock,
   // Never a missing link: reasons why a grant was spent (UnseenEvent).

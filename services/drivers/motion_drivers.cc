@@ -22,9 +22,9 @@ namespace {
 
 constexpr std::array kMotionKinds = {
     MotionDriverKind{"virtual-stage", true, &MakeVirtualStageDriver, false, nullptr,
-                     nullptr, true},
+                     nullptr, true, true},
     MotionDriverKind{"virtual-cell", true, &MakeVirtualCellDriver, true, nullptr, nullptr,
-                     true},
+                     true, true},
     MotionDriverKind{"grbl", true, &MakeGrblDriver, true, &CheckGrblProfile,
                      &CompareGrblController},
     MotionDriverKind{"isel", true, &MakeIselDriver, true},
@@ -64,11 +64,28 @@ Status CheckAir(const MachineSpec& machine, const MotionDriverKind& kind) {
                   kind.protocol));
 }
 
+Status CheckBlockStage(const MachineSpec& machine, const MotionDriverKind& kind) {
+  if (!machine.head_over_block().has_block_stage() || kind.moves_block) return {};
+  std::string able;
+  for (const MotionDriverKind& other : MotionDriverKinds()) {
+    if (other.moves_block)
+      able += (able.empty() ? "" : ", ") + std::string(other.protocol);
+  }
+  return Fail(
+      ErrorCode::kUnsupported,
+      fmt::format("head_over_block.block_stage: the driver '{}' moves no stage that "
+                  "carries the block; those of {} do; remove the field, and move "
+                  "the block by hand between the jobs of intaglio tiles",
+                  kind.protocol, able),
+      std::string(kind.protocol));
+}
+
 Result<std::unique_ptr<MotionDriver>> MakeMotionDriver(const MachineSpec& machine) {
   const SerialLine& line = machine.motion_line();
   const auto kind = INTAGLIO_TRY(link::FindDriver(
       MotionDriverKinds(), {"motion_line", line.protocol(), line.device()}));
   INTAGLIO_TRY(CheckAir(machine, *kind));
+  INTAGLIO_TRY(CheckBlockStage(machine, *kind));
   if (kind->check != nullptr) {
     if (const auto errors = kind->check(machine); !errors.empty())
       return tl::unexpected(errors.front());

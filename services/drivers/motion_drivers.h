@@ -33,6 +33,9 @@ struct MotionDriverKind {
                                         const link::SteadyClock& clock) = nullptr;
   /// It refuses a controller that does not watch compressed air where the profile has it.
   bool watches_air = false;
+  /// It moves a stage that carries the block (MotionDriver, M20), and refuses a
+  /// controller without one where the profile has it.
+  bool moves_block = false;
 };
 
 /// All there are.
@@ -44,6 +47,10 @@ Status CheckMotionOutput(const MachineSpec& machine);
 
 /// kUnsupported when the machine has compressed air and the driver does not watch it.
 Status CheckAir(const MachineSpec& machine, const MotionDriverKind& kind);
+
+/// kUnsupported when the machine has a stage that carries the block under its head and
+/// the driver cannot move it; the message lists those that can.
+Status CheckBlockStage(const MachineSpec& machine, const MotionDriverKind& kind);
 
 /// The driver that the machine's motion_line names, on its device and the clock of this
 /// computer. kUnsupported lists what there is; kMissing, kInvalidValue: its device, or

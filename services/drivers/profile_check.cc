@@ -46,6 +46,8 @@ std::vector<Error> CheckDrivers(const MachineSpec& machine) {
       errors.push_back(output.error());
   }
   if (const Status air = CheckAir(machine, *kind); !air) errors.push_back(air.error());
+  if (const Status block = CheckBlockStage(machine, *kind); !block)
+    errors.push_back(block.error());
   if (kind->check != nullptr) {
     for (Error& error : kind->check(machine)) errors.push_back(std::move(error));
   }

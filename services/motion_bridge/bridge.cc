@@ -158,6 +158,7 @@ void Bridge::StartRun(const intaglio_MotionSegmentBatch& sample) {
   run_ = sample.run;
   start_tick_ = sample.start_tick;
   start_controller_ns_ = sample.start_controller_ns;
+  block_mm_ = Vec2(sample.block_x_mm, sample.block_y_mm);
   expected_batch_ = 0;
   stream_ = bus::StreamName(std::string(View(sample.job_uid)), sample.run,
                             bus::kMotionSegmentBatch.name);
@@ -194,6 +195,11 @@ void Bridge::Begin(std::chrono::nanoseconds now) {
   const drivers::DriverState& state = driver_->state();
   if (!state.link_up) return;
   if (state.fault == intaglio_MOTION_OK && state.at_rest) {
+    if (const Status block = driver_->RequireBlockAt(block_mm_); !block) {
+      host_.RaiseAlarm(intaglio_ALARM_FAULT, ErrorCodeName(block.error().code),
+                       block.error().message);
+      return AbortRun();
+    }
     if (driver_->BeginRun(run_, start_tick_, start_controller_ns_))
       phase_ = Phase::kFeeding;
     return;
@@ -272,6 +278,9 @@ void Bridge::PublishState(std::chrono::nanoseconds now) {
   sample.message = Borrow(state.message);
   sample.clock = state.clock;
   sample.position_tolerance_um = state.position_tolerance_um;
+  sample.has_block_stage = state.has_block_stage;
+  sample.block_x_mm = PlaceOf(state.block_mm.x());
+  sample.block_y_mm = PlaceOf(state.block_mm.y());
   const auto held = host::WireOf(stop_.held());
   Borrow(sample.bus_stops, held);
   (void)states_.Write(sample);

@@ -93,6 +93,7 @@ class Bridge {
   std::uint32_t run_ = 0;
   std::uint64_t start_tick_ = 0;
   std::uint64_t start_controller_ns_ = 0;
+  Vec2 block_mm_ = Vec2::Zero();  ///< where the run needs the block's stage
   std::uint64_t expected_batch_ = 0;
   std::string stream_;
   std::deque<Batch> queue_;

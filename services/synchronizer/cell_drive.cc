@@ -1,5 +1,9 @@
 #include "services/synchronizer/cell_drive.h"
 
+#include <fmt/format.h>
+
+#include <utility>
+
 #include "services/platform/bus/samples.h"
 
 namespace intaglio::synchronizer {
@@ -11,7 +15,6 @@ using namespace std::chrono_literals;
 
 constexpr auto kRepeatTime = 40ms;
 const std::string kNoLens;
-constexpr char kTooSlow[] = "it takes more than 60 s: check the speed of the axes";
 
 }  // namespace
 
@@ -21,15 +24,14 @@ CellDrive::CellDrive(bus::Bus& bus, std::string cell, std::string sender)
       states_(bus, bus::kManualState, cell_),
       moves_(bus, bus::kCellMove, cell_) {}
 
-void CellDrive::Start(const char* name, const Vector3& axes, const std::string& job_uid,
+void CellDrive::Start(Place place, const std::string& job_uid,
                       std::chrono::nanoseconds now) {
-  name_ = name;
+  place_ = std::move(place);
   job_uid_ = job_uid;
-  axes_ = Vec3(axes.x(), axes.y(), axes.z());
   drives_ = true;
   ++number_;
   attempts_ = 1;
-  ends_at_ = now + kPatience;
+  ends_at_ = now + place_.patience;
   next_send_ = now;
   message_ = "the motion bridge has not answered: check that it runs";
 }
@@ -47,7 +49,8 @@ void CellDrive::Turn(std::chrono::nanoseconds now) {
         View(state.answered_sender) == sender_ && state.answered_number == number_;
     if (!drives_ || !ours) return;
     if (state.answer == intaglio_MANUAL_ACCEPTED) {
-      message_ = kTooSlow;
+      message_ = fmt::format("it takes more than {} s: check the speed of the axes",
+                             place_.patience / 1s);
       return;
     }
     // On a computer that was too busy to repeat it in time. What forbids motion refuses
@@ -72,10 +75,10 @@ void CellDrive::Send() {
   move.sender = Borrow(sender_);
   move.number = number_;
   move.seen = seen_;
-  move.kind = drives_ ? intaglio_MANUAL_MOVE : intaglio_MANUAL_NONE;
+  move.kind = drives_ ? place_.kind : intaglio_MANUAL_NONE;
   move.operator_name = Borrow(sender_);
-  for (int i = 0; i < 3; ++i) move.place[i] = axes_[i];
-  move.speed_mm_s = kSpeedMmS;
+  for (int i = 0; i < 3; ++i) move.place[i] = place_.axes[i];
+  move.speed_mm_s = place_.speed_mm_s;
   move.channel = 1;
   move.lens = Borrow(kNoLens);
 

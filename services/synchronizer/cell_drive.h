@@ -1,11 +1,11 @@
 #pragma once
 
 // Drives the stage to the taught sample position before a job and to the park position
-// after it, by CellMove, which the motion bridge executes as motion by hand
-// (services/cell/manual/manual_control.h): within its limits, only while key,
-// door and stops hold, and as long as this process repeats it. It ends when the place is
-// reached, when the bridge refuses it, has ended it kAttempts times, or after kPatience:
-// a job never waits longer.
+// after it, and the stage that carries the block to the job's place, by CellMove, which
+// the motion bridge executes as motion by hand (services/cell/manual/manual_control.h):
+// within its limits, only while key, door and stops hold, and as long as this process
+// repeats it. It ends when the place is reached, when the bridge refuses it, has ended it
+// kAttempts times, or after its patience: a job never waits longer.
 //
 // Nothing is driven during a run; no pulse is armed meanwhile. Used from one thread.
 
@@ -27,10 +27,16 @@ class CellDrive {
 
   CellDrive(bus::Bus& bus, std::string cell, std::string sender);
 
-  /// From the next Turn on, instead of what was driven to. `name`: of the taught position
-  /// `axes`, for people; of the job with this uid.
-  void Start(const char* name, const Vector3& axes, const std::string& job_uid,
-             std::chrono::nanoseconds now);
+  struct Place {
+    std::string name;  ///< for people: "taught park position"
+    intaglio_ManualCommandKind kind = intaglio_MANUAL_MOVE;
+    Vec3 axes = Vec3::Zero();
+    double speed_mm_s = kSpeedMmS;
+    std::chrono::nanoseconds patience = kPatience;
+  };
+
+  /// From the next Turn on, instead of what was driven to; of the job with this uid.
+  void Start(Place place, const std::string& job_uid, std::chrono::nanoseconds now);
   void Stop();
   /// Once a turn.
   void Turn(std::chrono::nanoseconds now);
@@ -38,19 +44,19 @@ class CellDrive {
   /// Why the last place was not reached; empty: it was.
   const std::string& message() const { return message_; }
   /// The name of the last place.
-  const std::string& name() const { return name_; }
+  const std::string& name() const { return place_.name; }
   const std::string& job_uid() const { return job_uid_; }
 
  private:
   void Send();
 
   std::string cell_, sender_;
-  std::string name_, job_uid_;
+  Place place_;
+  std::string job_uid_;
   bus::Reader<intaglio_ManualState> states_;
   bus::Writer<intaglio_ManualCommand> moves_;
   bool drives_ = false;
   int attempts_ = 0;
-  Vec3 axes_ = Vec3::Zero();
   std::uint64_t number_ = 0, seen_ = 0;
   std::chrono::nanoseconds ends_at_{0}, next_send_{0};
   std::string message_;

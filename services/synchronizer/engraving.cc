@@ -22,6 +22,7 @@ SkipReason ReasonOf(Missing missing) {
       return SkipReason::kShutter;
     case Missing::kMotionState:
     case Missing::kMotionFault:
+    case Missing::kBlockPlace:
       return SkipReason::kPosition;
     case Missing::kEmergencyStop:
     case Missing::kKey:
@@ -96,6 +97,9 @@ void Engraving::Note(const PulseResult& result) {
 
 ChainLinks Engraving::LinksNow(const EngravingInputs& inputs) const {
   ChainLinks links = LinksOf(inputs, inputs.motion, laser_, shutters_.run_mask());
+  links.block_at_place =
+      !job_.block_stage_mm ||
+      inputs.motion.HasBlockAt(*job_.block_stage_mm, job_.position_tolerance_um / 1e3);
   links.door_locked = !job_.needs_door_lock || laser_.Has(link::kDoorLocked);
   return links;
 }
@@ -114,6 +118,8 @@ void Engraving::Turn(const EngravingInputs& inputs) {
   WatchProgress(inputs);
   // While it runs every window flushes; afterwards the last outcomes would wait for long.
   if (phase_ != Phase::kRunning) record_.FlushAppended();
+  if (!inputs.block_failure.empty() && activity() == Activity::kIdle)
+    Halt({Missing::kBlockPlace, inputs.block_failure, true}, inputs);
   switch (phase_) {
     case Phase::kPreparing:
       return Prepare(inputs);
@@ -224,7 +230,11 @@ bool Engraving::MayFire(const EngravingInputs& inputs) {
   const Missing missing = chain_.WhatIsMissing(links, false);
   if (missing == Missing::kNothing) return true;
   starts_again_ = false;
-  if (!faulted()) message_ = TextFor(missing);
+  if (!faulted()) {
+    message_ = missing == Missing::kBlockPlace && inputs.stage_approaches
+                   ? "the stage moves the block to the job's place"
+                   : TextFor(missing);
+  }
   return false;
 }
 

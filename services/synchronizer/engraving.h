@@ -33,6 +33,10 @@
 // uncertain points are left (it is not known whether they were fired), even if nothing
 // else is left.
 //
+// Where a stage carries the block, it is driven to the job's place before the first run,
+// and again where the controller reports it elsewhere, each time by a grant
+// (Synchronizer). A drive that does not bring it there is a fault.
+//
 // No pulse without: an intent on disk, the motion for its tick in the controller, and
 // the whole permission chain at the moment of arming. Used from one thread; no waits.
 

@@ -9,6 +9,7 @@
 #include "services/job/beams/energy_by_place.h"
 #include "services/job/convert/options.h"
 #include "services/job/fields/channels.h"
+#include "services/job/machine/block_origin.h"
 #include "services/job/machine/head_clearance.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/machine/pulse_energies.h"
@@ -60,6 +61,7 @@ Result<EngravingJob> EngravingOf(const PreparationTask& task, const PointCloud& 
   }
   job.photosensor_feedback = frozen.job().laser().photosensor_feedback();
   job.position_tolerance_um = frozen.machine().position_tolerance_um();
+  job.block_stage_mm = BlockStageOf(frozen);
   job.asks_when_uncertain = frozen.job().when_uncertain() == UNCERTAIN_POINTS_ASK;
   job.block_misfit = task.block_misfit;
   auto masks = INTAGLIO_TRY(ChannelsOfPoints(frozen.job(), path.source));

@@ -34,6 +34,8 @@ void MotionIntake::Receive(PermissionIntake& permission,
         view_.message = View(sample.message);
         view_.clock = sample.clock;
         view_.position_tolerance_um = sample.position_tolerance_um;
+        view_.has_block_stage = sample.has_block_stage;
+        view_.block_mm = Vec2(sample.block_x_mm, sample.block_y_mm);
         permission.ReceiveHeld(kBridge, View(sample.bus_stops));
       });
   view_.fresh = received_at_.count() >= 0 && now - received_at_ < kLease;

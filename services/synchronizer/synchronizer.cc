@@ -8,6 +8,7 @@
 #include "engrave/core/try.h"
 #include "services/cell/begun_job.h"
 #include "services/job/files/job_file.h"
+#include "services/job/machine/block_origin.h"
 #include "services/job/machine/zero_change.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/host/process/log.h"
@@ -17,6 +18,13 @@
 
 namespace intaglio::synchronizer {
 namespace {
+
+// A state of the stage is younger than this, or its bridge does not work.
+constexpr std::chrono::seconds kStateTime{2};
+
+bool AnswersNow(const MotionView& motion) {
+  return motion.answers && motion.fresh && !motion.line_down();
+}
 
 double LowestRate(const MachineSpec& machine) {
   const auto& rates_hz = machine.laser().rates_hz();
@@ -108,7 +116,8 @@ Status Synchronizer::Begin(FrozenJob& job, const intaglio_StageTask& task) {
   INTAGLIO_TRY(CheckTask(job, machine_, machine_file_));
   *job.mutable_machine() = machine_;
   approach_ = ApproachState::kDue;
-  zeros_checked_ = {};
+  zeros_checked_ = block_driven_by_ = {};
+  block_failure_.clear();
   zero_refusal_.clear();
   if (task.take_up) {
     // The zeros it was begun with; CheckZeros compares them with those of now.
@@ -175,6 +184,7 @@ void Synchronizer::TurnWork(const GrantInputs& inputs) {
   EngravingInputs with_motion = motion_.InputsWith(inputs);
   with_motion.zero_refusal = zero_refusal_;
   with_motion.stage_approaches = approach_ != ApproachState::kOver;
+  with_motion.block_failure = std::exchange(block_failure_, {});
   engraving_->Turn(with_motion);
   AcceptPlan();
 }
@@ -213,10 +223,16 @@ void Synchronizer::AddTo(EngraveOutcome& outcome) const {
 
 void Synchronizer::NoteEnd(const std::string& job_uid, bool done) {
   const bool had_grant = approach_ == ApproachState::kOver;
-  if (approach_ == ApproachState::kDrives) drive_.Stop();
+  if (approach_ == ApproachState::kDrives || approach_ == ApproachState::kBlock)
+    drive_.Stop();
   approach_ = ApproachState::kNone;
   if (done && had_grant && machine_.taught().has_park())
-    drive_.Start("park", machine_.taught().park(), job_uid, now_);
+    DriveTo("taught park position", machine_.taught().park(), job_uid);
+}
+
+void Synchronizer::DriveTo(const char* name, const Vector3& axes,
+                           const std::string& job_uid) {
+  drive_.Start({.name = name, .axes = Vec3(axes.x(), axes.y(), axes.z())}, job_uid, now_);
 }
 
 // A zero may be taught while a job waits, and a profile be edited: each grant is compared
@@ -250,8 +266,10 @@ void Synchronizer::PrepareAnew() {
                 ZeroChange(job.job(), job.machine(), machine_));
   task_.SetMachine(machine_);
   if (engraving_->has_lamp()) lamp_hold_.End(now_);
-  if (approach_ == ApproachState::kDrives) drive_.Stop();
+  if (approach_ == ApproachState::kDrives || approach_ == ApproachState::kBlock)
+    drive_.Stop();
   approach_ = ApproachState::kDue;
+  block_driven_by_ = {};
   engraving_.reset();
   journal_.reset();
   plan_ = {};
@@ -267,12 +285,76 @@ void Synchronizer::Approach() {
   if (approach_ == ApproachState::kDue && granted) {
     drive_.Stop();  // what parks after the job before
     if (machine_.taught().has_sample())
-      drive_.Start("sample", machine_.taught().sample(), task_.job().job_uid(), now_);
+      DriveTo("taught sample position", machine_.taught().sample(),
+              task_.job().job_uid());
     approach_ = ApproachState::kDrives;
-  } else if (approach_ == ApproachState::kDrives && !granted && drive_.drives()) {
+  } else if (approach_ == ApproachState::kOver && granted && BlockIsAway()) {
+    BringBlock();
+  } else if (!granted && drive_.drives() &&
+             (approach_ == ApproachState::kDrives ||
+              approach_ == ApproachState::kBlock)) {
     drive_.Stop();
     approach_ = ApproachState::kDue;
+    block_driven_by_ = {};
   }
+}
+
+// Where the controller has it, not where it was driven.
+bool Synchronizer::BlockIsAway() const {
+  const auto place_mm = BlockStageOf(task_.job());
+  return place_mm && AnswersNow(motion_.view()) &&
+         !motion_.view().HasBlockAt(*place_mm, machine_.position_tolerance_um() / 1e3);
+}
+
+// A block that lies at its place already counts as brought there by this arm: who moves
+// it afterwards costs the arm.
+void Synchronizer::EndApproach() {
+  approach_ = ApproachState::kOver;
+  if (!BlockStageOf(task_.job()) || !AnswersNow(motion_.view()) || BlockIsAway()) return;
+  block_driven_by_ = task_.Inputs().grant;
+  block_driven_at_ = now_;
+}
+
+// Once by each arm of a person. A drive that has ended well, and the block elsewhere: it
+// was pushed, or the newest state of the stage is still to come.
+void Synchronizer::BringBlock() {
+  if (task_.Inputs().grant.number <= block_driven_by_.number) {
+    if (now_ - block_driven_at_ > kStateTime)
+      FailBlock("the controller reports it elsewhere");
+    return;
+  }
+  const BlockStage& stage = machine_.head_over_block().block_stage();
+  const Vec2 place_mm = *BlockStageOf(task_.job());
+  const double speed_mm_s = std::min(
+      {CellDrive::kSpeedMmS, stage.x().max_speed_mm_s(), stage.y().max_speed_mm_s()});
+  const std::chrono::duration<double> way_s((place_mm - motion_.view().block_mm).norm() /
+                                            speed_mm_s);
+  drive_.Start({"job's place of the block", intaglio_MANUAL_BLOCK,
+                Vec3(place_mm.x(), place_mm.y(), 0), speed_mm_s,
+                CellDrive::kPatience +
+                    std::chrono::duration_cast<std::chrono::nanoseconds>(2 * way_s)},
+               task_.job().job_uid(), now_);
+  block_driven_by_ = task_.Inputs().grant;
+  approach_ = ApproachState::kBlock;
+}
+
+// What the motion line or the bridge lost in mid-move does not go on by itself.
+void Synchronizer::EndBlockDrive() {
+  if (drive_.drives() && AnswersNow(motion_.view())) return;
+  const std::string why = drive_.drives()
+                              ? "the motion bridge or its line was lost meanwhile"
+                              : drive_.message();
+  drive_.Stop();
+  approach_ = ApproachState::kOver;
+  block_driven_at_ = now_;
+  if (!why.empty()) FailBlock(why);
+}
+
+void Synchronizer::FailBlock(const std::string& why) {
+  block_failure_ = fmt::format(
+      "the block did not come to the job's place: {}; check the stage that carries it, "
+      "then resume",
+      why);
 }
 
 // The stage is at rest then, or brakes: the bridge has ended the motion, or is ending it.
@@ -280,12 +362,11 @@ void Synchronizer::TurnDrive() {
   Approach();
   const bool drove = drive_.drives();
   drive_.Turn(now_);
-  if (approach_ == ApproachState::kDrives && !drive_.drives())
-    approach_ = ApproachState::kOver;
+  if (approach_ == ApproachState::kBlock) EndBlockDrive();
+  if (approach_ == ApproachState::kDrives && !drive_.drives()) EndApproach();
   if (!drove || drive_.drives() || drive_.message().empty()) return;
   host_.RaiseAlarm(intaglio_ALARM_WARNING, "position_not_reached",
-                   fmt::format("the taught {} position was not reached, and the stage "
-                               "was stopped: {}",
+                   fmt::format("the {} was not reached, and the stage was stopped: {}",
                                drive_.name(), drive_.message()),
                    drive_.job_uid());
 }

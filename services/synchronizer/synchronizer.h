@@ -85,6 +85,12 @@ class Synchronizer final : private Maker {
   void AcceptPlan();
   void TurnDrive();
   void Approach();
+  void DriveTo(const char* name, const Vector3& axes, const std::string& job_uid);
+  bool BlockIsAway() const;
+  void EndApproach();
+  void BringBlock();
+  void EndBlockDrive();
+  void FailBlock(const std::string& why);
   void CheckZeros();
   void PrepareAnew();
   void TurnLight();
@@ -114,9 +120,13 @@ class Synchronizer final : private Maker {
   PlanSummary plan_;  ///< The whole job's, without pauses; empty until it is computed.
   bool planned_ = false;  ///< The computation of plan_ has ended.
   /// kDue: the job begins with a drive, or at least where another one ended, as soon as
-  /// it has a grant.
-  enum class ApproachState : std::uint8_t { kNone, kDue, kDrives, kOver };
+  /// it has a grant. kDrives: to the taught position, kBlock: then the block to its
+  /// place.
+  enum class ApproachState : std::uint8_t { kNone, kDue, kDrives, kBlock, kOver };
   ApproachState approach_ = ApproachState::kNone;
+  Grant block_driven_by_;  ///< the grant by which the block was driven last
+  std::chrono::nanoseconds block_driven_at_{0};  ///< when that ended
+  std::string block_failure_;                    ///< see EngravingInputs
   Grant zeros_checked_;       ///< the newest grant whose zeros were compared
   std::string zero_refusal_;  ///< why they refuse it; empty: they do not
   std::chrono::nanoseconds now_{0};

@@ -139,6 +139,12 @@ std::string Commands::DoStage(const std::vector<std::string>& words) {
     machine_.stage().SetAir(what == "on");
     return "ok";
   }
+  if (verb == "push-block" && words.size() == 3) {
+    const auto x_mm = NumberOf<double>(words[1]), y_mm = NumberOf<double>(words[2]);
+    if (!x_mm || !y_mm) return "error push-block X Y, in mm";
+    machine_.stage().PushBlock({*x_mm, *y_mm});
+    return "ok";
+  }
   if (verb == "limit" && words.size() == 1) {
     machine_.stage().Fail(link::StageFault::kLimit);
     return "ok";

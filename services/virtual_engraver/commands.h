@@ -7,6 +7,7 @@
 //   stick x|y|z|all       unstick                 miss N
 //   blind N               lamp cold               lamp-sync miss N | late MS
 //   limit                 buffer starved|full
+//   push-block X Y
 //   drop-bytes RATIO laser|motion                 unplug laser|motion
 //   plug laser|motion     clock-drift PPM         status
 //   quit

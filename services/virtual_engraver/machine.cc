@@ -97,6 +97,9 @@ void Machine::HandleMotion(MotionFrame type, std::span<const std::byte> payload)
       return;
     case MotionFrame::kHome:
       return stage_.Home();
+    case MotionFrame::kMoveBlock:
+      if (const auto m = link::Decode<link::MoveBlock>(payload)) stage_.MoveBlock(*m);
+      return;
     case MotionFrame::kAbortRun:
       // Until now the stage moved on.
       AdvanceJog();
@@ -121,7 +124,8 @@ void Machine::AdvanceJog() {
 
 void Machine::FeelBodies() {
   if (!bodies_.any()) return;
-  bodies_.Move(FocusAt(options_.positioner, stage_.place_mm()), laser_.tick(),
+  bodies_.Move(FocusAt(options_.positioner, stage_.place_mm(), stage_.block_mm()),
+               laser_.tick(),
                [this](const formats::GlassCollision& met) { glass_.Add(met); });
 }
 
@@ -179,10 +183,11 @@ void Machine::Fire(std::uint8_t channels, const Vec3& place_mm) {
       missed |= 1u << channel;
       continue;
     }
-    const auto [station, focus] = TraceFocus(
-        FocusAt(options_.positioner, place_mm) + options_.channel_offset_mm[channel],
-        options_.block, options_.further_stations,
-        BeamSlopes(options_.positioner, place_mm));
+    const auto [station, focus] =
+        TraceFocus(FocusAt(options_.positioner, place_mm, stage_.block_mm()) +
+                       options_.channel_offset_mm[channel],
+                   options_.block, options_.further_stations,
+                   BeamSlopes(options_.positioner, place_mm));
     const double peak_left =
         PeakLeft(options_.block, focus.apart_mm, options_.wavelength_mm);
     const bool cracks =
@@ -242,10 +247,13 @@ std::string Machine::StatusLine() {
   return fmt::format(
       "{{\"tick\": {}, \"rate_hz\": {}, \"interlocks\": {}, \"shutters\": {}, "
       "\"pulses\": {}, "
-      "\"cracks\": {}, \"stage_mm\": [{}, {}, {}], \"running\": {}, \"safe_state\": {}}}",
+      "\"cracks\": {}, \"stage_mm\": [{}, {}, {}], \"block_mm\": [{}, {}], \"running\": "
+      "{}, "
+      "\"safe_state\": {}}}",
       laser.tick, laser.rate_hz, laser.interlocks, laser.shutters_open,
       laser_.made_pulse_count(), glass_.crack_count(), at.x(), at.y(), at.z(),
-      stage_.running(), (laser.interlocks & link::kSafeState) != 0);
+      stage_.block_mm().x(), stage_.block_mm().y(), stage_.running(),
+      (laser.interlocks & link::kSafeState) != 0);
 }
 
 }  // namespace intaglio::virtual_engraver

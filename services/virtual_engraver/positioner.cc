@@ -57,7 +57,8 @@ Vec2 BeamSlopes(const PositionerOptions& positioner, const Vec3& axes) {
   return OfField(positioner, axes).cwiseQuotient(positioner.pupil_mm);
 }
 
-Vec3 FocusAt(const PositionerOptions& positioner, const Vec3& axes) {
+Vec3 FocusAt(const PositionerOptions& positioner, const Vec3& axes,
+             const Vec2& block_mm) {
   Vec3 focus_mm = Vec3::Zero();
   Motion of_block = Motion::Identity();
   const auto guide = [&](int axis) {
@@ -76,6 +77,8 @@ Vec3 FocusAt(const PositionerOptions& positioner, const Vec3& axes) {
     of_block = Turn(axes[1], Vec3::Zero());
   } else if (positioner.has_mirrors) {
     focus_mm.head<2>() = OfField(positioner, axes);
+    of_block.pretranslate(Travelled(positioner.block_guides[0], 0, block_mm.x()));
+    of_block.pretranslate(Travelled(positioner.block_guides[1], 1, block_mm.y()));
   } else {
     guide(0);
     guide(1);

@@ -51,11 +51,14 @@ struct PositionerOptions {
   /// square of the distance.
   double distortion_ratio = 0;
   FieldDeviations deviations;
+  /// Under the mirrors, the carriages of the stage that carries the block: x, y.
+  std::array<Guide, 2> block_guides = {};
 };
 
 /// Where the focus would be in air, in the frame that goes with the block, mm. `axes`:
-/// mm, or rad of arm and turntable.
-Vec3 FocusAt(const PositionerOptions& positioner, const Vec3& axes);
+/// mm, or rad of arm and turntable. `block_mm`: of the stage that carries the block.
+Vec3 FocusAt(const PositionerOptions& positioner, const Vec3& axes,
+             const Vec2& block_mm = Vec2::Zero());
 
 /// How far the beam goes aside, in x and y, for 1 mm down.
 Vec2 BeamSlopes(const PositionerOptions& positioner, const Vec3& axes);

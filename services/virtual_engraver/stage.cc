@@ -43,6 +43,7 @@ Stage::Stage(const StageOptions& options)
       repeatability_(options.repeatability_mm, options.repeatability_seed) {
   if (const auto undisturbed = Undisturbed(options.mechanics))
     expected_.emplace(*undisturbed, knot_mm_);
+  if (options.block_stage) block_.emplace(*options.block_stage);
   if (options.vibration) vibration_.emplace(*options.vibration, knot_mm_);
   if (!options.own_clock) return;
   own_clock_.emplace(*options.own_clock);
@@ -74,14 +75,14 @@ void Stage::Start(std::uint32_t run, std::uint64_t start_units) {
 }
 
 void Stage::BeginRun(const link::BeginRun& run) {
-  if (Refuses(false)) return;
+  if (Refuses(false) || RefusesPlace(run.block_x_nm, run.block_y_nm)) return;
   // Beyond this there are no subticks.
   if (run.start_tick > UINT64_MAX / kSubticksPerTick) return Fail(StageFault::kLate);
   Start(run.run, run.start_tick * kSubticksPerTick);
 }
 
 void Stage::BeginTimedRun(const link::BeginTimedRun& run) {
-  if (Refuses(true)) return;
+  if (Refuses(true) || RefusesPlace(run.block_x_nm, run.block_y_nm)) return;
   Start(run.run, run.start_ns);
   last_end_ns_ = run.start_ns;
 }
@@ -143,7 +144,7 @@ void Stage::Brake(StageFault fault) {
   queued_units_ = in_piece_units_ = 0;
   passed_ = {};
   if (phase_ == Phase::kRest) return;
-  if (phase_ == Phase::kJogging) return jog_->Brake();
+  if (phase_ == Phase::kJogging) return BrakeJog();
   const double seconds =
       AtFocus(commanded_mm_s_).norm() / options_.brake_acceleration_mm_s2;
   if (seconds <= 0 || now_units_ < start_units_) {
@@ -341,14 +342,6 @@ void Stage::LatchAt(const OwnClock::Received& received) {
                                              ToNm(actual_mm().z())});
 }
 
-std::vector<link::TimedPositions> Stage::TakeTimedPositions() {
-  return std::exchange(timed_latched_, {});
-}
-
-std::vector<link::Positions> Stage::TakePositions() {
-  return std::exchange(latched_, {});
-}
-
 link::MotionStatus Stage::Report() {
   link::MotionStatus status;
   status.tick = own_clock_ ? received_tick_ : tick_;
@@ -374,6 +367,8 @@ link::MotionStatus Stage::Report() {
       static_cast<std::uint32_t>(std::max(0, ToNm(following_error_max_mm_)));
   following_error_max_mm_ = 0;
   status.jogs_taken = jogs_taken_;
+  status.block_x_nm = ToNm(block_mm().x());
+  status.block_y_nm = ToNm(block_mm().y());
   return status;
 }
 
@@ -387,6 +382,7 @@ link::MotionIdentity Stage::Identity() const {
   identity.serial_number = options_.serial_number;
   identity.compares_place = !own_clock_;
   identity.watches_air = options_.floats_on_air;
+  identity.moves_block = block_.has_value();
   identity.velocity_unit_nm_s = options_.velocity_unit_nm_s;
   return identity;
 }

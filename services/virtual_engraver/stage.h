@@ -7,11 +7,14 @@
 //   rest --BeginRun--> waiting for the start --> running --end of program--> rest
 //                                                       |  fault, abort
 //                                                       +----> braking ----> rest
-//   rest --Jog, Home--> jogging --at the place, or braked by an abort or a fault--> rest
+//   rest --Jog, Home, MoveBlock--> jogging --at the place, or braked--> rest
 //
 // With a clock of its own it knows of a tick only by a notice, which arrives a while
 // later; knots come with times of its clock, and its in-position output is on around
 // them. Its position is taken when the notice arrives.
+//
+// A stage that carries the block under it moves while the axes rest alone, and a run
+// begins and goes on with the block at the place of the run alone.
 //
 // Not thread-safe; the time is that given to AdvanceTick.
 
@@ -19,10 +22,12 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engrave/core/geometry.h"
 #include "services/platform/link/motion_protocol.h"
+#include "services/virtual_engraver/block_stage.h"
 #include "services/virtual_engraver/jog_course.h"
 #include "services/virtual_engraver/mechanics/backlash.h"
 #include "services/virtual_engraver/mechanics/mechanics.h"
@@ -58,6 +63,7 @@ struct StageOptions {
   bool floats_on_air = false;                     ///< it watches its compressed air
   /// One count of the velocities on its line, >= 1: 100 is enough for 210 m/s.
   std::uint32_t velocity_unit_nm_s = 1;
+  std::optional<BlockStageOptions> block_stage = {};  ///< none: the block rests
 };
 
 class Stage {
@@ -73,6 +79,12 @@ class Stage {
   /// By hand, see JogMove in the protocol. AdvanceJog moves it, not AdvanceTick.
   void Jog(const link::JogMove& jog);
   void Home();
+  /// The stage that carries the block, by hand; see the protocol. AdvanceJog moves it.
+  void MoveBlock(const link::MoveBlock& move);
+  /// Somebody pushes it. A run that goes on ends with the fault kBlockPlace.
+  void PushBlock(const Vec2& by_mm);
+  /// By its own axes; 0: there is none.
+  Vec2 block_mm() const { return block_ ? block_->at_mm() : Vec2::Zero(); }
   bool jogging() const { return phase_ == Phase::kJogging; }
   /// The time that has passed since the last call, s.
   void AdvanceJog(double seconds);
@@ -112,8 +124,10 @@ class Stage {
   link::MotionIdentity Identity() const;
   link::StageTolerance Tolerance() const;
   /// Positions latched since the last call.
-  std::vector<link::Positions> TakePositions();
-  std::vector<link::TimedPositions> TakeTimedPositions();
+  std::vector<link::Positions> TakePositions() { return std::exchange(latched_, {}); }
+  std::vector<link::TimedPositions> TakeTimedPositions() {
+    return std::exchange(timed_latched_, {});
+  }
   /// Null: it runs on the lamp's ticks.
   OwnClock* own_clock() { return own_clock_ ? &*own_clock_ : nullptr; }
 
@@ -135,6 +149,10 @@ class Stage {
   static CubicCommand CurveOf(const Vec3& p0, const Vec3& v0, const Vec3& p1,
                               const Vec3& v1, double duration_s);
   bool Refuses(bool timed);
+  /// Fails where the block is not at the place that the run needs.
+  bool RefusesPlace(std::int32_t block_x_nm, std::int32_t block_y_nm);
+  bool IsBlockAt(const Vec2& place_mm) const;
+  void BrakeJog();
   void Start(std::uint32_t run, std::uint64_t start_units);
   bool TakesSegments(std::uint32_t run, std::uint64_t first_number, std::size_t count);
   bool Queue(const Piece& piece);
@@ -189,6 +207,8 @@ class Stage {
   double following_error_max_mm_ = 0;
   std::optional<JogCourse> jog_;  // while phase_ is kJogging
   std::uint32_t jogs_taken_ = 0;
+  std::optional<BlockStage> block_;
+  Vec2 run_block_mm_ = Vec2::Zero();  // where the run needs it
   std::vector<link::Positions> latched_;
   std::vector<link::TimedPositions> timed_latched_;
 };

@@ -1,4 +1,4 @@
-// Motion by hand of the stage.
+// Motion by hand of the stage, and of the one that carries the block.
 
 #include <algorithm>
 
@@ -45,7 +45,42 @@ void Stage::StartJog(const Vec3& target, double speed_mm_s) {
   phase_ = Phase::kJogging;
 }
 
+void Stage::MoveBlock(const link::MoveBlock& move) {
+  ++jogs_taken_;
+  if (!block_ || phase_ != Phase::kRest || fault_ != link::StageFault::kNone) return;
+  const Vec2 place_mm = Vec2(move.x_nm, move.y_nm) / kNmPerMm;
+  if (!block_->Reaches(place_mm)) return Fail(link::StageFault::kLimit);
+  block_->MoveTo(place_mm, move.speed_nm_s / kNmPerMm);
+  if (block_->moves()) phase_ = Phase::kJogging;
+}
+
+void Stage::PushBlock(const Vec2& by_mm) {
+  if (!block_) return;
+  block_->Push(by_mm);
+  if (phase_ == Phase::kJogging && !jog_) phase_ = Phase::kRest;
+  if (phase_ == Phase::kRunning && !IsBlockAt(run_block_mm_))
+    Fail(link::StageFault::kBlockPlace);
+}
+
+bool Stage::RefusesPlace(std::int32_t block_x_nm, std::int32_t block_y_nm) {
+  run_block_mm_ = Vec2(block_x_nm, block_y_nm) / kNmPerMm;
+  if (IsBlockAt(run_block_mm_)) return false;
+  Fail(link::StageFault::kBlockPlace);
+  return true;
+}
+
+bool Stage::IsBlockAt(const Vec2& place_mm) const {
+  return (block_mm() - place_mm).norm() <= options_.position_tolerance_mm;
+}
+
+void Stage::BrakeJog() { jog_ ? jog_->Brake() : block_->Brake(); }
+
 void Stage::AdvanceJog(double seconds) {
+  if (phase_ == Phase::kJogging && !jog_) {
+    block_->Advance(seconds);
+    if (!block_->moves()) phase_ = Phase::kRest;
+    return;
+  }
   while (phase_ == Phase::kJogging && seconds > 0) {
     const JogCourse::Stretch stretch = jog_->Next(seconds);
     FollowCurve(stretch.curve, 0, stretch.seconds);

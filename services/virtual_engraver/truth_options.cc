@@ -122,6 +122,16 @@ PositionerOptions PositionerOf(const TruthPositioner& truth) {
   return positioner;
 }
 
+BlockStageOptions BlockStageOf(const TruthBlockStage& truth) {
+  BlockStageOptions options;
+  options.travel_min_mm = Vec3Of(truth.travel_min_mm()).head<2>();
+  options.travel_max_mm = Vec3Of(truth.travel_max_mm()).head<2>();
+  if (truth.has_max_speed_mm_s()) options.max_speed_mm_s = truth.max_speed_mm_s();
+  if (truth.has_acceleration_mm_s2())
+    options.acceleration_mm_s2 = truth.acceleration_mm_s2();
+  return options;
+}
+
 void SetSignals(const TruthLaser& truth, LaserSignals& signals) {
   signals.trigger_shift_us = truth.trigger_shift_us();
   if (truth.has_trigger_max_delay_us())
@@ -195,6 +205,12 @@ MachineOptions OptionsOf(const MachineTruth& truth) {
   options.further_stations = StationsOf(truth.block());
   options.bodies = BodiesOf(truth);
   options.positioner = PositionerOf(truth.stage().positioner());
+  if (truth.stage().has_block_stage()) {
+    const TruthBlockStage& block_stage = truth.stage().block_stage();
+    options.stage.block_stage = BlockStageOf(block_stage);
+    options.positioner.block_guides = {GuideOf(block_stage.x()),
+                                       GuideOf(block_stage.y())};
+  }
   const TruthMirrors& mirrors = truth.stage().positioner().mirrors();
   if (mirrors.has_wavelength_nm()) options.wavelength_mm = 1e-6 * mirrors.wavelength_nm();
   options.crack_energy_mj = mirrors.crack_energy_mj();

@@ -51,6 +51,7 @@ void TryAll(std::span<const std::byte> payload) {
   Try<ControllerClock>(payload);
   Try<StageTolerance>(payload);
   Try<JogMove>(payload);
+  Try<MoveBlock>(payload);
   Try<HeadPermit>(payload);
   Try<HeadBegin>(payload);
   Try<HeadBlock>(payload);

@@ -31,7 +31,8 @@ bool IsLight(intaglio_ManualCommandKind kind) {
 }
 
 bool GoesToAPlace(intaglio_ManualCommandKind kind) {
-  return kind == intaglio_MANUAL_JOG || kind == intaglio_MANUAL_MOVE;
+  return kind == intaglio_MANUAL_JOG || kind == intaglio_MANUAL_MOVE ||
+         kind == intaglio_MANUAL_BLOCK;
 }
 
 /// How far it goes on when key, door and stop are no longer reported.
@@ -232,6 +233,16 @@ Status ManualControl::Start(const ManualOrder& order) {
   if (order.kind == intaglio_MANUAL_OUTLINE) {
     const Status inside = CheckOutline(order);
     return inside ? driver_.DrawOutline(order.corners, order.speed_mm_s) : inside;
+  }
+  if (order.kind == intaglio_MANUAL_BLOCK) {
+    if (!order.by_cell) {
+      return Fail(
+          ErrorCode::kRefused,
+          "the stage that carries the block moves for a job alone, when it is armed: "
+          "submit a job with the block_place that you need, and arm it");
+    }
+    speed_mm_s_ = std::min(order.speed_mm_s, kMaxSpeedMmS);
+    return driver_.MoveBlock(order.place.head<2>(), speed_mm_s_);
   }
   const auto target = TargetOf(order);
   if (!target) return tl::unexpected(target.error());

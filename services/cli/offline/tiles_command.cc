@@ -70,17 +70,21 @@ Result<std::string> MakeTiles(const TilesOptions& options) {
   const FrozenJob job = INTAGLIO_TRY(BuildPartJob(options, table->points_mm));
   const auto tiling =
       INTAGLIO_TRY(client::ChooseTiles(job, table->points_mm, options.strip_mm));
-  INTAGLIO_TRY(client::WriteTileJobs(job, table->points_mm, tiling, options.out));
+  const Vec3 block_mm = Eigen::Map<const Vec3>(options.job.block_mm.data());
+  INTAGLIO_TRY(
+      client::WriteTileJobs(job, table->points_mm, tiling, block_mm, options.out));
   double way_mm = 0;
   for (std::size_t i = 1; i < tiling.tiles.size(); ++i) {
     way_mm += (tiling.tiles[i].axis_mm - tiling.tiles[i - 1].axis_mm).norm();
   }
+  const bool on_stage = job.machine().head_over_block().has_block_stage();
   return fmt::format(
-      "tiles       {} x {}, {} with points\nmoves       {}, {:.1f} mm\n"
+      "tiles       {} x {}, {} with points\nmoves       {}, {:.1f} mm, {}\n"
       "points      {}\njobs        {}/tiles.csv\n",
       tiling.columns, tiling.rows, client::GroupedDigits(tiling.tiles.size()),
-      tiling.tiles.size() - 1, way_mm, client::GroupedDigits(table->points_mm.size()),
-      options.out);
+      tiling.tiles.size() - 1, way_mm,
+      on_stage ? "by the stage of each job" : "by you between the jobs",
+      client::GroupedDigits(table->points_mm.size()), options.out);
 }
 
 int Tiles(const TilesOptions& options) {
@@ -118,8 +122,10 @@ void AddTilesCommand(command_line::Command app) {
   AddSetFlag(tiles, options->job);
   AddSizeLimitsFlag(tiles, options->job.size_limits);
   tiles.SetFooter(
-      "Make the jobs in the order of tiles.csv, and before each move the block by its "
-      "move_x_mm and move_y_mm.\n"
+      "Make the jobs in the order of tiles.csv. A machine with "
+      "head_over_block.block_stage moves the block to each tile; else move it before "
+      "each "
+      "job by its move_x_mm and move_y_mm.\n"
       "Example: intaglio tiles --cloud cloud.ply --block 150 100 80 --machine "
       "galvo-glass "
       "--glass N-BK7 --out tiles");

@@ -44,6 +44,11 @@ std::string LineOf(const MachineStatus& machine) {
   } else if (!machine.motion_message().empty()) {
     parts.push_back("stage: " + machine.motion_message());
   }
+  if (machine.has_block_stage()) {
+    parts.push_back(fmt::format("block stage at {:.3f}, {:.3f} mm",
+                                machine.block_stage().x_mm(),
+                                machine.block_stage().y_mm()));
+  }
   parts.push_back(machine.job() == 0 ? "no job" : fmt::format("job {}", machine.job()));
   return fmt::format("{:<10} {}\n", machine.cell(), fmt::join(parts, ", "));
 }

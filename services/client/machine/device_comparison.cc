@@ -185,6 +185,12 @@ std::vector<Error> CompareStage(const MachineSpec& machine,
             "the motion controller watches no compressed air; remove the field, or "
             "connect the pressure switch to the controller");
   }
+  if (machine.head_over_block().has_block_stage() && !reported.moves_block) {
+    Differs(
+        found, "head_over_block.block_stage",
+        "the motion controller has no stage that carries the block; remove the field, "
+        "or connect the stage to the controller");
+  }
   return found;
 }
 

@@ -12,6 +12,7 @@
 #include "engrave/io/atomic_file.h"
 #include "services/job/beams/energy_by_place.h"
 #include "services/job/beams/job_beams.h"
+#include "services/job/checks/block_place_check.h"
 #include "services/job/convert/options.h"
 #include "services/job/fields/shapes.h"
 #include "services/job/files/job_file.h"
@@ -112,17 +113,39 @@ bool RectanglesFit(const PointList& points_mm, const Box3& extent,
 
 std::string TileName(std::size_t number) { return fmt::format("tile-{:03}", number); }
 
+/// With a stage that carries the block.
+JobSpec JobOfWholeBlock(const FrozenJob& job, const Vec2& moved_mm,
+                        const Vec3& block_mm) {
+  JobSpec spec = job.job();
+  Vector3& size = *spec.mutable_block()->mutable_size_mm();
+  size.set_x(block_mm.x());
+  size.set_y(block_mm.y());
+  spec.mutable_block_place()->set_x_mm(moved_mm.x());
+  spec.mutable_block_place()->set_y_mm(moved_mm.y());
+  return spec;
+}
+
 Status WriteTile(const FrozenJob& job, const PointList& points_mm,
-                 const sort::BlockTile& tile, const fs::path& stem) {
-  const Vec2 half_mm = 0.5 * BlockSizeOf(job.job()).head<2>();
+                 const sort::BlockTile& tile, const Vec3& block_mm,
+                 const fs::path& stem) {
+  // From the whole block to the part of it whose middle is at the axis of the lens.
+  const Vec2 moved_mm = 0.5 * BlockSizeOf(job.job()).head<2>() - tile.axis_mm;
+  const bool on_stage = job.machine().head_over_block().has_block_stage();
+  JobSpec spec = on_stage ? JobOfWholeBlock(job, moved_mm, block_mm) : job.job();
+  Findings findings;
+  CheckBlockPlace(spec, job.machine(), findings);
+  if (!findings.found().empty()) {
+    Error error = findings.found().front();
+    error.message = stem.filename().string() + ": " + error.message;
+    return tl::unexpected(std::move(error));
+  }
   formats::PointTable table;
   for (const std::uint32_t i : tile.members) {
     Vec3 p = points_mm[i];
-    p.head<2>() += half_mm - tile.axis_mm;
+    if (!on_stage) p.head<2>() += moved_mm;
     table.points_mm.push_back(p);
   }
   INTAGLIO_TRY(formats::WritePoints(stem.string() + ".xyz", table));
-  JobSpec spec = job.job();
   spec.clear_models();
   Model& model = *spec.add_models();
   model.set_file(stem.filename().string() + ".xyz");
@@ -186,7 +209,8 @@ Result<BlockTiling> ChooseTiles(const FrozenJob& job, const PointList& points_mm
 }
 
 Status WriteTileJobs(const FrozenJob& job, const PointList& points_mm,
-                     const BlockTiling& tiling, const fs::path& folder) {
+                     const BlockTiling& tiling, const Vec3& block_mm,
+                     const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   std::string csv = "tile,points,corner_x_mm,corner_y_mm,move_x_mm,move_y_mm,job\n";
@@ -194,7 +218,7 @@ Status WriteTileJobs(const FrozenJob& job, const PointList& points_mm,
   for (std::size_t i = 0; i < tiling.tiles.size(); ++i) {
     const sort::BlockTile& tile = tiling.tiles[i];
     const std::string name = TileName(i + 1);
-    INTAGLIO_TRY(WriteTile(job, points_mm, tile, folder / name));
+    INTAGLIO_TRY(WriteTile(job, points_mm, tile, block_mm, folder / name));
     const Vec2 move_mm = before_mm - tile.axis_mm;
     csv += fmt::format("{},{},{:.3f},{:.3f},{:.3f},{:.3f},{}.textproto\n", i + 1,
                        tile.members.size(), -tile.axis_mm.x(), -tile.axis_mm.y(),

@@ -1,10 +1,11 @@
 #pragma once
 
 // The jobs of a block that is larger than the usable field of a scan head: one for each
-// tile (engrave/sort/way/block_tiles.h). Each is a job of its own, in a part of the block
-// that fits under the head with its middle at the axis of the lens; between two jobs a
-// stage, or a person, moves the block. So permission, journal, resume and proof of a tile
-// are those of any job.
+// tile (engrave/sort/way/block_tiles.h). Each is a job of its own, so permission,
+// journal, resume and proof of a tile are those of any job. Where the machine has a stage
+// that carries the block, each job is of the whole block, with the place at which the
+// stage holds it; else of a part of the block that fits under the head with its middle at
+// the axis of the lens, and a person moves the block between two jobs.
 
 #include <filesystem>
 #include <vector>
@@ -34,8 +35,11 @@ Result<BlockTiling> ChooseTiles(const FrozenJob& job, const PointList& points_mm
                                 double strip_mm);
 
 /// Writes tile-001.xyz and tile-001.textproto of each tile, and tiles.csv: in which order
-/// they are made, and where the block is. The folder is made. Errors: of the disk.
+/// they are made, and where the block is, whose size is `block_mm`. The folder is made.
+/// kInvalidValue: a tile that the stage that carries the block does not reach; errors of
+/// the disk.
 Status WriteTileJobs(const FrozenJob& job, const PointList& points_mm,
-                     const BlockTiling& tiling, const std::filesystem::path& folder);
+                     const BlockTiling& tiling, const Vec3& block_mm,
+                     const std::filesystem::path& folder);
 
 }  // namespace intaglio::client

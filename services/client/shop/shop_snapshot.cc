@@ -67,6 +67,9 @@ void ShopWatcher::TakeCells() {
     cell.y_mm = sample.y_mm;
     cell.z_mm = sample.z_mm;
     cell.at_rest = sample.at_rest;
+    cell.has_block_stage = sample.has_block_stage;
+    cell.block_x_mm = sample.block_x_mm;
+    cell.block_y_mm = sample.block_y_mm;
   });
 }
 

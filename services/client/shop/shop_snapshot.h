@@ -27,6 +27,8 @@ struct CellSnapshot {
   std::string motion_message;
   double x_mm = 0, y_mm = 0, z_mm = 0;
   bool at_rest = false;
+  bool has_block_stage = false;
+  double block_x_mm = 0, block_y_mm = 0;  ///< of its own axes
 };
 
 struct ShopSnapshot {

@@ -183,6 +183,10 @@ class Builder {
                             cell.motion_fault != intaglio_MOTION_LINK_LOST &&
                             cell.motion_fault != intaglio_MOTION_WRONG_CONTROLLER);
     line.set_motion_message(cell.motion_message);
+    if (line.motion_line_up() && cell.has_block_stage) {
+      line.mutable_block_stage()->set_x_mm(cell.block_x_mm);
+      line.mutable_block_stage()->set_y_mm(cell.block_y_mm);
+    }
     if (const auto mount = shop_.mounts.find(name); mount != shop_.mounts.end()) {
       line.set_mounted(TextOf(mount->second.parts));
       line.set_mounted_by(mount->second.operator_name);

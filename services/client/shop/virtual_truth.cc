@@ -107,6 +107,23 @@ TruthPositioner PositionerOf(const MachineSpec& machine) {
   return positioner;
 }
 
+/// One that the profile is right for.
+void SetBlockStage(const BlockStage& profile, TruthBlockStage& truth) {
+  TruthGuide &x = *truth.mutable_x(), &y = *truth.mutable_y();
+  if (profile.has_x_scale_ratio()) x.set_travel_ratio(profile.x_scale_ratio());
+  if (profile.has_y_scale_ratio()) y.set_travel_ratio(profile.y_scale_ratio());
+  x.set_turn_rad(profile.rotation_rad());
+  y.set_turn_rad(profile.rotation_rad() - profile.squareness_xy_rad());
+  *truth.mutable_travel_min_mm() =
+      Vector(profile.x().travel_min_mm(), profile.y().travel_min_mm(), 0);
+  *truth.mutable_travel_max_mm() =
+      Vector(profile.x().travel_max_mm(), profile.y().travel_max_mm(), 0);
+  truth.set_max_speed_mm_s(
+      std::min(profile.x().max_speed_mm_s(), profile.y().max_speed_mm_s()));
+  truth.set_acceleration_mm_s2(std::min(profile.x().max_acceleration_mm_s2(),
+                                        profile.y().max_acceleration_mm_s2()));
+}
+
 /// Copies from a machine into a stage, or from an axis into an axis.
 template <typename Profile, typename Truth>
 void SetDrive(const Profile& profile, Truth& truth) {
@@ -146,6 +163,9 @@ void SetStage(const MachineSpec& machine, TruthStage& stage) {
   *stage.mutable_travel_max_mm() =
       Vector(travel.max_mm.x(), travel.max_mm.y(), travel.max_mm.z());
   *stage.mutable_positioner() = PositionerOf(machine);
+  if (machine.head_over_block().has_block_stage()) {
+    SetBlockStage(machine.head_over_block().block_stage(), *stage.mutable_block_stage());
+  }
   SetDrive(machine, stage);
   SetAxisDrives(machine, stage);
   stage.set_compressed_air(machine.compressed_air());

@@ -41,6 +41,10 @@ struct DriverState {
   /// before SetZero. Empty: it knows, or `homed` says it.
   std::string place_lost = {};
 
+  /// The controller has a stage that carries the block under a scan head.
+  bool has_block_stage = false;
+  Vec2 block_mm = Vec2::Zero();  ///< its place, by its own axes; at_rest is of it, too
+
   bool operator==(const DriverState&) const = default;
 };
 
@@ -69,7 +73,11 @@ class HandMotion {
   /// `speed_mm_s`; the third axis rests, and the laser stays off. A person holds it: the
   /// caller ends it with Hold. kUnsupported: this machine has no such laser.
   virtual Status DrawOutline(std::span<const Vec2> corners_mm, double speed_mm_s);
-  /// Ends Jog, Home and DrawOutline, braking to rest.
+  /// The stage that carries the block under a scan head goes straight to this place of
+  /// its own axes, within their travel, at most at `speed_mm_s`; the other axes rest. The
+  /// caller ends it with Hold. kUnsupported: this machine has no such stage.
+  virtual Status MoveBlock(const Vec2& place_mm, double speed_mm_s);
+  /// Ends Jog, Home, DrawOutline and MoveBlock, braking to rest.
   virtual Status Hold() = 0;
 };
 

@@ -25,6 +25,16 @@ Status HandMotion::DrawOutline(std::span<const Vec2> /*corners_mm*/,
               "at a BJJCZ board does (docs/machines/bjjcz.md)");
 }
 
+Status HandMotion::MoveBlock(const Vec2& /*place_mm*/, double /*speed_mm_s*/) {
+  return Fail(
+      ErrorCode::kUnsupported,
+      "the driver of this motion controller moves no stage that carries the block");
+}
+
+Status MotionDriver::RequireBlockAt(const Vec2& place_mm) {
+  return place_mm == Vec2::Zero() ? Status() : HandMotion::MoveBlock(place_mm, 0);
+}
+
 Box3 TravelOf(const MachineSpec& machine) {
   Box3 travel;
   const AxisLimits* axes[] = {&machine.x(), &machine.y(), &machine.z()};

@@ -84,6 +84,11 @@ struct LatchedPositions {
 ///       other time; where it is on, the focus is on the closed way over the corners. As
 ///       long as the outline is drawn no pulse is possible, whatever the laser's side is
 ///       told: the gate of the laser stays closed.
+/// And of one with a stage that carries the block under a scan head (has_block_stage):
+///   M20 MoveBlock is a motion by hand (M14 to M16, M9, M17) of this stage alone. A run
+///       begins only with it at rest at the place of the newest RequireBlockAt, within
+///       the position tolerance, by the controller's own report; else, and when it leaves
+///       the place in a run, that ends as MOTION_SAFE_STATE, and no pulse is fired in it.
 /// Not thread-safe.
 ///
 /// A controller that moves the stage and switches the laser has one driver object that is
@@ -104,6 +109,9 @@ class MotionDriver : public HandMotion {
   /// controller's own clock; 0 when it has none.
   virtual Status BeginRun(std::uint32_t run, std::uint64_t start_tick,
                           std::uint64_t start_ns) = 0;
+  /// Runs begun from now on are of a block at this place of its stage's axes; before the
+  /// first call and of a machine without such a stage 0. kUnsupported: another place.
+  virtual Status RequireBlockAt(const Vec2& place_mm);
   /// Segments that one Append would take now.
   virtual std::size_t Room() const = 0;
   /// All of them (1..Room()), or none and an error. `end_ns` has the times of their ends

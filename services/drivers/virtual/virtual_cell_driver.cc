@@ -27,6 +27,9 @@ class VirtualCellDriver final : public MotionDriver, public LaserController {
                   std::uint64_t start_ns) override {
     return stage_->BeginRun(run, start_tick, start_ns);
   }
+  Status RequireBlockAt(const Vec2& place_mm) override {
+    return stage_->RequireBlockAt(place_mm);
+  }
   std::size_t Room() const override { return stage_->Room(); }
   Status Append(std::span<const motion::Segment> segments,
                 std::span<const std::uint64_t> end_ns) override {
@@ -43,6 +46,10 @@ class VirtualCellDriver final : public MotionDriver, public LaserController {
   Status Home() override {
     DarkenForMotionByHand();
     return stage_->Home();
+  }
+  Status MoveBlock(const Vec2& place_mm, double speed_mm_s) override {
+    DarkenForMotionByHand();
+    return stage_->MoveBlock(place_mm, speed_mm_s);
   }
   Status Hold() override { return stage_->Hold(); }
   LaserController* laser() override { return this; }

@@ -3,114 +3,28 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <deque>
 #include <limits>
 #include <optional>
 
+#include "services/drivers/virtual/stage_wire.h"
 #include "services/platform/link/expected_device.h"
-#include "services/platform/link/motion_protocol.h"
 
 namespace intaglio::drivers {
 namespace {
 
 using link::MotionFrame;
-constexpr double kNmPerMm = 1e6;
-
-std::int32_t ToNm(double mm) {
-  // Travel lies within +-2 m, so a wild value is outside of it, and a NaN is made to be.
-  if (std::isnan(mm)) return std::numeric_limits<std::int32_t>::max();
-  return static_cast<std::int32_t>(
-      std::llround(std::clamp(mm * kNmPerMm, -2.1e9, 2.1e9)));
-}
-
-Vec3 ToMm(std::int32_t x_nm, std::int32_t y_nm, std::int32_t z_nm) {
-  return Vec3(x_nm, y_nm, z_nm) / kNmPerMm;
-}
-
-/// A velocity on the line; absent where the line cannot carry it.
-std::optional<std::int32_t> ToCounts(double mm_s, std::uint32_t unit_nm_s) {
-  const double counts = mm_s * kNmPerMm / unit_nm_s;
-  if (!(std::abs(counts) <= std::numeric_limits<std::int32_t>::max()))
-    return std::nullopt;
-  return static_cast<std::int32_t>(std::llround(counts));
-}
-
-/// Absent where an axis is too fast for the line.
-std::optional<link::WireSegment> ToWire(const motion::Segment& segment,
-                                        std::uint32_t unit_nm_s) {
-  const Vec3& p = segment.end_position_mm;
-  const Vec3& v = segment.end_velocity_mm_s;
-  const auto vx = ToCounts(v.x(), unit_nm_s), vy = ToCounts(v.y(), unit_nm_s),
-             vz = ToCounts(v.z(), unit_nm_s);
-  if (!vx || !vy || !vz) return std::nullopt;
-  return link::WireSegment{ToNm(p.x()),
-                           ToNm(p.y()),
-                           ToNm(p.z()),
-                           *vx,
-                           *vy,
-                           *vz,
-                           segment.duration_subticks,
-                           segment.pulse,
-                           segment.program_end};
-}
-
-link::WireTimedSegment Timed(const link::WireSegment& wire, std::uint64_t end_ns) {
-  return {wire.x_nm,      wire.y_nm, wire.z_nm,  wire.vx_counts,  wire.vy_counts,
-          wire.vz_counts, end_ns,    wire.pulse, wire.program_end};
-}
-
-struct FaultText {
-  intaglio_MotionFault fault;
-  const char* message;
-};
-
-FaultText TextOf(link::StageFault fault) {
-  using link::StageFault;
-  switch (fault) {
-    case StageFault::kNone:
-      return {intaglio_MOTION_OK, ""};
-    case StageFault::kStarved:
-      return {intaglio_MOTION_STARVED,
-              "the queue of the stage ran empty during a run: the host or the line was "
-              "too slow"};
-    case StageFault::kLimit:
-      return {
-          intaglio_MOTION_LIMIT,
-          "a target lies outside the axes' travel: check block_origin_mm and the block"};
-    case StageFault::kFollowingError:
-      return {intaglio_MOTION_FOLLOWING_ERROR,
-              "the following error of the stage is too large: free the stage and check "
-              "its drive"};
-    case StageFault::kLate:
-      return {intaglio_MOTION_LATE, "the run reached the stage after its start tick"};
-    case StageFault::kRunRefused:
-      return {intaglio_MOTION_LATE,
-              "the stage was not at rest at the beginning of the run"};
-    case StageFault::kSafeState:
-      return {intaglio_MOTION_STARVED,
-              "the stage received no frame for 250 ms and stopped"};
-    case StageFault::kNoAir:
-      return {intaglio_MOTION_NO_AIR,
-              "the stage has no compressed air and does not move: open the valve, check "
-              "the pressure, then resume"};
-    case StageFault::kAirReturned:
-      return {intaglio_MOTION_SAFE_STATE,
-              "the stage had no compressed air and stopped; the air is back"};
-    case StageFault::kBadSequence:
-      return {intaglio_MOTION_STARVED,
-              "segments were lost on the motion line, and the stage stopped"};
-  }
-  return {intaglio_MOTION_SAFE_STATE, "the stage reports an unknown fault"};
-}
+using wire::ToMm;
+using wire::ToNm;
 
 class VirtualStageDriver final : public MotionDriver {
  public:
   VirtualStageDriver(link::FramePort port, link::ExpectedDevice expected,
-                     bool needs_compare, bool needs_air)
+                     const MachineSpec& machine)
       : expected_(std::move(expected)),
-        needs_compare_(needs_compare),
-        needs_air_(needs_air),
+        needs_compare_(machine.pulse_trigger() == PULSE_TRIGGER_AT_PLACE),
+        needs_air_(machine.compressed_air()),
+        needs_block_(machine.head_over_block().has_block_stage()),
         session_(std::move(port)) {}
 
   void Poll() override {
@@ -142,16 +56,24 @@ class VirtualStageDriver final : public MotionDriver {
 
   Status BeginRun(std::uint32_t run, std::uint64_t start_tick,
                   std::uint64_t start_ns) override {
-    auto sent = start_ns == 0 ? SendFrame(MotionFrame::kBeginRun,
-                                          Encode(link::BeginRun{run, start_tick}))
-                              : SendFrame(MotionFrame::kBeginTimedRun,
-                                          Encode(link::BeginTimedRun{run, start_ns}));
+    const std::int32_t x_nm = ToNm(block_mm_.x()), y_nm = ToNm(block_mm_.y());
+    auto sent = start_ns == 0
+                    ? SendFrame(MotionFrame::kBeginRun,
+                                Encode(link::BeginRun{run, start_tick, x_nm, y_nm}))
+                    : SendFrame(MotionFrame::kBeginTimedRun,
+                                Encode(link::BeginTimedRun{run, start_ns, x_nm, y_nm}));
     if (sent) {
       begun_run_ = run;
       appended_ = 0;
       covered_.Begin(start_tick);
     }
     return sent;
+  }
+
+  Status RequireBlockAt(const Vec2& place_mm) override {
+    if (!needs_block_) return MotionDriver::RequireBlockAt(place_mm);
+    block_mm_ = place_mm;
+    return {};
   }
 
   std::size_t Room() const override {
@@ -179,12 +101,14 @@ class VirtualStageDriver final : public MotionDriver {
 
   Status AbortRun() override { return SendFrame(MotionFrame::kAbortRun, {}); }
   Status Jog(const Vec3& axes, double speed_mm_s) override {
-    const link::JogMove move{
-        ToNm(axes.x()), ToNm(axes.y()), ToNm(axes.z()),
-        static_cast<std::uint32_t>(std::clamp(speed_mm_s * kNmPerMm, 1.0, 4e9))};
-    return SendJog(MotionFrame::kJogMove, Encode(move));
+    return SendJog(MotionFrame::kJogMove, Encode(wire::ToJogMove(axes, speed_mm_s)));
   }
   Status Home() override { return SendJog(MotionFrame::kHome, {}); }
+  Status MoveBlock(const Vec2& place_mm, double speed_mm_s) override {
+    if (!needs_block_) return HandMotion::MoveBlock(place_mm, speed_mm_s);
+    return SendJog(MotionFrame::kMoveBlock,
+                   Encode(wire::ToMoveBlock(place_mm, speed_mm_s)));
+  }
   Status ClearFault() override { return SendFrame(MotionFrame::kMotionReset, {}); }
 
  private:
@@ -218,9 +142,9 @@ class VirtualStageDriver final : public MotionDriver {
     link::Segments frame{begun_run_, appended_, {}};
     frame.segments.reserve(segments.size());
     for (const motion::Segment& segment : segments) {
-      const auto wire = ToWire(segment, velocity_unit_nm_s_);
-      if (!wire) return RefuseVelocity(segment);
-      frame.segments.push_back(*wire);
+      const auto on_line = wire::ToWire(segment, velocity_unit_nm_s_);
+      if (!on_line) return RefuseVelocity(segment);
+      frame.segments.push_back(*on_line);
     }
     return SendFrame(MotionFrame::kSegments, Encode(frame));
   }
@@ -229,9 +153,9 @@ class VirtualStageDriver final : public MotionDriver {
     link::TimedSegments frame{begun_run_, appended_, {}};
     frame.segments.reserve(segments.size());
     for (std::size_t i = 0; i < segments.size(); ++i) {
-      const auto wire = ToWire(segments[i], velocity_unit_nm_s_);
-      if (!wire) return RefuseVelocity(segments[i]);
-      frame.segments.push_back(Timed(*wire, end_ns[i]));
+      const auto on_line = wire::ToWire(segments[i], velocity_unit_nm_s_);
+      if (!on_line) return RefuseVelocity(segments[i]);
+      frame.segments.push_back(wire::Timed(*on_line, end_ns[i]));
     }
     return SendFrame(MotionFrame::kTimedSegments, Encode(frame));
   }
@@ -243,7 +167,7 @@ class VirtualStageDriver final : public MotionDriver {
         "stage controller takes on its line: reduce max_speed_mm_s of the axes in the "
         "machine profile",
         segment.end_velocity_mm_s.cwiseAbs().maxCoeff(),
-        std::numeric_limits<std::int32_t>::max() / kNmPerMm * velocity_unit_nm_s_));
+        std::numeric_limits<std::int32_t>::max() / wire::kNmPerMm * velocity_unit_nm_s_));
     return Fail(ErrorCode::kRefused, state_.refusal);
   }
   void SetDown(intaglio_MotionFault fault, const std::string& message) {
@@ -317,7 +241,14 @@ class VirtualStageDriver final : public MotionDriver {
           "the stage controller watches no compressed air: connect its pressure switch, "
           "or remove compressed_air from the machine profile");
     }
+    if (needs_block_ && !identity->moves_block) {
+      return Refuse(
+          "the stage controller moves no stage that carries the block: connect that "
+          "stage "
+          "to it, or remove head_over_block.block_stage from the machine profile");
+    }
     state_.refusal.clear();
+    state_.has_block_stage = identity->moves_block;
     velocity_unit_nm_s_ = identity->velocity_unit_nm_s;
     identified_ = identified_now_ = true;
     state_.position_tolerance_um = 0;  // it will report one when it knows it
@@ -347,16 +278,17 @@ class VirtualStageDriver final : public MotionDriver {
       state_.covered_through_tick = covered_.TickAfter(status.segments_taken);
     }
     if (std::exchange(first_status_, false)) jogs_sent_ = status.jogs_taken;
+    state_.block_mm = ToMm(status.block_x_nm, status.block_y_nm, 0).head<2>();
     state_.at_rest = status.at_rest && status.jogs_taken == jogs_sent_;
     state_.following_error_max_um = status.following_error_max_nm / 1e3;
-    const FaultText text = TextOf(status.fault);
+    const wire::FaultText text = wire::TextOf(status.fault);
     state_.fault = text.fault;
     state_.message = text.message;
     ++state_.number;
   }
 
   link::ExpectedDevice expected_;
-  bool needs_compare_, needs_air_;
+  bool needs_compare_, needs_air_, needs_block_;
   link::FramePort session_;
   DriverState state_;
   link::MotionStatus status_;
@@ -366,8 +298,9 @@ class VirtualStageDriver final : public MotionDriver {
   std::uint32_t velocity_unit_nm_s_ = 1;  // as the controller reports
   std::uint32_t begun_run_ = 0;
   std::uint64_t appended_ = 0;
-  bool first_status_ = true;     // of this session is still to come
-  std::uint32_t jogs_sent_ = 0;  // JogMove and Home, as the controller counts them
+  bool first_status_ = true;      // of this session is still to come
+  std::uint32_t jogs_sent_ = 0;   // motions by hand, as the controller counts them
+  Vec2 block_mm_ = Vec2::Zero();  // where the next run needs the block
   Coverage covered_;
   std::vector<LatchedPositions> positions_;
 };
@@ -388,7 +321,7 @@ std::unique_ptr<MotionDriver> MakeVirtualStageDriver(const MachineSpec& machine,
       std::move(port),
       link::ExpectedDevice{line.serial_number(), "stage controller", machine.name(),
                            line.device(), "motion_line"},
-      machine.pulse_trigger() == PULSE_TRIGGER_AT_PLACE, machine.compressed_air());
+      machine);
 }
 
 }  // namespace intaglio::drivers

@@ -12,6 +12,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/drawing/font_list.h"
+#include "services/job/checks/block_place_check.h"
 #include "services/job/checks/course_check.h"
 #include "services/job/checks/laser_check.h"
 #include "services/job/checks/layers_check.h"
@@ -269,6 +270,7 @@ std::vector<Finding> CheckJobOnMachine(const JobSpec& job, const MachineSpec& ma
     CheckReach(whole, machine, stage_per_glass_ratio, findings);
     CheckStation(whole, machine, findings);
   }
+  CheckBlockPlace(whole, machine, findings);
   CheckLens(whole, machine, stage_per_glass_ratio, findings);
   CheckDividedBlock(whole, machine, findings);
   CheckLayers(whole, findings);

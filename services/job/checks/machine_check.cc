@@ -5,6 +5,7 @@
 #include <set>
 
 #include "engrave/optics/pulse_focus.h"
+#include "services/job/checks/block_place_check.h"
 #include "services/job/checks/head_check.h"
 #include "services/job/checks/job_check.h"
 #include "services/job/checks/laser_head_check.h"
@@ -196,6 +197,7 @@ void AddKinematics(const MachineSpec& machine, std::vector<Error>& errors) {
   if (machine.has_head_over_block()) {
     CheckLinearAxis(machine.head_over_block().z(), "head_over_block.z", errors);
     CheckHeadOverBlock(machine, errors);
+    CheckBlockStage(machine, errors);
   }
   CheckAxis(machine.has_z(), machine.z(), "z", errors);
 }

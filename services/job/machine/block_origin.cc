@@ -1,14 +1,24 @@
 #include "services/job/machine/block_origin.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 
 #include "engrave/core/check.h"
+#include "engrave/machine/scan_head.h"
 #include "services/job/fields/shapes.h"
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/stations.h"
 
 namespace intaglio {
 namespace {
+
+/// How far the block goes for 1 mm of each axis of the stage that carries it.
+Eigen::Matrix2d BlockPerStage(const MachineSpec& machine) {
+  const BlockStage& stage = machine.head_over_block().block_stage();
+  return machine::FieldMatrix(stage.has_x_scale_ratio() ? stage.x_scale_ratio() : 1,
+                              stage.has_y_scale_ratio() ? stage.y_scale_ratio() : 1,
+                              stage.squareness_xy_rad(), stage.rotation_rad());
+}
 
 std::string LensNameOf(const MachineSpec& machine, const JobSpec& job) {
   const MachineLens* lens = FindLens(machine, job.lens().focal_length_mm());
@@ -34,8 +44,23 @@ Vec3 BlockOriginOf(const MachineSpec& machine, std::uint32_t channel,
 
 Vec3 BlockOriginOf(const MachineSpec& machine, const JobSpec& job,
                    std::uint32_t channel) {
-  return BlockOriginOf(machine, channel, LensNameOf(machine, job)) +
-         StationPlaceOf(machine, job).offset_mm;
+  Vec3 origin_mm = BlockOriginOf(machine, channel, LensNameOf(machine, job)) +
+                   StationPlaceOf(machine, job).offset_mm;
+  origin_mm.head<2>() += BlockPlaceOf(job);
+  return origin_mm;
+}
+
+Vec2 BlockPlaceOf(const JobSpec& job) {
+  return {job.block_place().x_mm(), job.block_place().y_mm()};
+}
+
+Vec2 BlockStageAt(const MachineSpec& machine, const Vec2& place_mm) {
+  return BlockPerStage(machine).inverse() * place_mm;
+}
+
+std::optional<Vec2> BlockStageOf(const FrozenJob& job) {
+  if (!job.machine().head_over_block().has_block_stage()) return std::nullopt;
+  return BlockStageAt(job.machine(), BlockPlaceOf(job.job()));
 }
 
 Vec3 BlockOriginOf(const MachineSpec& machine, const JobSpec& job) {

@@ -23,6 +23,11 @@ void Velocity(auto& io, auto& m) {
   io.Number(m.vz_counts);
 }
 
+void BlockPlace(auto& io, auto& m) {
+  io.Number(m.block_x_nm);
+  io.Number(m.block_y_nm);
+}
+
 /// The first segment of Segments and TimedSegments.
 void FirstSegment(auto& io, auto& m, std::size_t max_count) {
   io.Number(m.run);
@@ -47,6 +52,7 @@ struct Layout<BeginRun> : OnMotionLine {
   static void Fields(auto& io, auto& m) {
     io.Number(m.run);
     io.Number(m.start_tick);
+    BlockPlace(io, m);
   }
 };
 
@@ -73,7 +79,7 @@ struct Layout<MotionIdentity> : OnMotionLine {
     for (auto& limit_nm : m.travel_max_nm) io.Number(limit_nm);
     io.Number(m.queue_capacity);
     io.PrintableText(m.serial_number, kMaxMotionSerialNumber);
-    io.Bits(m.compares_place, m.watches_air);
+    io.Bits(m.compares_place, m.watches_air, m.moves_block);
     io.Number(m.velocity_unit_nm_s);
     io.Require(m.velocity_unit_nm_s > 0);
   }
@@ -91,9 +97,10 @@ struct Layout<MotionStatus> : OnMotionLine {
     io.Number(m.queue_free);
     io.Number(m.segments_taken);
     io.Flag(m.at_rest);
-    io.Enumerator(m.fault, StageFault::kAirReturned);
+    io.Enumerator(m.fault, StageFault::kBlockPlace);
     io.Number(m.following_error_max_nm);
     io.Number(m.jogs_taken);
+    BlockPlace(io, m);
   }
 };
 
@@ -112,6 +119,7 @@ struct Layout<BeginTimedRun> : OnMotionLine {
   static void Fields(auto& io, auto& m) {
     io.Number(m.run);
     io.Number(m.start_ns);
+    BlockPlace(io, m);
   }
 };
 
@@ -173,6 +181,17 @@ struct Layout<JogMove> : OnMotionLine {
   }
 };
 
+template <>
+struct Layout<MoveBlock> : OnMotionLine {
+  static constexpr const char* kName = "MoveBlock";
+  static void Fields(auto& io, auto& m) {
+    io.Number(m.x_nm);
+    io.Number(m.y_nm);
+    io.Number(m.speed_nm_s);
+    io.Require(m.speed_nm_s > 0);
+  }
+};
+
 template Bytes Encode(const BeginRun&);
 template Bytes Encode(const Segments&);
 template Bytes Encode(const MotionIdentity&);
@@ -184,6 +203,7 @@ template Bytes Encode(const TimedPositions&);
 template Bytes Encode(const ControllerClock&);
 template Bytes Encode(const StageTolerance&);
 template Bytes Encode(const JogMove&);
+template Bytes Encode(const MoveBlock&);
 template Result<BeginRun> Decode(std::span<const std::byte>);
 template Result<Segments> Decode(std::span<const std::byte>);
 template Result<MotionIdentity> Decode(std::span<const std::byte>);
@@ -195,5 +215,6 @@ template Result<TimedPositions> Decode(std::span<const std::byte>);
 template Result<ControllerClock> Decode(std::span<const std::byte>);
 template Result<StageTolerance> Decode(std::span<const std::byte>);
 template Result<JogMove> Decode(std::span<const std::byte>);
+template Result<MoveBlock> Decode(std::span<const std::byte>);
 
 }  // namespace intaglio::link

@@ -33,6 +33,7 @@ enum class MotionFrame : std::uint8_t {
   kTimedSegments = 0x36,
   kJogMove = 0x37,
   kHome = 0x38,  ///< no payload: by hand, to where the axes count from
+  kMoveBlock = 0x39,
   // device -> host
   kMotionIdentity = 0x40,  ///< once after every handshake
   kMotionStatus = 0x41,    ///< on request, on every fault, every 20 ms
@@ -42,10 +43,14 @@ enum class MotionFrame : std::uint8_t {
   kStageTolerance = 0x45,   ///< after the identity: this controller reports its tolerance
 };
 
-/// Refused (status with fault kRunRefused) unless the stage is at rest without a fault.
+/// Refused (status with fault kRunRefused) unless the stage is at rest without a fault,
+/// and with kBlockPlace unless the stage that carries the block is at this place; a
+/// controller without one takes 0 alone. A run during which the block leaves the place
+/// ends with the same fault.
 struct BeginRun {
   std::uint32_t run = 0;
   std::uint64_t start_tick = 0;  ///< in the future
+  std::int32_t block_x_nm = 0, block_y_nm = 0;
 };
 
 struct WireSegment {
@@ -77,6 +82,8 @@ struct MotionIdentity {
   /// One count of the velocities on this line, > 0. With 1 nm/s an axis makes 2.1 m/s at
   /// most; mirrors are faster.
   std::uint32_t velocity_unit_nm_s = 1;
+  /// It has a stage that carries the block under a scan head (MoveBlock).
+  bool moves_block = false;
 };
 
 enum class StageFault : std::uint8_t {
@@ -90,6 +97,7 @@ enum class StageFault : std::uint8_t {
   kBadSequence = 7,  ///< segment numbers with a gap
   kNoAir = 8,        ///< its bearings have no compressed air; no Reset clears it
   kAirReturned = 9,  ///< it stopped for that; Reset clears it
+  kBlockPlace = 10,  ///< the block is not where the run needs it
 };
 
 struct MotionStatus {
@@ -103,7 +111,10 @@ struct MotionStatus {
   bool at_rest = true;                     ///< no run, at rest
   StageFault fault = StageFault::kNone;
   std::uint32_t following_error_max_nm = 0;  ///< since the last status
-  std::uint32_t jogs_taken = 0;  ///< JogMove and Home since power-up, modulo 2^32
+  /// JogMove, Home and MoveBlock since power-up, modulo 2^32.
+  std::uint32_t jogs_taken = 0;
+  /// Actual place of the stage that carries the block, by its own axes; 0: it has none.
+  std::int32_t block_x_nm = 0, block_y_nm = 0;
 };
 
 /// Motion by hand, without a run: straight to a place of the axes, by the controller's
@@ -114,6 +125,14 @@ struct MotionStatus {
 struct JogMove {
   std::int32_t x_nm = 0, y_nm = 0, z_nm = 0;
   std::uint32_t speed_nm_s = 0;  ///< of the focus, > 0
+};
+
+/// As JogMove, of the stage that carries the block: by its own axes, straight, without a
+/// run, counted in jogs_taken. The other axes rest meanwhile. A controller without such a
+/// stage drops it.
+struct MoveBlock {
+  std::int32_t x_nm = 0, y_nm = 0;
+  std::uint32_t speed_nm_s = 0;  ///< > 0
 };
 
 /// Actual positions latched at lamp sync, one a tick while a run is executed, in order.
@@ -131,6 +150,7 @@ inline constexpr std::size_t kMaxPositions = 64;
 struct BeginTimedRun {
   std::uint32_t run = 0;
   std::uint64_t start_ns = 0;  ///< controller's clock, in the future
+  std::int32_t block_x_nm = 0, block_y_nm = 0;
 };
 
 struct WireTimedSegment {

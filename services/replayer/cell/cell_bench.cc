@@ -114,6 +114,7 @@ Result<CellBench::Performed> CellBench::Perform(const CellSession& session,
   performance.path =
       std::make_unique<PathInput>(path_, reader_, session.task, session.task.id.job_uid);
   if (!session.starts_mm.empty()) stage_.MoveTo(session.starts_mm.front());
+  stage_.CarryBlock(session.block_mm);
   INTAGLIO_TRY(Give(performance, false, false));
   Stillness stillness;
   while (!performance.listener.end()) {

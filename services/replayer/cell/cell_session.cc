@@ -33,7 +33,19 @@ Status ForEach(const recording::McapReader& reader, const char* topic, Sink&& si
 struct Rest {
   std::uint64_t at_ns;
   Vec3 at_mm;
+  std::optional<Vec2> block_mm;
 };
+
+/// None also in recordings from before there were such stages.
+std::optional<Vec2> CarriedBlockIn(const Value& value) {
+  const Value* const has = value.Find("has_block_stage");
+  if (has == nullptr || has->As<bool>() == nullptr || !*has->As<bool>()) return {};
+  Vec2 block_mm = Vec2::Zero();
+  Members members(value);
+  members.Get("block_x_mm", block_mm.x());
+  members.Get("block_y_mm", block_mm.y());
+  return block_mm;
+}
 
 /// Reads one task: from its being given to the next task of the cell.
 class SessionReader {
@@ -183,6 +195,7 @@ void SessionReader::PlaceStarts(const std::vector<Rest>& rests) {
                                run.number));
       return;
     }
+    if (session_.starts_mm.empty()) session_.block_mm = std::prev(later)->block_mm;
     session_.starts_mm.push_back(std::prev(later)->at_mm);
     from_ns = run.begun_ns;
   }
@@ -207,7 +220,7 @@ Status SessionReader::ReadMotion() {
                         if (!members.good() || !ours) return false;
                         if (!*ours || at_ns >= to_ns_) return true;
                         has_motion_ = true;
-                        if (at_rest) rests.push_back({at_ns, at});
+                        if (at_rest) rests.push_back({at_ns, at, CarriedBlockIn(value)});
                         if (at_ns >= from_ns_ && message != newest)
                           Add(at_ns, newest = message);
                         return true;

@@ -58,8 +58,11 @@ struct CellEvent {
 struct CellSession {
   RecordedTask task;
   FrozenJob job;
-  CellMessages messages;          ///< what it made of it
-  std::vector<Vec3> starts_mm;    ///< the stage's position at rest, of each run
+  CellMessages messages;        ///< what it made of it
+  std::vector<Vec3> starts_mm;  ///< the stage's position at rest, of each run
+  /// Where the stage that carries the block was, by its own axes, when the first run
+  /// began; none: the machine has none.
+  std::optional<Vec2> block_mm;
   std::vector<CellEvent> events;  ///< by time
   /// Version of the taught positions that the machine had when its first run began, or at
   /// the end without one; nothing: not recorded.

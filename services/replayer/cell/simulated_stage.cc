@@ -114,6 +114,9 @@ void SimulatedStage::SendReports(std::uint64_t tick) {
   sample.at_rest = at_rest_;
   sample.fault = fault_;
   sample.message = bus::Borrow(message_);
+  sample.has_block_stage = block_mm_.has_value();
+  sample.block_x_mm = block_mm_.value_or(Vec2::Zero()).x();
+  sample.block_y_mm = block_mm_.value_or(Vec2::Zero()).y();
   (void)states_.Write(sample);
 }
 

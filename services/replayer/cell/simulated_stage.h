@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "engrave/core/geometry.h"
@@ -21,6 +22,9 @@ class SimulatedStage {
   bool Turn(std::chrono::nanoseconds now, std::uint64_t tick, CellListener& listener);
   /// The stage's position at rest, from now on, machine frame.
   void MoveTo(const Vec3& at_mm) { at_mm_ = at_mm; }
+  /// Where the stage that carries the block is from now on, by its own axes, as it was in
+  /// each run; none: the machine has no such stage.
+  void CarryBlock(const std::optional<Vec2>& at_mm) { block_mm_ = at_mm; }
   /// Until the next run begins; `fault` by name.
   void Fail(const std::string& fault, const std::string& message);
   bool at_rest() const { return at_rest_; }
@@ -41,6 +45,7 @@ class SimulatedStage {
   std::uint64_t start_tick_ = 0, subticks_ = 0;
   bool whole_ = false, at_rest_ = true;
   Vec3 at_mm_ = Vec3::Zero();
+  std::optional<Vec2> block_mm_;
   intaglio_MotionFault fault_ = intaglio_MOTION_OK;
   std::string message_;
   bool changed_ = true;

@@ -30,12 +30,18 @@ struct MotionView {
   std::string message;
   std::uint32_t clock = 0;  ///< the controller's own; 0: it runs on the lamp's ticks
   double position_tolerance_um = 0;  ///< of the controller; 0: not known
+  bool has_block_stage = false;  ///< the controller moves a stage that carries the block
+  Vec2 block_mm = Vec2::Zero();  ///< its place, by its own axes
   bool answers = false;  ///< a state has come, and its bridge is not known to have ended
 
   /// Nothing is known of the stage and nothing reaches it.
   bool line_down() const {
     return fault == intaglio_MOTION_LINK_LOST ||
            fault == intaglio_MOTION_WRONG_CONTROLLER;
+  }
+  /// The controller reports the block at this place, by its stage's axes.
+  bool HasBlockAt(const Vec2& place_mm, double tolerance_mm) const {
+    return has_block_stage && (block_mm - place_mm).norm() <= tolerance_mm;
   }
 };
 
@@ -53,6 +59,9 @@ struct EngravingInputs : GrantInputs {
   MotionClock* motion_clock = nullptr;
   /// The stage is driven to where the job begins: no run begins meanwhile.
   bool stage_approaches = false;
+  /// Why the block was not brought to the job's place, in the turn in which its motion
+  /// ended; empty: it was, or has not ended.
+  std::string block_failure = {};
 };
 
 /// The links of the permission chain as the inputs and the laser controller have them.

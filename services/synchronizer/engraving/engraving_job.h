@@ -3,6 +3,7 @@
 // What is engraved: the points of one job in the machine's frame, and the job's choices.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,9 @@ struct EngravingJob {
   bool photosensor_feedback = true;  ///< false: no sensor sees cracks, a fired point
                                      ///< counts as made
   double position_tolerance_um = 0;  ///< of the profile; 0: not known
+  /// Where the stage that carries the block has to be, by its own axes, mm; none: the
+  /// machine has no such stage.
+  std::optional<Vec2> block_stage_mm = {};
   /// A person is asked about points of which it is not known whether they were fired.
   bool asks_when_uncertain = false;
   /// Why nothing may be fired into the block that is in the machine; empty: it may.

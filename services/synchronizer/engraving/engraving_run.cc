@@ -50,6 +50,7 @@ void EngravingRun::Begin(const EngravingInputs& inputs) {
   const std::uint64_t lead_ticks =
       horizon_.lockstep() ? kLockstepLeadTicks : horizon_.AheadTicks() << late_starts_;
   TakeSpeed(inputs);
+  feed_.SetBlockPlace(job_.block_stage_mm.value_or(Vec2::Zero()));
   feed_.Begin(job_.uid, record_.run(), ticks_.decided() + lead_ticks,
               inputs.motion.position_mm, job_.plan, job_.machine_limits,
               inputs.motion_clock);

@@ -161,6 +161,8 @@ bool MotionFeed::Send(bool last) {
   bus::Borrow(batch.pulse, pulse);
   bus::Borrow(batch.controller_ns, controller_ns);
   batch.start_controller_ns = start_controller_ns_;
+  batch.block_x_mm = block_mm_.x();
+  batch.block_y_mm = block_mm_.y();
   if (!write_(batch)) {
     std::tie(timed_subticks_, sent_controller_ns_) = timed_before;
     return false;

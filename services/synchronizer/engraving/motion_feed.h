@@ -40,6 +40,9 @@ class MotionFeed {
   void Begin(const std::string& job_uid, std::uint32_t run, std::uint64_t start_tick,
              const Vec3& start_mm, const motion::PlanOptions& plan,
              const motion::Limits& machine, const MotionClock* clock = nullptr);
+  /// Runs begun from now on need the stage that carries the block at this place of its
+  /// axes; 0: the machine has none.
+  void SetBlockPlace(const Vec2& place_mm) { block_mm_ = place_mm; }
   /// Plans towards `horizon_tick`, one window of the planner a call, and sends what the
   /// bridge has room for; every pulse planned is added to the schedule.
   void Advance(std::uint64_t horizon_tick, const NextTarget& next,
@@ -74,6 +77,7 @@ class MotionFeed {
   std::uint32_t run_ = 0;
   std::uint64_t start_tick_ = 0;
   std::uint64_t next_batch_ = 0;
+  Vec2 block_mm_ = Vec2::Zero();
   const MotionClock* clock_ = nullptr;
   std::uint64_t start_controller_ns_ = 0;
   double sent_controller_ns_ = 0;     ///< end of what was sent, by the controller's clock

@@ -49,6 +49,16 @@ class Checker {
     axis("z", stage.travel_min_mm().z(), max.z());
   }
 
+  void CheckBlockStage(const TruthStage& stage) {
+    // A file that changes something else of it has no travel.
+    const TruthBlockStage& block_stage = stage.block_stage();
+    if (!block_stage.has_travel_min_mm() && !block_stage.has_travel_max_mm()) return;
+    const Vector3 &min = block_stage.travel_min_mm(), &max = block_stage.travel_max_mm();
+    if (min.x() < max.x() && min.y() < max.y()) return;
+    Add("stage.block_stage.travel_min_mm", fmt::format("{}, {}", min.x(), min.y()),
+        "is not below travel_max_mm in x and y");
+  }
+
   void CheckDeviations(const TruthMirrors& mirrors) {
     if (!mirrors.has_deviations()) return;
     const TruthDeviations& all = mirrors.deviations();
@@ -124,6 +134,7 @@ std::vector<Error> CheckTruth(const MachineTruth& truth) {
   checker.CheckNumbers(truth);
   checker.CheckTravel(truth.stage());
   checker.CheckAxisDrives(truth.stage());
+  checker.CheckBlockStage(truth.stage());
   checker.CheckSerialNumber(truth.stage().serial_number(), "stage.serial_number");
   checker.CheckRates(truth.laser());
   checker.CheckDeviations(truth.stage().positioner().mirrors());

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "tests/services/drivers/motion_bench.h"
+#include "tests/services/drivers/motion_conformance_block.h"
 #include "tests/services/drivers/motion_conformance_jog.h"
 #include "tests/services/drivers/motion_conformance_outline.h"
 
@@ -235,6 +236,7 @@ std::vector<MotionCheck> AllMotionChecks() {
       {"M9_cut_in_a_jog", &ACutLineEndsAJog},
   };
   for (const MotionCheck& check : OutlineChecks()) all.push_back(check);
+  for (const MotionCheck& check : BlockChecks()) all.push_back(check);
   for (const MotionCheck& check : MotionFaultChecks()) all.push_back(check);
   return all;
 }

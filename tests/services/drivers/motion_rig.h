@@ -72,6 +72,8 @@ class MotionRig {
   // What the stage really does, whatever is reported.
   virtual Vec3 actual_mm() = 0;
   virtual bool moves() = 0;
+  /// Where the stage that carries the block is, by its own axes.
+  virtual Vec2 block_mm() { return Vec2::Zero(); }
   /// The controller's time at actual_mm, ms.
   virtual double time_ms() { return static_cast<double>(steps_); }
   /// The guide laser of a machine that draws outlines is on.

@@ -129,6 +129,8 @@ void FakeCell::Begin(JobBegun begun) {
   job.asks_when_uncertain = options_.asks_when_uncertain;
   job.block_misfit = options_.block_misfit;
   job.needs_door_lock = options_.needs_door_lock;
+  job.block_stage_mm = options_.block_stage_mm;
+  job.position_tolerance_um = options_.block_stage_mm ? 30 : 0;
   job.earlier = std::move(opened->earlier);
   engraving = std::make_unique<Engraving>(
       std::move(job), *controller, *feed, *journal, chain,
@@ -248,6 +250,10 @@ EngravingInputs FakeCell::Inputs() {
   if (!stage.silent) view_at_ = now;
   inputs.motion.fresh = now - view_at_ < kMotionLease;
   inputs.motion.answers = !bridge_ended;
+  inputs.motion.has_block_stage = reports_block && options_.block_stage_mm.has_value();
+  inputs.motion.block_mm = block_mm;
+  inputs.stage_approaches = block_drives;
+  inputs.block_failure = std::exchange(block_failure, {});
   return inputs;
 }
 

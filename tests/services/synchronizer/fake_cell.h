@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -30,6 +31,7 @@ struct CellOptions {
   bool asks_when_uncertain = false;
   std::string block_misfit = {};
   bool needs_door_lock = false;              ///< of the profile
+  std::optional<Vec2> block_stage_mm = {};   ///< where the job needs it; none: no stage
   std::string laser_serial_number = "A-03";  ///< the profile expects A-03
 };
 
@@ -113,6 +115,10 @@ class FakeCell {
   std::uint32_t first_point = 0;
   bool fire_uncertain = false;
   bool permission_fresh = true, permission_granted = false, stop_pressed = false;
+  Vec2 block_mm = Vec2::Zero();  ///< where the controller reports the block's stage
+  bool reports_block = true;     ///< where the job needs such a stage
+  bool block_drives = false;     ///< EngravingInputs::stage_approaches
+  std::string block_failure = {};
   bool bridge_ended = false;  ///< the bus says so of its process
   /// As the job service does: a fault withdraws the grant, and after a lost line or
   /// process the same one is renewed, a while later, again and again. False: the test

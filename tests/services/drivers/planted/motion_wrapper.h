@@ -26,6 +26,9 @@ class MotionWrapper : public MotionDriver {
   Status BeginRun(std::uint32_t run, std::uint64_t tick, std::uint64_t ns) override {
     return inner_->BeginRun(run, tick, ns);
   }
+  Status RequireBlockAt(const Vec2& place_mm) override {
+    return inner_->RequireBlockAt(place_mm);
+  }
   std::size_t Room() const override { return inner_->Room(); }
   Status Append(std::span<const motion::Segment> segments,
                 std::span<const std::uint64_t> end_ns) override {
@@ -42,6 +45,9 @@ class MotionWrapper : public MotionDriver {
   }
   Status DrawOutline(std::span<const Vec2> corners_mm, double speed_mm_s) override {
     return inner_->DrawOutline(corners_mm, speed_mm_s);
+  }
+  Status MoveBlock(const Vec2& place_mm, double speed_mm_s) override {
+    return inner_->MoveBlock(place_mm, speed_mm_s);
   }
   Status Hold() override { return inner_->Hold(); }
 

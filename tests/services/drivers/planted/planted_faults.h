@@ -18,6 +18,7 @@ struct MotionFault {
   std::unique_ptr<MotionDriver> (*plant)(std::unique_ptr<MotionDriver> good);
   bool by_hand = false;  ///< only of drivers that jog
   bool draws = false;    ///< only of drivers that draw outlines
+  bool carries = false;  ///< only of drivers that move a stage that carries the block
 };
 std::span<const MotionFault> MotionFaults();
 

@@ -36,6 +36,8 @@ TEST_P(MotionPlanted, IsFound) {
   if (fault.by_hand && !Jogs(protocol)) GTEST_SKIP() << protocol << " does not jog";
   if (fault.draws && !DrawsOutlines(protocol))
     GTEST_SKIP() << protocol << " draws no outlines";
+  if (fault.carries && !CarriesABlock(protocol))
+    GTEST_SKIP() << protocol << " carries no block";
   const MotionRigMaker make = PlantedMotionRigs(protocol, fault.plant);
   std::string found;
   for (const MotionCheck& check : InOrder(MotionChecks(), fault.check)) {

@@ -73,6 +73,16 @@ struct DoublesPositions : MotionWrapper {
     return all;
   }
 };
+struct ForgetsWhereTheBlockHasToBe : MotionWrapper {
+  using MotionWrapper::MotionWrapper;
+  Status RequireBlockAt(const Vec2&) override { return {}; }
+};
+struct MovesTheBlockElsewhere : MotionWrapper {
+  using MotionWrapper::MotionWrapper;
+  Status MoveBlock(const Vec2& place_mm, double speed_mm_s) override {
+    return inner_->MoveBlock(-place_mm, speed_mm_s);
+  }
+};
 struct IgnoresAbort : MotionWrapper {
   using MotionWrapper::MotionWrapper;
   Status AbortRun() override { return {}; }
@@ -195,6 +205,10 @@ constexpr std::array kMotionFaults = {
     MotionFault{"DrawsACornerLess", kOutline, PlantMotion<DrawsACornerLess>, false, true},
     MotionFault{"DrawsTwiceAsFast", kOutline, PlantMotion<DrawsTwiceAsFast>, false, true},
     MotionFault{"EndsNoOutline", kOutline, PlantMotion<EndsNoOutline>, false, true},
+    MotionFault{"ForgetsWhereTheBlockHasToBe", "M20_elsewhere",
+                PlantMotion<ForgetsWhereTheBlockHasToBe>, false, false, true},
+    MotionFault{"MovesTheBlockElsewhere", "M20_block",
+                PlantMotion<MovesTheBlockElsewhere>, false, false, true},
     MotionFault{"ClearsNoFault", "M3_late", PlantMotion<ClearsNoFault>},
     MotionFault{"PromisesRoom", "M2M9M10_cut", PlantMotion<PromisesRoom>},
     MotionFault{"MirrorsX", kRuns, PlantMotion<MirrorsX>},

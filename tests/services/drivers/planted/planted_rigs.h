@@ -27,6 +27,11 @@ inline bool DrawsOutlines(const std::string& protocol) {
   return drawn || drawn.error().code != ErrorCode::kUnsupported;
 }
 
+/// Whether this protocol's driver moves a stage that carries the block.
+inline bool CarriesABlock(const std::string& protocol) {
+  return MakeMotionRig(protocol)->driver->RequireBlockAt(Vec2(1, 0)).has_value();
+}
+
 inline MotionRigMaker PlantedMotionRigs(
     const std::string& protocol,
     std::unique_ptr<MotionDriver> (*plant)(std::unique_ptr<MotionDriver> good)) {

@@ -304,6 +304,7 @@ TEST_F(VirtualStageDriver, ReportsEveryFaultInASentence) {
         Case{StageFault::kSafeState, intaglio_MOTION_STARVED},
         Case{StageFault::kNoAir, intaglio_MOTION_NO_AIR},
         Case{StageFault::kAirReturned, intaglio_MOTION_SAFE_STATE},
+        Case{StageFault::kBlockPlace, intaglio_MOTION_SAFE_STATE},
         Case{StageFault::kBadSequence, intaglio_MOTION_STARVED}}) {
     const std::uint64_t number = driver->state().number;
     stage.status.fault = c.sent;

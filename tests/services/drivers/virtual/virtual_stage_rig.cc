@@ -18,6 +18,8 @@ class VirtualStageRig final : public MotionRig {
     profile.mutable_motion_line()->set_device("the line");
     profile.mutable_motion_line()->set_serial_number(
         serial_number.empty() ? kStageNumber : serial_number);
+    // What it expects of the controller; its axes are checked where profiles are.
+    profile.mutable_head_over_block()->mutable_block_stage();
     driver = kind.make(profile, machine_.Opener(line_), machine_.clock());
   }
 
@@ -29,6 +31,7 @@ class VirtualStageRig final : public MotionRig {
     machine_.SwitchOn();
   }
   Vec3 actual_mm() override { return machine_.machine().stage().actual_mm(); }
+  Vec2 block_mm() override { return machine_.machine().stage().block_mm(); }
   bool moves() override { return machine_.machine().stage().running(); }
   double rate_hz() const override { return 100; }
   Vec3 travel_min_mm() const override { return Vec3::Constant(-50); }
@@ -49,6 +52,8 @@ class VirtualStageRig final : public MotionRig {
     options.stage.travel_max_mm = travel_max_mm();
     options.stage.queue_capacity = 64;
     options.stage.serial_number = kStageNumber;
+    options.stage.block_stage = virtual_engraver::BlockStageOptions{
+        Vec2::Constant(-100), Vec2::Constant(100), 50, 500};
     options.laser.rates_hz = {rate_hz()};
     return options;
   }

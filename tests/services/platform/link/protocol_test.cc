@@ -53,6 +53,7 @@ const std::map<std::string, Taker> kTakers = {{"LampCommand", Taken<LampCommand>
                                               {"ControllerClock", Taken<ControllerClock>},
                                               {"StageTolerance", Taken<StageTolerance>},
                                               {"JogMove", Taken<JogMove>},
+                                              {"MoveBlock", Taken<MoveBlock>},
                                               {"HeadPermit", Taken<HeadPermit>},
                                               {"HeadBegin", Taken<HeadBegin>},
                                               {"HeadBlock", Taken<HeadBlock>},
@@ -192,7 +193,7 @@ TEST(Protocols, AStatusOutOfRangeIsRefused) {
   EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::rate_hz, INFINITY)));
   EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::shutters_open, 0x10)));
   MotionStatus fault;
-  fault.fault = static_cast<StageFault>(10);
+  fault.fault = static_cast<StageFault>(11);
   EXPECT_FALSE(Taken<MotionStatus>(Encode(fault)));
   EXPECT_FALSE(Taken<MotionStatus>(Changed(Encode(MotionStatus{}), 56, 2)));
 }
