@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "services/job/checks/job_check.h"
 #include "services/job/fields/field_ranges.h"
 #include "services/job/fields/shapes.h"
@@ -44,17 +42,6 @@ void CheckAxisTravel(const machine::Axis& axis, int i, const JobSpec& job,
                  machine.name(), axis.name, from, to, travel.min_mm[i], travel.max_mm[i]);
 }
 
-/// The part of `box_mm`, glass frame, that lies under the field of the mirrors.
-Box3 UnderField(const Box3& box_mm, const Vec3& origin_mm, const MachineSpec& machine) {
-  const Box3 travel = AxisLimitsOf(machine).travel_mm;
-  Box3 under_mm = box_mm;
-  for (int i = 0; i < 2; ++i) {
-    under_mm.min_mm[i] = std::max(box_mm.min_mm[i], travel.min_mm[i] - origin_mm[i]);
-    under_mm.max_mm[i] = std::min(box_mm.max_mm[i], travel.max_mm[i] - origin_mm[i]);
-  }
-  return under_mm;
-}
-
 void CheckReachFrom(const Vec3& origin_mm, const JobSpec& job, const MachineSpec& machine,
                     std::optional<double> stage_per_glass_ratio, Findings& findings) {
   const Vec3 size_mm = BlockSizeOf(job);
@@ -67,8 +54,8 @@ void CheckReachFrom(const Vec3& origin_mm, const JobSpec& job, const MachineSpec
   // The stage that carries the block brings the rest of it under the field, and whether
   // the points of this job are there is checked of each.
   const bool in_tiles = machine.head_over_block().has_block_stage();
-  if (in_tiles) permitted_mm = UnderField(permitted_mm, origin_mm, machine);
-  if ((permitted_mm.min_mm.array() > permitted_mm.max_mm.array()).any()) {
+  permitted_mm = PartInField(machine, permitted_mm, origin_mm);
+  if (in_tiles && (permitted_mm.min_mm.array() > permitted_mm.max_mm.array()).any()) {
     return findings.Wrong("block.size_mm", SizeText(size_mm),
                           "has no part in the field of {}: correct block_place, or "
                           "block_origin_mm of the profile",

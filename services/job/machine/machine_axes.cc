@@ -156,11 +156,24 @@ std::vector<machine::AxesFromGlass> AxesFromGlassOfModels(const FrozenJob& job) 
   return all;
 }
 
+Box3 PartInField(const MachineSpec& machine, const Box3& box_mm, const Vec3& origin_mm) {
+  if (!machine.head_over_block().has_block_stage()) return box_mm;
+  const Box3 field = AxisLimitsOf(machine).travel_mm;
+  Box3 part_mm = box_mm;
+  for (int i = 0; i < 2; ++i) {
+    part_mm.min_mm[i] = std::max(box_mm.min_mm[i], field.min_mm[i] - origin_mm[i]);
+    part_mm.max_mm[i] = std::min(box_mm.max_mm[i], field.max_mm[i] - origin_mm[i]);
+  }
+  return part_mm;
+}
+
 machine::ScaleBounds ScaleBoundsOf(const FrozenJob& job) {
   const optics::MachineFromGlass frame = MachineFromGlassOf(job);
+  const Box3 part_mm = PartInField(job.machine(), {Vec3::Zero(), BlockSizeOf(job.job())},
+                                   frame.block_origin_mm);
   Box3 places_mm;
-  places_mm.Extend(frame.ToMachine(Vec3::Zero()));
-  places_mm.Extend(frame.ToMachine(BlockSizeOf(job.job())));
+  places_mm.Extend(frame.ToMachine(part_mm.min_mm));
+  places_mm.Extend(frame.ToMachine(part_mm.max_mm));
   return KinematicsOf(job.machine(), job.job(), frame)->BoundsOver(places_mm);
 }
 
@@ -180,7 +193,9 @@ motion::Limits CappedAxisLimitsOf(const FrozenJob& job) {
 motion::Limits GlassLimitsOf(const FrozenJob& job) {
   const machine::AxesFromGlass axes_from_glass = AxesFromGlassOf(job);
   const motion::Limits axis_limits = CappedAxisLimitsOf(job);
-  const auto middle = axes_from_glass.ToAxes(0.5 * BlockSizeOf(job.job()),
+  const Box3 part_mm = PartInField(job.machine(), {Vec3::Zero(), BlockSizeOf(job.job())},
+                                   BlockOriginOf(job.machine(), job.job()));
+  const auto middle = axes_from_glass.ToAxes(0.5 * (part_mm.min_mm + part_mm.max_mm),
                                              machine::BranchStart(axis_limits.travel_mm));
   Require(middle.has_value(), "the middle of the block: {}",
           middle ? "" : middle.error().message);

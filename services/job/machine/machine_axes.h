@@ -49,6 +49,11 @@ machine::AxesFromGlass AxesFromGlassOf(const FrozenJob& job);
 /// By model of the job, in the channels of the model; one of a job without models.
 std::vector<machine::AxesFromGlass> AxesFromGlassOfModels(const FrozenJob& job);
 
+/// What of a box, glass frame, can lie under the field of the mirrors, with the block's
+/// corner at `origin_mm` of the machine frame: all of it, unless a stage carries the
+/// block, which is wider than the field then. Inverted in x or y: nothing.
+Box3 PartInField(const MachineSpec& machine, const Box3& box_mm, const Vec3& origin_mm);
+
 /// How far the focus moves in air for a unit of the axes, at most, in the job's block.
 machine::ScaleBounds ScaleBoundsOf(const FrozenJob& job);
 

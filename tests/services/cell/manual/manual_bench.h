@@ -32,6 +32,14 @@ class FakeDriver final : public drivers::HandMotion {
     return {};
   }
 
+  Status MoveBlock(const Vec2& place_mm, double speed_mm_s) override {
+    ++block_moves;
+    target = Vec3(place_mm.x(), place_mm.y(), 0);
+    speed = speed_mm_s;
+    now.at_rest = false;
+    return {};
+  }
+
   Status SetZero(const Vec3& here, const std::array<bool, 3>& sets) override {
     ++zeros;
     target = here;
@@ -52,7 +60,7 @@ class FakeDriver final : public drivers::HandMotion {
   int outlines = 0;
   std::vector<Vec2> corners;
   std::array<bool, 3> set_axes{};
-  int zeros = 0;
+  int zeros = 0, block_moves = 0;
   int jogs = 0, holds = 0, clears = 0;
   Vec3 target = Vec3::Zero();
   double speed = 0;

@@ -48,6 +48,30 @@ TEST_F(ManualControlTest, AZeroOfTheControllerIsSetAtRest) {
   EXPECT_THAT(control_.answer().message, HasSubstr("the work zero is set"));
 }
 
+// The limits of the axes are not its own, and the door holds for it as for them.
+TEST_F(ManualControlTest, TheStageThatCarriesTheBlockMovesForTheCellAlone) {
+  ManualOrder move = Jog(1);
+  move.kind = intaglio_MANUAL_BLOCK;
+  move.place = Vec3(-500, 3, 0);
+  move.speed_mm_s = 90;
+  Give(move);
+  EXPECT_EQ(control_.answer().code, intaglio_MANUAL_REFUSED);
+  EXPECT_THAT(control_.answer().message, HasSubstr("moves for a job alone"));
+  EXPECT_EQ(driver_.block_moves, 0);
+  ManualOrder drive = move;
+  drive.sender = "synchronizer";
+  drive.number = kBefore + 2;
+  drive.by_cell = true;
+  Give(drive);
+  ASSERT_EQ(driver_.block_moves, 1) << control_.answer().message;
+  EXPECT_EQ(driver_.target, Vec3(-500, 3, 0));
+  EXPECT_EQ(driver_.speed, ManualControl::kMaxSpeedMmS);
+  conditions_.door_closed = false;
+  control_.Turn(conditions_, now_);
+  EXPECT_EQ(driver_.holds, 1);
+  EXPECT_TRUE(control_.moves()) << "it brakes";
+}
+
 TEST_F(ManualControlTest, TheAnswerNamesTheWayThatItGoesOnWithoutAReport) {
   ManualOrder jog = Jog(1);
   jog.speed_mm_s = 50;

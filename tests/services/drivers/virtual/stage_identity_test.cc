@@ -97,6 +97,41 @@ TEST_F(ExpectedStage, AStageWithoutACompareOutputIsRefusedWhereThePlaceFires) {
       << driver->state().refusal;
 }
 
+TEST_F(ExpectedStage, AStageThatCarriesNoBlockIsRefusedWhereTheProfileHasOne) {
+  MachineSpec machine = Profile();
+  machine.mutable_head_over_block()->mutable_block_stage();
+  driver = MakeMotionDriver(machine).value();
+  ASSERT_TRUE(Refused());
+  EXPECT_FALSE(driver->state().link_up);
+  EXPECT_NE(driver->state().refusal.find(
+                "remove head_over_block.block_stage from the machine profile"),
+            std::string::npos)
+      << driver->state().refusal;
+}
+
+// By name and remedy, before a line is opened.
+TEST(BlockStageOfAProfile, IsRefusedByEachDriverThatCannotMoveIt) {
+  int refused = 0;
+  for (const MotionDriverKind& kind : MotionDriverKinds()) {
+    MachineSpec machine;
+    machine.mutable_motion_line()->set_protocol(std::string(kind.protocol));
+    machine.mutable_motion_line()->set_device("/dev/null");
+    EXPECT_TRUE(CheckBlockStage(machine, kind)) << kind.protocol;
+    machine.mutable_head_over_block()->mutable_block_stage();
+    const Status checked = CheckBlockStage(machine, kind);
+    EXPECT_EQ(checked.has_value(), kind.moves_block) << kind.protocol;
+    if (checked) continue;
+    ++refused;
+    EXPECT_EQ(checked.error().message.find("head_over_block.block_stage: the driver '" +
+                                           std::string(kind.protocol) + "' moves no"),
+              0u)
+        << checked.error().message;
+    EXPECT_NE(checked.error().message.find("virtual-stage"), std::string::npos);
+    EXPECT_FALSE(MakeMotionDriver(machine));
+  }
+  EXPECT_EQ(refused, 4);  // bjjcz, grbl, isel, linuxcnc
+}
+
 TEST_F(ExpectedStage, AnotherStageIsRefusedAndGetsNoMotion) {
   stage.serial_number = "S-17";
   stage.clock = 5;

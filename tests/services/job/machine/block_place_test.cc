@@ -10,6 +10,7 @@
 #include "services/job/convert/job_defaults.h"
 #include "services/job/files/job_file.h"
 #include "services/job/machine/block_origin.h"
+#include "services/job/machine/machine_axes.h"
 #include "services/job/machine/machine_defaults.h"
 #include "tests/services/job/finding_matcher.h"
 #include "tests/services/job/test_job.h"
@@ -102,6 +103,41 @@ TEST(BlockPlace, ABlockWiderThanTheFieldIsTakenWithAStageAlone) {
   EXPECT_THAT(
       Check(without, machine),
       Contains(Field(&Error::message, HasSubstr("does not fit in the field of"))));
+}
+
+FrozenJob FrozenAt(const JobSpec& job, const MachineSpec& machine) {
+  FrozenJob frozen;
+  *frozen.mutable_machine() = WithMachineDefaults(machine);
+  *frozen.mutable_job() = WithDefaults(job, frozen.machine());
+  frozen.mutable_optics()->set_stage_per_glass_ratio(0.658);
+  frozen.mutable_optics()->set_refractive_index(1.519);
+  return frozen;
+}
+
+// The middle of a block of 900 mm is far beyond what any beam reaches. Limits and scales
+// are those of the part in the field: as of a block that just fills it.
+TEST(BlockPlace, PlansWithTheScalesOfTheFieldHoweverWideTheBlockIs) {
+  MachineSpec machine = WithStage();
+  machine.mutable_head_over_block()
+      ->mutable_block_stage()
+      ->mutable_x()
+      ->set_travel_min_mm(-900);
+  JobSpec wide = WideJob(-100, 0);
+  wide.mutable_block()->mutable_size_mm()->set_x(900);
+  EXPECT_THAT(Check(wide, machine), IsEmpty());
+  const FrozenJob frozen = FrozenAt(wide, machine);
+  JobSpec filling = WideJob(0, 0);
+  filling.clear_block_place();
+  filling.mutable_block()->mutable_size_mm()->set_x(70);
+  filling.mutable_block()->mutable_size_mm()->set_y(65);  // of 100 from -30 on
+  machine.mutable_head_over_block()->clear_block_stage();
+  machine.mutable_block_origin_mm()->set_x(-35);
+  const FrozenJob narrow = FrozenAt(filling, machine);
+  EXPECT_LT((ScaleBoundsOf(frozen).axis_mm - ScaleBoundsOf(narrow).axis_mm).norm(), 1e-9);
+  EXPECT_NEAR(ScaleBoundsOf(frozen).any_mm, ScaleBoundsOf(narrow).any_mm, 1e-9);
+  const Vec3 limits = GlassLimitsOf(frozen).max_speed_mm_s,
+             expected = GlassLimitsOf(narrow).max_speed_mm_s;
+  EXPECT_LT((limits - expected).norm(), 1e-6 * expected.norm());
 }
 
 TEST(BlockPlace, IsRefusedWithItsValueAndARemedy) {
