@@ -156,6 +156,11 @@ class LayerOrder {
 JumpTime TimeOfJumps(std::span<const Vec3> axes_mm, const JumpTimes& times,
                      std::span<const std::uint32_t> energies) {
   JumpTime time;
+  // None follows the last point.
+  if (times.pause_after_points > 0 && !axes_mm.empty()) {
+    time.pause_s = times.pause_s *
+                   static_cast<double>((axes_mm.size() - 1) / times.pause_after_points);
+  }
   std::uint32_t in_list = 0;
   for (std::size_t i = 0; i < axes_mm.size(); ++i) {
     time.delay_s += times.jump_delay_s;

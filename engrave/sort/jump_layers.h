@@ -38,14 +38,17 @@ struct JumpTimes {
   double z_settle_s = 0;    ///< >= 0, behind each move of z
   /// Of a list of the controller; 0: no limit.
   std::uint32_t max_list_points = 0;
+  /// Behind so many points the controller rests for pause_s; 0: never.
+  std::uint32_t pause_after_points = 0;
+  double pause_s = 0;  ///< >= 0
 };
 
 struct JumpTime {
-  double jump_s = 0, delay_s = 0, dwell_s = 0, z_s = 0;
+  double jump_s = 0, delay_s = 0, dwell_s = 0, z_s = 0, pause_s = 0;
   std::uint64_t z_move_count = 0;
   std::uint64_t energy_change_count = 0;  ///< from a point to the next of its layer
   std::uint64_t list_count = 0;           ///< of one height and one energy each
-  double total_s() const { return jump_s + delay_s + dwell_s + z_s; }
+  double total_s() const { return jump_s + delay_s + dwell_s + z_s + pause_s; }
 };
 
 /// The time of points in the order in which they are made, by their axes: x, y of the

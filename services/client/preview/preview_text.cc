@@ -23,6 +23,8 @@ std::string JumpTimeText(const TimePreview& time) {
                   ShortDuration(time.machining_time_s()), ShortDuration(parts.jump_s()),
                   ShortDuration(parts.delay_s()), ShortDuration(parts.dwell_s()),
                   GroupedCount(parts.z_move_count(), "move"), ShortDuration(parts.z_s()));
+  if (parts.pause_s() > 0)
+    text += fmt::format(", pauses {}", ShortDuration(parts.pause_s()));
   text += fmt::format("; {} a point, {}", GroupedCount(parts.pulses_per_point(), "pulse"),
                       GroupedCount(parts.list_count(), "list"));
   if (parts.energy_change_count() > 0) {

@@ -164,6 +164,7 @@ Result<TimePreview> JumpTimeOf(const FrozenJob& job, const CloudToTime& cloud,
   parts.set_delay_s(of_jumps.delay_s);
   parts.set_dwell_s(of_jumps.dwell_s);
   parts.set_z_s(of_jumps.z_s);
+  parts.set_pause_s(of_jumps.pause_s);
   parts.set_z_move_count(of_jumps.z_move_count);
   parts.set_pulses_per_point(job.job().laser().pulses_per_point());
   parts.set_energy_change_count(of_jumps.energy_change_count);

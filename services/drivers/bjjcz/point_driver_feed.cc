@@ -174,7 +174,8 @@ void BjjczPointDriver::FeedAside() {
   if (ticks_.gated(tick)) return ticks_.Settle(tick, Outcome::kNotInPosition);
   if (ticks_.tick() + 1 < tick) PassTicks();
   if (!Fires(tick)) return;
-  (void)lists_.Add(state_.position_mm.head<2>(), true, powers_.At(tick), PulsesAt(tick));
+  if (!lists_.Add(state_.position_mm.head<2>(), true, powers_.At(tick), PulsesAt(tick)))
+    return Play();  // the board rests first
   steps_.push_back({std::nullopt, state_.position_mm, tick});
   committed_tick_ = tick;
   Play();

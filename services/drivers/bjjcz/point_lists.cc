@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "services/job/head/point_pulses.h"
@@ -9,6 +10,9 @@
 namespace intaglio::drivers {
 
 using enum LmcOperation;
+
+/// A delay counts tens of microseconds.
+constexpr double kShortestDelaySeconds = 1e-5;
 
 PointLists::PointLists(const MachineSpec& machine)
     : machine_(machine),
@@ -38,10 +42,32 @@ void PointLists::AddJump(const BoardPlace& to) {
   has_jump_ = true;
 }
 
+bool PointLists::AddPause() {
+  while (pause_s_ > 0) {
+    const double part_s = std::min({pause_s_, kMaxListSeconds - list_.seconds,
+                                    1e-5 * std::numeric_limits<std::uint16_t>::max()});
+    if (part_s < kShortestDelaySeconds || list_.commands.size() + 3 > kMaxListCommands)
+      return false;
+    AddJump(at_);  // the mirrors stay
+    list_.commands.push_back({kDelay, {ToUint16(std::ceil(1e5 * part_s))}});
+    list_.seconds += part_s;
+    pause_s_ = pause_s_ - part_s < kShortestDelaySeconds ? 0 : pause_s_ - part_s;
+  }
+  return true;
+}
+
+void PointLists::CountPoint() {
+  ++point_count_;
+  if (++points_since_pause_ != jumps_.pause_after_points()) return;
+  points_since_pause_ = 0;
+  pause_s_ = jumps_.pause_s();
+}
+
 bool PointLists::Add(const Vec2& to_mm, bool fires, double power_ratio, unsigned pulses) {
   const double dwell_s = pulses > 0 ? DwellSecondsOf(machine_, pulses) : jumps_.dwell_s();
-  const bool is_first = empty();
+  const bool is_first = empty() && pause_s_ == 0;
   Begin(jumps_.jump_mm_s() * field_.places_per_mm() / 1000, power_ratio);
+  if (!AddPause()) return false;
   if (fires && power_ratio != power_ratio_) return false;
   const BoardPlace to = field_.PlaceOf(to_mm);
   const double way = PlacesBetween(at_, to);
@@ -52,7 +78,7 @@ bool PointLists::Add(const Vec2& to_mm, bool fires, double power_ratio, unsigned
                         (!fires || point_count_ < max_points_);
   if (!is_first && !has_room) return false;
   AddJump(to);
-  if (fires) ++point_count_;
+  if (fires) CountPoint();
   if (fires) list_.commands.push_back({kLaserOnPoint, {ToUint16(1e5 * dwell_s)}});
   list_.seconds += seconds;
   return true;

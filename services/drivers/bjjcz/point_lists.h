@@ -7,6 +7,9 @@
 // A list has one power: a source needs some time behind a change, and has it between two
 // lists.
 //
+// Behind jump_and_dwell.pause_after_points the board rests by delays of its lists, none
+// of which is longer than any other list: a stop takes effect as soon as ever.
+//
 // A list has laser.max_unsettled_points at most, so that no more are uncertain when all
 // fails at once: the synchronizer arms no more than these, either.
 
@@ -30,11 +33,16 @@ class PointLists {
   Vec2 at_mm() const { return field_.ToMm(at_); }
   bool empty() const { return list_.commands.empty(); }
 
-  void BeginRun() { first_of_run_ = true; }
+  void BeginRun() {
+    first_of_run_ = true;
+    points_since_pause_ = 0;
+    pause_s_ = 0;
+  }
   /// From where the mirrors are to `to_mm`, and the laser on there, if it `fires`. False:
-  /// the list has no room for it, or has its points, or points of another power; an empty
-  /// one has room. Of a point that fires, `power_ratio`: of the largest; `pulses`: it
-  /// dwells for so many, 0: for dwell_s.
+  /// the list has no room for it, or has its points, or points of another power, or the
+  /// board rests in it; an empty one has room, unless a pause is due. Of a point that
+  /// fires, `power_ratio`: of the largest; `pulses`: it dwells for so many, 0: for
+  /// dwell_s.
   bool Add(const Vec2& to_mm, bool fires, double power_ratio = 1, unsigned pulses = 0);
   /// Dark, in no less than `seconds`: by hand.
   void AddSlow(const Vec2& to_mm, double seconds);
@@ -51,7 +59,10 @@ class PointLists {
 
  private:
   void AddJump(const BoardPlace& to);
+  void CountPoint();
   void Begin(double places_ms, double power_ratio);
+  /// Adds what is left of a pause; false: the list has no room for all of it.
+  bool AddPause();
 
   MachineSpec machine_;
   BjjczBoard board_;
@@ -62,6 +73,8 @@ class PointLists {
   BoardPlace begun_at_;                         ///< where it begins
   LmcList list_;
   double power_ratio_ = 1;  ///< of the list
+  std::uint32_t points_since_pause_ = 0;
+  double pause_s_ = 0;  ///< that is due
   bool first_of_run_ = true, has_jump_ = false;
 };
 

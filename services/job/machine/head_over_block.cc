@@ -119,6 +119,10 @@ void CheckJumps(const JumpAndDwell& jumps, std::vector<Error>& errors) {
     Missing(errors, path + "z_step_mm", "give 0.6 of the crack's length over the index");
   if (jumps.jump_mm_s() == 0) Missing(errors, path + "jump_mm_s", "give the jump speed");
   if (jumps.dwell_s() == 0) Missing(errors, path + "dwell_s", "give the time of a point");
+  if (jumps.has_pause_after_points() != jumps.has_pause_s()) {
+    Missing(errors, path + (jumps.has_pause_s() ? "pause_after_points" : "pause_s"),
+            "give both, or neither for no pauses");
+  }
 }
 
 }  // namespace
@@ -175,7 +179,9 @@ sort::JumpTimes JumpTimesOf(const MachineSpec& machine, const LaserOptions& lase
           machine.z().max_speed_mm_s(),
           machine.z().max_acceleration_mm_s2(),
           jumps.z_settle_s(),
-          machine.laser().max_unsettled_points()};
+          machine.laser().max_unsettled_points(),
+          jumps.pause_after_points(),
+          jumps.pause_s()};
 }
 
 double CrackEnergyMj(const MachineSpec& machine) {

@@ -179,6 +179,20 @@ TEST(JumpLayers, CountsEachPartOfTheTime) {
   EXPECT_EQ(time.z_move_count, 2);
   EXPECT_NEAR(time.z_s, 2 * std::sqrt(0.04 / 1000) + 0.1 + 0.1 + 0.01 + 0.1, 1e-12);
   EXPECT_DOUBLE_EQ(time.total_s(), time.jump_s + time.delay_s + time.dwell_s + time.z_s);
+  EXPECT_EQ(time.pause_s, 0);
+}
+
+TEST(JumpLayers, CountsThePausesBetweenItsPoints) {
+  JumpTimes times;
+  times.pause_after_points = 3;
+  times.pause_s = 0.5;
+  const auto pause_s = [&times](std::size_t count) {
+    return TimeOfJumps(PointList(count, Vec3::Zero()), times).pause_s;
+  };
+  EXPECT_EQ(pause_s(0), 0);
+  EXPECT_EQ(pause_s(3), 0) << "none behind the last";
+  EXPECT_EQ(pause_s(4), 0.5);
+  EXPECT_EQ(pause_s(7), 1);
 }
 
 TEST(JumpLayers, IsRefusedForAnotherMachine) {

@@ -198,6 +198,28 @@ TEST(BjjczPoints, EachHasThePulsesThatWereAskedFor) {
 }
 
 // The board's driver refuses what its source was not measured for.
+TEST(BjjczPoints, TheBoardRestsBehindSoManyPoints) {
+  MachineSpec profile = Cell::Profile();
+  JumpAndDwell& jumps = *profile.mutable_head_over_block()->mutable_jump_and_dwell();
+  jumps.set_pause_after_points(10);
+  jumps.set_pause_s(0.4);  // longer than a list may be
+  Cell cell(profile);
+  cell.Connect();
+  cell.Prepare();
+  cell.Begin(1, 35);
+  ASSERT_TRUE(cell.Until([&] { return cell.outcomes.size() == cell.points.size(); }));
+  EXPECT_EQ(cell.MadeTicks().size(), 35u);
+  const auto& flashes = cell.flashes();
+  for (std::size_t i = 1; i < flashes.size(); ++i) {
+    const double dark_us =
+        flashes[i].begin_us - flashes[i - 1].begin_us - flashes[i - 1].lit_us;
+    if (i % 10 == 0)
+      EXPECT_GE(dark_us, 0.4e6) << "before point " << i;
+    else
+      EXPECT_LT(dark_us, 0.2e6) << "before point " << i;
+  }
+}
+
 TEST(BjjczPoints, AnEnergyOutsideTheCalibrationIsRefused) {
   MachineSpec profile = Cell::Profile();
   for (const double energy_mj : {4.0, 10.0}) {

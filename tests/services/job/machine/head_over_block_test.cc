@@ -224,8 +224,10 @@ TEST(HeadOverBlock, LayersBeginAtTheDeepestWhicheverWayZCounts) {
 TEST(HeadOverBlock, WhatAHeadThatJumpsNeedsIsNamed) {
   MachineSpec machine = Profile();
   machine.mutable_head_over_block()->mutable_jump_and_dwell()->set_jump_delay_s(1);
+  machine.mutable_head_over_block()->mutable_jump_and_dwell()->set_pause_s(1);
   const auto errors = CheckMachine(machine);
-  for (const char* field : {"z_step_mm", "jump_mm_s", "dwell_s", "jump_delay_s"}) {
+  for (const char* field :
+       {"z_step_mm", "jump_mm_s", "dwell_s", "jump_delay_s", "pause_after_points"}) {
     EXPECT_THAT(errors,
                 Contains(Field(&Error::message,
                                HasSubstr(std::string("jump_and_dwell.") + field))));
