@@ -46,16 +46,21 @@ int MakeTestGrid(const TestGridOptions& options) {
     grid.block_mm = Eigen::Map<const Vec3>(options.block_mm.data());
   const auto made = client::WriteTestGrid(grid, options.out);
   if (!made) return Complain(made.error());
-  if (const auto good = CheckGrid(*made, options.materials_db); !good) {
-    std::error_code ignored;
-    fs::remove(*made, ignored);
-    return Complain(good.error());
+  for (const fs::path& file : *made) {
+    if (const auto good = CheckGrid(file, options.materials_db); !good) {
+      std::error_code ignored;
+      for (const fs::path& written : *made) fs::remove(written, ignored);
+      return Complain(good.error());
+    }
   }
-  std::cout << made->string() << "\n";
-  std::cerr << "See it: intaglio preview " << made->string()
-            << ". Engrave it: intaglio submit " << made->string()
-            << " --arm --watch (or intaglio run, in the virtual engraver). Then choose "
-               "energy and spacing of your jobs by its look.\n";
+  for (const fs::path& file : *made) std::cout << file.string() << "\n";
+  std::cerr << "See it: intaglio preview " << made->front().string()
+            << ". Engrave it: intaglio submit " << made->front().string()
+            << " --arm --watch (or intaglio run, in the virtual engraver)"
+            << (made->size() > 1 ? ", then the others into the same block" : "")
+            << ". Then choose energy and "
+            << (options.grid.pulses.empty() ? "spacing" : "pulses")
+            << " of your jobs by its look.\n";
   return client::kExitGood;
 }
 
@@ -72,6 +77,9 @@ void AddTestGridCommand(command_line::Command app) {
   command.AddOption("--spacings", options->grid.spacings_mm,
                     "distances of the points, mm, one column each; default 1, 1.25, 1.5 "
                     "and 2 diameters of a crack");
+  command.AddOption("--pulses", options->grid.pulses,
+                    "pulses of a point, one column and one job each, in place of "
+                    "spacings: of a head that jumps and dwells");
   command.AddOption("--patch", options->grid.patch_mm, "side of a patch, mm")
       .ShowDefault();
   command.AddOption("--glass", options->grid.glass, "glass of the block, or n=INDEX")

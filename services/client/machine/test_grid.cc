@@ -34,14 +34,26 @@ constexpr double kMinShare = 0.4;  // of the largest energy
 
 struct Grid {
   std::vector<double> energies_mj, spacings_mm;
+  std::vector<std::uint32_t> pulses;  ///< none: columns by spacing
   double pitch_mm = 0;
+
+  std::size_t columns() const {
+    return pulses.empty() ? spacings_mm.size() : pulses.size();
+  }
+  double SpacingOf(std::size_t column) const {
+    return pulses.empty() ? spacings_mm[column] : spacings_mm.front();
+  }
+  std::string LabelOfColumn(std::size_t column) const {
+    return pulses.empty() ? fmt::format("{:.3g}", spacings_mm[column])
+                          : fmt::format("{} x", pulses[column]);
+  }
 
   /// Where row or column i of `count` has its middle, from the middle of the grid.
   double PlaceOf(std::size_t i, std::size_t count) const {
     return (static_cast<double>(i) - (static_cast<double>(count) - 1) / 2) * pitch_mm;
   }
   Vec3 size_mm() const {
-    return {pitch_mm * static_cast<double>(spacings_mm.size()) + 2 * kLabelWidthMm, 0,
+    return {pitch_mm * static_cast<double>(columns()) + 2 * kLabelWidthMm, 0,
             pitch_mm * static_cast<double>(energies_mj.size()) + 4 * kGapMm};
   }
 };
@@ -100,7 +112,9 @@ void Put(Model model, double x_mm, double z_mm, JobSpec& job) {
   *job.add_models() = std::move(model);
 }
 
-JobSpec JobOf(const TestGrid& asked, const Grid& grid, const Vec3& block_mm) {
+/// The columns from `begin` to `end`; the labels of the rows are beside the first.
+JobSpec JobOf(const TestGrid& asked, const Grid& grid, const Vec3& block_mm,
+              std::size_t begin, std::size_t end) {
   JobSpec job;
   job.set_name("test grid");
   job.set_glass(asked.glass);
@@ -113,18 +127,19 @@ JobSpec JobOf(const TestGrid& asked, const Grid& grid, const Vec3& block_mm) {
   size.set_z(block_mm.z());
   job.mutable_discretization()->set_min_spacing_mm(
       *std::ranges::min_element(grid.spacings_mm));
-  const std::size_t rows = grid.energies_mj.size(), columns = grid.spacings_mm.size();
+  const std::size_t rows = grid.energies_mj.size(), columns = grid.columns();
   for (std::size_t i = 0; i < rows; ++i) {
     const double z_mm = grid.PlaceOf(i, rows);
-    for (std::size_t j = 0; j < columns; ++j) {
-      Put(PatchOf(grid.energies_mj[i], grid.spacings_mm[j]), grid.PlaceOf(j, columns),
-          z_mm, job);
+    for (std::size_t j = begin; j < end; ++j) {
+      Put(PatchOf(grid.energies_mj[i], grid.SpacingOf(j)), grid.PlaceOf(j, columns), z_mm,
+          job);
     }
+    if (begin > 0) continue;
     Put(LabelOf(fmt::format("{:.3g} mJ", grid.energies_mj[i])),
         grid.PlaceOf(0, columns) - (grid.pitch_mm + kLabelWidthMm) / 2, z_mm, job);
   }
-  for (std::size_t j = 0; j < columns; ++j) {
-    Put(LabelOf(fmt::format("{:.3g}", grid.spacings_mm[j])), grid.PlaceOf(j, columns),
+  for (std::size_t j = begin; j < end; ++j) {
+    Put(LabelOf(grid.LabelOfColumn(j)), grid.PlaceOf(j, columns),
         grid.PlaceOf(0, rows) - (grid.pitch_mm + kGapMm) / 2, job);
   }
   return job;
@@ -138,9 +153,8 @@ Result<Vec3> BlockOf(const TestGrid& asked, const Grid& grid) {
   return Fail(
       ErrorCode::kOutsideBlock,
       fmt::format("a grid of {} x {} patches needs a block {:g} mm wide and {:g} "
-                  "mm high; give fewer energies or spacings, or a smaller --patch",
-                  grid.spacings_mm.size(), grid.energies_mj.size(), needed_mm.x(),
-                  needed_mm.z()),
+                  "mm high; give fewer energies or columns, or a smaller --patch",
+                  grid.columns(), grid.energies_mj.size(), needed_mm.x(), needed_mm.z()),
       fmt::format("{:g}", asked.block_mm->x()));
 }
 
@@ -151,18 +165,26 @@ Result<Grid> GridOf(const TestGrid& asked, const MachineSpec& machine) {
                             kMinPatchMm, kMaxPatchMm),
                 fmt::format("{:g}", asked.patch_mm));
   }
+  if (!asked.pulses.empty() && asked.spacings_mm.size() > 1) {
+    return Fail(ErrorCode::kInvalidValue,
+                "--spacings: columns are by --pulses; give one spacing", "--spacings");
+  }
   Grid grid;
+  grid.pulses = asked.pulses;
   grid.pitch_mm = asked.patch_mm + kGapMm;
   grid.energies_mj =
       asked.energies_mj.empty() ? DefaultEnergies(machine) : asked.energies_mj;
   grid.spacings_mm = asked.spacings_mm.empty() ? INTAGLIO_TRY(DefaultSpacings(machine))
                                                : asked.spacings_mm;
+  if (!grid.pulses.empty() && asked.spacings_mm.empty())
+    grid.spacings_mm = {grid.spacings_mm.at(1)};
   return grid;
 }
 
 }  // namespace
 
-Result<fs::path> WriteTestGrid(const TestGrid& asked, const fs::path& folder) {
+Result<std::vector<fs::path>> WriteTestGrid(const TestGrid& asked,
+                                            const fs::path& folder) {
   const MachineSpec machine = INTAGLIO_TRY(ReadMachineFile(asked.machine_file));
   const Grid grid = INTAGLIO_TRY(GridOf(asked, machine));
   const Vec3 block_mm = INTAGLIO_TRY(BlockOf(asked, grid));
@@ -173,9 +195,21 @@ Result<fs::path> WriteTestGrid(const TestGrid& asked, const fs::path& folder) {
       "viewBox=\"0 0 {0} {0}\">\n<rect width=\"{0}\" height=\"{0}\"/>\n</svg>\n",
       asked.patch_mm);
   INTAGLIO_TRY(io::WriteFileAtomically(folder / "patch.svg", std::string_view(patch)));
-  const fs::path file = folder / "test_grid.textproto";
-  INTAGLIO_TRY(WriteJobFile(file, JobOf(asked, grid, block_mm)));
-  return file;
+  if (grid.pulses.empty()) {
+    const fs::path file = folder / "test_grid.textproto";
+    INTAGLIO_TRY(WriteJobFile(file, JobOf(asked, grid, block_mm, 0, grid.columns())));
+    return std::vector<fs::path>{file};
+  }
+  std::vector<fs::path> files;
+  for (std::size_t column = 0; column < grid.columns(); ++column) {
+    const std::uint32_t pulses = grid.pulses[column];
+    JobSpec job = JobOf(asked, grid, block_mm, column, column + 1);
+    job.set_name(fmt::format("test grid, {} pulses", pulses));
+    job.mutable_laser()->set_pulses_per_point(pulses);
+    files.push_back(folder / fmt::format("test_grid-{}-pulses.textproto", pulses));
+    INTAGLIO_TRY(WriteJobFile(files.back(), job));
+  }
+  return files;
 }
 
 }  // namespace intaglio::client

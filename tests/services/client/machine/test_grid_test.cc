@@ -31,16 +31,22 @@ struct Made {
   PointCloud cloud;
 };
 
-Made MakeOf(const TestGrid& grid) {
-  const auto file = WriteTestGrid(grid, test::FreshFolder());
-  EXPECT_TRUE(file) << file.error().message;
+/// The points of one of its jobs.
+Made MakeFile(const TestGrid& grid, const std::filesystem::path& file) {
   const MachineSpec machine = ReadMachineFile(grid.machine_file).value();
-  JobSpec job = ReadJobFile(*file).value();
+  JobSpec job = ReadJobFile(file).value();
   EXPECT_TRUE(ResolveFonts(job).empty());
   job = WithDefaults(job, machine);
   auto cloud = MakeJobCloud(job, {}, {}, {});
   EXPECT_TRUE(cloud) << cloud.error().message;
   return {job, std::move(cloud->cloud)};
+}
+
+Made MakeOf(const TestGrid& grid) {
+  const auto files = WriteTestGrid(grid, test::FreshFolder());
+  EXPECT_TRUE(files) << files.error().message;
+  EXPECT_EQ(files->size(), 1u);
+  return MakeFile(grid, files->front());
 }
 
 // Nearest distances of a patch are its column's spacing; its energy is its row's.
@@ -98,6 +104,37 @@ TEST(TestGrid, DefaultsAreTheMachinesEnergiesAndTheLensesCrack) {
   EXPECT_EQ(energies.size(), 4u);
   EXPECT_EQ(*energies.rbegin(), 30);
   EXPECT_EQ(spacings.size(), 4u);
+}
+
+// Each job has its pulses and its place in the one block, beside that of the job before.
+TEST(TestGrid, EachNumberOfPulsesIsAJobOfItsOwnInTheSameBlock) {
+  TestGrid grid = OnEls();
+  grid.machine_file = INTAGLIO_SOURCE_DIR "/deploy/machines/bjjcz-glass.textproto";
+  grid.energies_mj = {0.06, 0.08};
+  grid.spacings_mm = {0.2};
+  grid.pulses = {8, 24};
+  const auto files = WriteTestGrid(grid, test::FreshFolder());
+  ASSERT_TRUE(files) << files.error().message;
+  ASSERT_EQ(files->size(), 2u);
+  double end_mm = 0;
+  for (std::size_t column = 0; column < files->size(); ++column) {
+    const Made made = MakeFile(grid, (*files)[column]);
+    EXPECT_EQ(made.job.laser().pulses_per_point(), grid.pulses[column]);
+    std::set<double> energies;
+    Box3 patches;
+    for (std::size_t i = 0; i < made.cloud.size(); ++i) {
+      const Model& model = made.job.models(static_cast<int>(made.cloud.source[i]));
+      if (model.has_text()) continue;
+      energies.insert(model.pulse_energy_mj());
+      patches.Extend(made.cloud.points_mm[i]);
+    }
+    EXPECT_EQ(energies, (std::set<double>{0.06, 0.08}));
+    EXPECT_GT(patches.min_mm.x(), end_mm + 1.5);
+    end_mm = patches.max_mm.x();
+  }
+  grid.spacings_mm = {0.1, 0.2};
+  EXPECT_EQ(WriteTestGrid(grid, test::FreshFolder()).error().code,
+            ErrorCode::kInvalidValue);
 }
 
 TEST(TestGrid, RefusesWhatHasNoPlace) {
