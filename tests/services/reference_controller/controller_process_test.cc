@@ -3,8 +3,9 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <chrono>
 #include <fstream>
-#include <map>
+#include <memory>
 #include <sstream>
 
 #include "services/drivers/laser_drivers.h"
@@ -39,19 +40,13 @@ class ControllerProgram : public ::testing::Test {
   bool Until(const std::function<bool()>& condition) {
     return testing::Eventually(
         [&] {
-          if (host) {
-            host->Poll(
-                [this](const link::PulseReport& report) {
-                  for (const link::TickOutcome outcome : report.outcome) ++ended[outcome];
-                },
-                [](const link::PastReport&) {});
-          }
+          if (host) host->Poll([](const auto&) {}, [](const auto&) {});
           return condition();
         },
         10s);
   }
 
-  void OpenLampAndShutters() {
+  void Connect() {
     ASSERT_TRUE(Until([&] {
       return program->Output().find("ready ") != std::string::npos;
     })) << program->Output();
@@ -62,16 +57,29 @@ class ControllerProgram : public ::testing::Test {
     machine.mutable_laser_line()->set_baud(115200);
     host = drivers::MakeLaserDriver(machine).value();
     ASSERT_TRUE(Until([&] { return host->up(); })) << host->message();
-    ASSERT_TRUE(host->Reset().has_value());
-    ASSERT_TRUE(host->Lamp(true, 100).has_value());
-    ASSERT_TRUE(host->OpenShutters(3).has_value());
-    ASSERT_TRUE(Until(
-        [&] { return host->status().shutters_open == 3 && host->Has(link::kLampWarm); }));
   }
-  void Arm(std::size_t count) {
-    const link::ArmWindow window{host->status().tick + 50, true,
-                                 std::vector<bool>(count, true), false, 30};
-    ASSERT_TRUE(host->Arm(window).has_value());
+  void OpenLampAndShutters() {
+    (void)host->Reset();
+    (void)host->Lamp(true, 100);
+    (void)host->OpenShutters(3);
+  }
+  /// A host that a busy computer kept waiting for 250 ms has lost its shutters and
+  /// windows: it commands them again, once a status has shown what came of it before.
+  bool FiresUntil(std::uint64_t count) {
+    return Until([&] {
+      const link::LaserStatus& status = host->status();
+      if (!host->up() || status.pulse_count >= count) return host->up();
+      const auto now = std::chrono::steady_clock::now();
+      if (now < next_command) return false;
+      next_command = now + 300ms;
+      if (host->Has(link::kSafeState) || status.shutters_open != 3) {
+        OpenLampAndShutters();
+      } else if (status.decided_through <= status.tick) {
+        (void)host->Arm(
+            {status.tick + 20, true, std::vector<bool>(200, true), false, 30});
+      }
+      return false;
+    });
   }
   /// How often the output went on; and whether it is on at the end.
   std::pair<int, bool> EdgesOf(const std::string& output) const {
@@ -88,16 +96,20 @@ class ControllerProgram : public ::testing::Test {
   std::filesystem::path folder = test::FreshFolder();
   std::unique_ptr<testing::Running> program;
   std::unique_ptr<drivers::LaserController> host;
-  std::map<link::TickOutcome, int> ended;
+  std::chrono::steady_clock::time_point next_command = {};
 };
 
 TEST_F(ControllerProgram, FiresWhatIsArmedAndSwitchesOffWhenItIsEnded) {
+  Connect();
   OpenLampAndShutters();
+  ASSERT_TRUE(Until([&] { return EdgesOf("lamp_trigger").first > 10; }));
   EXPECT_EQ(EdgesOf("q_switch").first, 0) << "nothing is armed yet";
-  Arm(40);
-  ASSERT_TRUE(Until([&] { return ended[link::TickOutcome::kFiredSeen] == 40; }));
-  EXPECT_EQ(EdgesOf("q_switch").first, 40);
-  EXPECT_EQ(EdgesOf("shutters[1]"), std::pair(1, true));
+  ASSERT_TRUE(FiresUntil(40));
+  ASSERT_TRUE(host->Disarm().has_value());
+  ASSERT_TRUE(Until([&] { return host->disarmed(); }));
+  EXPECT_EQ(static_cast<std::uint64_t>(EdgesOf("q_switch").first),
+            host->status().pulse_count);
+  EXPECT_GT(EdgesOf("shutters[1]").first, 0);
   program->Signal(SIGTERM);
   const auto end = program->WaitForEnd(10s);
   EXPECT_EQ(end.exit_code, 0) << end.output;
@@ -107,9 +119,8 @@ TEST_F(ControllerProgram, FiresWhatIsArmedAndSwitchesOffWhenItIsEnded) {
 }
 
 TEST_F(ControllerProgram, AHostThatDiesClosesTheShutters) {
-  OpenLampAndShutters();
-  Arm(4000);
-  ASSERT_TRUE(Until([&] { return ended[link::TickOutcome::kFiredSeen] > 10; }));
+  Connect();
+  ASSERT_TRUE(FiresUntil(10));
   host.reset();
   ASSERT_TRUE(Until([&] { return !EdgesOf("shutters[0]").second; }));
   const int fired = EdgesOf("q_switch").first;
@@ -121,15 +132,15 @@ TEST_F(ControllerProgram, AHostThatDiesClosesTheShutters) {
 
 // No process switches its outputs off when it is killed: the hardware gate does, as
 // docs/machines/els-03.md says.
-TEST_F(ControllerProgram, KilledItLeavesItsOutputsAndFiresNoMore) {
-  OpenLampAndShutters();
-  Arm(4000);
-  ASSERT_TRUE(Until([&] { return ended[link::TickOutcome::kFiredSeen] > 10; }));
+TEST_F(ControllerProgram, KilledItLeavesTheLampOnAndFiresNoMore) {
+  Connect();
+  ASSERT_TRUE(FiresUntil(10));
   program->Signal(SIGKILL);
   (void)program->WaitForEnd(10s);
   EXPECT_TRUE(EdgesOf("lamp").second);
-  EXPECT_TRUE(EdgesOf("shutters[0]").second);
+  const int fired = EdgesOf("q_switch").first;
   EXPECT_TRUE(Until([&] { return !host->up(); }));
+  EXPECT_EQ(EdgesOf("q_switch").first, fired);
 }
 
 // The command of docs/machines/els-03.md, with a second in place of thirty.
