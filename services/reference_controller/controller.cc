@@ -97,9 +97,13 @@ Result<std::optional<nanoseconds>> Controller::AwaitTick() {
   if (pins_.Has(Output::kLampTrigger) || !pins_.Has(Input::kLampSync))
     return AwaitOwnTick();
   const nanoseconds now = time_.clock();
-  const bool due = last_sync_ && now > next_tick_at_ - kSpin && now < next_tick_at_;
+  const bool due = last_sync_ && now >= next_tick_at_ - kSpin;
   const auto sync = INTAGLIO_TRY(AwaitSync(due ? next_tick_at_ + kSpin : now));
-  if (sync) next_tick_at_ = *sync + Period();
+  if (sync) {
+    next_tick_at_ = *sync + Period();
+  } else if (time_.clock() >= next_tick_at_ + kSpin) {
+    next_tick_at_ += Period();  // a flash was left out, or the lamp is cold
+  }
   return sync;
 }
 

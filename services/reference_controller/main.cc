@@ -137,6 +137,16 @@ int Measure(const Options& o, const LaserBoard& board) {
   return 0;
 }
 
+SimulatedPinsOptions SimulatedPinsOf(const LaserBoard& board) {
+  SimulatedPinsOptions pins;
+  pins.channels = board.shutters_size();
+  pins.has_lamp_sync = board.has_lamp_sync();
+  const double rate_hz = OptionsOf(board, 1).laser.rates_hz.front();
+  if (!board.has_lamp_trigger())
+    pins.flash_period = nanoseconds(static_cast<std::int64_t>(1e9 / rate_hz));
+  return pins;
+}
+
 int Serve(const Options& o, const LaserBoard& board) {
   const ControllerTime time = ExactTime();
   std::optional<EdgeRecord> record;
@@ -146,7 +156,7 @@ int Serve(const Options& o, const LaserBoard& board) {
   } else {
     record.emplace(ValueOrThrow(EdgeRecord::Create(o.edges)));
     pins = std::make_unique<SimulatedPins>(
-        SimulatedPinsOptions{board.shutters_size(), board.has_lamp_sync()}, time.clock,
+        SimulatedPinsOf(board), time.clock,
         [&record](const Edge& edge) { record->Add(edge); });
   }
   // Another number is another clock of ticks, for the host.

@@ -26,12 +26,14 @@ SimulatedPins::~SimulatedPins() {
 }
 
 bool SimulatedPins::Has(Output output) const {
+  if (output == Output::kLampTrigger) return options_.flash_period.count() == 0;
   const int shutter = static_cast<int>(output) - static_cast<int>(Output::kShutter1);
   return shutter < 0 || shutter >= 4 || shutter < options_.channels;
 }
 
 bool SimulatedPins::Has(Input input) const {
-  if (input == Input::kLampSync) return options_.has_lamp_sync;
+  if (input == Input::kLampSync)
+    return options_.has_lamp_sync || options_.flash_period.count() > 0;
   const int sensor = static_cast<int>(input) - static_cast<int>(Input::kPhotosensor1);
   return sensor < options_.channels;
 }
@@ -60,9 +62,18 @@ void SimulatedPins::Answer(Output output) {
   }
 }
 
+void SimulatedPins::FlashByItself() {
+  if (options_.flash_period.count() == 0) return;
+  const nanoseconds now = clock_();
+  if (!is_on(Output::kLamp)) next_flash_ = now + options_.flash_period;
+  for (; next_flash_ <= now; next_flash_ += options_.flash_period)
+    Edges(Input::kLampSync).push_back(next_flash_);
+}
+
 Result<std::uint32_t> SimulatedPins::Levels() { return levels_; }
 
 Result<std::optional<nanoseconds>> SimulatedPins::NextEdge(Input input) {
+  FlashByItself();
   auto& edges = Edges(input);
   if (edges.empty() || edges.front() > clock_()) return std::optional<nanoseconds>();
   const nanoseconds at = edges.front();

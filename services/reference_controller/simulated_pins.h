@@ -21,7 +21,10 @@ struct Edge {
 };
 
 struct SimulatedPinsOptions {
-  int channels = 1;                 ///< 1..4, each with a shutter and a photosensor
+  int channels = 1;  ///< 1..4, each with a shutter and a photosensor
+  /// A laser that flashes by itself while its lamp is on, with a lamp sync each; 0: it
+  /// flashes with each lamp trigger.
+  std::chrono::nanoseconds flash_period{0};
   bool has_lamp_sync = false;       ///< of the laser; else ticks begin with the trigger
   std::uint8_t blind_channels = 0;  ///< bit 0..3: their photosensors see nothing
   std::chrono::nanoseconds sync_after{0};  ///< from the lamp trigger to the lamp sync
@@ -51,6 +54,7 @@ class SimulatedPins final : public LaserPins {
     return edges_[static_cast<std::size_t>(input)];
   }
   void Answer(Output output);
+  void FlashByItself();
 
   SimulatedPinsOptions options_;
   link::SteadyClock clock_;
@@ -58,6 +62,7 @@ class SimulatedPins final : public LaserPins {
   std::array<bool, kOutputCount> on_{};
   std::array<std::deque<std::chrono::nanoseconds>, kInputCount> edges_;
   std::uint32_t levels_;
+  std::chrono::nanoseconds next_flash_{0};
   std::uint64_t alive_count_ = 0;
 };
 

@@ -207,14 +207,23 @@ std::uint8_t ReferenceRig::shutters() {
 }
 
 void ReferenceRig::AdvanceController() {
-  now_ += std::chrono::milliseconds(1);
-  if (!controller_) return;
+  const auto end = now_ + std::chrono::milliseconds(1);
+  if (!controller_) {
+    now_ = end;
+    return;
+  }
   if (line_->HostHasGone()) {
     wire_->Renew();
     controller_->Plug(ControllerEnd());
   }
-  const auto idle = controller_->Turn();
-  if (!idle) error_ = idle.error().message;
+  while (now_ < end) {
+    const auto idle = controller_->Turn();
+    if (!idle) error_ = idle.error().message;
+    // As the program waits, and a little of its own time.
+    constexpr std::chrono::nanoseconds kTurn{10'000};
+    const auto waits = idle ? std::max(*idle, kTurn) : kTurn;
+    now_ = std::max(now_, std::min(end, now_ + waits));
+  }
   // A cut is of both ways.
   if (wire_->to_controller.cut) wire_->to_host.cut = true;
 }
