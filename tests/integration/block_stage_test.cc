@@ -277,5 +277,25 @@ TEST_F(CarriedTiles, AreNotFiredAtWhereTheBridgeDiesInMidMove) {
   EXPECT_GT(Cracks().size(), 100u);
 }
 
+TEST_F(CarriedTiles, RestWhereTheDoorOpensInMidMoveUntilAFreshArm) {
+  ASSERT_NO_FATAL_FAILURE(Open(5));
+  ASSERT_NO_FATAL_FAILURE(Submit(2));
+  ASSERT_NO_FATAL_FAILURE(Arm("1"));
+  ASSERT_TRUE(Eventually([&] { return BlockMm().x() < -4; }, 60s)) << up_->Output();
+  EXPECT_THAT(Type(With({"show", "1"})).output, HasSubstr("moves the block"));
+  testing::AskPanel(shop_, "door open");
+  EXPECT_TRUE(Reaches("1", "the door is open")) << shown_;
+  const Vec2 rest_mm = BlockMm();
+  EXPECT_GT(rest_mm.x(), 0.5 * MovedMm(2).x());
+  testing::AskPanel(shop_, "door close");
+  EXPECT_FALSE(Eventually([&] { return BlockMm() != rest_mm; }, 2s))
+      << "it moves again without a word";
+  EXPECT_TRUE(Cracks().empty());
+  const Ended resumed = Type(With({"resume", "1"}));
+  ASSERT_EQ(resumed.exit_code, 0) << resumed.output;
+  ASSERT_TRUE(Reaches("1", "state      done")) << shown_;
+  EXPECT_TRUE(BlockIsAt(MovedMm(2))) << BlockMm().transpose();
+}
+
 }  // namespace
 }  // namespace intaglio
