@@ -77,9 +77,11 @@ void AddTestGridCommand(command_line::Command app) {
   command.AddOption("--spacings", options->grid.spacings_mm,
                     "distances of the points, mm, one column each; default 1, 1.25, 1.5 "
                     "and 2 diameters of a crack");
-  command.AddOption("--pulses", options->grid.pulses,
-                    "pulses of a point, one column and one job each, in place of "
-                    "spacings: of a head that jumps and dwells");
+  command
+      .AddOption("--pulses", options->grid.pulses,
+                 "pulses of a point, one column and one job each, in place of "
+                 "spacings: of a head that jumps and dwells")
+      .Within(1, 10000);
   command.AddOption("--patch", options->grid.patch_mm, "side of a patch, mm")
       .ShowDefault();
   command.AddOption("--glass", options->grid.glass, "glass of the block, or n=INDEX")

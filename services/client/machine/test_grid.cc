@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "engrave/core/check.h"
+#include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
 #include "services/job/fields/field_path.h"
@@ -34,7 +35,7 @@ constexpr double kMinShare = 0.4;  // of the largest energy
 
 struct Grid {
   std::vector<double> energies_mj, spacings_mm;
-  std::vector<std::uint32_t> pulses;  ///< none: columns by spacing
+  std::vector<int> pulses;  ///< none: columns by spacing
   double pitch_mm = 0;
 
   std::size_t columns() const {
@@ -202,10 +203,10 @@ Result<std::vector<fs::path>> WriteTestGrid(const TestGrid& asked,
   }
   std::vector<fs::path> files;
   for (std::size_t column = 0; column < grid.columns(); ++column) {
-    const std::uint32_t pulses = grid.pulses[column];
+    const int pulses = grid.pulses[column];
     JobSpec job = JobOf(asked, grid, block_mm, column, column + 1);
-    job.set_name(fmt::format("test grid, {} pulses", pulses));
-    job.mutable_laser()->set_pulses_per_point(pulses);
+    job.set_name("test grid, " + Counted(pulses, "pulse"));
+    job.mutable_laser()->set_pulses_per_point(static_cast<std::uint32_t>(pulses));
     files.push_back(folder / fmt::format("test_grid-{}-pulses.textproto", pulses));
     INTAGLIO_TRY(WriteJobFile(files.back(), job));
   }

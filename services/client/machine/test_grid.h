@@ -6,7 +6,6 @@
 // may have the pulses of a point in place of the distance: a job has one number of
 // pulses, so each column is a job of its own in the same block.
 
-#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -25,9 +24,9 @@ struct TestGrid {
   std::vector<double> energies_mj;
   /// 0.02..10 each; none: 1, 1.25, 1.5 and 2 diameters of the mounted lens's crack.
   std::vector<double> spacings_mm;
-  /// Pulses of a point, a column and a job each; none: columns by spacing. With them at
-  /// most one spacing, default 1.25 diameters of a crack.
-  std::vector<std::uint32_t> pulses;
+  /// Pulses of a point, each 1 or more, a column and a job each; none: columns by
+  /// spacing. With them at most one spacing, default 1.25 diameters of a crack.
+  std::vector<int> pulses;
   double patch_mm = 4;           ///< side of a patch, 1..50
   std::optional<Vec3> block_mm;  ///< default: as large as the grid needs
 };

@@ -119,7 +119,7 @@ TEST(TestGrid, EachNumberOfPulsesIsAJobOfItsOwnInTheSameBlock) {
   double end_mm = 0;
   for (std::size_t column = 0; column < files->size(); ++column) {
     const Made made = MakeFile(grid, (*files)[column]);
-    EXPECT_EQ(made.job.laser().pulses_per_point(), grid.pulses[column]);
+    EXPECT_EQ(static_cast<int>(made.job.laser().pulses_per_point()), grid.pulses[column]);
     std::set<double> energies;
     Box3 patches;
     for (std::size_t i = 0; i < made.cloud.size(); ++i) {
