@@ -32,6 +32,7 @@ class LinuxcncMotionPlanted : public ::testing::TestWithParam<drivers::MotionFau
 
 TEST_P(LinuxcncMotionPlanted, IsFound) {
   if (GetParam().draws) GTEST_SKIP() << "LinuxCNC draws no outlines";
+  if (GetParam().carries) GTEST_SKIP() << "LinuxCNC moves no stage that carries a block";
   if (const auto why = EnterNamespace(); !why.empty()) GTEST_SKIP() << why;
   const auto found = FindInTries([] {
     return drivers::ViolationOf(Named(drivers::MotionChecks(), GetParam().check),
