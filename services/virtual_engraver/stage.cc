@@ -135,35 +135,6 @@ void Stage::Reset() {
   if (phase_ == Phase::kRest && has_air_) fault_ = StageFault::kNone;
 }
 
-// The command brakes along its direction with constant acceleration: one cubic whose
-// end lies half the braking time ahead.
-void Stage::Brake(StageFault fault) {
-  if (fault_ == StageFault::kNone) fault_ = fault;
-  repeatability_.LeaveAt(DoneRatio());
-  queue_.clear();
-  queued_units_ = in_piece_units_ = 0;
-  passed_ = {};
-  if (phase_ == Phase::kRest) return;
-  if (phase_ == Phase::kJogging) return BrakeJog();
-  const double seconds =
-      AtFocus(commanded_mm_s_).norm() / options_.brake_acceleration_mm_s2;
-  if (seconds <= 0 || now_units_ < start_units_) {
-    phase_ = Phase::kRest;
-    commanded_mm_s_ = Vec3::Zero();
-    return;
-  }
-  Piece stop;
-  stop.end_mm = commanded_mm_ + 0.5 * seconds * commanded_mm_s_;
-  stop.units =
-      static_cast<std::uint64_t>(std::clamp(std::ceil(seconds / unit_s_), 1.0, 4e18));
-  stop.program_end = true;
-  queue_.push_back(stop);
-  queued_units_ = stop.units;
-  knot_mm_ = commanded_mm_;
-  knot_mm_s_ = commanded_mm_s_;
-  phase_ = Phase::kBraking;
-}
-
 bool Stage::MayPass(double rate_hz) const {
   if (phase_ != Phase::kRunning) return true;
   const std::uint64_t next =

@@ -56,6 +56,9 @@ struct StageOptions {
   Vec3 focus_per_axis_unit_mm = Vec3::Ones();
   double following_error_limit_mm = 1;  ///< beyond it the stage stops with a fault
   double brake_acceleration_mm_s2 = 7000;
+  /// With this x and y come to rest where they are mirrors, within their travel; 0: they
+  /// are none.
+  double mirror_brake_mm_s2 = 0;
   std::uint32_t queue_capacity = 4096;  ///< segments
   bool waits_for_motion = false;        ///< lockstep: an empty queue is no fault
   std::optional<OwnClockOptions> own_clock = {};  ///< none: it runs on the lamp's ticks
@@ -157,6 +160,10 @@ class Stage {
   bool TakesSegments(std::uint32_t run, std::uint64_t first_number, std::size_t count);
   bool Queue(const Piece& piece);
   void Brake(link::StageFault fault);
+  /// How long x and y, and z take to rest, s.
+  Vec3 StopSeconds() const;
+  /// The part of the way to rest between two times, s from now.
+  Piece StopPiece(const Vec3& stop_s, double from_s, double to_s) const;
   void FollowCurve(const CubicCommand& curve, double from_s, double to_s);
   /// What backlash, vibration and repeatability add to an actual position now.
   Vec3 BesideMm() const;

@@ -10,6 +10,7 @@ Vec3 Vec3Of(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
 
 // Trochimczuk 2008, ch. 6.3: the machine shakes above 7.5 m/s^2.
 constexpr double kShakesAboveMmS2 = 7500;
+constexpr double kMirrorBrakeMmS2 = 2e7;
 
 ServoOptions LoopOf(const TruthServo& truth) {
   ServoOptions servo{
@@ -214,7 +215,12 @@ MachineOptions OptionsOf(const MachineTruth& truth) {
   const TruthMirrors& mirrors = truth.stage().positioner().mirrors();
   if (mirrors.has_wavelength_nm()) options.wavelength_mm = 1e-6 * mirrors.wavelength_nm();
   options.crack_energy_mj = mirrors.crack_energy_mj();
-  if (options.positioner.has_mirrors) options.stage.velocity_unit_nm_s = 100;
+  if (options.positioner.has_mirrors) {
+    options.stage.velocity_unit_nm_s = 100;
+    options.stage.mirror_brake_mm_s2 = mirrors.has_brake_acceleration_mm_s2()
+                                           ? mirrors.brake_acceleration_mm_s2()
+                                           : kMirrorBrakeMmS2;
+  }
   const BlockInMachine& block = options.block;
   options.stage.focus_per_axis_unit_mm = FocusPerAxisUnitMm(
       options.positioner, {block.origin_mm, block.origin_mm + block.size_mm});

@@ -90,6 +90,8 @@ TruthPositioner PositionerOf(const MachineSpec& machine) {
       mirrors.set_pupil_x_mm(head->lens.pupil_mm.x());
       mirrors.set_pupil_y_mm(head->lens.pupil_mm.y());
     }
+    mirrors.set_brake_acceleration_mm_s2(std::min(machine.x().max_acceleration_mm_s2(),
+                                                  machine.y().max_acceleration_mm_s2()));
     mirrors.set_wavelength_nm(machine.laser().wavelength_nm());
     mirrors.set_crack_energy_mj(CrackEnergyMj(machine));
     *positioner.mutable_z() = GuideOf(head->z);

@@ -82,6 +82,33 @@ TEST(Stage, WithoutLagItIsWhereItIsCommanded) {
   EXPECT_EQ(stage.Report().fault, StageFault::kNone);
 }
 
+// Mirrors at 2 m/s and z at 50 mm/s: the mirrors rest after v^2 / 2a, 0.1 mm, and z after
+// 0.5 mm; at the stage's own 1250 mm/s^2 the mirrors would be 1.6 m away.
+TEST(Stage, MirrorsRestWithinTheirTravelLongBeforeZ) {
+  for (const double border_mm : {100.0, 20.05}) {
+    StageOptions options = Roomy(0);
+    options.brake_acceleration_mm_s2 = 1250;
+    options.mirror_brake_mm_s2 = 2e7;
+    options.travel_max_mm.x() = border_mm;
+    Stage stage(options);
+    // From rest in one tick to 2 m/s at x = 10 mm, on for another of 10 mm.
+    Begin(stage, {{{10'000, 0, 250}, {2'000'000, 0, 50'000}, kTick},
+                  {{20'000, 0, 500}, {2'000'000, 0, 50'000}, kTick / 2},
+                  {{20'000, 0, 600}, {0, 0, 0}, 100 * kTick}});
+    while (stage.actual_mm().x() < 19.9) stage.AdvanceTick(20 * kRateHz);
+    stage.Abort();
+    const Vec3 at_mm = stage.actual_mm();
+    Vec3 last_mm = at_mm;
+    for (int i = 0; i < 4000 && stage.running(); ++i) {
+      stage.AdvanceTick(20 * kRateHz);
+      last_mm = stage.actual_mm();
+      EXPECT_LE(last_mm.x(), std::min(at_mm.x() + 0.101, border_mm + 1e-9));
+    }
+    EXPECT_FALSE(stage.running());
+    EXPECT_GT(last_mm.z(), at_mm.z() + 0.1) << "z needs longer";
+  }
+}
+
 TEST(Stage, LagsAsTheDifferentialEquationStates) {
   // Lags far below, near and above the tick of 10 ms.
   for (const double tau_s : {0.0002, 0.003, 0.02}) {
