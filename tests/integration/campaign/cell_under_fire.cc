@@ -5,11 +5,15 @@
 
 #include <cmath>
 #include <fstream>
+#include <iostream>
 #include <map>
 
 #include "engrave/formats/glass_record.h"
 #include "engrave/formats/journal_file.h"
 #include "engrave/formats/point_file.h"
+#include "services/client/shop/virtual_truth.h"
+#include "services/job/files/job_file.h"
+#include "services/virtual_engraver/truth/truth_file.h"
 
 namespace intaglio::campaign {
 namespace {
@@ -27,9 +31,28 @@ constexpr double kNearMm = 0.03;
 
 fs::path SourceFolder() { return INTAGLIO_SOURCE_DIR; }
 
-// The published machine, with its lines at the virtual one.
-void WriteProfile(const fs::path& file, const fs::path& laser, const fs::path& motion) {
-  std::ifstream in(SourceFolder() / "deploy/machines/els-03.textproto");
+fs::path SuppliedProfile(const std::string& name) {
+  return SourceFolder() / "deploy/machines" / (name + ".textproto");
+}
+
+/// That of the profile over a block as the jobs have it, with a lamp that is warm.
+MachineTruth TruthOfProfile(const std::string& name) {
+  const MachineSpec machine = ReadMachineFile(SuppliedProfile(name)).value();
+  MountedParts mounted;
+  mounted.block_mm = Vec3(50, 50, 30);
+  mounted.refractive_index = 1.51947;
+  mounted.lens = MountedLens("", machine).value_or(std::nullopt);
+  if (!mounted.lens && machine.lenses_size() > 0)
+    mounted.lens = MountedLens(machine.lenses(0).name(), machine).value();
+  MachineTruth truth = client::TruthOf(machine, mounted);
+  truth.mutable_laser()->set_warm_up_s(0);
+  return truth;
+}
+
+/// A supplied profile, with its lines at the virtual machine.
+void WriteProfile(const std::string& name, const fs::path& file, const fs::path& laser,
+                  const fs::path& motion) {
+  std::ifstream in(SuppliedProfile(name));
   std::ofstream out(file);
   for (std::string line; std::getline(in, line);) {
     if (line.starts_with("laser_line") || line.starts_with("motion_line")) continue;
@@ -56,21 +79,23 @@ std::size_t CracksIn(const fs::path& glass) {
 
 }  // namespace
 
-CellUnderFire::CellUnderFire(fs::path folder, std::string tag, const std::string& speed)
-    : folder_(std::move(folder)), tag_(std::move(tag)), speed_(speed) {
+CellUnderFire::CellUnderFire(fs::path folder, std::string tag, const std::string& speed,
+                             std::string profile)
+    : folder_(std::move(folder)),
+      tag_(std::move(tag)),
+      speed_(speed),
+      profile_(std::move(profile)) {
   fs::create_directories(folder_);
-  WriteProfile(folder_ / "machine.textproto", folder_ / "laser", folder_ / "motion");
+  WriteProfile(profile_, folder_ / "machine.textproto", folder_ / "laser",
+               folder_ / "motion");
   StartMachine(folder_ / "glass.rec");
 }
 
 void CellUnderFire::StartMachine(const fs::path& glass) {
-  std::ofstream(folder_ / "truth.textproto")
-      << "stage { travel_min_mm { x: -2 y: -2 z: -2 }\n"
-         "        travel_max_mm { x: 172 y: 172 z: 172 } position_tolerance_um: 30 }\n"
-         "laser { rates_hz: [1, 50, 100, 200] warm_up_s: 0 channels: 4 door_lock: true "
-         "}\n"
-         "block { size_mm { x: 50 y: 50 z: 30 } refractive_index: 1.51947\n"
-         "        numerical_aperture: 0.058139534883720929 }\n";
+  if (const auto written =
+          WriteTruthFile(folder_ / "truth.textproto", TruthOfProfile(profile_));
+      !written)
+    std::cerr << written.error().message << "\n";
   machine_ = std::make_unique<Running>(
       Program("virtual-engraver"),
       std::vector<std::string>{"--truth", (folder_ / "truth.textproto").string(),
@@ -163,7 +188,8 @@ bool CellUnderFire::Submit(const std::string& rate_hz,
   ++jobs_;
   cracks_before_ = Cracks();
   std::vector<std::string> words = SampleJob(options);
-  words.insert(words.end(), {"--rate", rate_hz, "--arm"});
+  words.insert(words.end(),
+               {"--rate", rate_hz.empty() ? this->rate_hz() : rate_hz, "--arm"});
   return Type(words).find("job " + std::to_string(jobs_)) != std::string::npos;
 }
 

@@ -40,8 +40,10 @@ struct Verdict {
 
 class CellUnderFire {
  public:
-  /// `speed`: the machine's time against real time, or "lockstep".
-  CellUnderFire(std::filesystem::path folder, std::string tag, const std::string& speed);
+  /// `speed`: the machine's time against real time, or "lockstep"; `profile`: a supplied
+  /// one that engraves points at the virtual lines.
+  CellUnderFire(std::filesystem::path folder, std::string tag, const std::string& speed,
+                std::string profile = "els-03");
   ~CellUnderFire();
 
   /// The shop's services, by `intaglio up`; also again, after all of them were killed.
@@ -55,7 +57,8 @@ class CellUnderFire {
   void CutJournal(std::uint32_t choice) const;
   /// A job of about 500 points, armed. The next one's block is another: its cracks are
   /// those that come from now on.
-  bool Submit(const std::string& rate_hz = "100",
+  /// `rate_hz` empty: the rate of its campaign.
+  bool Submit(const std::string& rate_hz = "",
               const std::vector<std::string>& options = {});
   /// Another one beside it, which is not armed and not followed.
   void SubmitAnother(const std::vector<std::string>& options);
@@ -70,7 +73,9 @@ class CellUnderFire {
   std::string Press(const std::string& command) const;
   /// Where its services are to be found.
   bus::BusOptions bus_options() const;
-  static const char* cell() { return "els-03"; }
+  const char* cell() const { return profile_.c_str(); }
+  /// At which its jobs are engraved, Hz.
+  std::string rate_hz() const { return profile_ == "els-03" ? "100" : "1000"; }
   /// Starts this many watchers (`intaglio watch`) of the newest job, stopped from now on
   /// as long as the cell lives: they do not read what is written to them.
   void AddFrozenWatchers(int count);
@@ -95,7 +100,7 @@ class CellUnderFire {
   bool AwaitEnd(std::chrono::seconds bound, bool resuming);
 
   std::filesystem::path folder_;
-  std::string tag_, speed_;
+  std::string tag_, speed_, profile_;
   int jobs_ = 0;
   std::size_t cracks_before_ = 0;  // this job
   std::unique_ptr<testing::Running> machine_, shop_;

@@ -286,6 +286,7 @@ struct Options {
   double speed = 4;
   double hours = 1;
   bool keep = false;
+  std::string profile = "els-03";
 };
 
 Outcome RunOnce(const Options& options, int run, std::mt19937& random) {
@@ -294,12 +295,12 @@ Outcome RunOnce(const Options& options, int run, std::mt19937& random) {
   Outcome outcome;
   {
     CellUnderFire cell(folder, fmt::format("campaign-{}-{}", getpid(), run),
-                       fmt::format("{}", options.speed));
+                       fmt::format("{}", options.speed), options.profile);
     const std::size_t at = 1 + random() % kPoints;
     const bool early = IsBeforeThePath(options.fault);
     const bool begun =
         cell.OpenShop() &&
-        (early ? cell.Submit("100", {"--order-time", "4"}) && AwaitState(cell, "ordering")
+        (early ? cell.Submit("", {"--order-time", "4"}) && AwaitState(cell, "ordering")
                : cell.Submit() && cell.AwaitCracks(at, 60s));
     if (!begun) {
       outcome.verdict.trouble = "the job did not begin: " + cell.Show();
@@ -460,7 +461,9 @@ int RunSoak(const Options& options) {
 int Usage() {
   std::cerr
       << "campaign soak [--hours H] [--seed S], or\n"
-         "campaign FAULT [--runs N] [--seed S] [--speed N] [--keep], a row of\n"
+         "campaign FAULT [--runs N] [--seed S] [--speed N] [--profile NAME] [--keep], a "
+         "row "
+         "of\n"
          "| fault | runs | completed | made | doubled | stray | unknown | uncertain "
          "| last crack after, ms (median / most) |\nFAULT:";
   for (const auto& [name, fault] : Faults()) std::cerr << ' ' << name;
@@ -484,6 +487,7 @@ int main(int argc, char** argv) {
       options.keep = true;
     } else if (word.starts_with("--") && i + 1 < argc) {
       const double value = std::strtod(argv[++i], nullptr);
+      if (word == "--profile") options.profile = argv[i];
       if (word == "--runs") options.runs = static_cast<int>(value);
       if (word == "--seed") options.seed = static_cast<unsigned>(value);
       if (word == "--speed") options.speed = value;
