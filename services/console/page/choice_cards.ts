@@ -52,7 +52,8 @@ export class ChoiceCards {
     const canvas = document.createElement('canvas');
     Object.assign(canvas, { width: pictureWidth, height: pictureHeight });
     canvas.setAttribute('aria-hidden', 'true');
-    card.draw(canvas.getContext('2d')!);
+    // Drawn once, without the graphics card, whose process keeps memory for each other canvas.
+    card.draw(canvas.getContext('2d', { willReadFrequently: true })!);
     label.append(button, canvas, make('span', card.name));
     if (card.figures) label.append(make('span', card.figures, 'quiet'));
     return label;
