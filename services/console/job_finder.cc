@@ -5,15 +5,6 @@
 #include "services/history/job_history.h"
 
 namespace intaglio::console {
-namespace {
-
-Result<FoundJob> FindInDatabase(const std::string& database, const std::string& job) {
-  auto found = history::FindJobFolder(database, job);
-  if (!found) return tl::unexpected(found.error());
-  return FoundJob{found->number, std::move(found->folder)};
-}
-
-}  // namespace
 
 FindJob JobFinder(ShopDesk& shop, CloudReader& files, std::string database) {
   return [&shop, &files, database = std::move(database)](
@@ -24,8 +15,9 @@ FindJob JobFinder(ShopDesk& shop, CloudReader& files, std::string database) {
       if (view) return found(FoundJob{view->number, view->result_directory});
       if (database.empty()) return found(tl::unexpected(view.error()));
       const bool asked = files.Ask([&shop, database, job, found] {
-        auto read = FindInDatabase(database, job);
-        shop.Order([found, read = std::move(read)](ShopDesk&) { found(read); });
+        shop.Order([found, read = history::FindJobFolder(database, job)](ShopDesk&) {
+          found(read);
+        });
       });
       if (!asked) found(Fail(ErrorCode::kRefused, "too many files are asked for", job));
     });

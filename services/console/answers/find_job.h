@@ -2,19 +2,15 @@
 
 // How the parts of the console ask for a job's files (services/console/job_finder.h).
 
-#include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <string>
 
 #include "engrave/core/result.h"
+#include "services/history/job_history.h"
 
 namespace intaglio::console {
 
-struct FoundJob {
-  std::uint32_t number = 0;  ///< short
-  std::filesystem::path folder;
-};
+using FoundJob = history::JobFolder;
 /// Finds a job, and calls `found` in a turn of the desk. kNotFound, and what reading the
 /// database fails with; kRefused: too many files are asked for.
 using FindJob =

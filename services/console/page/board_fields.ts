@@ -1,6 +1,7 @@
 // What a board, plate or sheet needs that a mill or a cutter makes: a job of contours.
 import { Card, ChoiceCards } from './choice_cards';
 import { Dict, labelled, make } from './dom';
+import { stroke } from './job_pictures';
 import { text } from './text';
 
 /** Files of circuit boards; drawings are taken, too. */
@@ -16,14 +17,8 @@ const numbers: [string, string, string][] = [
 
 function drawMake(make_: string): (picture: CanvasRenderingContext2D) => void {
   return (picture) => {
-    const line = (width: number, colour: string, closed: number[][]) => {
-      picture.lineWidth = width;
-      picture.strokeStyle = colour;
-      picture.beginPath();
-      closed.forEach(([x, y], place) => (place ? picture.lineTo(x, y) : picture.moveTo(x, y)));
-      picture.closePath();
-      picture.stroke();
-    };
+    const line = (wide: number, colour: string, places: number[][]) =>
+      stroke(picture, colour, places, true, wide);
     const body = [[28, 18], [68, 18], [68, 42], [52, 42], [52, 56], [28, 56]];
     const way = [[22, 12], [74, 12], [74, 48], [58, 48], [58, 62], [22, 62]];
     picture.fillStyle = make_ === 'pocket' ? '#0b0e12' : '#b87333';

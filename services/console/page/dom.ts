@@ -11,6 +11,14 @@ export function make(tag: string, content = '', className = ''): HTMLElement {
   return element;
 }
 
+/** A row of a list to choose from. */
+export function option(value: string, name: string): HTMLOptionElement {
+  const row = document.createElement('option');
+  row.value = value;
+  row.textContent = name;
+  return row;
+}
+
 /** A control with its name before it. */
 export function labelled(name: string, control: HTMLElement): HTMLElement {
   const label = make('label', `${name} `);

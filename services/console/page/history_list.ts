@@ -1,6 +1,6 @@
 // What the shop has made: the jobs that have ended, the newest first, with the reason where one
 // did not end well, and for each what is kept of it: report, picture, photo, glass.
-import { Dict, labelled, make } from './dom';
+import { Dict, get, labelled, make, option } from './dom';
 import { PhotoPanel } from './photo';
 import { duration } from './queue_time';
 import { ResultPanel } from './result';
@@ -20,12 +20,8 @@ export class HistoryList extends HTMLElement {
 
   connectedCallback() {
     this.since.placeholder = new Date().toISOString().slice(0, 10);
-    this.verdict.append(...verdicts.map((verdict) => {
-      const option = document.createElement('option');
-      option.value = verdict;
-      option.textContent = verdict.replaceAll('_', ' ') || text.anyVerdict;
-      return option;
-    }));
+    this.verdict.append(...verdicts.map((verdict) =>
+      option(verdict, verdict.replaceAll('_', ' ') || text.anyVerdict)));
     const show = make('button', text.showHistory);
     show.addEventListener('click', () => this.ask());
     this.answer.setAttribute('role', 'status');
@@ -43,12 +39,7 @@ export class HistoryList extends HTMLElement {
     for (const [name, field] of Object.entries(filters))
       if (field.value) query.set(name, field.value);
     this.answer.textContent = text.computing;
-    let history: Dict | undefined;
-    try {
-      history = await (await fetch(`/api/v1/history?${query}`)).json();
-    } catch {
-      // There is none.
-    }
+    const history = await get(`history?${query}`);
     if (asked !== this.asked) return;
     if (!history || history.message) {
       this.list.replaceChildren();

@@ -13,9 +13,11 @@ function dot(picture: Picture, x: number, y: number) {
   picture.fillRect(x - 0.8, y - 0.8, 1.6, 1.6);
 }
 
-function stroke(picture: Picture, colour: string, places: number[][], closed = false) {
+/** A line of this width along places of the picture. */
+export function stroke(picture: Picture, colour: string, places: number[][], closed = false,
+                       wide = 2) {
   picture.strokeStyle = colour;
-  picture.lineWidth = 2;
+  picture.lineWidth = wide;
   picture.beginPath();
   places.forEach(([x, y], place) => (place ? picture.lineTo(x, y) : picture.moveTo(x, y)));
   if (closed) picture.closePath();

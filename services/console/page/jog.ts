@@ -1,7 +1,7 @@
 // A machine moved and taught by hand, by buttons that are held. While a finger is down, the page
 // answers each state of the machine with one message; nothing else sends one. So it ends when the
 // finger lifts, the page is hidden, the connection stalls, or somebody else takes over.
-import { Dict, make } from './dom';
+import { Dict, make, option } from './dom';
 import { text } from './text';
 
 export interface Order {
@@ -48,10 +48,7 @@ export class JogPanel extends HTMLElement {
     Object.assign(this.speed, { min: '0.1', max: '100', step: 'any', value: '10' });
     for (const [value, label] of [['0', text.whileHeld], ['0.01', '0.01'], ['0.1', '0.1'],
       ['1', '1'], ['10', '10']]) {
-      const option = document.createElement('option');
-      option.value = value;
-      option.textContent = label;
-      this.step.append(option);
+      this.step.append(option(value, label));
     }
     const line = (label: string, field: HTMLElement) => {
       const element = make('label', label);
@@ -173,9 +170,7 @@ export class JogPanel extends HTMLElement {
     if (names.join() === shown.join()) return;
     this.letGo();
     this.machines.replaceChildren(...names.map((name) => {
-      const option = document.createElement('option');
-      option.value = option.textContent = name;
-      return option;
+      return option(name, name);
     }));
     this.onMachine();
   }

@@ -1,7 +1,7 @@
 // The models of a new job: files and texts, with the size, the place, the turn and the method of
 // the one that is chosen.
 import { Card, ChoiceCards } from './choice_cards';
-import { Dict, labelled, make } from './dom';
+import { Dict, labelled, make, option } from './dom';
 import { drawMethod } from './job_pictures';
 import { Place } from './place_view';
 import { fill, text } from './text';
@@ -79,12 +79,8 @@ export class ModelList {
       this.models[this.chosen].method = this.method.value;
       this.onChange();
     });
-    this.up.append(...ups.map((up) => {
-      const option = document.createElement('option');
-      option.value = up && `UP_AXIS_${up}`;
-      option.textContent = up.replace('MINUS_', '-').toLowerCase() || text.method_usual;
-      return option;
-    }));
+    this.up.append(...ups.map((up) => option(up && `UP_AXIS_${up}`,
+      up.replace('MINUS_', '-').toLowerCase() || text.method_usual)));
     this.up.addEventListener('change', () => {
       this.models[this.chosen].up = this.up.value;
       this.onChange();

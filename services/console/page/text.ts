@@ -1,5 +1,6 @@
 // The texts of the page, in the language that was chosen, or the browser's. What comes from the
 // shop, names and messages, is shown as it is.
+import { option } from './dom';
 import de from './texts/de.json';
 import en from './texts/en.json';
 import es from './texts/es.json';
@@ -62,11 +63,10 @@ export class LanguageList extends HTMLElement {
     const list = document.createElement('select');
     list.setAttribute('aria-label', text.language);
     for (const [code, name] of Object.entries(names)) {
-      const option = document.createElement('option');
-      option.value = option.lang = code;
-      option.textContent = name;
-      option.selected = code === language;
-      list.append(option);
+      const row = option(code, name);
+      row.lang = code;
+      row.selected = code === language;
+      list.append(row);
     }
     list.addEventListener('change', () => {
       try {
