@@ -199,7 +199,8 @@ onmessage = (event) => {
   const data = event.data;
   if (data.canvas) {
     renderer = new THREE.WebGLRenderer({
-      canvas: data.canvas, antialias: false, preserveDrawingBuffer: true,
+      canvas: data.canvas, antialias: false, preserveDrawingBuffer: true, depth: false,
+      stencil: false,
     });
     renderer.autoClear = false;
     renderer.setSize(data.width, data.height, false);
