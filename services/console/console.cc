@@ -15,6 +15,7 @@
 #include "services/console/answers/json_response.h"
 #include "services/console/api.h"
 #include "services/console/console_address.h"
+#include "services/console/focus_places.h"
 #include "services/console/job_finder.h"
 #include "services/console/page_files.h"
 #include "services/console/submit/about_times.h"
@@ -156,8 +157,9 @@ std::vector<ShopMachine> ProfilesOf(const std::vector<client::MachineView>& mach
   return profiles;
 }
 
-void Turn(ShopDesk& desk, JogDesk& jogs, AboutTimes& about, ConsoleAccess& access,
-          Webhooks& webhooks, web::Server& server, Clock::time_point& next_state) {
+void Turn(ShopDesk& desk, JogDesk& jogs, AboutTimes& about, FocusPlaces& focus,
+          ConsoleAccess& access, Webhooks& webhooks, web::Server& server,
+          Clock::time_point& next_state) {
   desk.Turn(jogs.IsAtWork(Clock::now()));
   for (const auto& [page, view] : jogs.TakeNew(Clock::now()))
     server.Send(page, LineOf(view));
@@ -172,6 +174,7 @@ void Turn(ShopDesk& desk, JogDesk& jogs, AboutTimes& about, ConsoleAccess& acces
     server.EndSession(std::move(session));
   ConsoleState state = desk.State();
   state.set_in_charge(access.InCharge());
+  focus.Add(desk.client().jobs(), state);
   about.Follow(desk.client().jobs(), Clock::now());
   for (AboutTime& time : about.Known()) *state.add_about() = std::move(time);
   if (std::string line = LineOf(state); !line.empty())
@@ -238,9 +241,10 @@ Status Serve(const ConsoleOptions& options, const std::function<bool()>& stoppin
   opened(TextOf(address));
   auto next_state = Clock::now();
   AboutTimes about(options.database, options.materials.string());
+  FocusPlaces focus(clouds);
   Announcement announcement(bus, fmt::format("{}:{}", server->origin(), server->port()));
   while (!stopping()) {
-    Turn(desk, jogs, about, access, webhooks, *server, next_state);
+    Turn(desk, jogs, about, focus, access, webhooks, *server, next_state);
     announcement.Turn();
   }
   return {};

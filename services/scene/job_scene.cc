@@ -168,15 +168,6 @@ std::string FrameOf(const std::string& job_uid) {
   return "job-" + job_uid.substr(0, job_uid.find('-'));
 }
 
-/// A job of a damaged file may have any values: its axes are not known then.
-std::optional<machine::AxesFromGlass> AxesOf(const FrozenJob& job) {
-  try {
-    return AxesFromGlassOf(job);
-  } catch (const std::exception&) {
-    return std::nullopt;
-  }
-}
-
 std::uint32_t Narrow(std::uint64_t number) {
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(number, UINT32_MAX));
 }
@@ -192,7 +183,7 @@ JobScene::JobScene(const std::string& job_uid, const FrozenJob* job, double x_mm
   const Vec3 block_mm(size.x(), size.y(), size.z());
   if (!(block_mm.minCoeff() > 0) || !block_mm.allFinite()) return;
   block_mm_ = block_mm;
-  axes_from_glass_ = AxesOf(*job);
+  axes_from_glass_ = AxesFromGlassOfAny(*job);
 }
 
 double JobScene::width_mm() const { return block_mm_ ? block_mm_->x() : kUsualWidthMm; }

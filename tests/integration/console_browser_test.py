@@ -384,14 +384,16 @@ def tools(driver, say):
     say("section, colours and time of the cracks")
 
 
-def beam_and_next(driver):
-    """How many pixels have the colour of the beam, and that of the points that come next."""
-    red = cyan = 0
+def over_the_cloud(driver):
+    """How many pixels have the colour of the beam, that of the points that come next, and that
+    of the machine's focus."""
+    beam = following = focus = 0
     for row in pixels(canvas_png(driver)):
         for r, g, b in row:
-            red += r > 120 and r - g > 60 and r - b > 60
-            cyan += b > 200 and g > 180 and r < 60
-    return red, cyan
+            beam += r > 120 and r - g > 60 and r - b > 60
+            following += b > 200 and g > 180 and r < 60
+            focus += g > 200 and g - r > 90 and g - b > 90
+    return beam, following, focus
 
 
 def look(driver, folder, say, cracks, console_pid, submit):
@@ -440,10 +442,10 @@ def look(driver, folder, say, cracks, console_pid, submit):
     keep(driver, folder, "shop")
 
     def beam_is_shown():
-        red, cyan = beam_and_next(driver)
-        return red > 30 and cyan > 10 and (red, cyan)
+        beam, following, focus = over_the_cloud(driver)
+        return beam > 30 and following > 10 and focus > 20 and (beam, following, focus)
 
-    say(f"the beam and the points that come next: {eventually(beam_is_shown)} pixels")
+    say(f"beam, points that come next, focus: {eventually(beam_is_shown)} pixels")
 
     tools(driver, say)
 
@@ -454,8 +456,9 @@ def look(driver, folder, say, cracks, console_pid, submit):
     eventually(confirmed, 10)
     before = cracks()
     say("stopped")
-    eventually(lambda: beam_and_next(driver) == (0, 0))
-    say("no beam where nothing is made")
+    eventually(lambda: over_the_cloud(driver)[:2] == (0, 0))
+    eventually(lambda: over_the_cloud(driver)[2] > 20)
+    say("no beam where nothing is made, and the focus where the stage rests")
     driver.refresh()
 
     def held():

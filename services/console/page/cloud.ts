@@ -69,6 +69,13 @@ export class Cloud {
     return new THREE.Vector3().set(x, y, z);
   }
 
+  /** Where a place of the glass is in the scene. */
+  placeOf(mm: number[]): THREE.Vector3 {
+    const [x, y, z] = this.sides.map((side, axis) =>
+      (mm[axis] / this.plan.sizeMm[axis] - 0.5) * side);
+    return new THREE.Vector3().set(x, y, z);
+  }
+
   /** The section leaves this point in the picture. */
   isWithin(place: number, cut: number[]): boolean {
     const from = 4 * this.plan.index[place];

@@ -101,4 +101,11 @@ export class GlassView extends HTMLElement {
     const engraved = jobs.find((job) => ['engraving', 'paused', 'done'].includes(job.state));
     if (engraved) this.show(engraved.job);
   }
+
+  /** Where the focus of the machine is that works on the job in view. */
+  showFocus(jobs: Dict[], stages: Dict[]) {
+    const shown = jobs.find((job) => job.job === this.job || job.uid === this.job);
+    const focus = shown && stages.find((stage) => stage.job === shown.uid)?.focus_mm;
+    this.worker?.postMessage({ focus: focus ? [focus.x, focus.y, focus.z] : undefined });
+  }
 }

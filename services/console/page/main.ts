@@ -324,4 +324,5 @@ control.onState = (state) => {
   teach.update(state.jobs ?? []);
   jobs.update(state.jobs ?? [], state.shop ?? {}, state.queues ?? [], state.about ?? []);
   glass.follow(state.jobs ?? []);
+  glass.showFocus(state.jobs ?? [], state.stages ?? []);
 };

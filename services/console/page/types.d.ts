@@ -75,6 +75,8 @@ declare module 'three' {
       canvas: OffscreenCanvas;
       antialias: boolean;
       preserveDrawingBuffer: boolean;
+      depth: boolean;
+      stencil: boolean;
     });
     autoClear: boolean;
     getContext(): WebGLRenderingContext;

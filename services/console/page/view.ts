@@ -14,6 +14,7 @@ let overlay: Overlay | undefined;
 let look: Look = { mode: 'outcome', cut: [1, 1, 1], until: 1 };
 let job: number | string = 0;  // number or uid; 0: none
 let hidden = false;
+let focusMm: number[] | undefined;  // of the machine that works on the job, in its glass
 let turned = { around: 0.8, above: 0.5, distance: 2 };
 let cloud: Cloud | undefined;
 let isMoving = false;
@@ -30,7 +31,7 @@ function place() {
 }
 
 function drawOverlay() {
-  overlay?.draw(look.until >= 1 ? cloud : undefined, look.cut, camera);
+  overlay?.draw(look.until >= 1 ? cloud : undefined, focusMm, look.cut, camera);
 }
 
 let isEmpty = false;  // the picture has to be cleared
@@ -233,6 +234,10 @@ onmessage = (event) => {
     setLook(look);
     moved();
     if (!hidden && !asking) pollIn(0);
+  }
+  if ('focus' in data) {
+    focusMm = data.focus;
+    if (!hidden) drawOverlay();
   }
   if (data.hidden !== undefined) {
     hidden = data.hidden;

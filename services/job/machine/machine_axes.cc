@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <exception>
 
 #include "engrave/core/check.h"
 #include "engrave/optics/focus.h"
@@ -144,6 +145,16 @@ FocusLimits FocusLimitsOf(const MachineSpec& machine) {
 machine::AxesFromGlass AxesFromGlassOf(const FrozenJob& job) {
   const optics::MachineFromGlass frame = MachineFromGlassOf(job);
   return {frame, KinematicsOf(job.machine(), job.job(), frame)};
+}
+
+std::optional<machine::AxesFromGlass> AxesFromGlassOfAny(const FrozenJob& job) {
+  const Vec3 block_mm = BlockSizeOf(job.job());
+  if (!(block_mm.minCoeff() > 0) || !block_mm.allFinite()) return std::nullopt;
+  try {
+    return AxesFromGlassOf(job);
+  } catch (const std::exception&) {
+    return std::nullopt;
+  }
 }
 
 std::vector<machine::AxesFromGlass> AxesFromGlassOfModels(const FrozenJob& job) {

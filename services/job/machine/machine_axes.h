@@ -5,6 +5,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,9 @@ FocusLimits FocusLimitsOf(const MachineSpec& machine);
 
 /// Glass frame to axes, focus depth included, in the first of the job's channels.
 machine::AxesFromGlass AxesFromGlassOf(const FrozenJob& job);
+/// The same of a job that nobody has checked, as of a recording or a folder; nullopt: its
+/// values make no axes, or it has no block.
+std::optional<machine::AxesFromGlass> AxesFromGlassOfAny(const FrozenJob& job);
 /// By model of the job, in the channels of the model; one of a job without models.
 std::vector<machine::AxesFromGlass> AxesFromGlassOfModels(const FrozenJob& job);
 
