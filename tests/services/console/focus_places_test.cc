@@ -26,7 +26,7 @@ client::JobView JobIn(const std::filesystem::path& folder) {
   return job;
 }
 
-ConsoleState Looked(FocusPlaces& places, const client::JobView& job, double z_mm) {
+ConsoleState StateOf(FocusPlaces& places, const client::JobView& job, double z_mm) {
   ConsoleState state;
   for (const char* cell : {"one", "other"}) {
     StagePosition& stage = *state.add_stages();
@@ -43,10 +43,10 @@ TEST(FocusPlaces, HasTheFocusInTheGlassOfTheJobAtWork) {
   const client::JobView job = JobIn(test::FreshFolder());
   CloudReader files;
   FocusPlaces places(files);
-  ConsoleState state = Looked(places, job, 29);
+  ConsoleState state = StateOf(places, job, 29);
   for (int i = 0; i < 1000 && !state.stages(0).has_focus_mm(); ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    state = Looked(places, job, 29);
+    state = StateOf(places, job, 29);
   }
   EXPECT_EQ(state.stages(0).job(), "1-a");
   // In air 6 mm below the top face, which is at z 35.
@@ -62,7 +62,7 @@ TEST(FocusPlaces, AreNotThoseOfAJobThatWaits) {
   job.state = intaglio_JOB_WAITING_FOR_ARM;
   CloudReader files;
   FocusPlaces places(files);
-  EXPECT_EQ(Looked(places, job, 29).stages(0).job(), "");
+  EXPECT_EQ(StateOf(places, job, 29).stages(0).job(), "");
 }
 
 TEST(FocusPlaces, AreNotKnownWithoutTheJobsFolder) {
@@ -71,7 +71,7 @@ TEST(FocusPlaces, AreNotKnownWithoutTheJobsFolder) {
   CloudReader files;
   FocusPlaces places(files);
   for (int i = 0; i < 5; ++i) {
-    const ConsoleState state = Looked(places, job, 29);
+    const ConsoleState state = StateOf(places, job, 29);
     EXPECT_EQ(state.stages(0).job(), "1-a");
     EXPECT_FALSE(state.stages(0).has_focus_mm());
     std::this_thread::sleep_for(std::chrono::milliseconds(10));

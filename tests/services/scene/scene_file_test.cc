@@ -159,15 +159,6 @@ TEST_F(SceneFile, HasBlockFrameAndBeam) {
   EXPECT_LT((Vec3(focus.x(), focus.y(), focus.z()) - end_mm).norm(), 2.0);
 }
 
-TEST_F(SceneFile, AlarmsAreALog) {
-  const auto scene = SceneOf(McapReader::Open(kRecordings / "two_makers.mcap").value());
-  ASSERT_EQ(scene.count("/alarms"), 1u);
-  const Drawn& alarm = scene.at("/alarms").front();
-  EXPECT_EQ(alarm.type, "foxglove.Log");
-  EXPECT_THAT(alarm.json, HasSubstr("\"level\":\""));
-  EXPECT_THAT(alarm.json, HasSubstr("\"message\":\""));
-}
-
 TEST_F(SceneFile, OfARecordingWithoutPointsThereIsNone) {
   const auto reader = McapReader::Open(kRecordings / "pyramid.mcap").value();
   const auto written = WriteScene(reader, {.to_ns = 1}, file_);

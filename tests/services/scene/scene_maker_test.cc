@@ -102,6 +102,26 @@ TEST_F(SceneMakerTest, WhatIsFiredHasTheColourOfItsOutcome) {
   EXPECT_GT(LastOf("job-1/made")[2].blue, LastOf("job-1/made")[2].red);
 }
 
+TEST_F(SceneMakerTest, AlarmsAreALog) {
+  const std::vector<std::pair<std::string, foxglove::Log::Level>> levels = {
+      {"ALARM_NOTICE", foxglove::Log::INFO},
+      {"ALARM_WARNING", foxglove::Log::WARNING},
+      {"ALARM_FAULT", foxglove::Log::ERROR}};
+  for (const auto& [severity, level] : levels) {
+    const Value alarm{ValueObject{{"instance", {std::string("synchronizer-1")}},
+                                  {"severity", {severity}},
+                                  {"message", {std::string("no progress in 41 s")}}}};
+    ASSERT_TRUE(maker_.Add("Alarm", "cell", alarm, 2'000'000'003));
+    foxglove::Log log;
+    ASSERT_TRUE(log.ParseFromString(written_.at("alarms").back()));
+    EXPECT_EQ(log.level(), level);
+    EXPECT_EQ(log.message(), "no progress in 41 s");
+    EXPECT_EQ(log.name(), "synchronizer-1");
+    EXPECT_EQ(log.timestamp().seconds(), 2);
+    EXPECT_EQ(log.timestamp().nanos(), 3);
+  }
+}
+
 // A cloud of all that was made with each report would grow with the square of the points.
 TEST_F(SceneMakerTest, TheWholeIsDrawnTwentyTimesAtMost) {
   Path("1-a", 2000);
