@@ -20,7 +20,7 @@
 //   offset  size  record (32 bytes)
 //        0     1  kind (JournalKind)
 //        1     1  outcome (PointOutcome)
-//        2     1  reason (idl SkipReason)
+//        2     1  reason (idl SkipReason); of a mark MarkSkip
 //        3     1  kind outcome: bit 0..3, channels 1..4 whose photosensor saw no flash;
 //        else zero 4     4  run 8     8  tick; kinds consent and reopened: number of the
 //        grant
@@ -63,7 +63,16 @@ enum class PointOutcome : std::uint8_t {
   kSkipped = 3,    ///< not fired; may be tried again
   kUncertain = 4,  ///< unknown whether it was fired; fired again only with a person's
                    ///< consent
-  kLeftOut = 5,    ///< not fired, and never will be, by the operator's choice
+  kLeftOut =
+      5,  ///< not fired, and never will be: by the operator's choice, or as MarkSkip
+};
+
+/// Why a mark is left out where the operator did not choose it; the reason of its
+/// outcome.
+enum class MarkSkip : std::uint8_t {
+  kNone = 0,
+  kNoPrintMark = 1,  ///< of its repeat on the web
+  kRepeatBegun = 2,  ///< its repeat was begun in an earlier run, and has left the head
 };
 
 /// A crack was tried: such a point is never fired again.

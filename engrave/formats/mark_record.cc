@@ -10,7 +10,7 @@ namespace intaglio::formats {
 namespace {
 
 constexpr RecordKind kMark{"INTMARK1", "mark record",   1,
-                           1,          kMarkHeaderSize, kMarkRecordSize};
+                           2,          kMarkHeaderSize, kMarkRecordSize};
 constexpr std::size_t kMaxMarkFile = std::size_t{1} << 30;
 
 }  // namespace
@@ -37,6 +37,14 @@ void AppendBurntTick(const BurntTick& tick, std::vector<std::byte>& out) {
   Seal(record);
 }
 
+void AppendPrintMark(const PrintMark& mark, std::vector<std::byte>& out) {
+  BurntTick record;
+  record.tick = mark.tick;
+  record.place_mm.x() = mark.place_mm;
+  record.mark = kPrintMark;
+  AppendBurntTick(record, out);
+}
+
 Result<MarkRecord> ParseMarkRecord(std::span<const std::byte> bytes) {
   INTAGLIO_TRY(CheckRecordHeader(kMark, bytes));
   MarkRecord record;
@@ -56,7 +64,11 @@ Result<MarkRecord> ParseMarkRecord(std::span<const std::byte> bytes) {
       return false;
     tick.run = NumberAt<std::uint32_t>(at + 36);
     tick.mark = NumberAt<std::uint32_t>(at + 40);
-    record.ticks.push_back(tick);
+    if (tick.mark == kPrintMark) {
+      record.prints.push_back({tick.tick, tick.place_mm.x()});
+    } else {
+      record.ticks.push_back(tick);
+    }
     return true;
   });
   return record;
@@ -76,6 +88,7 @@ Status WriteMarkRecord(const std::filesystem::path& file, const MarkRecord& reco
   auto bytes = EncodeMarkHeader(record.header);
   bytes.reserve(bytes.size() + record.ticks.size() * kMarkRecordSize);
   for (const BurntTick& tick : record.ticks) AppendBurntTick(tick, bytes);
+  for (const PrintMark& mark : record.prints) AppendPrintMark(mark, bytes);
   return io::WriteFileAtomically(file, std::span<const std::byte>(bytes));
 }
 

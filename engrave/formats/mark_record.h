@@ -6,14 +6,15 @@
 //
 //   offset  size  header (32 bytes)         offset  size  record (48 bytes), a lit tick
 //        0     8  "INTMARK1"                     0     8  tick
-//        8     4  version, 1                     8    16  x, y at its end: material, mm
+//        8     4  version, 2                     8    16  x, y at its end: material, mm
 //       12     4  record size, 48               24     8  way in it along x, y, f32, mm
 //       16     8  width of the field, mm        32     4  energy, f32, mJ
 //       24     4  power-up of the controller    36     4  run
 //       28     4  CRC-32 of bytes 0..27         40     4  mark
 //                                               44     4  CRC-32 of bytes 0..43
 // All numbers little endian. The frame material moves with the web; on a piece at rest it
-// is the field.
+// is the field. A print mark that passed the photo eye is a record of the mark 2^32 - 2
+// with the place of its edge along x; all else but its tick is 0. Version 1 has none.
 
 #include <cstddef>
 #include <cstdint>
@@ -40,10 +41,19 @@ struct BurntTick {
   std::uint32_t run = 0, mark = 0;
 };
 
+/// A print mark of the web, which passed the photo eye.
+struct PrintMark {
+  std::uint64_t tick = 0;
+  double place_mm = 0;  ///< of its edge: material, along x
+};
+/// In place of a mark's number.
+inline constexpr std::uint32_t kPrintMark = 0xfffffffe;
+
 struct MarkRecord {
   MarkRecordHeader header;
   std::vector<BurntTick> ticks;
   std::uint64_t torn_bytes = 0;  ///< behind the last whole record
+  std::vector<PrintMark> prints = {};
 };
 
 inline constexpr std::size_t kMarkHeaderSize = 32;
@@ -52,6 +62,8 @@ inline constexpr std::size_t kMarkRecordSize = 48;
 std::vector<std::byte> EncodeMarkHeader(const MarkRecordHeader& header);
 /// Appends the tick's record to `out`.
 void AppendBurntTick(const BurntTick& tick, std::vector<std::byte>& out);
+
+void AppendPrintMark(const PrintMark& mark, std::vector<std::byte>& out);
 
 /// kUnreadable when the header is not a mark record's; a record that is damaged, or has
 /// a number that is not finite, ends it.

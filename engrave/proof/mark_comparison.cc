@@ -139,6 +139,31 @@ void TakeWebOut(const std::vector<MarkTicks>& ticks, std::vector<BurntMark>& mar
   }
 }
 
+/// Lays each repeat upon the print mark that is nearest to the first of its marks.
+std::uint64_t LayUponPrints(const mark::MarkSet& set, const PrintedRepeats& repeats,
+                            std::vector<BurntMark>& marks) {
+  std::map<std::int64_t, double> print_of;     // by repeat
+  std::map<double, std::uint64_t> repeats_at;  // by print mark
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    if (marks[i].fate == BurntFate::kMissed || repeats.prints_mm.empty()) continue;
+    const double web_mm = set.marks[i].web_mm;
+    // Where its print mark would be, if it lay as planned.
+    const double wanted_mm = marks[i].offset_mm.x() - web_mm - repeats.offset_mm;
+    const auto [at, is_first] =
+        print_of.try_emplace(std::llround(web_mm / repeats.pitch_mm), 0);
+    if (is_first) {
+      at->second = *std::ranges::min_element(
+          repeats.prints_mm, {}, [&](double mm) { return std::abs(mm - wanted_mm); });
+      ++repeats_at[at->second];
+    }
+    marks[i].web_shift_mm = at->second + repeats.offset_mm + web_mm;
+    marks[i].offset_mm.x() -= marks[i].web_shift_mm;
+  }
+  std::uint64_t shared = 0;
+  for (const auto& [print, count] : repeats_at) shared += count > 1 ? count : 0;
+  return shared;
+}
+
 void Count(const mark::MarkSet& set, MarkComparison& result) {
   std::map<std::uint32_t, std::vector<double>> energies;
   for (std::size_t i = 0; i < result.marks.size(); ++i) {
@@ -164,17 +189,10 @@ void Count(const mark::MarkSet& set, MarkComparison& result) {
   }
 }
 
-}  // namespace
-
-bool MarkComparison::IsGood(double tolerance_um) const {
-  return made_count == marks.size() && stray_tick_count == 0 &&
-         std::max({worst.place_um, worst.shape_um, worst.gap_um, worst.diameter_um}) <=
-             tolerance_um;
-}
-
-MarkComparison CompareMarks(const mark::MarkSet& set,
-                            std::span<const formats::BurntTick> ticks, bool on_web) {
-  MarkComparison result;
+/// Compares each mark with its own ticks, which it returns.
+std::vector<MarkTicks> TicksOfMarks(const mark::MarkSet& set,
+                                    std::span<const formats::BurntTick> ticks,
+                                    MarkComparison& result) {
   std::vector<MarkTicks> of_mark(set.marks.size());
   for (const auto& tick : ticks) {
     if (tick.mark < of_mark.size())
@@ -185,7 +203,32 @@ MarkComparison CompareMarks(const mark::MarkSet& set,
   for (std::size_t i = 0; i < set.marks.size(); ++i)
     result.marks.push_back(
         CompareMark(set.marks[i], set.pens[set.marks[i].pen].pass_count, of_mark[i]));
+  return of_mark;
+}
+
+}  // namespace
+
+bool MarkComparison::IsGood(double tolerance_um) const {
+  return made_count == marks.size() && stray_tick_count == 0 && shared_print_count == 0 &&
+         std::max({worst.place_um, worst.shape_um, worst.gap_um, worst.diameter_um}) <=
+             tolerance_um;
+}
+
+MarkComparison CompareMarks(const mark::MarkSet& set,
+                            std::span<const formats::BurntTick> ticks, bool on_web) {
+  MarkComparison result;
+  const auto of_mark = TicksOfMarks(set, ticks, result);
   if (on_web) TakeWebOut(of_mark, result.marks);
+  Count(set, result);
+  return result;
+}
+
+MarkComparison CompareMarks(const mark::MarkSet& set,
+                            std::span<const formats::BurntTick> ticks,
+                            const PrintedRepeats& repeats) {
+  MarkComparison result;
+  (void)TicksOfMarks(set, ticks, result);
+  result.shared_print_count = LayUponPrints(set, repeats, result.marks);
   Count(set, result);
   return result;
 }

@@ -6,8 +6,10 @@
 // Burnt ticks belong to marks by the number in their record. A mark's place is the mean
 // of its way, weighted by length; its shape is compared after both means are laid upon
 // each other. Where the web was at the beginning of a run is not known to the material:
-// with `on_web` the median of a run's deviations along x is no error of its marks. The
-// comparison does not use the journal or any other record of a service.
+// with `on_web` the median of a run's deviations along x is no error of its marks. Where
+// repeats begin at print marks, each is compared with the print mark of the material that
+// is nearest to its first mark, and nothing is removed. The comparison does not use the
+// journal or any other record of a service.
 // Time: burnt ticks of a mark times its chords.
 
 #include <cstddef>
@@ -33,7 +35,8 @@ struct BurntMark {
   BurntFate fate = BurntFate::kMissed;
   double pass_count = 0;  ///< length burnt, of the length planned
   Vec2 offset_mm = Vec2::Zero();
-  double web_shift_mm = 0;            ///< of its run along the web, not in offset_mm
+  /// Of its run along the web, or of its print mark; not in offset_mm.
+  double web_shift_mm = 0;
   double shape_um = 0;                ///< largest distance from the planned way
   std::optional<double> gap_um;       ///< largest between strokes of a closed mark
   std::optional<double> diameter_um;  ///< of a circle: burnt less planned
@@ -50,12 +53,26 @@ struct MarkErrors {
 struct MarkComparison {
   std::uint64_t made_count = 0, missed_count = 0, incomplete_count = 0, doubled_count = 0;
   std::uint64_t stray_tick_count = 0;  ///< of marks that the job does not have
+  /// With print marks: repeats at one at which another repeat lies.
+  std::uint64_t shared_print_count = 0;
   MarkErrors worst;
   std::vector<BurntMark> marks;  ///< by their place in the job
 
   /// All marks are made, and place, shape, gap and diameter are within `tolerance_um`.
   bool IsGood(double tolerance_um) const;
 };
+
+/// Repeats that begin at print marks.
+struct PrintedRepeats {
+  std::vector<double> prints_mm;  ///< edges of print marks along x of the material
+  double pitch_mm = 1;            ///< a mark's web_mm is a multiple, > 0
+  double offset_mm = 0;           ///< x of a repeat's origin less that of its print mark
+};
+
+/// As below, of marks on a web.
+MarkComparison CompareMarks(const mark::MarkSet& set,
+                            std::span<const formats::BurntTick> ticks,
+                            const PrintedRepeats& repeats);
 
 /// `set` passes CheckMarks; `ticks` in the order of the record. Of a mark without length
 /// (a hole) only the place and whether it was burnt are compared.

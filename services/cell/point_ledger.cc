@@ -18,6 +18,7 @@ PointState StateAfter(formats::PointOutcome outcome) {
     case formats::PointOutcome::kUncertain:
       return PointState::kUncertain;
     case formats::PointOutcome::kLeftOut:
+      return PointState::kLeftOut;
     case formats::PointOutcome::kNone:
       break;
   }

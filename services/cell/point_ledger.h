@@ -9,8 +9,8 @@
 //    +-------------- a person's consent: fire it again ----------+
 //
 // kMade, kMissed and kLeftOut (a planned or skipped point that the operator chooses to
-// leave out) are final: such a point is never armed again. So is kUncertain without
-// consent.
+// leave out, or an armed mark that has no place on the web) are final: such a point is
+// never armed again. So is kUncertain without consent.
 
 #include <cstdint>
 #include <optional>

@@ -122,6 +122,10 @@ Result<client::VirtualMachine> RunSession::MachineOf() const {
   const double web_mm_s =
       INTAGLIO_TRY(VirtualWebSpeed(job_.job, job_.machine, options_.job.size_limits));
   if (web_mm_s > 0) machine.truth.mutable_head()->set_web_mm_s(web_mm_s);
+  if (job_.job.marks().web().has_eye()) {
+    machine.truth.mutable_head()->set_print_pitch_mm(
+        job_.job.marks().repeats().pitch_mm());
+  }
   INTAGLIO_TRY(options_.truth.Change(machine.truth));
   machine.speed = options_.lockstep ? "lockstep" : fmt::format("{}", options_.speed);
   machine.faults = options_.faults;

@@ -50,19 +50,25 @@ bool MarkRecord::Arm(std::uint32_t mark) {
 }
 
 // Without room in the ring the intent stays open, and the next life settles it.
-void MarkRecord::Resolve(std::uint32_t mark, PointOutcome outcome) {
+void MarkRecord::Resolve(std::uint32_t mark, PointOutcome outcome,
+                         formats::MarkSkip why) {
   ledger_.Resolve(mark, outcome);
-  (void)journal_.Append({JournalKind::kOutcome, outcome, 0, run_, run_, mark});
+  (void)journal_.Append(
+      {JournalKind::kOutcome, outcome, static_cast<std::uint8_t>(why), run_, run_, mark});
+}
+
+bool MarkRecord::LeaveOut(std::uint32_t mark, formats::MarkSkip why) {
+  if (!journal_.Append({JournalKind::kOutcome, PointOutcome::kLeftOut,
+                        static_cast<std::uint8_t>(why), run_, run_, mark}))
+    return false;
+  ledger_.LeaveOut(mark);
+  return true;
 }
 
 bool MarkRecord::LeaveOutBefore(std::uint32_t mark) {
   for (auto next = ledger_.NextOpen(0); next && *next < mark;
        next = ledger_.NextOpen(*next)) {
-    if (!journal_.Append(
-            {JournalKind::kOutcome, PointOutcome::kLeftOut, 0, run_, run_, *next})) {
-      return false;
-    }
-    ledger_.LeaveOut(*next);
+    if (!LeaveOut(*next, formats::MarkSkip::kNone)) return false;
   }
   return true;
 }

@@ -52,9 +52,12 @@ class MarkRecord final : public cell::UncertainPoints {
 
   bool Arm(std::uint32_t mark);
   /// What became of an armed mark.
-  void Resolve(std::uint32_t mark, formats::PointOutcome outcome);
+  void Resolve(std::uint32_t mark, formats::PointOutcome outcome,
+               formats::MarkSkip why = formats::MarkSkip::kNone);
   /// Every open mark before this one, for good.
   bool LeaveOutBefore(std::uint32_t mark);
+  /// An open mark, for good.
+  bool LeaveOut(std::uint32_t mark, formats::MarkSkip why);
   bool KeepConsent(std::uint64_t grant_number) override;
   bool Reopen(std::uint32_t mark, std::uint64_t grant_number) override;
 

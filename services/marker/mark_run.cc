@@ -32,6 +32,7 @@ bool MarkRun::Take(const drivers::MarkEvent& event) {
   if (found == armed_.end() || found->second.run != event.run || !found->second.handed)
     return false;
   PointOutcome outcome = PointOutcome::kNone;
+  formats::MarkSkip why = formats::MarkSkip::kNone;
   switch (event.fate) {
     case MarkFate::kBegun:
       return false;
@@ -41,6 +42,10 @@ bool MarkRun::Take(const drivers::MarkEvent& event) {
     case MarkFate::kNotBegun:
       outcome = PointOutcome::kSkipped;
       break;
+    case MarkFate::kNoPrintMark:
+      outcome = PointOutcome::kLeftOut;
+      why = formats::MarkSkip::kNoPrintMark;
+      break;
     // A part of a mark is there: to make it again is a person's choice.
     case MarkFate::kBroken:
     case MarkFate::kUncertain:
@@ -49,13 +54,41 @@ bool MarkRun::Take(const drivers::MarkEvent& event) {
   }
   if (questions_ > 0 && outcome == PointOutcome::kMade) ++by_memory_;
   armed_.erase(found);
-  record_.Resolve(event.mark, outcome);
+  record_.Resolve(event.mark, outcome, why);
   return outcome == PointOutcome::kUncertain;
+}
+
+bool MarkRun::LeaveOutBegunRepeats() {
+  if (!eye_) return true;
+  const cell::PointLedger& ledger = record_.ledger();
+  const auto repeat_of = [&](std::uint32_t mark) {
+    return drivers::RepeatOf(set_.marks[mark].web_mm, eye_->pitch_mm);
+  };
+  // A job may have millions of marks.
+  std::vector<bool> begun;
+  for (std::uint32_t mark = 0; mark < ledger.size(); ++mark) {
+    const std::uint32_t repeat = repeat_of(mark);
+    if (repeat >= begun.size()) begun.resize(repeat + 1);
+    const cell::PointState state = ledger.state(mark);
+    if (state != cell::PointState::kPlanned && state != cell::PointState::kSkipped)
+      begun[repeat] = true;
+  }
+  eye_->first_repeat = ~0u;
+  for (auto open = ledger.NextOpen(0); open; open = ledger.NextOpen(*open + 1)) {
+    const std::uint32_t repeat = repeat_of(*open);
+    if (!begun[repeat]) {
+      eye_->first_repeat = std::min(eye_->first_repeat, repeat);
+    } else if (!record_.LeaveOut(*open, formats::MarkSkip::kRepeatBegun)) {
+      return false;
+    }
+  }
+  return true;
 }
 
 Status MarkRun::Begin() {
   Require(armed_.empty(), "a run begins with {} marks armed", armed_.size());
   const std::uint32_t run = record_.BeginRun(driver_.state().newest_run);
+  INTAGLIO_TRY(driver_.UseEye(eye_));
   INTAGLIO_TRY(driver_.Begin(run, set_.pens));
   ++count_;
   session_ = driver_.state().session;

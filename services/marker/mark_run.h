@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "engrave/mark/mark.h"
@@ -33,15 +34,20 @@ class MarkRun {
   static constexpr std::uint64_t kAnswerStatuses = 10;
   static constexpr int kMaxQuestions = 3;
 
-  /// All outlive this.
-  MarkRun(const mark::MarkSet& set, drivers::MarkDriver& driver, MarkRecord& record)
-      : set_(set), driver_(driver), record_(record) {}
+  /// All outlive this. `eye`: the repeats of the web begin at print marks.
+  MarkRun(const mark::MarkSet& set, const std::optional<drivers::PrintEye>& eye,
+          drivers::MarkDriver& driver, MarkRecord& record)
+      : set_(set), eye_(eye), driver_(driver), record_(record) {}
 
   /// Marks of an earlier life, armed in the record: they may have been handed over.
   void TakeUp(const std::vector<ArmedMark>& armed);
   /// True when the mark has become uncertain by it.
   bool Take(const drivers::MarkEvent& event);
 
+  /// With a photo eye, before a run: what is open of a repeat that was begun is left out,
+  /// for its place on the web has gone. With nothing armed. False: the journal's ring is
+  /// full.
+  bool LeaveOutBegunRepeats();
   /// A run from the first open mark on. With nothing armed.
   Status Begin();
   /// Arms and hands over what there is room for, and finishes the run behind the last
@@ -76,6 +82,7 @@ class MarkRun {
   std::uint64_t GiveUp();
 
   const mark::MarkSet& set_;
+  std::optional<drivers::PrintEye> eye_;
   drivers::MarkDriver& driver_;
   MarkRecord& record_;
   std::map<std::uint32_t, Armed> armed_;  // by mark

@@ -35,7 +35,7 @@ Marking::Marking(MarkingJob job, drivers::MarkDriver& driver,
       job_(std::move(job)),
       driver_(driver),
       record_(job_.marks.marks.size(), journal),
-      run_(job_.marks, driver, record_),
+      run_(job_.marks, job_.eye, driver, record_),
       consent_({job_.asks_when_uncertain, job_.earlier.uncertain_unanswered,
                 job_.earlier.consent_grant},
                record_, chain),
@@ -189,7 +189,7 @@ void Marking::Wait(const GrantInputs& inputs) {
   bool reopened_any = false;
   const bool all_open =
       record_.LeaveOutBefore(inputs.first_point) &&
-      consent_.Reopen(inputs, reopened_any) &&
+      consent_.Reopen(inputs, reopened_any) && run_.LeaveOutBegunRepeats() &&
       record_.KeepSession(PowerUpNumber(state.power_up), chain_.counters().openings);
   if (record_.disk_failed()) message_ = record_.disk_error();
   if (!all_open || !record_.is_durable() || !record_.ledger().NextOpen(0)) return;
@@ -294,8 +294,8 @@ void Marking::Run(const GrantInputs& inputs) {
   }
   if (record_.disk_failed()) {
     message_ = record_.disk_error();
-  } else if (!message_.empty()) {
-    message_.clear();
+  } else if (message_ != driver_.state().print_text) {
+    message_ = driver_.state().print_text;
   }
   if (const auto sent = run_.Turn(); !sent) {
     return Halt(Missing::kMotionFault, sent.error().message, true, inputs.now);

@@ -23,6 +23,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "services/cell/consent.h"
@@ -40,6 +41,8 @@ struct MarkingJob {
   std::string uid;
   mark::MarkSet marks;  ///< in their order
   bool asks_when_uncertain = false;
+  /// The repeats of the web begin at print marks; none: by the encoder alone.
+  std::optional<drivers::PrintEye> eye = {};
   double max_web_mm_s = 0;  ///< at which all are made; 0: of a piece at rest
   cell::EarlierWork earlier = {};
 };

@@ -10,6 +10,7 @@
 #include "engrave/mark/mark_file.h"
 #include "services/cell/begun_job.h"
 #include "services/job/checks/job_check.h"
+#include "services/job/convert/mark_defaults.h"
 #include "services/job/machine/machine_defaults.h"
 #include "services/job/marks/web_run.h"
 
@@ -28,6 +29,14 @@ Result<mark::MarkSet> MarksOf(const fs::path& folder,
                   " is not there, but the job was begun: see that the folder "
                   "of its results is mounted, and check the piece",
               file.string());
+}
+
+drivers::PrintEye PrintEyeOf(const Marks& marks) {
+  const MarkEye& eye = marks.web().eye();
+  return {.pitch_mm = marks.repeats().pitch_mm(),
+          .offset_mm = eye.offset_mm(),
+          .tolerance_mm = eye.tolerance_mm(),
+          .max_missing = eye.max_missing()};
 }
 
 Status WritePlanOf(const fs::path& folder, const FrozenJob& job,
@@ -58,6 +67,9 @@ Result<PreparedMarking> PrepareMarking(const FrozenJob& job,
   if (job.job().has_marks() && job.job().marks().has_web()) {
     prepared.job.max_web_mm_s =
         INTAGLIO_TRY(WebRunOf(job.job(), job.machine(), prepared.job.marks)).max_mm_s;
+  }
+  if (job.job().marks().web().has_eye()) {
+    prepared.job.eye = PrintEyeOf(WithDefaults(job.job().marks()));
   }
   if (!progress(1, 2))
     return Fail(ErrorCode::kCancelled, "the job was cancelled during its preparation");

@@ -60,6 +60,7 @@ void TryAll(std::span<const std::byte> payload) {
   Try<HeadStatus>(payload);
   Try<HeadMarks>(payload);
   Try<HeadWeb>(payload);
+  Try<HeadPrint>(payload);
   Try<HeadPast>(payload);
 }
 

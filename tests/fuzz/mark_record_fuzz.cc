@@ -17,6 +17,7 @@ using namespace intaglio::formats;
 std::vector<std::byte> Written(const MarkRecord& record) {
   std::vector<std::byte> bytes = EncodeMarkHeader(record.header);
   for (const BurntTick& tick : record.ticks) AppendBurntTick(tick, bytes);
+  for (const PrintMark& mark : record.prints) AppendPrintMark(mark, bytes);
   return bytes;
 }
 
@@ -26,8 +27,8 @@ void Try(std::span<const std::byte> bytes) {
     if (record.error().message.empty()) std::abort();
     return;
   }
-  if (kMarkHeaderSize + record->ticks.size() * kMarkRecordSize + record->torn_bytes !=
-      bytes.size())
+  const std::size_t records = record->ticks.size() + record->prints.size();
+  if (kMarkHeaderSize + records * kMarkRecordSize + record->torn_bytes != bytes.size())
     std::abort();
   const auto written = Written(*record);
   const auto again = ParseMarkRecord(written);

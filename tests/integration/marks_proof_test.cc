@@ -231,6 +231,95 @@ TEST_F(MarksProof, ARunOfAWebIsProved) {
   }
 }
 
+/// Taken from the mark record: each pair of circles beside the print mark that is nearest
+/// to it.
+struct PairsAtPrints {
+  std::set<double> prints;  // at which a pair lies
+  double worst_um = 0;
+};
+
+/// Pairs of circles 3 mm above and below an origin that lies at `offset_mm` from a print
+/// mark; the report and the driver are not asked.
+PairsAtPrints PairsIn(const fs::path& file, double offset_mm) {
+  PairsAtPrints found;
+  const auto record = formats::ReadMarkRecord(file);
+  EXPECT_TRUE(record) << file;
+  if (!record) return found;
+  for (const Circle& circle : AllCirclesIn(file)) {
+    double nearest_mm = 1e9;
+    double print = 0;
+    for (const formats::PrintMark& mark : record->prints) {
+      const double off_mm = std::abs(circle.centre_mm.x() - mark.place_mm - offset_mm);
+      if (off_mm >= nearest_mm) continue;
+      nearest_mm = off_mm;
+      print = mark.place_mm;
+    }
+    found.prints.insert(print);
+    found.worst_um = std::max(found.worst_um, 1e3 * nearest_mm);
+  }
+  return found;
+}
+
+// The same pairs, each at its print mark: the print stretches by 1 % and ripples, one of
+// its marks is missing, and there is dirt.
+TEST_F(MarksProof, RepeatsAtPrintMarksAreProvedByThePrint) {
+  std::ofstream(folder_ / "pair.svg")
+      << R"(<svg xmlns="http://www.w3.org/2000/svg" width="2mm" height="8mm" )"
+      << R"(viewBox="0 0 2 8"><circle cx="1" cy="1" r="0.5"/>)"
+      << R"(<circle cx="1" cy="7" r="0.5"/></svg>)";
+  const auto write_job = [&](const std::string& web) {
+    std::ofstream(folder_ / "job.textproto")
+        << "name: \"printed pairs\"\nmachine_file: \"galvo-web\"\n"
+        << "marks { items { drawing { file: \"pair.svg\" } } "
+        << "pen { speed_mm_s: 500 power_ratio: 0.5 } "
+        << "repeats { count: 12 pitch_mm: 20 } web { speed_mm_s: 100 " << web << " } }\n";
+  };
+  const std::string print =
+      "head { print_stretch_ratio: 0.01 print_ripple_ratio: 0.1 print_ripple_mm: 300 ";
+  std::ofstream(folder_ / "print.textproto") << print << "}\n";
+  write_job("eye { offset_mm: -6 tolerance_mm: 3 }");
+  const Ended good = Run({"--truth", (folder_ / "print.textproto").string()});
+  ASSERT_TRUE(good.in_time) << good.output;
+  EXPECT_EQ(good.exit_code, 0) << good.output;
+  EXPECT_THAT(good.output, AllOf(HasSubstr("24 planned, 24 made, 0 skipped"),
+                                 HasSubstr("pitch 20 mm; 0 without one"),
+                                 HasSubstr("verdict     GOOD")));
+  const PairsAtPrints all = PairsIn(folder_ / "out/session/marks.rec", -6);
+  EXPECT_EQ(all.prints.size(), 12u);
+  EXPECT_LE(all.worst_um, 20);
+  EXPECT_NEAR(Report().marks().measures().place().max_um(), all.worst_um, 3);
+
+  std::ofstream(folder_ / "faults.textproto")
+      << print << "print_missing: 8 print_false_mm: 233 }\n";
+  fs::remove_all(folder_ / "out");
+  const Ended faulty = Run({"--truth", (folder_ / "faults.textproto").string()});
+  ASSERT_TRUE(faulty.in_time) << faulty.output;
+  EXPECT_EQ(faulty.exit_code, 3) << faulty.output;
+  const JobReport report = Report();
+  EXPECT_EQ(report.marks().counts().made(), 22u);
+  EXPECT_EQ(report.marks().counts().skipped(), 2u);
+  const MarkEyeReport& eye = report.marks().web().eye();
+  ASSERT_EQ(eye.without_print_size(), 1);
+  EXPECT_EQ(eye.broken_off_count(), 0u);
+  EXPECT_THAT(report.verdict().reasons(),
+              ElementsAre(HasSubstr("2 marks are not made: skipped"),
+                          HasSubstr("1 repeat left out, because the print mark was "
+                                    "missing: " +
+                                    std::to_string(eye.without_print(0)))));
+  const PairsAtPrints rest = PairsIn(folder_ / "out/session/marks.rec", -6);
+  EXPECT_EQ(rest.prints.size(), 11u);
+  EXPECT_LE(rest.worst_um, 20);
+
+  // By the pitch alone the same print is missed, and only its own record shows it.
+  write_job("");
+  fs::remove_all(folder_ / "out");
+  std::ofstream(folder_ / "print.textproto")
+      << print << "eye_mm: 120 print_pitch_mm: 20 }\n";
+  const Ended by_pitch = Run({"--truth", (folder_ / "print.textproto").string()});
+  EXPECT_EQ(by_pitch.exit_code, 0) << by_pitch.output;
+  EXPECT_GT(PairsIn(folder_ / "out/session/marks.rec", -6).worst_um, 1000);
+}
+
 // A shop completes the folder of a job that has ended, and the history has its report.
 TEST_F(MarksProof, AShopProvesItsJobsOfMarks) {
   const auto with = [&](std::vector<std::string> words) {

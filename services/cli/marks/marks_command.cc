@@ -53,6 +53,7 @@ struct MarksPreviewOptions {
 /// What the job becomes.
 struct MarksPreview {
   JobSpec job;
+  MachineSpec machine;
   PlannedMarks marks;
   Warnings warnings;
 
@@ -60,6 +61,11 @@ struct MarksPreview {
   std::vector<std::size_t> missed() const {
     const auto& web = marks.web();
     return web && *web ? (*web)->missed : std::vector<std::size_t>();
+  }
+  /// That print marks are seen early enough.
+  Status eye() const {
+    const auto& web = marks.web();
+    return web && *web ? CheckEyeWay(job, machine, **web) : Status();
   }
 };
 
@@ -129,7 +135,8 @@ Result<MarksPreview> PlanMarks(const MarksPreviewOptions& options) {
   auto marks = INTAGLIO_TRY(PlannedMarks::Make(
       built.job, built.machine, std::move(files), limits, host::AllCores(), warnings,
       {show("marks", "repeats"), show("order", nullptr)}));
-  return MarksPreview{std::move(built.job), std::move(marks), std::move(warnings)};
+  return MarksPreview{std::move(built.job), std::move(built.machine), std::move(marks),
+                      std::move(warnings)};
 }
 
 /// Each name once, in the order of marking.
@@ -161,7 +168,10 @@ Result<std::vector<std::string>> WebLines(MarksPreview& preview) {
   if (pitch_mm > 0)
     lines.back() += fmt::format(", {:.4g} repeats a minute", 60 * max_mm_s / pitch_mm);
   const double asked_mm_s = preview.job.marks().web().speed_mm_s();
-  if (asked_mm_s == 0) {
+  if (web->eye_max_mm_s) lines.push_back("print       " + PrintMarksText(preview.job));
+  if (const auto seen = preview.eye(); !seen) {
+    lines.push_back("verdict     " + seen.error().message);
+  } else if (asked_mm_s == 0) {
     lines.push_back("verdict     good: the web runs as fast as all marks can be made");
   } else if (web->missed.empty()) {
     lines.push_back(
@@ -256,7 +266,7 @@ Result<bool> PreviewMarks(const MarksPreviewOptions& options) {
   for (const std::string& line : lines) std::cout << line << "\n";
   if (!options.csv.empty()) INTAGLIO_TRY(WriteMarks(preview, options.csv));
   if (!options.picture.empty()) INTAGLIO_TRY(DrawMarks(preview, options.picture, lines));
-  return preview.missed().empty();
+  return preview.missed().empty() && preview.eye().has_value();
 }
 
 }  // namespace

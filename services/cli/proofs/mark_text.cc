@@ -62,7 +62,14 @@ std::string WebText(const MarkWebReport& web) {
   if (web.asked_mm_s() > 0) text += fmt::format(", {:g} mm/s asked", web.asked_mm_s());
   if (web.marked_mm_s() > 0)
     text += fmt::format(", marked at {:.1f} mm/s", web.marked_mm_s());
-  return text + "\n";
+  text += "\n";
+  if (!web.has_eye()) return text;
+  const MarkEyeReport& eye = web.eye();
+  return text + fmt::format(
+                    "print       each repeat at its print mark {:+g} mm, pitch {:g} mm; "
+                    "{} without one, {} broken off\n",
+                    eye.offset_mm(), eye.pitch_mm(), eye.without_print_count(),
+                    eye.broken_off_count());
 }
 
 }  // namespace

@@ -261,6 +261,7 @@ void SetHead(const MachineSpec& machine, HeadTruth& head) {
   head.set_servo_lag_s(machine.scan_head().servo_lag_s());
   if (machine.scan_head().encoder_count_um() > 0)
     head.set_encoder_count_um(machine.scan_head().encoder_count_um());
+  if (machine.scan_head().has_eye_mm()) head.set_eye_mm(machine.scan_head().eye_mm());
   head.set_serial_number(machine.mark_line().serial_number());
 }
 

@@ -112,6 +112,7 @@ void CheckHead(const ScanHead& head, BoardErrors& errors) {
   refuse(head.has_lead_servo() && head.lead_servo(), "lead_servo");
   refuse(head.encoder_count_um() != 0, "encoder_count_um");
   refuse(head.has_ahead_ms(), "ahead_ms");
+  refuse(head.has_eye_mm(), "eye_mm");
 }
 
 void CheckPoints(const MachineSpec& machine, BoardErrors& errors) {

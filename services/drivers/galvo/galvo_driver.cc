@@ -63,6 +63,7 @@ void GalvoDriver::UpdateState() {
   state_.at_rest = state_.settled = !active_;
   state_.fault = fault_;
   state_.web_mm_s = player_.tracker().speed_mm_s();
+  state_.print_text = PrintText();
   if (!state_.link_up) state_.shutter_open = false;
 }
 
@@ -95,6 +96,9 @@ void GalvoDriver::BeginSession() {
   state_.remembers_marks = identity_.remembered_marks >= kRememberedMarks;
   player_.SetRate(identity_.rate_hz);
   player_.tracker().Forget();
+  prints_.Forget();
+  next_print_.reset();
+  begin_tick_ = 0;
   if (!active_) return;
   DropWaiting();
   open_.clear();
@@ -118,14 +122,47 @@ void GalvoDriver::Handle(HeadFrame type, std::span<const std::byte> payload) {
   } else if (type == HeadFrame::kHeadMarks) {
     if (const auto m = link::Decode<link::HeadMarks>(payload)) TakeMarks(*m);
   } else if (type == HeadFrame::kHeadWeb) {
-    if (const auto m = link::Decode<link::HeadWeb>(payload))
-      player_.tracker().Take(*m, identity_.rate_hz);
+    if (const auto m = link::Decode<link::HeadWeb>(payload)) TakeWeb(*m);
+  } else if (type == HeadFrame::kHeadPrint) {
+    if (const auto m = link::Decode<link::HeadPrint>(payload)) TakePrint(*m);
   } else if (type == HeadFrame::kHeadPast) {
     if (const auto m = link::Decode<link::HeadPast>(payload)) TakePast(*m);
   }
 }
 
+void GalvoDriver::TakeWeb(const link::HeadWeb& web) {
+  HeadTracker& tracker = player_.tracker();
+  tracker.Take(web, identity_.rate_hz);
+  prints_.PassTo(static_cast<double>(web.samples.back().encoder_count) *
+                 tracker.count_mm());
+}
+
+void GalvoDriver::TakePrint(const link::HeadPrint& print) {
+  ExpectPrint(print.first);
+  for (const link::HeadPrintMark& mark : print.marks)
+    prints_.See(mark.count * player_.tracker().count_mm(), mark.tick > begin_tick_);
+  next_print_ = print.first + static_cast<std::uint32_t>(print.marks.size());
+}
+
+void GalvoDriver::ExpectPrint(std::uint32_t number) {
+  const bool lost = next_print_ && *next_print_ != number;
+  next_print_ = number;
+  if (lost && active_ && eye_ && !ending_) {
+    StopFor(
+        "print marks that the photo eye has seen were lost on the line: report it with "
+        "the logs, then resume");
+  }
+}
+
+std::string GalvoDriver::PrintText() const {
+  if (!eye_ || (prints_.ignored_count() == 0 && skipped_.empty())) return {};
+  return fmt::format("print marks ignored, away from their expected places: {}{}",
+                     prints_.ignored_count(),
+                     skipped_.empty() ? "" : "; left out without one: " + skipped_);
+}
+
 void GalvoDriver::TakeStatus(const link::HeadStatus& status) {
+  ExpectPrint(status.prints);
   status_ = status;
   status_at_ = clock_();
   state_.number = ++statuses_;
@@ -235,6 +272,18 @@ Status GalvoDriver::Hold() {
   return {};
 }
 
+Status GalvoDriver::UseEye(const std::optional<PrintEye>& eye) {
+  if (eye && !head_.has_eye_mm()) return MarkDriver::UseEye(eye);
+  if (eye && !identity_.has_eye) {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("marks.web.eye: the controller at {} reports no photo eye; "
+                            "connect one, or remove scan_head.eye_mm from the profile",
+                            expected_.device));
+  }
+  eye_ = eye;
+  return {};
+}
+
 Status GalvoDriver::Begin(std::uint32_t run, std::span<const mark::Pen> pens) {
   if (!state_.link_up) return Fail(ErrorCode::kLinkLost, state_.message);
   if (active_) return Fail(ErrorCode::kRefused, "the run before has not ended; wait");
@@ -251,6 +300,10 @@ Status GalvoDriver::Begin(std::uint32_t run, std::span<const mark::Pen> pens) {
   finishing_ = finish_sent_ = ending_ = pausing_ = false;
   next_tick_ = 0;
   player_.Begin(pens, state_.position_mm.head<2>());
+  if (eye_) prints_.Begin(*eye_);
+  begin_tick_ = TickNow();
+  skipped_.clear();
+  skipped_count_ = 0;
   UpdateState();
   return {};
 }
@@ -266,6 +319,11 @@ Status GalvoDriver::Append(const NumberedMark& mark) {
   if (open_.contains(mark.number))
     return Fail(ErrorCode::kRefused,
                 fmt::format("mark {} was appended already", mark.number));
+  if (eye_ && RepeatOf(mark.mark.web_mm, eye_->pitch_mm) < eye_->first_repeat) {
+    return Fail(
+        ErrorCode::kRefused,
+        fmt::format("mark {} is of a repeat before the run's first", mark.number));
+  }
   INTAGLIO_TRY(player_.Check(mark));
   waiting_.push_back(mark);
   open_[mark.number] = false;

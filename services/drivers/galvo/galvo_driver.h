@@ -7,7 +7,8 @@
 // most scan_head.ahead_ms before they are played. A mark whose kBegun was taken can still
 // end as kNotBegun: the controller dropped it before its beginning, and says so.
 // On a web a mark is made when its places are in the field; when it has left the field
-// before, the run stops with a fault that names the mark.
+// before, the run stops with a fault that names the mark. With a photo eye a repeat lies
+// by its own print mark; without one it is left out (kNoPrintMark), or ends the run.
 //
 // K11: a controller in lockstep can_hold: no ticks are sent, so its time does not pass.
 
@@ -20,6 +21,7 @@
 
 #include "proto/machine.pb.h"
 #include "services/drivers/galvo/mark_player.h"
+#include "services/drivers/galvo/print_tracker.h"
 #include "services/drivers/interface/mark_driver.h"
 #include "services/platform/link/endpoint.h"
 #include "services/platform/link/expected_device.h"
@@ -48,6 +50,7 @@ class GalvoDriver final : public MarkDriver {
   std::vector<MarkEvent> TakeEvents() override;
   Status Permit(bool permitted) override;
   Status Hold() override;
+  Status UseEye(const std::optional<PrintEye>& eye) override;
   Status Begin(std::uint32_t run, std::span<const mark::Pen> pens) override;
   std::size_t Room() const override;
   Status Append(const NumberedMark& mark) override;
@@ -65,12 +68,25 @@ class GalvoDriver final : public MarkDriver {
   void TakeStatus(const link::HeadStatus& status);
   void TakeMarks(const link::HeadMarks& marks);
   void TakePast(const link::HeadPast& past);
+  void TakeWeb(const link::HeadWeb& web);
+  void TakePrint(const link::HeadPrint& print);
+  /// All before it have come, else the run ends.
+  void ExpectPrint(std::uint32_t number);
+  std::string PrintText() const;
   void BeginSession();
   void EndRun(const std::string& fault);
   void DropWaiting();
   void Announce();
   void Pump();
   bool SendNext();
+  enum class Next { kLoaded, kLeftOut, kNothing };
+  /// Takes the mark that is next.
+  Next LoadNext();
+  /// The print mark of its repeat: where it lies, left out, or not yet known.
+  Next FindPrintMark(const NumberedMark& mark, std::optional<double>& origin_count);
+  void LeaveOut(const NumberedMark& mark);
+  void DropFront();
+  bool SendBlock(link::HeadBlock block);
   void StopFor(const std::string& fault);
   std::uint64_t TickNow() const;
   std::uint64_t FirstTick(std::uint64_t now, bool web) const;
@@ -84,6 +100,13 @@ class GalvoDriver final : public MarkDriver {
   link::SteadyClock clock_;
   link::LineSession session_;
   MarkPlayer player_;
+  std::optional<PrintEye> eye_;  // of the runs
+  PrintTracker prints_;
+  std::optional<std::uint32_t> next_print_;  // number of the next, in this session
+  std::uint64_t begin_tick_ = 0;             // of the run: what passed before is not used
+  std::string skipped_;                      // repeats without a print mark
+  std::uint32_t skipped_count_ = 0;          // of them
+  std::uint32_t last_skipped_ = 0;
   MarkDeviceState state_;
   std::string refusal_, fault_;
   bool identified_ = false, identified_now_ = false;

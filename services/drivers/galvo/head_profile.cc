@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "services/job/head/head_correction.h"
+#include "services/job/machine/head_ticks.h"
 
 namespace intaglio::drivers {
 namespace {
@@ -37,6 +38,20 @@ std::vector<Error> CheckScanHead(const MachineSpec& machine) {
   if (head.follow_web() && !(head.encoder_count_um() > 0))
     errors.push_back(MissingHeadField("encoder_count_um",
                                       "follow_web needs an encoder; give its count, um"));
+  if (head.has_eye_mm() && !FollowsWeb(head))
+    errors.push_back(MissingHeadField("encoder_count_um",
+                                      "eye_mm needs an encoder of the web; give its "
+                                      "count, um, or remove eye_mm"));
+  if (head.has_eye_mm() && head.field_mm() > 0 && head.eye_mm() <= head.field_mm() / 2) {
+    errors.push_back(
+        {ErrorCode::kInvalidValue,
+         fmt::format(
+             "scan_head.eye_mm: {:g} is not before the field, which begins {:g} mm "
+             "before its middle; give the way from the eye to the middle of the "
+             "field, beyond that",
+             head.eye_mm(), head.field_mm() / 2),
+         fmt::format("{:g}", head.eye_mm())});
+  }
   if (errors.empty() && !head.correction_file().empty()) {
     if (const auto table = LoadCorrection(head); !table) errors.push_back(table.error());
   }

@@ -9,12 +9,6 @@
 
 namespace intaglio::drivers {
 
-inline constexpr double kDefaultAheadMs = 40;
-/// How long before they are played ticks are sent.
-inline double AheadSeconds(const ScanHead& head) {
-  return 1e-3 * (head.has_ahead_ms() ? head.ahead_ms() : kDefaultAheadMs);
-}
-
 /// Each error begins with the field.
 std::vector<Error> CheckScanHead(const MachineSpec& machine);
 

@@ -87,6 +87,10 @@ Vec2 HeadTracker::At(std::uint64_t tick, double later_s) {
   return {PlaceAt(tick, later_s) - *zero_mm_, newest_mm_.y()};
 }
 
+Vec2 HeadTracker::Since(double from, std::uint64_t tick, double later_s) const {
+  return {(CountAt(tick, later_s) - from) * count_mm_, newest_mm_.y()};
+}
+
 double HeadTracker::CountAt(std::uint64_t tick, double later_s) const {
   return static_cast<double>(first_count_) + PlaceAt(tick, later_s) / count_mm_;
 }

@@ -34,6 +34,8 @@ class HeadTracker {
   }
   /// At the middle of this tick and `later_s` after it; {0, 0} of a web that rests.
   Vec2 At(std::uint64_t tick, double later_s);
+  /// How far the web has moved then since the encoder's count `from`; once it is ready.
+  Vec2 Since(double from, std::uint64_t tick, double later_s) const;
   /// The encoder's count then, and how many a tick there are; once it is ready.
   double CountAt(std::uint64_t tick, double later_s) const;
   double counts_per_tick() const { return speed_mm_s() / rate_hz_ / count_mm_; }

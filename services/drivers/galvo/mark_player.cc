@@ -144,15 +144,17 @@ Status MarkPlayer::TakeTicks(Result<std::vector<galvo::MarkTick>> ticks) {
   return {};
 }
 
-Status MarkPlayer::Load(const NumberedMark& mark) {
+Status MarkPlayer::Load(const NumberedMark& mark, std::optional<double> origin_count) {
   mark_ = mark;
+  origin_count_ = origin_count;
+  if (origin_count_) mark_.mark.web_mm = 0;
   placed_ = false;
   made_aside_ = {};
   retry_tick_ = 0;
   if (!tracker_.follows()) {
     INTAGLIO_TRY(MakeTicks(mirrors_mm_));
     placed_ = true;
-  } else if (!web_begin_mm_) {
+  } else if (!origin_count_ && !web_begin_mm_) {
     BeginWeb();
   }
   loaded_ = true;
@@ -170,6 +172,7 @@ void MarkPlayer::BeginWeb() {
 // The displacement that the beam has in the middle of the tick, which is commanded by the
 // lag of the servo before.
 Vec2 MarkPlayer::DisplacementAt(std::uint64_t tick) {
+  if (origin_count_) return tracker_.Since(*origin_count_, tick, head_.servo_lag_s());
   return tracker_.At(tick, head_.servo_lag_s()) + Vec2(web_begin_mm_.value_or(0), 0);
 }
 

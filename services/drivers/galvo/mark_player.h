@@ -30,8 +30,10 @@ class MarkPlayer {
   /// Errors of a mark that cannot be made on this machine: its pen, its places, its time.
   Status Check(const NumberedMark& mark) const;
 
-  /// Takes a mark whose ticks come next. Only when !playing().
-  Status Load(const NumberedMark& mark);
+  /// Takes a mark whose ticks come next. Only when !playing(). `origin_count`: the
+  /// encoder's count when the origin of its repeat is in the middle of the field; none:
+  /// by its web_mm since the begin of the run.
+  Status Load(const NumberedMark& mark, std::optional<double> origin_count = {});
   bool playing() const { return loaded_; }
   /// Its ticks follow those that were sent without a gap.
   bool placed() const { return placed_ && next_ > 0; }
@@ -72,6 +74,7 @@ class MarkPlayer {
   std::future<Result<std::vector<galvo::MarkTick>>> made_aside_;  // of a long mark
   std::size_t next_ = 0, first_lit_ = 0, behind_lit_ = 0;
   std::uint64_t retry_tick_ = 0;        // it cannot begin before
+  std::optional<double> origin_count_;  // of the repeat that begins at a print mark
   std::optional<double> web_begin_mm_;  // displacement of the web when the run began
   Vec2 mirrors_mm_ = Vec2::Zero();      // field, as commanded last, before the correction
   link::HeadTick output_;

@@ -19,7 +19,7 @@
 //       line. kBegun comes before anything of it can be made, kDone after all of it was
 //       made, each once and in order. kBroken ends a mark that was begun and not ended.
 //       A mark that the controller dropped before it was in hand ends as kNotBegun, even
-//       behind its kBegun.
+//       behind its kBegun, and one whose repeat has no print mark as kNoPrintMark.
 //   K4  Stop, a withdrawn permission, an interlock, a fault and a lost line end the beam
 //       and drop what was appended. What of it was not begun is not made, and
 //       settled() is true once that is known.
@@ -62,6 +62,7 @@
 #include "engrave/core/result.h"
 #include "engrave/mark/mark.h"
 #include "services/drivers/interface/hand_motion.h"
+#include "services/drivers/interface/print_eye.h"
 
 namespace intaglio::drivers {
 
@@ -78,6 +79,8 @@ enum class MarkFate : std::uint8_t {
   kBroken,     ///< begun, and ended before its end
   kNotBegun,   ///< dropped before its beginning: nothing of it was made
   kUncertain,  ///< the controller does not know it (answers of RequestPast only)
+  /// Its repeat has no print mark: nothing of it was made, and nothing may be.
+  kNoPrintMark,
 };
 
 struct MarkEvent {
@@ -132,7 +135,9 @@ struct MarkDeviceState {
   std::string fault;                ///< of the last run, with the remedy; empty: none
   Vec3 position_mm = Vec3::Zero();  ///< of the focus or the tool, frame of the piece
   double web_mm_s = 0;              ///< speed of the web by its encoder
-  std::uint64_t number = 0;         ///< statuses of this session; grows with each
+  /// What the photo eye has seen in the run that uses it, for a person; else empty.
+  std::string print_text = {};
+  std::uint64_t number = 0;  ///< statuses of this session; grows with each
 };
 
 class MarkDriver {
@@ -155,6 +160,9 @@ class MarkDriver {
   /// The permission of the host itself is late: the run rests until it comes. Refused
   /// without a run, and by a machine that cannot.
   virtual Status Hold();
+  /// The repeats of the runs that begin from now on begin at print marks; none: by the
+  /// encoder alone. kUnsupported: this machine has no photo eye.
+  virtual Status UseEye(const std::optional<PrintEye>& eye);
   /// A new run of the marks of these pens, `run` greater than all before. Refused while
   /// !settled, or with a fault.
   virtual Status Begin(std::uint32_t run, std::span<const mark::Pen> pens) = 0;

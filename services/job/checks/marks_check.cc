@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "engrave/drawing/font_list.h"
+#include "services/job/convert/mark_defaults.h"
 #include "services/job/convert/model_kind.h"
 #include "services/job/convert/placeholders.h"
 #include "services/job/fields/field_ranges.h"
@@ -101,17 +102,41 @@ void CheckExclusions(const JobSpec& job, Findings& findings) {
                    "is given beside marks; make a job of each");
   }
   const MarkRepeats& repeats = job.marks().repeats();
-  const bool several = repeats.count() > 1 || !job.marks().table().empty();
+  const bool several =
+      repeats.count() > 1 || !job.marks().table().empty() || job.marks().web().has_eye();
   if (several && !repeats.has_pitch_mm()) {
     findings.Missing("marks.repeats.pitch_mm",
                      "give the way from one repeat to the next, 0.001..100000 mm");
   }
 }
 
+/// Of the print marks that are expected.
+void CheckEye(const Marks& given, Findings& findings) {
+  if (!given.web().has_eye() || !given.repeats().has_pitch_mm()) return;
+  const Marks marks = WithDefaults(given);
+  const double tolerance_mm = marks.web().eye().tolerance_mm();
+  if (tolerance_mm < marks.repeats().pitch_mm() / 2) return;
+  findings.Wrong("marks.web.eye.tolerance_mm", tolerance_mm,
+                 "mm is half of marks.repeats.pitch_mm or more, {:g} mm, so that a print "
+                 "mark would be that of two repeats; give less",
+                 marks.repeats().pitch_mm());
+}
+
+/// That it has a photo eye, where the job needs one.
+void CheckEyeOn(const MachineSpec& machine, const Marks& marks, Findings& findings) {
+  if (!marks.web().has_eye() || machine.scan_head().has_eye_mm()) return;
+  findings.Wrong("marks.web.eye.offset_mm", marks.web().eye().offset_mm(),
+                 "is from print marks, and {} has no photo eye: its profile has no "
+                 "scan_head.eye_mm; remove marks.web.eye, or name the profile of a head "
+                 "with an eye in machine_file",
+                 machine.name());
+}
+
 }  // namespace
 
 std::vector<Finding> CheckMarks(const JobSpec& job) {
   Findings findings;
+  CheckEye(job.marks(), findings);
   CheckRanges(job.marks(), "marks", findings.found());
   if (job.marks().items().empty()) {
     findings.Missing("marks.items", "give a drawing, a text, an image or a code");
@@ -150,6 +175,8 @@ std::vector<Finding> CheckMarksOnMachine(const JobSpec& job, const MachineSpec& 
                    "scan_head.encoder_count_um, or follow_web: false; remove marks.web, "
                    "or name the profile of a head with an encoder in machine_file",
                    machine.name());
+  } else {
+    CheckEyeOn(machine, job.marks(), findings);
   }
   return std::move(findings.found());
 }

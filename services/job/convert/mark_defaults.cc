@@ -53,6 +53,7 @@ void FillTabs(Course& course) {
 Marks WithDefaults(Marks marks) {
   FillDefaults(*marks.mutable_pen());
   FillDefaults(marks);
+  if (marks.web().has_eye()) FillDefaults(*marks.mutable_web()->mutable_eye());
   for (MarkItem& item : *marks.mutable_items()) CompleteItem(item, marks.pen());
   return marks;
 }

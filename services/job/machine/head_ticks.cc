@@ -1,5 +1,6 @@
 #include "services/job/machine/head_ticks.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 
@@ -8,11 +9,22 @@ namespace {
 
 // Arcs as chords: far below a step of the outputs.
 constexpr double kChordToleranceMm = 1e-4;
+constexpr double kDefaultAheadMs = 40;
+// From one status of a head's controller to the next, with what it has seen meanwhile.
+constexpr double kHeadStatusSeconds = 0.02;
 
 }  // namespace
 
 bool FollowsWeb(const ScanHead& head) {
   return head.encoder_count_um() > 0 && (!head.has_follow_web() || head.follow_web());
+}
+
+double AheadSeconds(const ScanHead& head) {
+  return 1e-3 * (head.has_ahead_ms() ? head.ahead_ms() : kDefaultAheadMs);
+}
+
+double EyeAheadSeconds(const ScanHead& head) {
+  return std::max(AheadSeconds(head), kHeadStatusSeconds + AheadSeconds(head) / 2);
 }
 
 galvo::MarkTickOptions TickOptionsOf(const ScanHead& head, const mark::Pen& pen,

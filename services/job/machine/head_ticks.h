@@ -18,6 +18,11 @@ inline constexpr double kWebBorderMm = 0.2;
 /// It has an encoder of the web, and is to follow it.
 bool FollowsWeb(const ScanHead& head);
 
+/// How long before they are played ticks are sent.
+double AheadSeconds(const ScanHead& head);
+/// How long before a mark begins the photo eye has to see its print mark.
+double EyeAheadSeconds(const ScanHead& head);
+
 /// Absent fields are the defaults of machine.proto.
 galvo::MarkTickOptions TickOptionsOf(const ScanHead& head, const mark::Pen& pen,
                                      double rate_hz);

@@ -50,7 +50,7 @@ Result<PlannedMarks> PlannedMarks::Make(const JobSpec& job, const MachineSpec& m
   if (job.marks().has_web()) {
     planned.repeats_.emplace(
         INTAGLIO_TRY(RepeatMarks::Open(job, std::move(files), limits)));
-    INTAGLIO_TRY(planned.PlanWeb(job, executor, warnings, progress));
+    INTAGLIO_TRY(planned.PlanWeb(job, machine.scan_head(), executor, warnings, progress));
   } else {
     INTAGLIO_TRY(
         planned.PlanAtRest(job, machine, std::move(files), limits, warnings, progress));
@@ -88,8 +88,10 @@ Status PlannedMarks::CheckRepeat(std::size_t repeat, std::size_t first) {
   return CheckField(marks, first, pens_, true, head_);
 }
 
-Status PlannedMarks::PlanWeb(const JobSpec& job, const Executor& executor,
-                             Warnings& warnings, const PlanningProgress& progress) {
+Status PlannedMarks::PlanWeb(const JobSpec& job, const ScanHead& head,
+                             const Executor& executor, Warnings& warnings,
+                             const PlanningProgress& progress) {
+  double earliest_mm = std::numeric_limits<double>::infinity();
   RepeatMarks& repeats = *repeats_;
   pens_ = repeats.pens();
   counts_.resize(pens_.size());
@@ -116,6 +118,10 @@ Status PlannedMarks::PlanWeb(const JobSpec& job, const Executor& executor,
       if (!figures) return tl::unexpected(figures.error());
       if (!figures->fits) INTAGLIO_TRY(CheckRepeat(k, plan.mark_count()));
       plan.Add(figures->marks);
+      for (const MeasuredMark& mark : figures->marks) {
+        earliest_mm = std::min(earliest_mm, mark.extent.made_at.from_mm -
+                                                static_cast<double>(k) * pitch_mm_);
+      }
       for (std::size_t i = 0; i < pens_.size(); ++i) counts_[i] += figures->counts[i];
       repeat_ends_.push_back(plan.mark_count());
       INTAGLIO_TRY(repeats.CheckCount(plan.mark_count()));
@@ -125,6 +131,7 @@ Status PlannedMarks::PlanWeb(const JobSpec& job, const Executor& executor,
   ranges_ = INTAGLIO_TRY(plan.Order(progress.ordered));
   const auto timed = plan.TakeTimes(times_);
   web_ = WebRunOf(job, head_, timed, times_);
+  if (*web_) LimitByEye(job, head, earliest_mm, **web_);
   return {};
 }
 

@@ -56,8 +56,8 @@ class PlannedMarks {
 
  private:
   PlannedMarks(const JobSpec& job, const MachineSpec& machine);
-  Status PlanWeb(const JobSpec& job, const Executor& executor, Warnings& warnings,
-                 const PlanningProgress& progress);
+  Status PlanWeb(const JobSpec& job, const ScanHead& head, const Executor& executor,
+                 Warnings& warnings, const PlanningProgress& progress);
   Status PlanAtRest(const JobSpec& job, const MachineSpec& machine,
                     std::vector<FileBytes> files, const ReadLimits& limits,
                     Warnings& warnings, const PlanningProgress& progress);

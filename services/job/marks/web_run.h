@@ -2,6 +2,7 @@
 
 // How fast the web of a job of marks may run under its head, and what is missed above it.
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,6 +21,11 @@ struct WebRun {
   /// At marks.web.speed_mm_s: places in the order, ascending.
   std::vector<std::size_t> missed;
   MarkTimes times;
+  /// With a photo eye: how fast the web may run so that print marks are seen early
+  /// enough, which limits max_mm_s too, and how far it runs between that and the first
+  /// mark; at or below 0: a print mark is seen too late at any speed.
+  std::optional<double> eye_max_mm_s = {};
+  double eye_way_mm = 0;
 };
 
 /// `ordered` as of OrderJobMarks, `job` with marks on a web. kInvalidValue: there is no
@@ -30,6 +36,22 @@ Result<WebRun> WebRunOf(const JobSpec& job, const MachineSpec& machine,
 /// The same of marks that are timed already, as of TimedMarksOf, in their order.
 Result<WebRun> WebRunOf(const JobSpec& job, const HeadFigures& head,
                         std::span<const galvo::TimedMark> timed, const MarkTimes& times);
+
+/// How far from where the first mark of a repeat may be begun to the origin of the
+/// repeat, along +x of the field, at the least.
+double EarliestBeginMm(std::span<const mark::Mark> marks, std::span<const mark::Pen> pens,
+                       const HeadFigures& head);
+
+/// What the photo eye of a job's marks changes; nothing without one. `earliest_mm` as of
+/// EarliestBeginMm, over all repeats.
+void LimitByEye(const JobSpec& job, const ScanHead& head, double earliest_mm,
+                WebRun& run);
+
+/// marks.web.speed_mm_s, or that there is none, against the eye. kRefused.
+Status CheckEyeWay(const JobSpec& job, const MachineSpec& machine, const WebRun& run);
+
+/// By which print marks its repeats begin, of a job with a photo eye.
+std::string PrintMarksText(const JobSpec& job);
 
 /// "item 2 of repeat 17".
 std::string NameOfMark(const JobSpec& job, std::span<const mark::Pen> pens,

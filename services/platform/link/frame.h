@@ -4,7 +4,7 @@
 //
 //   offset  size  field
 //        0     2  0xA5 0x5A
-//        2     1  version, 12
+//        2     1  version, 13
 //        3     1  type
 //        4     4  session
 //        8     2  sequence number, from 1; 0: unsequenced
@@ -25,7 +25,7 @@
 namespace intaglio::link {
 
 /// Grows with every change of a frame or payload; frames of another one are dropped.
-inline constexpr std::uint8_t kFrameVersion = 12;
+inline constexpr std::uint8_t kFrameVersion = 13;
 inline constexpr std::size_t kMaxPayload = 1024;
 inline constexpr std::size_t kFrameOverhead = 20;
 

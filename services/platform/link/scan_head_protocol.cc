@@ -108,6 +108,7 @@ struct Layout<HeadIdentity> : OnHeadLine {
     io.Number(m.field_mm);
     io.Number(m.queue_ticks);
     io.Number(m.remembered_marks);
+    io.Flag(m.has_eye);
     io.Text(m.model, kMaxHeadText);
     io.PrintableText(m.serial_number, kMaxHeadText);
     io.Require(IsWithin(m.rate_hz, 1e3, 1e6) && IsWithin(m.field_mm, 1, 2000) &&
@@ -134,6 +135,7 @@ struct Layout<HeadStatus> : OnHeadLine {
     io.Number(m.last_begun);
     io.Number(m.last_done);
     io.Number(m.drops_taken);
+    io.Number(m.prints);
     io.Require(m.interlocks <= kAllHeadInterlocks && std::isfinite(m.edge_mm));
   }
 };
@@ -169,6 +171,21 @@ struct Layout<HeadWeb> : OnHeadLine {
 };
 
 template <>
+struct Layout<HeadPrint> : OnHeadLine {
+  static constexpr const char* kName = "HeadPrint";
+  static void Fields(auto& io, auto& m) {
+    io.Number(m.first);
+    io.template Size<std::uint8_t>(m.marks, 1, kMaxHeadPrints);
+    io.Require(m.first <= 0xffffffff - m.marks.size());
+    for (auto& mark : m.marks) {
+      io.Number(mark.tick);
+      io.Number(mark.count);
+      io.Require(std::isfinite(mark.count));
+    }
+  }
+};
+
+template <>
 struct Layout<HeadPast> : OnHeadLine {
   static constexpr const char* kName = "HeadPast";
   static void Fields(auto& io, auto& m) {
@@ -188,6 +205,7 @@ template Bytes Encode(const HeadIdentity&);
 template Bytes Encode(const HeadStatus&);
 template Bytes Encode(const HeadMarks&);
 template Bytes Encode(const HeadWeb&);
+template Bytes Encode(const HeadPrint&);
 template Bytes Encode(const HeadPast&);
 template Result<HeadPermit> Decode(std::span<const std::byte>);
 template Result<HeadBegin> Decode(std::span<const std::byte>);
@@ -197,6 +215,7 @@ template Result<HeadIdentity> Decode(std::span<const std::byte>);
 template Result<HeadStatus> Decode(std::span<const std::byte>);
 template Result<HeadMarks> Decode(std::span<const std::byte>);
 template Result<HeadWeb> Decode(std::span<const std::byte>);
+template Result<HeadPrint> Decode(std::span<const std::byte>);
 template Result<HeadPast> Decode(std::span<const std::byte>);
 
 }  // namespace intaglio::link

@@ -15,6 +15,10 @@
 //   Web: the host sends ticks ahead, for where it thinks that the web will be. The
 //     controller reads the encoder in each tick and adds what the web is elsewhere
 //     (HeadFollow), so that how far ahead they are sent does not count.
+//   Print: a photo eye before the field sees the marks printed on the web. Each is
+//   latched
+//     in the tick in which its edge passes, with the encoder's count, and numbered from
+//     the power-up on; none is lost, so a gap in the numbers is a fault.
 //   Beam: on only in ticks that say so, within a mark, while the newest HeadPermit is
 //     younger than 250 ms, key on, door closed, stop released, not in the safe state.
 //   Drops: HeadPermit(0), HeadStop, HeadPause, and all that ends the beam, end the run:
@@ -45,6 +49,7 @@ enum class HeadFrame : std::uint8_t {
   kHeadMarks = 0x62,
   kHeadWeb = 0x63,
   kHeadPast = 0x64,  ///< the answer to every kHeadPastRequest
+  kHeadPrint = 0x65,
 };
 
 struct HeadPermit {
@@ -106,6 +111,7 @@ struct HeadIdentity {
   double field_mm = 0;            ///< 1..2000
   std::uint32_t queue_ticks = 0;  ///< that it can hold, above 0
   std::uint32_t remembered_marks = 0;
+  bool has_eye = false;       ///< a photo eye for print marks
   std::string model;          ///< at most 64 bytes
   std::string serial_number;  ///< printable ASCII, at most 64; empty: it has none
 };
@@ -150,9 +156,11 @@ struct HeadStatus {
   std::uint32_t last_begun = 0, last_done = 0;  ///< marks; kNoHeadMark: none of this run
   /// HeadPermit(0), HeadStop, HeadPause and HeadReset taken in this session.
   std::uint32_t drops_taken = 0;
+  std::uint32_t prints = 0;  ///< print marks that passed the photo eye since power-up
 };
 inline constexpr std::uint32_t kNoHeadMark = 0xffffffff;
-// The HeadMarks of all marks up to HeadStatus::tick are sent before it.
+// The HeadMarks of all marks up to HeadStatus::tick are sent before it, and the HeadPrint
+// of all print marks.
 
 enum class HeadMarkFate : std::uint8_t {
   kBegun = 0,
@@ -187,6 +195,20 @@ struct HeadWeb {
   std::vector<HeadWebSample> samples;  ///< 1..kMaxHeadSamples
 };
 inline constexpr std::size_t kMaxHeadSamples = 64;
+
+/// A print mark whose edge has passed the photo eye.
+struct HeadPrintMark {
+  std::uint64_t tick = 0;  ///< in which it passed
+  double count = 0;        ///< of the encoder, by the filter of HeadFollow; finite
+};
+
+/// Print marks in the order in which they passed, each once in a session; those that
+/// passed before the session are left out. Sent before the HeadWeb of their time.
+struct HeadPrint {
+  std::uint32_t first = 0;           ///< number since power-up, from 0, of the first
+  std::vector<HeadPrintMark> marks;  ///< 1..kMaxHeadPrints
+};
+inline constexpr std::size_t kMaxHeadPrints = 60;
 
 struct HeadPast {
   std::uint32_t run = 0;

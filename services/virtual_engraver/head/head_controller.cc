@@ -19,13 +19,23 @@ constexpr std::size_t kMaxWebSamples = 4096;
 }  // namespace
 
 HeadController::HeadController(const HeadOptions& options,
-                               std::function<void(const formats::BurntTick&)> burn)
-    : options_(options), burn_(std::move(burn)), physics_(options.physics) {}
+                               std::function<void(const formats::BurntTick&)> burn,
+                               std::function<void(const formats::PrintMark&)> print)
+    : options_(options),
+      burn_(std::move(burn)),
+      print_(std::move(print)),
+      physics_(options.physics) {}
 
 link::HeadIdentity HeadController::Identity() const {
-  return {
-      options_.power_up,    options_.lockstep,  kHeadRate_hz,   options_.physics.field_mm,
-      options_.queue_ticks, HeadMemory::kMarks, "virtual head", options_.serial_number};
+  return {options_.power_up,
+          options_.lockstep,
+          kHeadRate_hz,
+          options_.physics.field_mm,
+          options_.queue_ticks,
+          HeadMemory::kMarks,
+          options_.physics.eye_mm.has_value(),
+          "virtual head",
+          options_.serial_number};
 }
 
 void HeadController::NewSession() {
@@ -34,6 +44,7 @@ void HeadController::NewSession() {
   drops_taken_ = 0;
   memory_.DropReports();
   web_.samples.clear();
+  unsent_prints_.clear();
 }
 
 void HeadController::LoseHost() {
@@ -215,7 +226,29 @@ void HeadController::PassTick() {
   }
   if (finishing_ && queue_.empty()) EndRun(HeadRunState::kFinished);
   web_counter_.Update(physics_.ReadEncoder());
+  LatchPrints();
   if (tick_ % kWebStepTicks == 0) SampleWeb();
+}
+
+void HeadController::LatchPrints() {
+  while (const auto seen = physics_.SeePrint()) {
+    ++prints_;
+    unsent_prints_.push_back({tick_, web_counter_.Ahead(0)});
+    if (seen->printed) print_({tick_, seen->place_mm});
+  }
+}
+
+std::vector<link::HeadPrint> HeadController::TakePrints() {
+  std::vector<link::HeadPrint> frames;
+  auto first = static_cast<std::uint32_t>(prints_ - unsent_prints_.size());
+  for (const link::HeadPrintMark& mark : unsent_prints_) {
+    if (frames.empty() || frames.back().marks.size() == link::kMaxHeadPrints)
+      frames.push_back({first, {}});
+    frames.back().marks.push_back(mark);
+    ++first;
+  }
+  unsent_prints_.clear();
+  return frames;
 }
 
 void HeadController::SampleWeb() {
@@ -263,6 +296,7 @@ link::HeadStatus HeadController::Status() const {
   status.last_begun = last_begun_;
   status.last_done = last_done_;
   status.drops_taken = drops_taken_;
+  status.prints = prints_;
   return status;
 }
 

@@ -29,9 +29,11 @@ struct HeadOptions {
 
 class HeadController {
  public:
-  /// `burn` takes what each lit tick burnt.
+  /// `burn` takes what each lit tick burnt, `print` each print mark that passed the photo
+  /// eye, without dirt.
   HeadController(const HeadOptions& options,
-                 std::function<void(const formats::BurntTick&)> burn);
+                 std::function<void(const formats::BurntTick&)> burn,
+                 std::function<void(const formats::PrintMark&)> print);
 
   link::HeadIdentity Identity() const;
   /// A host has come: what another one sent is dropped.
@@ -61,6 +63,7 @@ class HeadController {
   HeadMemory& memory() { return memory_; }
   /// Since the last call.
   std::vector<link::HeadWeb> TakeWeb();
+  std::vector<link::HeadPrint> TakePrints();
 
  private:
   struct Queued {
@@ -77,9 +80,11 @@ class HeadController {
                  link::HeadTick& tick) const;
   void Output(const link::HeadTick& tick);
   void SampleWeb();
+  void LatchPrints();
 
   HeadOptions options_;
   std::function<void(const formats::BurntTick&)> burn_;
+  std::function<void(const formats::PrintMark&)> print_;
   HeadPhysics physics_;
   HeadMemory memory_;
   WebCounter web_counter_;
@@ -97,6 +102,8 @@ class HeadController {
   link::HeadRunState run_state_ = link::HeadRunState::kNone;
   std::uint32_t last_begun_ = link::kNoHeadMark, last_done_ = link::kNoHeadMark;
   link::HeadWeb web_;
+  std::uint32_t prints_ = 0;                        // since power-up
+  std::vector<link::HeadPrintMark> unsent_prints_;  // the newest of them
 };
 
 }  // namespace intaglio::virtual_engraver

@@ -39,10 +39,15 @@ HeadMachine::HeadMachine(const HeadOptions& options, std::ofstream record,
       record_(std::move(record)),
       clock_(std::move(clock)),
       begun_at_(clock_()),
-      controller_(options, [this](const formats::BurntTick& tick) {
-        formats::AppendBurntTick(tick, unwritten_);
-        ++burnt_ticks_;
-      }) {}
+      controller_(
+          options,
+          [this](const formats::BurntTick& tick) {
+            formats::AppendBurntTick(tick, unwritten_);
+            ++burnt_ticks_;
+          },
+          [this](const formats::PrintMark& mark) {
+            formats::AppendPrintMark(mark, unwritten_);
+          }) {}
 
 void HeadMachine::Plug(std::unique_ptr<link::ByteStream> end) {
   controller_.LoseHost();
@@ -119,6 +124,8 @@ void HeadMachine::SendReports() {
   if (changed != sent_state_ || line_.IsStatusDue(clock_()) || drained) {
     sent_state_ = changed;
     line_.SetNextStatus(clock_() + kHeadStatusPeriod);
+    for (const link::HeadPrint& print : controller_.TakePrints())
+      line_.Send(HeadFrame::kHeadPrint, Encode(print));
     for (const link::HeadWeb& web : controller_.TakeWeb())
       line_.Send(HeadFrame::kHeadWeb, Encode(web));
     line_.Send(HeadFrame::kHeadStatus, Encode(status));

@@ -47,6 +47,7 @@ double MirrorServo::Follow(double command, double duration_s) {
 HeadPhysics::HeadPhysics(const HeadPhysicsOptions& options)
     : options_(options),
       mirrors_{MirrorServo(options.servo_lag_s), MirrorServo(options.servo_lag_s)},
+      print_(options.print),
       random_(options.seed) {
   if (options.half_angle_rad > 0)
     focal_mm_ = options.field_mm / 2 / options.half_angle_rad;
@@ -83,6 +84,13 @@ double HeadPhysics::EdgeOver(double web_mm) const {
 // web had come less far by the sensor's distance.
 Vec2 HeadPhysics::PlaceOnMaterial() const {
   return PlaceInField() - Vec2(web_mm_, EdgeOver(web_mm_ - options_.edge_sensor_mm));
+}
+
+std::optional<HeadPhysics::SeenPrint> HeadPhysics::SeePrint() {
+  if (!options_.eye_mm) return std::nullopt;
+  const auto passed = print_.Next(web_mm_);
+  if (!passed) return std::nullopt;
+  return SeenPrint{-*options_.eye_mm - passed->place_mm, passed->printed};
 }
 
 double HeadPhysics::ReadEdge() const { return EdgeOver(web_mm_); }

@@ -8,9 +8,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <random>
 
 #include "engrave/core/geometry.h"
+#include "services/virtual_engraver/head/printed_web.h"
 
 namespace intaglio::virtual_engraver {
 
@@ -22,6 +24,8 @@ struct HeadPhysicsOptions {
   double encoder_count_mm = 0.023, encoder_jitter_mm = 0;
   double web_mm_s = 0, web_wave_ratio = 0, web_wave_s = 1;
   double edge_wave_mm = 0, edge_wave_length_mm = 500, edge_sensor_mm = 0;
+  std::optional<double> eye_mm;  ///< the photo eye before the middle of the field
+  PrintOptions print;
   unsigned seed = 0;
 };
 
@@ -47,6 +51,13 @@ class HeadPhysics {
   Vec2 PlaceOnMaterial() const;
   Vec2 PlaceInField() const;
   std::int64_t ReadEncoder();
+  /// The next print mark or dirt that has passed the photo eye by now, by its place in
+  /// the material along x; none: nothing has.
+  struct SeenPrint {
+    double place_mm = 0;
+    bool printed = false;
+  };
+  std::optional<SeenPrint> SeePrint();
   /// At the sensor, along +y.
   double ReadEdge() const;
 
@@ -57,6 +68,7 @@ class HeadPhysics {
   std::array<MirrorServo, 2> mirrors_;
   double focal_mm_ = 0;
   double time_s_ = 0, web_mm_ = 0;
+  PrintedWeb print_;
   std::mt19937_64 random_;
 };
 

@@ -50,6 +50,13 @@ HeadOptions HeadOptionsOf(const MachineTruth& truth) {
   p.edge_wave_mm = head.edge_wave_mm();
   if (head.has_edge_wave_length_mm()) p.edge_wave_length_mm = head.edge_wave_length_mm();
   p.edge_sensor_mm = head.edge_sensor_mm();
+  if (head.has_eye_mm()) p.eye_mm = head.eye_mm();
+  p.print.pitch_mm = head.print_pitch_mm();
+  p.print.stretch_ratio = head.print_stretch_ratio();
+  p.print.ripple_ratio = head.print_ripple_ratio();
+  if (head.has_print_ripple_mm()) p.print.ripple_mm = head.print_ripple_mm();
+  p.print.missing.assign(head.print_missing().begin(), head.print_missing().end());
+  p.print.false_mm.assign(head.print_false_mm().begin(), head.print_false_mm().end());
   p.seed = truth.seed();
   if (head.has_laser_w()) options.laser_w = head.laser_w();
   if (head.has_serial_number()) options.serial_number = head.serial_number();

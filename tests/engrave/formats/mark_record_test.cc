@@ -31,7 +31,17 @@ TEST(MarkRecord, ReadsAFileOfAnotherWriter) {
   EXPECT_EQ(tick.energy_mj, 0.25);
   EXPECT_EQ(tick.run, 1u);
   EXPECT_EQ(tick.mark, 3u);
+  ASSERT_EQ(record->prints.size(), 1u);
+  EXPECT_EQ(record->prints[0].tick, 9u);
+  EXPECT_EQ(record->prints[0].place_mm, -71.25);
   EXPECT_EQ(record->torn_bytes, 0u);
+}
+
+TEST(MarkRecord, ReadsTheVersionWithoutPrintMarks) {
+  const auto record = ReadMarkRecord(kTwoTicks.parent_path() / "version_1.rec");
+  ASSERT_TRUE(record) << record.error().message;
+  EXPECT_EQ(record->ticks.size(), 2u);
+  EXPECT_TRUE(record->prints.empty());
 }
 
 TEST(MarkRecord, IsReadableUpToWhereItWasCut) {

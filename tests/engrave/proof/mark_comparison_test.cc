@@ -132,5 +132,38 @@ TEST(MarkComparison, OpenMarksHaveNeitherGapNorDiameter) {
   EXPECT_NEAR(found.marks[0].shape_um, 1, 0.01);
 }
 
+/// Three repeats every 5 mm as planned, on a print that lies elsewhere: its marks are 2
+/// mm before the origins that belong to them.
+constexpr double kPrints[] = {-40, -45.3, -49.1};
+
+MarkComparison OnPrints(const std::vector<Vec2>& origins_mm,
+                        const std::vector<double>& prints_mm) {
+  std::vector<formats::BurntTick> ticks;
+  const Vec2 within[] = {{0, 0}, {2, 3}, {4, -3}};
+  for (std::uint32_t i = 0; i < origins_mm.size(); ++i)
+    BurnCircle({.mark = i, .centre_mm = origins_mm[i] + within[i]}, ticks);
+  return CompareMarks(ThreeCircles(), ticks, PrintedRepeats{prints_mm, 5, -2});
+}
+
+TEST(MarkComparison, RepeatsAreComparedWithTheirPrintMarks) {
+  const std::vector<double> prints(std::begin(kPrints), std::end(kPrints));
+  const auto found = OnPrints({{-42, 0}, {-47.3, 0}, {-51.1, 0}}, prints);
+  EXPECT_TRUE(found.IsGood(1)) << found.worst.place_um;
+  EXPECT_EQ(found.shared_print_count, 0u);
+  // By the pitch in their place each of them is wrong.
+  const auto by_pitch = OnPrints({{-42, 0}, {-47, 0}, {-52, 0}}, prints);
+  EXPECT_NEAR(1e3 * by_pitch.marks[1].offset_mm.x(), 300, 1);
+  EXPECT_NEAR(1e3 * by_pitch.marks[2].offset_mm.x(), -900, 1);
+  EXPECT_FALSE(by_pitch.IsGood(20));
+}
+
+TEST(MarkComparison, TwoRepeatsAtOnePrintMarkAreNamed) {
+  const auto found = OnPrints({{-42, 0}, {-42, 0}, {-51.1, 0}},
+                              {std::begin(kPrints), std::end(kPrints)});
+  EXPECT_EQ(found.shared_print_count, 2u);
+  EXPECT_LT(found.worst.place_um, 1);
+  EXPECT_FALSE(found.IsGood(20));
+}
+
 }  // namespace
 }  // namespace intaglio::proof

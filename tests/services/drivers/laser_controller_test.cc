@@ -255,7 +255,7 @@ TEST_F(LaserThatReports, AnIdentityThatCannotBeReadIsRefusedWithTheRemedy) {
   EXPECT_EQ(
       host->message(),
       "laser line: a frame LaserIdentity is malformed: the laser at /dev/ttyUSB0 must "
-      "use version 12 of the frames (docs/protocols.md)");
+      "use version 13 of the frames (docs/protocols.md)");
   EXPECT_TRUE(reports.empty());
 }
 

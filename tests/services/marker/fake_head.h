@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <deque>
 #include <map>
+#include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -44,6 +46,10 @@ class FakeHead final : public drivers::MarkDriver {
   Status Hold() override {
     if (!state_.can_hold) return MarkDriver::Hold();
     held_ = true;
+    return {};
+  }
+  Status UseEye(const std::optional<drivers::PrintEye>& used) override {
+    eye = used;
     return {};
   }
   Status Begin(std::uint32_t run, std::span<const mark::Pen>) override {
@@ -109,6 +115,11 @@ class FakeHead final : public drivers::MarkDriver {
     } else if (!queue_.empty() && !pausing_) {
       in_hand_ = queue_.front();
       queue_.pop_front();
+      if (without_print.contains(*in_hand_)) {
+        Note(*in_hand_, MarkFate::kBegun);
+        Note(*in_hand_, MarkFate::kNoPrintMark);
+        return in_hand_.reset();
+      }
       begun[*in_hand_]++;
       Note(*in_hand_, MarkFate::kBegun);
     }
@@ -153,6 +164,8 @@ class FakeHead final : public drivers::MarkDriver {
   std::size_t room = 4;
   std::uint32_t forgets_of_run = 0;
   bool opens_shutter = true, silent = false, mute = false, runs_on_without_host = false;
+  std::optional<drivers::PrintEye> eye;
+  std::set<std::uint32_t> without_print;
   std::vector<std::uint32_t> handed;
   std::map<std::uint32_t, int> made, begun;
   int stops = 0, resets = 0, questions = 0;

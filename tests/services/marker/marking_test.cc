@@ -473,5 +473,78 @@ TEST_F(MarkingTest, AWebThatRunsTooFastIsWaitedForBeforeAnythingIsBegun) {
   ExpectEachMadeOnce();
 }
 
+/// Repeats of three marks, each at its print mark.
+class MarkingByPrint : public MarkingTest {
+ protected:
+  static constexpr std::uint32_t kOfRepeat = 3;
+
+  void BeginByPrint() {
+    frozen_.mutable_machine()->mutable_scan_head()->set_field_mm(60);
+    frozen_.mutable_machine()->mutable_scan_head()->set_jump_mm_s(5000);
+    frozen_.mutable_machine()->mutable_scan_head()->set_eye_mm(200);
+    Marks& marks = *frozen_.mutable_job()->mutable_marks();
+    marks.mutable_repeats()->set_pitch_mm(50);
+    marks.mutable_web()->mutable_eye()->set_offset_mm(-4);
+    marks.mutable_web()->mutable_eye()->set_max_missing(5);
+    mark::MarkSet set = SomeMarks(kCount);
+    for (std::uint32_t i = 0; i < kCount; ++i)
+      set.marks[i].web_mm = 50.0 * (i / kOfRepeat);
+    fs::remove_all(folder_);
+    Begin(std::move(set));
+  }
+  formats::PointHistory HistoryOf(std::uint32_t mark) {
+    return formats::HistoryOf(formats::ReadJournal(folder_ / kJournalFile).value())[mark];
+  }
+  void ExpectLeftOut(std::uint32_t mark, formats::MarkSkip why) {
+    EXPECT_EQ(marking_->ledger().state(mark), PointState::kLeftOut) << mark;
+    EXPECT_EQ(HistoryOf(mark).outcome, formats::PointOutcome::kLeftOut) << mark;
+    EXPECT_EQ(HistoryOf(mark).reason, static_cast<std::uint8_t>(why)) << mark;
+    EXPECT_FALSE(head_.made.contains(mark)) << mark;
+  }
+};
+
+TEST_F(MarkingByPrint, ARepeatWithoutAPrintMarkIsLeftOutForGood) {
+  head_.without_print = {3, 4, 5};
+  BeginByPrint();
+  ASSERT_TRUE(ToItsEnd()) << marking_->message();
+  ASSERT_TRUE(head_.eye);
+  EXPECT_EQ(head_.eye->pitch_mm, 50);
+  EXPECT_EQ(head_.eye->offset_mm, -4);
+  EXPECT_EQ(head_.eye->tolerance_mm, 1);
+  EXPECT_EQ(head_.eye->max_missing, 5u);
+  EXPECT_EQ(head_.eye->first_repeat, 0u);
+  EXPECT_EQ(head_.made.size(), kCount - 3);
+  for (const std::uint32_t mark : {3u, 4u, 5u})
+    ExpectLeftOut(mark, formats::MarkSkip::kNoPrintMark);
+  EXPECT_EQ(marking_->run_count(), 1u);
+}
+
+TEST_F(MarkingByPrint, BehindAPauseTheRestOfARepeatIsLeftOut) {
+  BeginByPrint();
+  ASSERT_TRUE(TillMade(3));
+  inputs_.permission_granted = false;
+  ASSERT_TRUE(TurnUntil([&] { return marking_->waits() && !head_.at_work(); }));
+  ASSERT_EQ(head_.made.size(), 4u);
+  inputs_.permission_granted = true;
+  ASSERT_TRUE(ToItsEnd()) << marking_->message();
+  // One mark of the second repeat was made.
+  EXPECT_EQ(head_.eye->first_repeat, 2u);
+  for (const std::uint32_t mark : {4u, 5u})
+    ExpectLeftOut(mark, formats::MarkSkip::kRepeatBegun);
+  EXPECT_EQ(head_.made.size(), kCount - 2);
+  for (const auto& [mark, times] : head_.begun) EXPECT_EQ(times, 1) << mark;
+}
+
+TEST_F(MarkingByPrint, AnotherLifeLeavesOutTheRestToo) {
+  BeginByPrint();
+  ASSERT_TRUE(TillMade(4));
+  Restart();
+  inputs_.grant = {2, 0};
+  ASSERT_TRUE(TurnUntil([&] { return marking_->asks() || ToItsEnd(); }));
+  for (const std::uint32_t mark : {4u, 5u}) EXPECT_FALSE(head_.made.contains(mark));
+  EXPECT_EQ(HistoryOf(5).reason,
+            static_cast<std::uint8_t>(formats::MarkSkip::kRepeatBegun));
+}
+
 }  // namespace
 }  // namespace intaglio::marker

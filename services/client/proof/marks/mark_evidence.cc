@@ -9,6 +9,7 @@
 #include "engrave/core/try.h"
 #include "engrave/mark/mark_file.h"
 #include "services/client/proof/evidence/proof_evidence.h"
+#include "services/job/convert/mark_defaults.h"
 #include "services/platform/fields/field_defaults.h"
 
 namespace intaglio::client {
@@ -82,8 +83,17 @@ Result<MarkEvidence> ReadMarkEvidence(const fs::path& folder) {
   }
   evidence.has_material = true;
   evidence.burnt = std::move(record.ticks);
-  evidence.compared =
-      proof::CompareMarks(evidence.marks, evidence.burnt, evidence.on_web());
+  const Marks marks = WithDefaults(evidence.job.job().marks());
+  if (marks.web().has_eye()) {
+    proof::PrintedRepeats repeats{
+        {}, marks.repeats().pitch_mm(), marks.web().eye().offset_mm()};
+    for (const formats::PrintMark& print : record.prints)
+      repeats.prints_mm.push_back(print.place_mm);
+    evidence.compared = proof::CompareMarks(evidence.marks, evidence.burnt, repeats);
+  } else {
+    evidence.compared =
+        proof::CompareMarks(evidence.marks, evidence.burnt, evidence.on_web());
+  }
   evidence.account = proof::AccountMarks(evidence.history, evidence.compared);
   return evidence;
 }

@@ -7,10 +7,12 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 
 #include "engrave/mark/mark_file.h"
 #include "services/client/proof/evidence/proof_figures.h"
+#include "services/job/convert/mark_defaults.h"
 #include "services/job/marks/job_marks.h"
 #include "services/job/marks/mark_times.h"
 #include "services/job/marks/web_run.h"
@@ -133,7 +135,46 @@ void AddMarkedSpeed(const MarkEvidence& evidence, MarkWebReport& web) {
   web.set_marked_mm_s(run_mm / (kTickS * static_cast<double>(last->tick - first->tick)));
 }
 
+formats::MarkSkip SkipOf(const formats::PointHistory& mark) {
+  return mark.outcome == formats::PointOutcome::kLeftOut
+             ? static_cast<formats::MarkSkip>(mark.reason)
+             : formats::MarkSkip::kNone;
+}
+
+const char* ReasonText(formats::MarkSkip why) {
+  switch (why) {
+    case formats::MarkSkip::kNoPrintMark:
+      return "the print mark of its repeat is missing";
+    case formats::MarkSkip::kRepeatBegun:
+      return "its repeat was begun in an earlier run";
+    case formats::MarkSkip::kNone:
+      break;
+  }
+  return "";
+}
+
+void AddEye(const MarkEvidence& evidence, MarkEyeReport& eye) {
+  const Marks marks = WithDefaults(evidence.job.job().marks());
+  eye.set_pitch_mm(marks.repeats().pitch_mm());
+  eye.set_offset_mm(marks.web().eye().offset_mm());
+  eye.set_shared_count(evidence.compared.shared_print_count);
+  std::set<std::uint32_t> without, broken_off;
+  for (std::size_t i = 0; i < evidence.history.size(); ++i) {
+    const formats::MarkSkip why = SkipOf(evidence.history[i]);
+    const std::uint32_t repeat = NameOf(evidence, i).repeat();
+    if (why == formats::MarkSkip::kNoPrintMark) without.insert(repeat);
+    if (why == formats::MarkSkip::kRepeatBegun) broken_off.insert(repeat);
+  }
+  eye.set_without_print_count(without.size());
+  eye.set_broken_off_count(broken_off.size());
+  for (const std::uint32_t repeat : without) {
+    if (eye.without_print_size() == static_cast<int>(kMaxFindings)) break;
+    eye.add_without_print(repeat);
+  }
+}
+
 void AddWeb(const MarkEvidence& evidence, MarkWebReport& web) {
+  if (evidence.job.job().marks().web().has_eye()) AddEye(evidence, *web.mutable_eye());
   web.set_asked_mm_s(evidence.job.job().marks().web().speed_mm_s());
   if (const auto run =
           WebRunOf(evidence.job.job(), evidence.job.machine(), evidence.marks))
@@ -153,6 +194,7 @@ MarkFinding FindingOf(const MarkEvidence& evidence, std::size_t place) {
   finding.set_outcome(OutcomeName(mark.outcome));
   finding.set_uncertain(mark.uncertain);
   finding.set_unaccounted(mark.unaccounted);
+  finding.set_reason(ReasonText(SkipOf(evidence.history[place])));
   if (!evidence.has_material) return finding;
   const BurntMark& burnt = evidence.compared.marks[place];
   finding.set_burnt_ratio(

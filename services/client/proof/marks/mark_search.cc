@@ -46,6 +46,36 @@ RunsOf RunsIn(const formats::Journal& journal) {
   return of;
 }
 
+// Farther than this from all that was burnt no print mark is that of a repeat.
+constexpr double kPrintsAroundMm = 10000;
+
+struct AlongWeb {
+  double from_mm = 0, to_mm = 0;
+};
+
+AlongWeb ExtentOf(const std::vector<formats::BurntTick>& ticks) {
+  const auto [low, high] = std::ranges::minmax_element(
+      ticks, {}, [](const formats::BurntTick& tick) { return tick.place_mm.x(); });
+  return {low->place_mm.x() - kPrintsAroundMm, high->place_mm.x() + kPrintsAroundMm};
+}
+
+/// Without those that are of no use, in a shop that runs for days.
+void KeepPrints(formats::MarkRecord& record) {
+  if (record.ticks.empty()) return record.prints.clear();
+  const AlongWeb around = ExtentOf(record.ticks);
+  std::erase_if(record.prints, [&](const formats::PrintMark& mark) {
+    return mark.place_mm < around.from_mm || mark.place_mm > around.to_mm;
+  });
+}
+
+/// The web of a later power-up is another one: it is laid behind the one before.
+void LayBehind(const formats::MarkRecord& before, formats::MarkRecord& record) {
+  if (record.prints.empty() || before.ticks.empty()) return;
+  const double by_mm = ExtentOf(before.ticks).from_mm - ExtentOf(record.ticks).to_mm;
+  for (formats::BurntTick& tick : record.ticks) tick.place_mm.x() += by_mm;
+  for (formats::PrintMark& mark : record.prints) mark.place_mm += by_mm;
+}
+
 /// Keeps the ticks of these runs, and leaves out the others.
 void KeepTicks(const std::set<std::uint32_t>& runs,
                std::vector<formats::BurntTick>& ticks) {
@@ -92,6 +122,8 @@ Result<std::optional<formats::MarkRecord>> FindBurnt(
     KeepTicks(of.runs.at(power_up), record.ticks);
     if (found->header.field_mm == 0) found->header = record.header;
     if (record.ticks.empty()) continue;
+    KeepPrints(record);
+    LayBehind(*found, record);
     // Unsigned: the offset may be negative, and the sum is not.
     const std::uint64_t offset =
         found->ticks.empty() ? 0
@@ -99,6 +131,10 @@ Result<std::optional<formats::MarkRecord>> FindBurnt(
     for (formats::BurntTick& tick : record.ticks) {
       tick.tick += offset;
       found->ticks.push_back(tick);
+    }
+    for (formats::PrintMark& mark : record.prints) {
+      mark.tick += offset;
+      found->prints.push_back(mark);
     }
   }
   return found;

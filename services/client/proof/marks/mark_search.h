@@ -30,7 +30,8 @@ std::map<std::uint32_t, std::filesystem::path> MarkRecordsIn(
 
 /// The job's ticks of these records, in the order of its power-ups: those of its runs,
 /// and what was burnt between the first and the last of them by no run of it (kNoMark).
-/// The ticks of a later power-up follow those of the one before. Nullopt when a power-up
+/// The ticks of a later power-up follow those of the one before, and its print marks lie
+/// behind those of the one before. Nullopt when a power-up
 /// has no record: it was a real machine's, or the record is lost. kUnreadable, kIo,
 /// kTooLarge.
 Result<std::optional<formats::MarkRecord>> FindBurnt(

@@ -66,6 +66,27 @@ std::string BeyondText(const NamedMeasure& of, double tolerance_um) {
                      of.measure.max_um(), MarkText(of.measure.worst()));
 }
 
+void AddEyeFaults(const MarkEyeReport& eye, Verdict& verdict) {
+  if (eye.without_print_count() > 0) {
+    verdict.add_reasons(fmt::format(
+        "{} left out, because the print mark was missing: {}{}",
+        Counted(eye.without_print_count(), "repeat"),
+        fmt::join(eye.without_print(), ", "),
+        eye.without_print_count() > static_cast<std::uint64_t>(eye.without_print_size())
+            ? ", and more"
+            : ""));
+  }
+  if (eye.broken_off_count() > 0) {
+    verdict.add_reasons(fmt::format(
+        "{} begun and not ended before a run ended: the web has taken the rest away",
+        Counted(eye.broken_off_count(), "repeat")));
+  }
+  if (eye.shared_count() > 0) {
+    verdict.add_reasons(fmt::format("{} at the print mark of another one",
+                                    Counted(eye.shared_count(), "repeat")));
+  }
+}
+
 }  // namespace
 
 void AddMarkFaults(const JobReport& report, Verdict& verdict) {
@@ -90,6 +111,7 @@ void AddMarkFaults(const JobReport& report, Verdict& verdict) {
   none(counts.incomplete() - counts.uncertain_incomplete(), "incomplete",
        "made in part only");
   none(counts.skipped(), "skipped", "not made: skipped, by the journal");
+  if (marks.web().has_eye()) AddEyeFaults(marks.web().eye(), verdict);
   need(counts.uncertain() == 0, [&] { return UncertainText(report); });
   need(counts.unaccounted() == 0, [&] {
     return fmt::format(

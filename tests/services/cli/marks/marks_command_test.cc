@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "engrave/io/whole_file.h"
 #include "services/cli/terminal/interrupt.h"
 #include "tests/services/cli/typed_command.h"
 
@@ -137,6 +138,41 @@ TEST_F(MarksCommand, ThePublishedExampleIsRight) {
       0)
       << errors_;
   EXPECT_THAT(output_, HasSubstr("item 3 "));
+}
+
+// The command and its line of docs/machines/galvo.md.
+TEST_F(MarksCommand, NamesThePrintMarksOfRepeats) {
+  EXPECT_EQ(
+      TypeTo(AddMarksCommand,
+             {"marks", "preview", INTAGLIO_SOURCE_DIR "/deploy/examples/label.textproto",
+              "--machine", INTAGLIO_SOURCE_DIR "/deploy/machines/galvo-web.textproto",
+              "--set", "marks.web.eye.offset_mm=-20"}),
+      0)
+      << errors_;
+  const auto document = io::ReadWholeFile(INTAGLIO_SOURCE_DIR "/docs/machines/galvo.md",
+                                          std::size_t{1} << 20);
+  ASSERT_TRUE(document);
+  const std::string command =
+      "intaglio marks preview label.textproto --set "
+      "marks.web.eye.offset_mm=-20\n```\n```\n";
+  const std::size_t at = document->find(command);
+  ASSERT_NE(at, std::string::npos);
+  const std::size_t line = at + command.size();
+  EXPECT_THAT(output_,
+              HasSubstr(document->substr(line, document->find('\n', line) - line)));
+}
+
+TEST_F(MarksCommand, RefusesAnEyeThatSeesTooLate) {
+  EXPECT_EQ(
+      TypeTo(AddMarksCommand,
+             {"marks", "preview", INTAGLIO_SOURCE_DIR "/deploy/examples/label.textproto",
+              "--machine", INTAGLIO_SOURCE_DIR "/deploy/machines/galvo-web.textproto",
+              "--set", "marks.web.eye.offset_mm=110"}),
+      3)
+      << errors_;
+  EXPECT_THAT(output_,
+              HasSubstr("verdict     marks.web.eye.offset_mm: 110 mm: the photo eye "
+                        "of galvo-web (scan_head.eye_mm: 120) sees"));
 }
 
 }  // namespace

@@ -156,9 +156,9 @@ void HeadBench::Run(std::uint32_t run, const mark::MarkSet& set, bool finish) {
   }
 }
 
-std::vector<formats::BurntTick> HeadBench::Burnt() {
+formats::MarkRecord HeadBench::Record() {
   EXPECT_TRUE(machine_->Flush());
-  return formats::ReadMarkRecord(record_).value().ticks;
+  return formats::ReadMarkRecord(record_).value();
 }
 
 std::vector<MarkFate> HeadBench::FatesOf(std::uint32_t mark) const {

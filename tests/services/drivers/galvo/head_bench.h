@@ -60,7 +60,8 @@ class HeadBench {
   MarkDriver& driver() { return *driver_; }
   const MarkDeviceState& state() { return driver_->state(); }
   virtual_engraver::HeadController& head() { return machine_->controller(); }
-  std::vector<formats::BurntTick> Burnt();
+  formats::MarkRecord Record();
+  std::vector<formats::BurntTick> Burnt() { return Record().ticks; }
   /// The fates of a mark, in order.
   std::vector<MarkFate> FatesOf(std::uint32_t mark) const;
   bool Has(std::uint32_t mark, MarkFate fate) const;

@@ -34,7 +34,7 @@ TEST(ExpectedDevice, WithoutASerialNumberAcceptsEveryDevice) {
 
 TEST(ExpectedDevice, AsksForTheVersionOfTheFrames) {
   EXPECT_EQ(kLaser.VersionHint(),
-            "the laser at /dev/ttyUSB0 must use version 12 of the frames "
+            "the laser at /dev/ttyUSB0 must use version 13 of the frames "
             "(docs/protocols.md)");
 }
 

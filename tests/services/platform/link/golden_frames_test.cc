@@ -27,7 +27,7 @@ TEST(Protocols, AreTheGoldenBytes) {
 
 // A machine that was not upgraded: nothing of it is understood as something else.
 TEST(Protocols, DropEachFrameOfTheVersionBefore) {
-  const auto before = Golden("link_frames_version_11.golden");
+  const auto before = Golden("link_frames_version_12.golden");
   ASSERT_FALSE(before.empty());
   for (const auto& [name, hex] : before) {
     FrameParser().Feed(BytesOf(hex), [&name](const FrameHeader&, auto) {

@@ -109,7 +109,7 @@ TEST_F(DeviceAndSession, ADeviceThatIsSilentFromTheStartIsReportedToBe) {
   EXPECT_FALSE(session.up());
   EXPECT_EQ(
       session.message(),
-      "the device does not answer: check that it is switched on and uses version 12 "
+      "the device does not answer: check that it is switched on and uses version 13 "
       "of the frames");
   to_host->cut = false;
   TurnFor(milliseconds(50));

@@ -62,6 +62,7 @@ const std::map<std::string, Taker> kTakers = {{"LampCommand", Taken<LampCommand>
                                               {"HeadStatus", Taken<HeadStatus>},
                                               {"HeadMarks", Taken<HeadMarks>},
                                               {"HeadWeb", Taken<HeadWeb>},
+                                              {"HeadPrint", Taken<HeadPrint>},
                                               {"HeadPast", Taken<HeadPast>}};
 
 TEST(Protocols, EveryMessageWithAPayloadIsTakenWholeAndOnlyWhole) {
