@@ -10,10 +10,13 @@
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <random>
+#include <set>
 #include <thread>
 
 #include "engrave/formats/mark_record.h"
+#include "engrave/mark/mark_file.h"
 #include "tests/integration/mark_shop.h"
 #include "tests/test_folder.h"
 
@@ -154,6 +157,85 @@ TEST_F(WebShop, WithoutASpeedTheLargestIsShownAndWhatIsNotMarked) {
                                       "made up to "));
   EXPECT_THAT(shop.shown(), HasSubstr("warning    label.svg"));
   EXPECT_EQ(shop.Judge().made, kWebMarks);
+}
+
+/// Where the repeats of a job lie on a printed web: by the plan of the job, and the
+/// record of the material with its print marks. Marks that are not whole are left out.
+struct RepeatsOnPrint {
+  std::map<long, std::set<double>> prints;  ///< by repeat, those its marks are nearest to
+  double worst_um = 0;
+
+  /// No two repeats lie at one print mark, and no repeat at two.
+  bool has_own_prints() const {
+    std::set<double> all;
+    return std::ranges::all_of(prints, [&](const auto& of) {
+      return of.second.size() == 1 && all.insert(*of.second.begin()).second;
+    });
+  }
+};
+
+RepeatsOnPrint RepeatsIn(const fs::path& shop, double pitch_mm, double offset_mm) {
+  RepeatsOnPrint found;
+  const auto record = formats::ReadMarkRecord(shop / "marks.rec");
+  EXPECT_TRUE(record);
+  for (const auto& entry : fs::directory_iterator(shop / "jobs")) {
+    if (!entry.path().filename().string().starts_with("1-")) continue;
+    const auto plan = mark::ReadMarkFile(entry.path() / "marks.bin");
+    EXPECT_TRUE(plan);
+    if (!plan || !record) return found;
+    std::map<std::uint32_t, std::pair<Vec2, double>> burnt;  // sum of ways, length
+    for (const auto& tick : record->ticks) {
+      auto& [sum, length] = burnt.try_emplace(tick.mark, Vec2(0, 0), 0).first->second;
+      sum += tick.way_mm.norm() * (tick.place_mm - tick.way_mm / 2);
+      length += tick.way_mm.norm();
+    }
+    for (const auto& [number, way] : burnt) {
+      const mark::Mark& mark = plan->marks.at(number);
+      if (std::abs(way.second - mark::LengthOf(mark)) > 0.05) continue;
+      auto planned = mark::PlacesOf(mark, 1e-4);
+      planned.push_back(planned.front());
+      const Vec2 origin = way.first / way.second - mark::MiddleOf(planned);
+      const auto off = [&](const formats::PrintMark& print) {
+        return (origin - Vec2(print.place_mm + offset_mm, 0)).norm();
+      };
+      const auto nearest = std::ranges::min_element(record->prints, {}, off);
+      found.prints[std::lround(mark.web_mm / pitch_mm)].insert(nearest->place_mm);
+      found.worst_um = std::max(found.worst_um, 1e3 * off(*nearest));
+    }
+  }
+  return found;
+}
+
+// The web does not wait for its marker: what it brings meanwhile stays as it is.
+TEST_F(WebShop, BehindAPauseAPrintedWebGoesOnAtItsNextPrintMarks) {
+  constexpr std::size_t kPrinted = 30, kPrintedMarks = 3 * kPrinted;
+  const fs::path truth = folder_ / "truth.textproto";
+  std::ofstream(truth) << "head { web_mm_s: 60 print_pitch_mm: 20 print_ripple_mm: 300 "
+                       << "print_stretch_ratio: 0.01 print_ripple_ratio: 0.1 }";
+  MarkShop shop(
+      {.job = "name: \"print\" marks { items { drawing { file: \"label.svg\" } "
+              "} pen { speed_mm_s: 1500 } repeats { count: 30 pitch_mm: 20 } web "
+              "{ speed_mm_s: 60 eye { offset_mm: -5 tolerance_mm: 3 } } }",
+       .profile = "galvo-web",
+       .up = {"--truth", truth.string()},
+       .mark_count = kPrintedMarks},
+      folder_);
+  ASSERT_TRUE(shop.Open()) << shop.UpOutput();
+  ASSERT_TRUE(shop.Submit());
+  ASSERT_TRUE(Eventually([&] { return shop.BurntTicks() > 3000; }, 60s)) << shop.Show();
+  shop.Type({"pause", "1"});
+  ASSERT_TRUE(Eventually([&] { return shop.Show(), shop.IsIn("paused"); }, 60s))
+      << shop.shown();
+  ASSERT_TRUE(shop.AwaitDone(kBound)) << shop.shown() << shop.UpOutput();
+  const MarkJudgement judgement = shop.Judge();
+  EXPECT_EQ(judgement.doubled + judgement.unknown + judgement.not_made, 0u);
+  // A run that ends within a repeat leaves out two marks of it at most.
+  EXPECT_GE(judgement.made + judgement.uncertain + 20, kPrintedMarks) << shop.shown();
+  const RepeatsOnPrint found = RepeatsIn(folder_ / "shop", 20, -5);
+  EXPECT_GE(found.prints.size(), kPrinted - 10);
+  EXPECT_TRUE(found.has_own_prints());
+  EXPECT_LE(found.worst_um, 20);
+  RecordProperty("worst_um", std::to_string(found.worst_um));
 }
 
 // INTAGLIO_MARK_KILLS: kills of each program, one unless it is set; over as many jobs as
