@@ -248,6 +248,19 @@ TEST(GalvoEye, BehindAPauseOnlyNewPrintMarksBeginRepeats) {
   }
 }
 
+// The numbers have a gap, and what belongs to which repeat is not known any more.
+TEST(GalvoEye, APrintMarkThatIsLostEndsTheRun) {
+  HeadBench bench(EyeProfile(), UnevenTruth());
+  ASSERT_TRUE(bench.Connect());
+  bench.Until([] { return false; }, 0.5);
+  ASSERT_TRUE(bench.driver().UseEye(kPrintedEye));
+  bench.Run(1, PrintedRepeatSet());
+  ASSERT_TRUE(bench.Until([&] { return bench.Has(3, MarkFate::kDone); }, 20));
+  ASSERT_TRUE(bench.Until([&] { return !bench.head().TakePrints().empty(); }, 2));
+  ASSERT_TRUE(bench.Until([&] { return bench.state().settled; }, 2));
+  EXPECT_THAT(bench.state().fault, HasSubstr("were lost on the line"));
+}
+
 TEST(GalvoEye, AHeadWithoutAnEyeRefusesPrintMarks) {
   MachineSpec blind = EyeProfile();
   blind.mutable_scan_head()->clear_eye_mm();
