@@ -87,14 +87,12 @@ std::string PrintTracker::LossText() const {
   if (!found_) {
     return fmt::format(
         "the photo eye has seen no print mark {:g} mm behind another one (within {:g} "
-        "mm) "
-        "in {:.0f} mm of web: {}",
+        "mm) in {:.0f} mm of web: {}",
         eye_.pitch_mm, eye_.tolerance_mm, now_mm_ - begin_mm_, remedy);
   }
   return fmt::format(
       "{} missing in a row, and marks.web.eye.max_missing is {}; the last one was that "
-      "of "
-      "repeat {}: {}",
+      "of repeat {}: {}",
       Counted(missing_in_a_row_, "print mark"), eye_.max_missing,
       eye_.first_repeat + places_mm_.size() - (missing_in_a_row_ - 1), remedy);
 }
