@@ -233,14 +233,16 @@ bool JobClient::KnowsAllJobs() const {
   return counted && jobs_.size() - lost_.size() >= *counted;
 }
 
-bool JobClient::KnowsAllServices() const {
+bool JobClient::KnowsAllServices(const std::vector<ServiceView>& found) const {
   bool served = false;
   for (const auto& [instance, service] : services_) {
     if (service.role != intaglio_ROLE_JOB_SERVICE) continue;
     const auto list = listed_.lists().find(instance);
     if (list == listed_.lists().end()) return false;
     for (const ListedService& listed : list->second)
-      if (!services_.contains(listed.instance)) return false;
+      if (std::ranges::find(found, listed.instance, &ServiceView::instance) ==
+          found.end())
+        return false;
     served = true;
   }
   return served;

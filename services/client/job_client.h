@@ -73,8 +73,8 @@ class JobClient {
   void Withdraw(std::uint64_t number);
 
   /// Every job service that is there has listed the services of the shop, and each of
-  /// them has come. False without a job service.
-  bool KnowsAllServices() const;
+  /// them is among those that were found. False without a job service.
+  bool KnowsAllServices(const std::vector<ServiceView>& found) const;
   /// By uid; of the last revision seen. An ended job that the job service has forgotten
   /// leaves a minute later: by then every client that follows it has read its end.
   const std::map<std::string, JobView>& jobs() const { return jobs_; }

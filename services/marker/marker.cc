@@ -38,6 +38,7 @@ Marker::Marker(host::ServiceHost& host, const MachineSpec& machine,
       driver_(std::move(driver)),
       intake_(host.bus(), host.instance(), bus::kOrderedMarkBatch),
       interlocks_(host.bus(), bus::kInterlock, cell_),
+      reporter_(host.bus(), host.instance()),
       teacher_(MakeTeacher(machine, profile)),
       task_(host, cell_, *this) {
   if (drivers::HandMotion* hand = driver_->hand())
@@ -60,6 +61,7 @@ void Marker::Turn(std::chrono::nanoseconds now) {
   TurnByHand();
   task_.Turn();
   PublishInterlock();
+  reporter_.Turn(now_);
 }
 
 // A run does not begin before the driver is settled: motion by hand ends by the arm.
@@ -166,6 +168,7 @@ void Marker::PublishInterlock() {
     sample.shutters_open = state.shutter_open ? 1 : 0;
   }
   (void)interlocks_.Write(sample);
+  reporter_.Update(sample);
 }
 
 }  // namespace intaglio::marker

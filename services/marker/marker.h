@@ -20,6 +20,7 @@
 #include "services/marker/begun_zero.h"
 #include "services/marker/marking.h"
 #include "services/marker/marking_preparation.h"
+#include "services/platform/host/peers/machine_reporter.h"
 #include "services/platform/host/process/service_host.h"
 #include "services/platform/host/stage/flow.h"
 #include "services/platform/host/threads/computation.h"
@@ -87,6 +88,7 @@ class Marker final : private cell::Maker {
   std::unique_ptr<drivers::MarkDriver> driver_;
   host::MarkIntake intake_;
   bus::Writer<intaglio_Interlock> interlocks_;
+  host::MachineReporter reporter_;
   std::unique_ptr<cell::Teacher> teacher_;
   std::optional<cell::ManualDesk> desk_;  ///< of a controller that a person can move
 

@@ -65,6 +65,7 @@ Bridge::Bridge(host::ServiceHost& host, const MachineSpec& machine, std::string 
       stops_(host.bus(), bus::kEmergencyStop, cell_),
       states_(host.bus(), bus::kMotionState, cell_),
       positions_(host.bus(), bus::kPositionReport, cell_),
+      reporter_(host.bus(), host.instance()),
       credit_(host.bus(), host.instance()),
       teacher_(machine, std::move(profile)),
       manual_(host.bus(), cell_, *driver_, teacher_) {}
@@ -114,6 +115,7 @@ std::string Bridge::message() const {
 void Bridge::PublishAll(std::chrono::nanoseconds now) {
   PublishPositions();
   PublishState(now);
+  reporter_.Turn(now);
 }
 
 void Bridge::TakeBatches() {
@@ -284,6 +286,7 @@ void Bridge::PublishState(std::chrono::nanoseconds now) {
   const auto held = host::WireOf(stop_.held());
   Borrow(sample.bus_stops, held);
   (void)states_.Write(sample);
+  reporter_.Update(sample);
 }
 
 }  // namespace intaglio::motion_bridge

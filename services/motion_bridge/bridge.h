@@ -26,6 +26,7 @@
 #include "services/drivers/interface/motion_driver.h"
 #include "services/motion_bridge/profile_teacher.h"
 #include "services/platform/bus/flow.h"
+#include "services/platform/host/peers/machine_reporter.h"
 #include "services/platform/host/process/service_host.h"
 #include "services/platform/host/safety/stop_latch.h"
 
@@ -84,6 +85,7 @@ class Bridge {
   bus::Reader<intaglio_EmergencyStop> stops_;
   bus::Writer<intaglio_MotionState> states_;
   bus::Writer<intaglio_PositionReport> positions_;
+  host::MachineReporter reporter_;
   bus::CreditGrantor credit_;
 
   ProfileTeacher teacher_;

@@ -14,11 +14,12 @@ namespace {
 constexpr std::array<std::string_view, 10> kCommands = {
     "JobSubmission",      "JobCommand", "DiscretizeTask", "SortTask",      "EngraveTask",
     "MotionSegmentBatch", "Permission", "EmergencyStop",  "ManualCommand", "CellMove"};
-constexpr std::array<std::string_view, 19> kBelieved = {
-    "JobCount",         "JobStatus",   "JobCommandAnswer", "TaskStatus", "ServiceHealth",
-    "Credit",           "ModelChunk",  "PointBatch",       "PathBatch",  "MarkBatch",
-    "OrderedMarkBatch", "MotionState", "PositionReport",   "LampSync",   "Interlock",
-    "DiskSpace",        "ManualState", "Mounted",          "ServiceList"};
+constexpr std::array<std::string_view, 21> kBelieved = {
+    "JobCount",         "JobStatus",   "JobCommandAnswer", "TaskStatus",  "ServiceHealth",
+    "Credit",           "ModelChunk",  "PointBatch",       "PathBatch",   "MarkBatch",
+    "OrderedMarkBatch", "MotionState", "PositionReport",   "LampSync",    "Interlock",
+    "DiskSpace",        "ManualState", "Mounted",          "ServiceList", "MachineReport",
+    "KnownService"};
 
 bool Contains(const auto& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();

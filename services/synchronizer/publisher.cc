@@ -34,11 +34,12 @@ intaglio_PulseOutcome WireOutcome(PointOutcome outcome) {
 
 }  // namespace
 
-Publisher::Publisher(bus::Bus& bus, std::string cell)
+Publisher::Publisher(bus::Bus& bus, std::string cell, std::string instance)
     : cell_(std::move(cell)),
       pulses_(bus, bus::kPulseEventBatch, cell_),
       lamp_(bus, bus::kLampSync, cell_),
-      interlocks_(bus, bus::kInterlock, cell_) {}
+      interlocks_(bus, bus::kInterlock, cell_),
+      reporter_(bus, std::move(instance)) {}
 
 void Publisher::BeginJob(const std::string& job_uid) {
   job_uid_ = job_uid;
@@ -78,14 +79,14 @@ void Publisher::PublishLaser(const drivers::LaserController& laser,
            ? laser.status().interlocks | laser.status().shutters_open << 8 | 1u << 16
            : 0) |
       (stop.pressed() ? 1u << 17 : 0u);
-  if (interlocks == published_interlocks_ && stop.revision() == published_stop_ &&
-      now < next_interlock_) {
-    return;
+  if (interlocks != published_interlocks_ || stop.revision() != published_stop_ ||
+      now >= next_interlock_) {
+    published_interlocks_ = interlocks;
+    published_stop_ = stop.revision();
+    next_interlock_ = now + kInterlockPeriod;
+    PublishInterlock(laser, stop, now);
   }
-  published_interlocks_ = interlocks;
-  published_stop_ = stop.revision();
-  next_interlock_ = now + kInterlockPeriod;
-  PublishInterlock(laser, stop, now);
+  reporter_.Turn(now);
 }
 
 void Publisher::PublishLampSync(const drivers::LaserController& laser,
@@ -105,6 +106,7 @@ void Publisher::PublishLampSync(const drivers::LaserController& laser,
   sample.pulse_count = status.pulse_count;
   sample.last_fired_tick = status.last_fired_tick;
   (void)lamp_.Write(sample);
+  reporter_.Update(sample);
 }
 
 void Publisher::PublishInterlock(const drivers::LaserController& laser,
@@ -129,6 +131,7 @@ void Publisher::PublishInterlock(const drivers::LaserController& laser,
     sample.shutters_open = laser.status().shutters_open;
   }
   (void)interlocks_.Write(sample);
+  reporter_.Update(sample);
 }
 
 }  // namespace intaglio::synchronizer

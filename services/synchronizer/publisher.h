@@ -10,6 +10,7 @@
 
 #include "services/drivers/interface/laser_controller.h"
 #include "services/platform/bus/bus.h"
+#include "services/platform/host/peers/machine_reporter.h"
 #include "services/platform/host/safety/stop_latch.h"
 #include "services/synchronizer/pulses/cell_names.h"
 #include "services/synchronizer/pulses/pulse_schedule.h"
@@ -18,14 +19,16 @@ namespace intaglio::synchronizer {
 
 class Publisher {
  public:
-  Publisher(bus::Bus& bus, std::string cell);
+  /// `instance`: of the process, as in its health.
+  Publisher(bus::Bus& bus, std::string cell, std::string instance);
 
   /// Pulse results are gathered; a batch goes out when it is full or 20 ms old.
   void BeginJob(const std::string& job_uid);
   void Add(const PulseResult& result);
   void Flush(std::chrono::nanoseconds now, bool all);
   /// The lamp's clock with every status of the controller in which more than the time has
-  /// passed, and ten times a second; interlocks when they change and every 50 ms.
+  /// passed, and ten times a second; interlocks when they change and every 50 ms;
+  /// what has changed of the machine for the job service.
   void PublishLaser(const drivers::LaserController& laser, const host::StopLatch& stop,
                     std::chrono::nanoseconds now);
 
@@ -39,6 +42,7 @@ class Publisher {
   bus::Writer<intaglio_PulseEventBatch> pulses_;
   bus::Writer<intaglio_LampSync> lamp_;
   bus::Writer<intaglio_Interlock> interlocks_;
+  host::MachineReporter reporter_;
 
   std::string job_uid_;
   std::uint64_t pulse_number_ = 0;

@@ -6,9 +6,12 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "engrave/formats/glass_record.h"
+#include "services/client/shop/shop_snapshot.h"
+#include "services/platform/bus/bus.h"
 #include "tests/integration/run_program.h"
 #include "tests/test_folder.h"
 
@@ -104,6 +107,61 @@ TEST_F(Cells, ThreeAreFoundAndAJobOnOneLeavesTheOthersAlone) {
   EXPECT_GT(CracksOf(second), 0u);
   EXPECT_EQ(CracksOf(shop_), 0u);
   EXPECT_EQ(CracksOf(shop_ / "cells/els-03-3"), 0u);
+}
+
+// A client that the job service alone answers sees every machine, and discovers none:
+// the work of a client of N machines does not grow with what 3 N participants announce.
+TEST_F(Cells, AreShownByWhatTheJobServiceKnowsAndAMachineThatIsGoneIsNot) {
+  ASSERT_NO_FATAL_FAILURE(Open({"--cells", "2", "--virtual"}));
+  bus::BusOptions options;
+  options.control_domain = 43;
+  options.tag = tag_;
+  options.meets_cells = false;
+  bus::Bus bus(options);
+  client::ShopWatcher shop(bus);
+  const auto becomes = [&](const auto& condition) {
+    return Eventually(
+        [&] {
+          shop.Poll(20ms);
+          return condition();
+        },
+        30s);
+  };
+  ASSERT_TRUE(becomes([&] { return shop.IsComplete(); }));
+  const client::ShopSnapshot open = shop.Take();
+  EXPECT_EQ(open.services.size(), 3u + 2 * 2);
+  for (const char* cell : {"els-03", "els-03-2"}) {
+    ASSERT_TRUE(open.cells.contains(cell));
+    EXPECT_TRUE(open.cells.at(cell).laser_line_up && open.cells.at(cell).has_motion);
+  }
+  for (const client::ServiceView& discovered : shop.client().services())
+    EXPECT_EQ(discovered.cell.find("els-03-2"), std::string::npos) << discovered.instance;
+
+  // A stopped process answers as little as a killed one, and nobody starts it again.
+  const auto bridges =
+      testing::ProcessesWith({"intaglio-motion-bridge", "els-03-2", tag_});
+  ASSERT_EQ(bridges.size(), 1u);
+  ASSERT_EQ(kill(bridges[0], SIGSTOP), 0);
+  const auto has_bridge = [&] {
+    return std::ranges::any_of(shop.Take().services, [](const auto& service) {
+      return service.cell == "els-03-2" && service.role == intaglio_ROLE_MOTION_BRIDGE;
+    });
+  };
+  EXPECT_TRUE(becomes([&] { return !has_bridge(); }));
+  EXPECT_FALSE(shop.Take().cells.at("els-03-2").has_motion);
+  EXPECT_THAT(Type({"status"}).output, HasSubstr("els-03-2: no motion-bridge runs"));
+  ASSERT_EQ(kill(bridges[0], SIGCONT), 0);
+  EXPECT_TRUE(becomes([&] { return has_bridge() && shop.IsComplete(); }));
+
+  // Without a job service the machines are asked.
+  const auto job_services = testing::ProcessesWith({"intaglio-job-service", tag_});
+  ASSERT_EQ(job_services.size(), 1u);
+  ASSERT_EQ(kill(job_services[0], SIGSTOP), 0);
+  EXPECT_TRUE(becomes([&] { return shop.Take().services.empty(); }));
+  const Ended met = Type({"status"});
+  EXPECT_THAT(met.output, AllOf(HasSubstr("no job-service runs"),
+                                HasSubstr("machine    els-03-2   lamp")));
+  ASSERT_EQ(kill(job_services[0], SIGCONT), 0);
 }
 
 // The remedy of a refused arm is a command for this machine, and not for another one.

@@ -50,20 +50,40 @@ int Print(const ShopStatus& status, const StatusOptions& options) {
   return status.needs_person() ? client::kExitMachine : client::kExitGood;
 }
 
+/// A shop that is watched.
+struct Watched {
+  explicit Watched(const bus::BusOptions& options) : bus(options), shop(bus) {}
+
+  bus::Bus bus;
+  client::ShopWatcher shop;
+};
+
+/// What is not here in the end is missing; a service that runs on a busy computer is not.
+std::unique_ptr<Watched> Watch(const bus::BusOptions& options) {
+  auto watched = std::make_unique<Watched>(options);
+  const auto discovery = watched->bus.discovery_time();
+  const auto give_up = Clock::now() + discovery;
+  for (client::Patience patience(discovery + kCompleteTime);
+       Interrupts() == 0 && !watched->shop.IsComplete() && !patience.IsUp();) {
+    // A job service that is there has been discovered by then.
+    if (!options.meets_cells && Clock::now() > give_up && !watched->shop.IsServed())
+      break;
+    watched->shop.Poll(kStatusPollPeriod);
+  }
+  return watched;
+}
+
 int ShowStatus(const StatusOptions& options) {
   client::BusTurn turn;
   CatchInterrupts();
-  bus::Bus bus(options.bus);
-  client::ShopWatcher shop(bus);
-  const auto poll_until = [&](Clock::time_point end, const auto& condition) {
-    while (Interrupts() == 0 && Clock::now() < end && !condition())
-      shop.Poll(kStatusPollPeriod);
+  // The machines themselves are asked where no job service answers for them.
+  auto watched = Watch(WithoutCells(options.bus));
+  const auto meet_cells = [&] {
+    watched.reset();
+    watched = Watch(options.bus);
   };
-  // What is not here by then is missing; a service that runs on a busy computer is not.
-  for (client::Patience patience(bus.discovery_time() + kCompleteTime);
-       Interrupts() == 0 && !shop.IsComplete() && !patience.IsUp();)
-    shop.Poll(kStatusPollPeriod);
-  if (shop.Take().services.empty()) {
+  if (!watched->shop.IsComplete()) meet_cells();
+  if (watched->shop.Take().services.empty()) {
     return Complain({ErrorCode::kTimedOut,
                      "no services found: start them (intaglio up), or check --domain, "
                      "--interface, --tag and --security",
@@ -73,10 +93,13 @@ int ShowStatus(const StatusOptions& options) {
   if (options.watch) turn.End();
   for (;;) {
     const auto now = std::chrono::system_clock::now();
-    const int exit_code = Print(client::StatusOf(shop.Take(), now), options);
+    const int exit_code = Print(client::StatusOf(watched->shop.Take(), now), options);
     if (!options.watch || Interrupts() > 0 || !std::cout) return exit_code;
-    poll_until(Clock::now() + kRefreshPeriod, [] { return false; });
+    for (const auto end = Clock::now() + kRefreshPeriod;
+         Interrupts() == 0 && Clock::now() < end;)
+      watched->shop.Poll(kStatusPollPeriod);
     if (Interrupts() > 0) return exit_code;
+    if (!watched->bus.options().meets_cells && !watched->shop.IsServed()) meet_cells();
   }
 }
 

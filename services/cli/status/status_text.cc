@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "services/cli/progress/time_left.h"
 #include "services/client/figure_text.h"
 #include "services/client/job_view.h"
+#include "services/client/shop/shop_status.h"
 
 namespace intaglio::cli {
 namespace {
@@ -32,9 +34,13 @@ std::string DoorText(const MachineStatus& machine) {
 
 std::string LineOf(const MachineStatus& machine) {
   std::vector<std::string> parts;
+  if (machine.age_s() > client::kStaleAge_s)
+    parts.push_back(fmt::format("AS IT WAS {:.0f} s AGO", machine.age_s()));
   if (machine.laser_line_up()) {
-    parts = {LampText(machine), machine.key_on() ? "key on" : "KEY OFF",
-             DoorText(machine), StopText(machine)};
+    for (const std::string& part :
+         {LampText(machine), std::string(machine.key_on() ? "key on" : "KEY OFF"),
+          DoorText(machine), StopText(machine)})
+      parts.push_back(part);
     if (machine.safe_state()) parts.emplace_back("safe state");
   } else {
     parts.emplace_back("LASER LINE DOWN");
@@ -81,6 +87,14 @@ std::string LineOf(const DiskStatus& disk) {
                      disk.folder());
 }
 
+std::string AgeText(const ShopStatus& status) {
+  double age_s = 0;
+  for (const MachineStatus& machine : status.machines())
+    age_s = std::max(age_s, machine.age_s());
+  if (status.machines().empty()) return "";
+  return fmt::format(", machines as of {:.1f} s ago", age_s);
+}
+
 std::string ServicesText(const ShopStatus& status) {
   std::vector<std::string> names;
   for (const ServiceStatus& service : status.services())
@@ -91,9 +105,9 @@ std::string ServicesText(const ShopStatus& status) {
 }  // namespace
 
 std::string TextOf(const ShopStatus& status, std::time_t now) {
-  std::string text =
-      fmt::format("shop       {}, {}\n", status.time(),
-                  status.needs_person() ? "NEEDS A PERSON" : "all is well");
+  std::string text = fmt::format("shop       {}, {}{}\n", status.time(),
+                                 status.needs_person() ? "NEEDS A PERSON" : "all is well",
+                                 AgeText(status));
   for (const MachineStatus& machine : status.machines())
     text += "machine    " + LineOf(machine) + MountedLine(machine);
   for (const DiskStatus& disk : status.disks()) text += "disk       " + LineOf(disk);

@@ -1,85 +1,78 @@
 #include "services/client/shop/shop_snapshot.h"
 
 #include <algorithm>
-#include <thread>
 
-#include "services/client/shop/stop_reset.h"
 #include "services/platform/bus/samples.h"
 
 namespace intaglio::client {
-namespace {
 
 using bus::View;
 
-void TakeInterlock(const intaglio_Interlock& sample, CellSnapshot& cell) {
-  cell.has_interlock = true;
-  cell.laser_line_up = sample.laser_link_up;
-  cell.key_on = sample.key_on;
-  cell.door_closed = sample.door_closed;
-  cell.door_locked = sample.door_locked;
-  cell.stop_released = sample.emergency_stop_released;
-  cell.lamp_on = sample.lamp_on;
-  cell.lamp_warm = sample.lamp_warm;
-  cell.safe_state = sample.safe_state;
-  cell.shutters_open = sample.shutters_open;
-  cell.stop_pressed = sample.bus_stop_pressed;
-  cell.stops_held.clear();
-  for (const intaglio_StopPress& press : View(sample.bus_stops)) {
-    cell.stops_held.push_back(TextOf({std::string(View(press.source)), press.number}));
-  }
-}
+ShopWatcher::Cells::Cells(bus::Bus& bus)
+    : interlocks(bus, bus::kInterlock, ""),
+      lamps(bus, bus::kLampSync, ""),
+      motion(bus, bus::kMotionState, "") {}
 
-}  // namespace
-
-ShopWatcher::ShopWatcher(bus::Bus& bus)
-    : client_(bus),
-      interlocks_(bus, bus::kInterlock, ""),
-      lamps_(bus, bus::kLampSync, ""),
-      motion_(bus, bus::kMotionState, "") {}
-
-void ShopWatcher::Poll(std::chrono::milliseconds time) {
-  client_.Poll(time);
-  TakeCells();
-}
-
-void ShopWatcher::TakeCells() {
-  interlocks_.TakeAll(
+void ShopWatcher::Cells::Take() {
+  interlocks.TakeAll(
       [this](const intaglio_Interlock& sample, const bus::SampleOrigin& origin) {
         const std::string cell(View(sample.cell));
         if (origin.alive) {
-          TakeInterlock(sample, cells_[cell]);
+          Update(cells[cell], sample);
         } else {
-          cells_.erase(cell);
+          cells.erase(cell);
         }
       });
-  lamps_.Take([this](const intaglio_LampSync& sample) {
-    CellSnapshot& cell = cells_[std::string(View(sample.cell))];
-    cell.has_lamp = true;
-    cell.warm_ratio = sample.warm_ratio;
-    cell.rate_hz = sample.rate_hz;
+  lamps.Take([this](const intaglio_LampSync& sample) {
+    Update(cells[std::string(View(sample.cell))], sample);
   });
-  motion_.Take([this](const intaglio_MotionState& sample) {
-    CellSnapshot& cell = cells_[std::string(View(sample.cell))];
-    cell.has_motion = true;
-    cell.motion_fault = sample.fault;
-    cell.motion_message = View(sample.message);
+  motion.Take([this](const intaglio_MotionState& sample) {
+    CellSnapshot& cell = cells[std::string(View(sample.cell))];
+    Update(cell, sample);
     cell.x_mm = sample.x_mm;
     cell.y_mm = sample.y_mm;
     cell.z_mm = sample.z_mm;
     cell.at_rest = sample.at_rest;
-    cell.has_block_stage = sample.has_block_stage;
-    cell.block_x_mm = sample.block_x_mm;
-    cell.block_y_mm = sample.block_y_mm;
+  });
+}
+
+ShopWatcher::ShopWatcher(bus::Bus& bus) : client_(bus) {
+  if (bus.options().meets_cells) {
+    met_ = std::make_unique<Cells>(bus);
+  } else {
+    known_ = std::make_unique<KnownMachines>(bus);
+  }
+}
+
+void ShopWatcher::Poll(std::chrono::milliseconds time) {
+  client_.Poll(time);
+  if (met_) met_->Take();
+  if (known_) known_->Poll();
+}
+
+std::vector<ServiceView> ShopWatcher::services() const {
+  return known_ ? known_->services() : client_.services();
+}
+
+std::map<std::string, CellSnapshot> ShopWatcher::cells() const {
+  if (met_) return met_->cells;
+  std::map<std::string, CellSnapshot> cells;
+  for (const auto& [name, facts] : known_->machines()) cells[name] = {facts};
+  return cells;
+}
+
+bool ShopWatcher::IsServed() const {
+  return std::ranges::any_of(client_.services(), [](const ServiceView& service) {
+    return service.role == intaglio_ROLE_JOB_SERVICE;
   });
 }
 
 bool ShopWatcher::IsComplete() const {
-  const auto services = client_.services();
-  bool served = false;
-  for (const ServiceView& service : services) {
-    const auto cell = cells_.find(service.cell);
-    const bool known = cell != cells_.end();
-    if (service.role == intaglio_ROLE_JOB_SERVICE) served = true;
+  const auto found = services();
+  const auto machines = cells();
+  for (const ServiceView& service : found) {
+    const auto cell = machines.find(service.cell);
+    const bool known = cell != machines.end();
     if (service.role == intaglio_ROLE_SYNCHRONIZER &&
         !(known && cell->second.has_interlock))
       return false;
@@ -87,24 +80,27 @@ bool ShopWatcher::IsComplete() const {
         !(known && cell->second.has_motion))
       return false;
   }
+  const bool all = IsServed() && client_.KnowsAllServices(found) &&
+                   client_.KnowsAllJobs() && !client_.disks().empty();
+  // Who is missing in what a job service knows is not there; another client may yet
+  // discover it.
+  if (known_ || !all) return all;
   const auto has = [&](intaglio_ServiceRole role) {
-    return std::any_of(services.begin(), services.end(),
-                       [role](const auto& service) { return service.role == role; });
+    return std::ranges::find(found, role, &ServiceView::role) != found.end();
   };
-  return served && client_.KnowsAllServices() && client_.KnowsAllJobs() &&
-         !client_.disks().empty() && has(intaglio_ROLE_DISCRETIZER) &&
-         has(intaglio_ROLE_SORTER) && has(intaglio_ROLE_SYNCHRONIZER) &&
-         has(intaglio_ROLE_MOTION_BRIDGE);
+  return has(intaglio_ROLE_DISCRETIZER) && has(intaglio_ROLE_SORTER) &&
+         has(intaglio_ROLE_SYNCHRONIZER) && has(intaglio_ROLE_MOTION_BRIDGE);
 }
 
 ShopSnapshot ShopWatcher::Take() const {
   ShopSnapshot shop;
-  shop.services = client_.services();
+  shop.taken_at = std::chrono::steady_clock::now();
+  shop.services = services();
   for (const auto& [uid, job] : client_.jobs()) shop.jobs.push_back(job);
   std::sort(shop.jobs.begin(), shop.jobs.end(),
             [](const JobView& a, const JobView& b) { return a.number < b.number; });
   shop.disks = client_.disks();
-  shop.cells = cells_;
+  shop.cells = cells();
   shop.mounts = client_.mounts();
   return shop;
 }

@@ -2,36 +2,27 @@
 
 // A shop as it is on the bus at one moment.
 
+#include <chrono>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "services/client/job_client.h"
+#include "services/client/shop/known_machines.h"
 #include "services/platform/bus/bus.h"
+#include "services/platform/host/peers/machine_facts.h"
 
 namespace intaglio::client {
 
-/// Interlock, LampSync and MotionState of one machine, copied.
-struct CellSnapshot {
-  bool has_interlock = false;
-  bool laser_line_up = false, key_on = false, door_closed = false, door_locked = false,
-       stop_released = false;
-  bool lamp_on = false, lamp_warm = false, safe_state = false;
-  std::uint8_t shutters_open = 0;
-  bool stop_pressed = false;            ///< on the bus
-  std::vector<std::string> stops_held;  ///< its presses, "SOURCE (number N)"
-  bool has_lamp = false;
-  double warm_ratio = 0, rate_hz = 0;
-  bool has_motion = false;
-  intaglio_MotionFault motion_fault = intaglio_MOTION_OK;
-  std::string motion_message;
+/// One machine; its position is known only where the client discovers it.
+struct CellSnapshot : host::MachineFacts {
   double x_mm = 0, y_mm = 0, z_mm = 0;
   bool at_rest = false;
-  bool has_block_stage = false;
-  double block_x_mm = 0, block_y_mm = 0;  ///< of its own axes
 };
 
 struct ShopSnapshot {
+  std::chrono::steady_clock::time_point taken_at;
   std::vector<ServiceView> services;
   std::vector<JobView> jobs;
   std::vector<DiskView> disks;
@@ -39,7 +30,8 @@ struct ShopSnapshot {
   std::map<std::string, MountView> mounts;    ///< by machine
 };
 
-/// Follows a shop. Used from one thread.
+/// Follows a shop: its machines themselves, or on a bus that does not meet them
+/// (BusOptions::meets_cells) by what the job service knows of them. Used from one thread.
 class ShopWatcher {
  public:
   explicit ShopWatcher(bus::Bus& bus);
@@ -49,18 +41,28 @@ class ShopWatcher {
   /// jobs and its disks, and of every machine with a synchronizer its interlocks, of
   /// every one with a bridge its motion.
   bool IsComplete() const;
+  /// A job service is there.
+  bool IsServed() const;
   ShopSnapshot Take() const;
   /// For commands.
   JobClient& client() { return client_; }
 
  private:
-  void TakeCells();
+  struct Cells {
+    explicit Cells(bus::Bus& bus);
+    void Take();
+    bus::Reader<intaglio_Interlock> interlocks;
+    bus::Reader<intaglio_LampSync> lamps;
+    bus::Reader<intaglio_MotionState> motion;
+    std::map<std::string, CellSnapshot> cells;
+  };
+  std::vector<ServiceView> services() const;
+  std::map<std::string, CellSnapshot> cells() const;
 
   JobClient client_;
-  bus::Reader<intaglio_Interlock> interlocks_;
-  bus::Reader<intaglio_LampSync> lamps_;
-  bus::Reader<intaglio_MotionState> motion_;
-  std::map<std::string, CellSnapshot> cells_;
+  // One of the two.
+  std::unique_ptr<Cells> met_;
+  std::unique_ptr<KnownMachines> known_;
 };
 
 }  // namespace intaglio::client

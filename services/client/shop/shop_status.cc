@@ -9,6 +9,7 @@
 
 #include "services/client/job_need.h"
 #include "services/client/shop/set_counts.h"
+#include "services/client/shop/stop_reset.h"
 #include "services/client/shop/work_left.h"
 #include "services/history/job_names.h"
 #include "services/platform/host/times/utc_time.h"
@@ -66,6 +67,7 @@ class Builder {
     std::set<intaglio_ServiceRole> roles;
     for (const ServiceView& service : shop_.services) {
       roles.insert(service.role);
+      NoteAge(service);
       if (service.role == intaglio_ROLE_SYNCHRONIZER) synchronizers_.insert(service.cell);
       if (service.role == intaglio_ROLE_MOTION_BRIDGE) bridges_.insert(service.cell);
       ServiceStatus& line = *status_.add_services();
@@ -93,6 +95,12 @@ class Builder {
       if (!roles.contains(role)) Need(fmt::format("no {} runs", RoleName(role)));
     }
     if (synchronizers_.empty() && bridges_.empty()) Need("no machine is there");
+  }
+
+  void NoteAge(const ServiceView& service) {
+    const std::chrono::duration<double> age = shop_.taken_at - service.reported_at;
+    double& oldest = age_of_[service.cell];
+    oldest = std::max(oldest, age.count());
   }
 
   // A service that another host has kept from before an upgrade gets no task.
@@ -168,6 +176,7 @@ class Builder {
   void AddMachine(const std::string& name, const CellSnapshot& cell) {
     MachineStatus& line = *status_.add_machines();
     line.set_cell(name);
+    line.set_age_s(age_of_[name]);
     line.set_lamp(LampName(cell));
     line.set_lamp_warm_ratio(cell.warm_ratio);
     line.set_rate_hz(cell.rate_hz);
@@ -178,7 +187,8 @@ class Builder {
     line.set_stop_released(cell.stop_released);
     line.set_safe_state(cell.safe_state);
     line.set_shutters_open(cell.shutters_open);
-    for (const std::string& press : cell.stops_held) line.add_stops_held(press);
+    for (const host::StopPress& press : cell.stops_held)
+      line.add_stops_held(TextOf({press.source, press.number}));
     line.set_motion_line_up(cell.has_motion &&
                             cell.motion_fault != intaglio_MOTION_LINK_LOST &&
                             cell.motion_fault != intaglio_MOTION_WRONG_CONTROLLER);
@@ -199,11 +209,17 @@ class Builder {
 
   void NeedAtMachine(const std::string& name, const CellSnapshot& cell,
                      const MachineStatus& line) {
+    if (line.age_s() > kStaleAge_s) {
+      Need(
+          fmt::format("{}: a service of it has reported nothing for {:.0f} s: see its "
+                      "log, and start it again",
+                      name, line.age_s()));
+    }
     if (cell.stop_pressed) {
       Need(
           fmt::format("{0}: the emergency stop is pressed ({1}): check the machine, then "
                       "intaglio stop {0} --reset",
-                      name, fmt::join(cell.stops_held, ", ")));
+                      name, fmt::join(line.stops_held(), ", ")));
     }
     if (synchronizers_.contains(name) && !line.laser_line_up())
       Need(name + ": the laser does not answer: check its cable and its power");
@@ -235,6 +251,7 @@ class Builder {
   ShopStatus status_;
   std::set<std::string> synchronizers_, bridges_;  // cells
   std::map<std::string, std::uint32_t> job_of_;    // by cell
+  std::map<std::string, double> age_of_;           // s, by cell; of its oldest report
 };
 
 }  // namespace

@@ -16,25 +16,30 @@ ServiceList::ServiceList(bus::Bus& bus, std::string instance)
     : instance_(std::move(instance)),
       discovery_time_(bus.discovery_time()),
       health_(bus, bus::kServiceHealth),
-      lists_(bus, bus::kServiceList) {}
+      lists_(bus, bus::kServiceList),
+      known_(bus) {}
 
-void ServiceList::TakeHealth() {
+void ServiceList::TakeHealth(std::chrono::nanoseconds now) {
   health_.TakeAll(
-      [this](const intaglio_ServiceHealth& health, const bus::SampleOrigin& origin) {
+      [this, now](const intaglio_ServiceHealth& health, const bus::SampleOrigin& origin) {
         if (!host::IsOwnHealth(health, origin)) return;
         const std::string instance(View(health.instance));
         if (!origin.alive) {
+          known_.Remove(instance);
           changed_ = services_.erase(instance) > 0 || changed_;
-        } else if (!services_.contains(instance)) {
-          services_[instance] = {health.role, std::string(View(health.cell))};
-          changed_ = true;
+          return;
         }
+        known_.Update(health, now);
+        if (services_.contains(instance)) return;
+        services_[instance] = {health.role, std::string(View(health.cell))};
+        changed_ = true;
       });
 }
 
 void ServiceList::Turn(std::chrono::nanoseconds now) {
   if (first_turn_.count() < 0) first_turn_ = now;
-  TakeHealth();
+  TakeHealth(now);
+  known_.Turn(now);
   if (changed_ && now - first_turn_ >= discovery_time_) Publish();
 }
 

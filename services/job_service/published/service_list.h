@@ -1,12 +1,14 @@
 #pragma once
 
 // Publishes the living services that the job service has discovered, so that a client
-// that has just joined knows whom to wait for. Used from one thread.
+// that has just joined knows whom to wait for, and what each of them reports
+// (known_services.h). Used from one thread.
 
 #include <chrono>
 #include <map>
 #include <string>
 
+#include "services/job_service/published/known_services.h"
 #include "services/platform/bus/bus.h"
 
 namespace intaglio::job_service {
@@ -26,7 +28,7 @@ class ServiceList {
     intaglio_ServiceRole role;
     std::string cell;
   };
-  void TakeHealth();
+  void TakeHealth(std::chrono::nanoseconds now);
   void Publish();
 
   std::string instance_;
@@ -34,6 +36,7 @@ class ServiceList {
   std::chrono::nanoseconds first_turn_{-1};
   bus::Reader<intaglio_ServiceHealth> health_;
   bus::Writer<intaglio_ServiceList> lists_;
+  KnownServices known_;
   std::map<std::string, Entry> services_;  // by instance
   bool changed_ = true;
 };

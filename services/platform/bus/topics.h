@@ -73,6 +73,12 @@ inline constexpr Topic<intaglio_ServiceHealth> kServiceHealth{
 inline constexpr Topic<intaglio_ServiceList> kServiceList{
     "ServiceList", &intaglio_ServiceList_desc, Profile::kState, DomainKind::kControl,
     Scope::kShop};
+inline constexpr Topic<intaglio_MachineReport> kMachineReport{
+    "MachineReport", &intaglio_MachineReport_desc, Profile::kState, DomainKind::kControl,
+    Scope::kRole};
+inline constexpr Topic<intaglio_KnownService> kKnownService{
+    "KnownService", &intaglio_KnownService_desc, Profile::kState, DomainKind::kControl,
+    Scope::kShop};
 inline constexpr Topic<intaglio_Credit> kCredit{
     "Credit", &intaglio_Credit_desc, Profile::kState, DomainKind::kControl, Scope::kRole};
 inline constexpr Topic<intaglio_Presence> kPresence{"Presence", &intaglio_Presence_desc,

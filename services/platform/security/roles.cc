@@ -25,7 +25,7 @@ Topics OwnReports() { return {Of(bus::kServiceHealth), Of(bus::kAlarm)}; }
 Topics ShopState() {
   return {Of(bus::kJobStatus),     Of(bus::kJobCount),    Of(bus::kTaskStatus),
           Of(bus::kServiceHealth), Of(bus::kServiceList), Of(bus::kAlarm),
-          Of(bus::kDiskSpace),     Of(bus::kMounted)};
+          Of(bus::kDiskSpace),     Of(bus::kMounted),     Of(bus::kKnownService)};
 }
 
 Topics CellState() {
@@ -59,10 +59,12 @@ Role JobService() {
                 {Of(bus::kPresence), Of(bus::kServiceList), Of(bus::kDiskSpace),
                  Of(bus::kJobStatus), Of(bus::kJobCount), Of(bus::kJobCommandAnswer),
                  Of(bus::kDiscretizeTask), Of(bus::kSortTask), Of(bus::kEngraveTask),
-                 Of(bus::kModelChunk), Of(bus::kPermission), Of(bus::kMounted)}}),
+                 Of(bus::kModelChunk), Of(bus::kPermission), Of(bus::kMounted),
+                 Of(bus::kKnownService)}}),
           {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kTaskStatus),
            Of(bus::kServiceHealth), Of(bus::kCredit), Of(bus::kEmergencyStop),
-           Of(bus::kPresence), Of(bus::kManualCommand), Of(bus::kInterlock)}};
+           Of(bus::kPresence), Of(bus::kManualCommand), Of(bus::kInterlock),
+           Of(bus::kMachineReport)}};
 }
 
 Role StageWorker() {
@@ -85,7 +87,8 @@ Role Cell(const std::string& cell) {
                 {Of(bus::kPresence), Of(bus::kTaskStatus), Of(bus::kCredit),
                  Of(bus::kMotionSegmentBatch), Of(bus::kMotionState),
                  Of(bus::kPositionReport), Of(bus::kLampSync), Of(bus::kPulseEventBatch),
-                 Of(bus::kInterlock), Of(bus::kCellMove), Of(bus::kManualState)}}),
+                 Of(bus::kInterlock), Of(bus::kCellMove), Of(bus::kManualState),
+                 Of(bus::kMachineReport)}}),
           {Of(bus::kServiceHealth), Of(bus::kEngraveTask), Of(bus::kPathBatch),
            Of(bus::kOrderedMarkBatch), Of(bus::kCredit), Of(bus::kPermission),
            Of(bus::kEmergencyStop), Of(bus::kMotionSegmentBatch), Of(bus::kMotionState),
@@ -95,15 +98,15 @@ Role Cell(const std::string& cell) {
 }
 
 Role Recorder() {
-  return {
-      bus::kRecorderRole, "*", OwnReports(),
-      Join({ShopState(),
-            CellState(),
-            {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kJobCommandAnswer),
-             Of(bus::kDiscretizeTask), Of(bus::kSortTask), Of(bus::kEngraveTask),
-             Of(bus::kCredit), Of(bus::kMotionSegmentBatch), Of(bus::kModelChunk),
-             Of(bus::kPointBatch), Of(bus::kPathBatch), Of(bus::kMarkBatch),
-             Of(bus::kOrderedMarkBatch), Of(bus::kManualCommand), Of(bus::kCellMove)}})};
+  return {bus::kRecorderRole, "*", OwnReports(),
+          Join({ShopState(),
+                CellState(),
+                {Of(bus::kJobSubmission), Of(bus::kJobCommand),
+                 Of(bus::kJobCommandAnswer), Of(bus::kDiscretizeTask), Of(bus::kSortTask),
+                 Of(bus::kEngraveTask), Of(bus::kCredit), Of(bus::kMotionSegmentBatch),
+                 Of(bus::kModelChunk), Of(bus::kPointBatch), Of(bus::kPathBatch),
+                 Of(bus::kMarkBatch), Of(bus::kOrderedMarkBatch), Of(bus::kManualCommand),
+                 Of(bus::kCellMove), Of(bus::kMachineReport)}})};
 }
 
 Role Observer() {

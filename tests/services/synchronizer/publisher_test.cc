@@ -28,7 +28,7 @@ class PublishedLamp : public testing::Test {
   LaserBench bench_;
   host::StopLatch stop_;
   bus::Bus bus_{test::PrivateBusOptions("els-03")};
-  Publisher publisher_{bus_, "els-03"};
+  Publisher publisher_{bus_, "els-03", "synchronizer-1"};
   bus::Reader<intaglio_LampSync> lamp_{bus_, bus::kLampSync, "els-03"};
 };
 

@@ -9,6 +9,7 @@
 namespace intaglio::cli {
 namespace {
 
+using namespace std::chrono_literals;
 using client::CellSnapshot;
 using client::ShopSnapshot;
 using client::StatusOf;
@@ -95,9 +96,21 @@ TEST(ShopStatus, AFaultAndAWarningOfAServiceAreAlarms) {
 TEST(ShopStatus, AStopNeedsAPersonAndIsNamed) {
   ShopSnapshot shop = GoodShop();
   shop.cells["left"].stop_pressed = true;
-  shop.cells["left"].stops_held = {"ann (number 1)", "bob (number 2)"};
+  shop.cells["left"].stops_held = {{"ann", 1}, {"bob", 2}};
   ExpectNeed(shop, "the emergency stop is pressed (ann (number 1), bob (number 2))");
   EXPECT_THAT(TextOf(Status(shop)), HasSubstr("STOP PRESSED by ann (number 1)"));
+}
+
+TEST(ShopStatus, StatesItsAgeAndAServiceThatIsSilentNeedsAPerson) {
+  ShopSnapshot shop = GoodShop();
+  shop.taken_at += 700ms;  // since all services have reported
+  EXPECT_THAT(TextOf(Status(shop)), HasSubstr("all is well, machines as of 0.7 s ago"));
+  EXPECT_NEAR(Status(shop).machines(0).age_s(), 0.7, 1e-9);
+  shop.taken_at += 7s;
+  shop.services[3].reported_at += 7s;  // the synchronizer; the bridge is silent
+  shop.services[4].reported_at -= 300ms;
+  ExpectNeed(shop, "left: a service of it has reported nothing for 8 s");
+  EXPECT_THAT(TextOf(Status(shop)), HasSubstr("left       AS IT WAS 8 s AGO, lamp warm"));
 }
 
 TEST(ShopStatus, LinesThatAreDownNeedAPerson) {

@@ -63,7 +63,7 @@ class Listed : public ::testing::Test {
 
 TEST_F(Listed, AClientKnowsAllServicesWhenEachOfTheListHasCome) {
   JobClient client(bus_);
-  const auto knows = [&] { return client.KnowsAllServices(); };
+  const auto knows = [&] { return client.KnowsAllServices(client.services()); };
   Health("job-service-1", intaglio_ROLE_JOB_SERVICE);
   EXPECT_FALSE(client.PollUntil(knows, 300ms)) << "nothing is listed yet";
   List({{"job-service-1", intaglio_ROLE_JOB_SERVICE, ""},
@@ -76,7 +76,8 @@ TEST_F(Listed, AClientKnowsAllServicesWhenEachOfTheListHasCome) {
 TEST_F(Listed, WithoutAJobServiceAClientNeverKnowsAll) {
   JobClient client(bus_);
   Health("sorter-1", intaglio_ROLE_SORTER);
-  EXPECT_FALSE(client.PollUntil([&] { return client.KnowsAllServices(); }, 300ms));
+  EXPECT_FALSE(client.PollUntil(
+      [&] { return client.KnowsAllServices(client.services()); }, 300ms));
 }
 
 TEST_F(Listed, TheOnlyMachineThatIsListedIsFound) {

@@ -21,6 +21,8 @@ void ForEachTopic(Visit&& visit) {
   visit(bus::kTaskStatus);
   visit(bus::kServiceHealth);
   visit(bus::kServiceList);
+  visit(bus::kMachineReport);
+  visit(bus::kKnownService);
   visit(bus::kCredit);
   visit(bus::kAlarm);
   visit(bus::kDiskSpace);
