@@ -112,6 +112,12 @@ std::string Bridge::message() const {
   return state().message.empty() ? tolerance_mismatch_ : state().message;
 }
 
+std::chrono::milliseconds Bridge::wait() const {
+  const bool rests = phase_ == Phase::kIdle && !abort_owed_ && !manual_.moves() &&
+                     state().link_up && state().at_rest;
+  return rests ? driver_->resting_wait() : drivers::MotionDriver::kRestingWait;
+}
+
 void Bridge::PublishAll(std::chrono::nanoseconds now) {
   PublishPositions();
   PublishState(now);

@@ -46,6 +46,9 @@ class Bridge {
   bus::Reader<intaglio_EmergencyStop>& stops() { return stops_; }
   cell::ManualDesk& manual() { return manual_; }
   int fd() const { return driver_->fd(); }
+  /// The longest time until the next turn, if no sample and nothing on the line comes
+  /// before: of a stage that rests what its driver allows, else 10 ms.
+  std::chrono::milliseconds wait() const;
   /// The laser of the controller; null: it only moves.
   drivers::LaserController* laser() { return driver_->laser(); }
   const drivers::DriverState& state() const { return driver_->state(); }

@@ -88,7 +88,7 @@ int Serve(host::ServiceHost& host, const Options& options) {
     host.KeepAlive();
     const auto [host_fd, listener_fd] = laser ? laser->descriptors() : std::array{-1, -1};
     loop.Wait(std::array{bridge.fd(), host_fd, listener_fd},
-              std::chrono::milliseconds(10));
+              laser ? drivers::MotionDriver::kRestingWait : bridge.wait());
   }
   if (laser) CloseLaser(bridge, *laser, loop);
   return 0;

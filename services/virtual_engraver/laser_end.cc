@@ -37,12 +37,13 @@ void LaserEnd::SendOutcomes() {
     line_.Send(LaserFrame::kPulseReport, Encode(report));
 }
 
-void LaserEnd::SendStatus(std::chrono::nanoseconds now, bool at_once) {
+void LaserEnd::SendStatus(std::chrono::nanoseconds now, bool at_once,
+                          std::chrono::nanoseconds period) {
   const link::LaserStatus status = laser_.Report();
   const std::uint32_t interlocks = status.interlocks | status.shutters_open << 8;
   if (!at_once && interlocks == sent_interlocks_ && !line_.IsStatusDue(now)) return;
   sent_interlocks_ = interlocks;
-  line_.SetNextStatus(now + kStatusPeriod);
+  line_.SetNextStatus(now + period);
   if (line_.is_up()) line_.Send(LaserFrame::kLaserStatus, Encode(status));
 }
 

@@ -18,8 +18,9 @@
 
 namespace intaglio::virtual_engraver {
 
-/// Between two statuses that nobody asked for, of laser and stage.
-inline constexpr std::chrono::milliseconds kStatusPeriod{20};
+/// Between two statuses that nobody asked for, of laser and stage: of a machine that
+/// works and of one that rests.
+inline constexpr std::chrono::milliseconds kStatusPeriod{20}, kRestingStatusPeriod{40};
 
 class LaserEnd {
  public:
@@ -42,8 +43,9 @@ class LaserEnd {
   }
   /// Outcomes go before the status, which speaks of ticks whose outcomes are known.
   void SendOutcomes();
-  /// When it is due, or `at_once`.
-  void SendStatus(std::chrono::nanoseconds now, bool at_once);
+  /// When it is due, or `at_once`; due again after `period`.
+  void SendStatus(std::chrono::nanoseconds now, bool at_once,
+                  std::chrono::nanoseconds period);
 
   DeviceLine& line() { return line_; }
   const DeviceLine& line() const { return line_; }

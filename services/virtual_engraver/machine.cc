@@ -201,8 +201,25 @@ void Machine::Fire(std::uint8_t channels, const Vec3& place_mm) {
   laser_.Missed(static_cast<std::uint8_t>(missed));
 }
 
+bool Machine::Rests() const {
+  return !options_.laser.lockstep && !laser_.lamp_is_on() && !laser_.MayFire() &&
+         !stage_.running();
+}
+
+// A command that came behind the reports may have asked for one.
+nanoseconds Machine::RestingIdle() const {
+  const nanoseconds now = clock_();
+  if (laser_end_.line().IsStatusDue(now) || motion_line_.IsStatusDue(now))
+    return nanoseconds(0);
+  return std::min(laser_end_.line().next_status(), motion_line_.next_status()) - now;
+}
+
 void Machine::SendReports(bool at_once) {
   const nanoseconds now = clock_();
+  const bool rests = Rests();
+  // A host does not wait for what begins as long as for what goes on.
+  if (std::exchange(rested_, rests) && !rests) at_once = true;
+  const nanoseconds period = rests ? kRestingStatusPeriod : kStatusPeriod;
   laser_end_.SendOutcomes();
   for (const link::Positions& positions : stage_.TakePositions()) {
     MotionLine().Send(MotionFrame::kPositions, Encode(positions));
@@ -212,10 +229,10 @@ void Machine::SendReports(bool at_once) {
     if (!MotionLine().is_up()) break;
     MotionLine().Send(MotionFrame::kTimedPositions, Encode(positions));
   }
-  laser_end_.SendStatus(now, at_once);
+  laser_end_.SendStatus(now, at_once, period);
   if (at_once || stage_.fault() != sent_fault_ || motion_line_.IsStatusDue(now)) {
     sent_fault_ = stage_.fault();
-    motion_line_.SetNextStatus(now + kStatusPeriod);
+    motion_line_.SetNextStatus(now + period);
     if (MotionLine().is_up()) {
       MotionLine().Send(MotionFrame::kMotionStatus, Encode(stage_.Report()));
     }
@@ -237,6 +254,7 @@ nanoseconds Machine::Turn() {
   // Sent data have to leave before the next wait.
   PollLines();
   if (options_.laser.lockstep) return blocked ? nanoseconds(kIdle) : nanoseconds(0);
+  if (options_.line_jitter.count() == 0 && Rests()) return RestingIdle();
   const nanoseconds idle = options_.line_jitter.count() > 0 ? kLateLineIdle : kIdle;
   return std::clamp(next_tick_at_ - clock_(), nanoseconds(0), idle);
 }

@@ -98,6 +98,11 @@ class Machine {
   void FeelBodies();
   void Fire(std::uint8_t channels, const Vec3& place_mm);
   void SendReports(bool at_once);
+  /// Lamp off, shutters closed, stage at rest without a run: nothing happens before a
+  /// host commands it. In lockstep never: there the host waits for the machine.
+  bool Rests() const;
+  /// Until the next status of a machine that rests.
+  std::chrono::nanoseconds RestingIdle() const;
 
   MachineOptions options_;
   Stage stage_;
@@ -116,6 +121,7 @@ class Machine {
   std::uint8_t blind_channels_ = 0;
   double sync_late_s_ = 0;
   link::StageFault sent_fault_ = link::StageFault::kNone;
+  bool rested_ = false;  ///< at the newest report
 };
 
 }  // namespace intaglio::virtual_engraver

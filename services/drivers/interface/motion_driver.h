@@ -7,6 +7,7 @@
 // Frame machine, mm and mm/s; time in ticks of the lamp sync, and for a controller with a
 // clock of its own also in ns of that clock.
 
+#include <chrono>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -103,6 +104,11 @@ class MotionDriver : public HandMotion {
   virtual void Poll() = 0;
   /// For poll(2); -1 when there is none.
   virtual int fd() const = 0;
+  /// The longest time between two Polls of a machine at rest, which nothing has come for.
+  /// A family that sends something of its own, as requests for a status, needs it shorter
+  /// than one that only answers its controller.
+  virtual std::chrono::milliseconds resting_wait() const { return kRestingWait; }
+  static constexpr std::chrono::milliseconds kRestingWait{10};
   virtual std::vector<LatchedPositions> TakePositions() = 0;
 
   /// From rest, without a fault, at a tick to come. `start_ns` is that tick by the

@@ -17,6 +17,10 @@ using link::MotionFrame;
 using wire::ToMm;
 using wire::ToNm;
 
+// The controller sends its status within this time, and its line is kept alive by the
+// acknowledgement, at least every 50 ms (LinkOptions::keep_alive).
+constexpr std::chrono::milliseconds kStatusWait{45};
+
 class VirtualStageDriver final : public MotionDriver {
  public:
   VirtualStageDriver(link::FramePort port, link::ExpectedDevice expected,
@@ -49,6 +53,7 @@ class VirtualStageDriver final : public MotionDriver {
   }
 
   int fd() const override { return session_.fd(); }
+  std::chrono::milliseconds resting_wait() const override { return kStatusWait; }
   const DriverState& state() const override { return state_; }
   std::vector<LatchedPositions> TakePositions() override {
     return std::exchange(positions_, {});

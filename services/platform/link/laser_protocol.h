@@ -44,7 +44,8 @@ enum class LaserFrame : std::uint8_t {
   kPulseTiming = 0x18,
   // device -> host
   kLaserIdentity = 0x20,  ///< once after every handshake
-  kLaserStatus = 0x21,    ///< on request, on every change of an interlock, every 20 ms
+  kLaserStatus = 0x21,    ///< on request, on every change of an interlock, every 20 ms,
+                          ///< at rest 40 ms
   kPulseReport = 0x22,
   kPastReport = 0x23,  ///< the answer to every kPastRequest
 };

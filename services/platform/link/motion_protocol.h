@@ -36,7 +36,7 @@ enum class MotionFrame : std::uint8_t {
   kMoveBlock = 0x39,
   // device -> host
   kMotionIdentity = 0x40,  ///< once after every handshake
-  kMotionStatus = 0x41,    ///< on request, on every fault, every 20 ms
+  kMotionStatus = 0x41,    ///< on request, on every fault, every 20 ms, at rest 40 ms
   kPositions = 0x42,
   kTimedPositions = 0x43,   ///< in place of kPositions from a clock of its own
   kControllerClock = 0x44,  ///< after the identity: this controller has its own clock

@@ -53,7 +53,7 @@ void SimulatedLaser::Turn(std::chrono::nanoseconds now, const EndOfPulse& end_of
     ++passed;
   }
   end_.SendOutcomes();
-  end_.SendStatus(now, passed > 0);
+  end_.SendStatus(now, passed > 0, virtual_engraver::kStatusPeriod);
   end_.line().Flush();
   PollLine();
 }
