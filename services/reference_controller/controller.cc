@@ -62,7 +62,7 @@ Result<nanoseconds> Controller::TryTurn() {
   if (sync) INTAGLIO_TRY(PassTick(*sync));
   INTAGLIO_TRY(pins_.Set(Output::kLampTrigger, false));
   end_.SendOutcomes();
-  end_.SendStatus(time_.clock(), false);
+  end_.SendStatus(time_.clock(), false, virtual_engraver::kStatusPeriod);
   end_.line().Flush();
   // Sent data have to leave before the next wait.
   end_.Poll();
