@@ -18,6 +18,7 @@
 #include "services/console/focus_places.h"
 #include "services/console/job_finder.h"
 #include "services/console/page_files.h"
+#include "services/console/plans_ahead.h"
 #include "services/console/submit/about_times.h"
 #include "services/console/webhooks/webhooks.h"
 #include "services/platform/access/new_key.h"
@@ -158,8 +159,8 @@ std::vector<ShopMachine> ProfilesOf(const std::vector<client::MachineView>& mach
 }
 
 void Turn(ShopDesk& desk, JogDesk& jogs, AboutTimes& about, FocusPlaces& focus,
-          ConsoleAccess& access, Webhooks& webhooks, web::Server& server,
-          Clock::time_point& next_state) {
+          PlansAhead& plans, ConsoleAccess& access, Webhooks& webhooks,
+          web::Server& server, Clock::time_point& next_state) {
   desk.Turn(jogs.IsAtWork(Clock::now()));
   for (const auto& [page, view] : jogs.TakeNew(Clock::now()))
     server.Send(page, LineOf(view));
@@ -175,6 +176,7 @@ void Turn(ShopDesk& desk, JogDesk& jogs, AboutTimes& about, FocusPlaces& focus,
   ConsoleState state = desk.State();
   state.set_in_charge(access.InCharge());
   focus.Add(desk.client().jobs(), state);
+  plans.Follow(desk.client().jobs());
   about.Follow(desk.client().jobs(), Clock::now());
   for (AboutTime& time : about.Known()) *state.add_about() = std::move(time);
   if (std::string line = LineOf(state); !line.empty())
@@ -242,9 +244,10 @@ Status Serve(const ConsoleOptions& options, const std::function<bool()>& stoppin
   auto next_state = Clock::now();
   AboutTimes about(options.database, options.materials.string());
   FocusPlaces focus(clouds);
+  PlansAhead plans(clouds);
   Announcement announcement(bus, fmt::format("{}:{}", server->origin(), server->port()));
   while (!stopping()) {
-    Turn(desk, jogs, about, focus, access, webhooks, *server, next_state);
+    Turn(desk, jogs, about, focus, plans, access, webhooks, *server, next_state);
     announcement.Turn();
   }
   return {};
