@@ -64,15 +64,17 @@ export class Cloud {
   /** Where a point is in the scene, by its place in the order. */
   at(place: number): THREE.Vector3 {
     const from = 4 * this.plan.index[place];
-    const [x, y, z] = this.sides.map((side, axis) =>
-      (this.plan.points[from + axis] / 65535 - 0.5) * side);
-    return new THREE.Vector3().set(x, y, z);
+    return this.inScene((axis) => this.plan.points[from + axis] / 65535);
   }
 
   /** Where a place of the glass is in the scene. */
   placeOf(mm: number[]): THREE.Vector3 {
-    const [x, y, z] = this.sides.map((side, axis) =>
-      (mm[axis] / this.plan.sizeMm[axis] - 0.5) * side);
+    return this.inScene((axis) => mm[axis] / this.plan.sizeMm[axis]);
+  }
+
+  /** `share`: of each side of the block, 0..1 within it. */
+  private inScene(share: (axis: number) => number): THREE.Vector3 {
+    const [x, y, z] = this.sides.map((side, axis) => (share(axis) - 0.5) * side);
     return new THREE.Vector3().set(x, y, z);
   }
 

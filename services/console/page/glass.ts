@@ -20,6 +20,7 @@ export class GlassView extends HTMLElement {
   private tools = new GlassTools((look) => this.worker?.postMessage({ look }));
   private job: number | string = 0;  // number or uid; 0: none
   private marked = new Set<string>();
+  private focusMm?: number[];  // as it is drawn
 
   connectedCallback() {
     const canvas = document.createElement('canvas');
@@ -105,7 +106,11 @@ export class GlassView extends HTMLElement {
   /** Where the focus of the machine is that works on the job in view. */
   showFocus(jobs: Dict[], stages: Dict[]) {
     const shown = jobs.find((job) => job.job === this.job || job.uid === this.job);
-    const focus = shown && stages.find((stage) => stage.job === shown.uid)?.focus_mm;
-    this.worker?.postMessage({ focus: focus ? [focus.x, focus.y, focus.z] : undefined });
+    const found = shown && stages.find((stage) => stage.job === shown.uid)?.focus_mm;
+    const focus = found && [found.x, found.y, found.z];
+    // A machine at rest is not drawn again.
+    if (String(focus) === String(this.focusMm)) return;
+    this.focusMm = focus;
+    this.worker?.postMessage({ focus });
   }
 }

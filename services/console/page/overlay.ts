@@ -1,5 +1,6 @@
 // What moves over the picture of a block: where the machine has its focus, the beam above the
-// newest crack, and the points that come next. The picture below is added to and not drawn again for them.
+// newest crack, and the points that come next. The picture below is added to and not drawn again
+// for them.
 import * as THREE from 'three';
 import { Cloud } from './cloud';
 
