@@ -78,7 +78,7 @@ class PointReader {
   Result<PointTable> Read();
 
  private:
-  Status Take(const Pair& pair);
+  Status Receive(const Pair& pair);
   Status TakeUnit(std::string_view value);
   Status TakeCoordinate(const Pair& pair);
   Status EndPoint();
@@ -153,7 +153,7 @@ void PointReader::Begin(std::string_view what) {
   }
 }
 
-Status PointReader::Take(const Pair& pair) {
+Status PointReader::Receive(const Pair& pair) {
   if (pair.code == 0) {
     INTAGLIO_TRY(EndPoint());
     Begin(pair.value);
@@ -193,7 +193,7 @@ Result<PointTable> PointReader::Read() {
                               "export the drawing again",
                               pairs_.line_number()));
     }
-    if (Status status = Take(*pair); !status) return tl::unexpected(status.error());
+    if (Status status = Receive(*pair); !status) return tl::unexpected(status.error());
   }
   if (table_.points_mm.empty()) {
     return Fail(ErrorCode::kMissing,

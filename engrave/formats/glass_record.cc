@@ -100,7 +100,7 @@ class GlassReader {
       : take_crack_(take_crack) {}
 
   /// `size`: of all pieces.
-  Status Take(std::span<const std::byte> bytes, std::uint64_t size) {
+  Status Receive(std::span<const std::byte> bytes, std::uint64_t size) {
     if (!has_header_) {
       INTAGLIO_TRY(CheckRecordHeader(kGlass, bytes));
       has_header_ = true;
@@ -145,7 +145,7 @@ class GlassReader {
 Result<GlassRecord> ParseGlassRecord(std::span<const std::byte> bytes) {
   const std::function<void(const GlassCrack&)> keep;
   GlassReader reader(keep);
-  INTAGLIO_TRY(reader.Take(bytes, bytes.size()));
+  INTAGLIO_TRY(reader.Receive(bytes, bytes.size()));
   return reader.Finish();
 }
 
@@ -156,7 +156,7 @@ Result<GlassRecord> ReadGlassRecord(
   INTAGLIO_TRY(
       io::ReadInPieces(file, kMaxGlassFile, kGlassPieceBytes,
                        [&](std::span<const std::byte> piece, std::uint64_t size) {
-                         return reader.Take(piece, size);
+                         return reader.Receive(piece, size);
                        }));
   return reader.Finish();
 }

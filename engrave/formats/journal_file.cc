@@ -91,7 +91,7 @@ class JournalReader {
  public:
   explicit JournalReader(const TakeJournalRecord& take) : take_(take) {}
 
-  Status Take(std::span<const std::byte> bytes) {
+  Status Receive(std::span<const std::byte> bytes) {
     if (taken_ == 0) {
       INTAGLIO_TRY(TakeHeader(bytes));
       taken_ = behind_last_ = kJournalHeaderSize;
@@ -138,7 +138,7 @@ Status ReadPieces(const std::filesystem::path& file, JournalReader& reader) {
   static_assert(kJournalHeaderSize % kJournalRecordSize == 0);
   return io::ReadInPieces(file, kMaxJournalFile, kPieceBytes,
                           [&](std::span<const std::byte> piece, std::uint64_t) {
-                            return reader.Take(piece);
+                            return reader.Receive(piece);
                           });
 }
 
@@ -162,7 +162,7 @@ Result<Journal> Collected(std::uint64_t size, Read&& read) {
 
 Result<Journal> ParseJournal(std::span<const std::byte> bytes) {
   return Collected(bytes.size(),
-                   [&](JournalReader& reader) { return reader.Take(bytes); });
+                   [&](JournalReader& reader) { return reader.Receive(bytes); });
 }
 
 std::uint32_t PathCrc(const PointList& path_mm) {
@@ -195,11 +195,11 @@ std::uint32_t PowerUpOfText(std::string_view text) {
 std::vector<PointHistory> HistoryOf(const Journal& journal) {
   PointHistories histories;
   for (const JournalRecord& record : journal.records)
-    histories.Take(journal.header, record);
+    histories.Receive(journal.header, record);
   return histories.Finish(journal.header);
 }
 
-void PointHistories::Take(const JournalHeader& header, const JournalRecord& record) {
+void PointHistories::Receive(const JournalHeader& header, const JournalRecord& record) {
   if (record.kind == JournalKind::kSession) power_up_ = record.point;
   if (!IsOfPoint(record.kind)) return;
   if (of_points_.empty()) of_points_.resize(header.point_count);

@@ -168,7 +168,7 @@ std::vector<PointHistory> HistoryOf(const Journal& journal);
 /// The same from records one after another.
 class PointHistories {
  public:
-  void Take(const JournalHeader& header, const JournalRecord& record);
+  void Receive(const JournalHeader& header, const JournalRecord& record);
   /// By place in the order, as many as the header has points; it ends the collection.
   std::vector<PointHistory> Finish(const JournalHeader& header);
 

@@ -217,7 +217,7 @@ class PlyPieces {
         row_size_(RowSize(header.encoding, header.elements.front())) {}
 
   /// `size`: of all pieces.
-  Status Take(std::span<const std::byte> piece, std::uint64_t size) {
+  Status Receive(std::span<const std::byte> piece, std::uint64_t size) {
     begun_.append(reinterpret_cast<const char*>(piece.data()), piece.size());
     if (!vertices_) {
       begun_.erase(0, header_.size);
@@ -273,7 +273,7 @@ Result<PointTable> ReadPly(const std::filesystem::path& file,
   INTAGLIO_TRY(
       io::ReadInPieces(file, limits.max_file_bytes, kPieceBytes,
                        [&](std::span<const std::byte> piece, std::uint64_t size) {
-                         return pieces.Take(piece, size);
+                         return pieces.Receive(piece, size);
                        }));
   return pieces.Finish().map_error(
       [&](Error error) { return io::AboutFile(std::move(error), file); });

@@ -109,7 +109,7 @@ class Continuous : public Planner {
  private:
   void Pass(std::vector<Segment>& out) {
     for (const Segment& segment : planned_) {
-      if (judge_) judge_->Take(segment);
+      if (judge_) judge_->Receive(segment);
       if (compensated_) {
         compensation_.Append(segment, out);
       } else {

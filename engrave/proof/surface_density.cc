@@ -18,7 +18,7 @@ struct Farthest {
   double square_mm2 = -1, on_surface_square_mm2 = 0;
   std::uint32_t point = 0;
 
-  void Take(double square, std::uint32_t at, double reach_square) {
+  void Receive(double square, std::uint32_t at, double reach_square) {
     if (square > square_mm2) {
       square_mm2 = square;
       point = at;
@@ -46,7 +46,8 @@ std::vector<std::uint32_t> CountOnTriangles(const Surface& surface,
       const Surface::Place place = surface.NearestTo(points_mm[i], last);
       last = place.triangle;
       triangle_of[i] = place.square_mm2 <= reach_square ? place.triangle : kNone;
-      farthest[task].Take(place.square_mm2, static_cast<std::uint32_t>(i), reach_square);
+      farthest[task].Receive(place.square_mm2, static_cast<std::uint32_t>(i),
+                             reach_square);
     }
   });
   Farthest all;

@@ -45,7 +45,7 @@ void PermissionIntake::Receive(std::chrono::nanoseconds now) {
     ReceiveHeld(kJobService, View(sample.bus_stops));
   });
   stops_.Take([this](const intaglio_EmergencyStop& stop) {
-    if (stop_.Take(stop)) NoteStop(View(stop.operator_name), View(stop.reason));
+    if (stop_.Receive(stop)) NoteStop(View(stop.operator_name), View(stop.reason));
   });
 }
 

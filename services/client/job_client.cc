@@ -67,7 +67,7 @@ JobClient::JobClient(bus::Bus& bus, std::function<Clock::time_point()> now)
   wait_.Attach(health_);
 }
 
-void JobClient::Take(const intaglio_JobStatus& status) {
+void JobClient::Receive(const intaglio_JobStatus& status) {
   JobView view;
   view.uid = View(status.job_uid);
   view.submission_uid = View(status.submission_uid);
@@ -148,7 +148,7 @@ bool JobClient::IsForgotten(const std::string& uid) const {
          now_() - lost->second > kForgottenAfter;
 }
 
-void JobClient::Take(const intaglio_TaskStatus& status) {
+void JobClient::Receive(const intaglio_TaskStatus& status) {
   const std::pair key(std::string(View(status.job_uid)), static_cast<int>(status.stage));
   StageOutcomes& stage = outcomes_[key];
   if (status.attempt < stage.attempt) return;
@@ -169,17 +169,17 @@ void JobClient::Poll(std::chrono::milliseconds timeout) {
   (void)wait_.Wait(timeout);
   statuses_.TakeAll(
       [this](const intaglio_JobStatus& status, const bus::SampleOrigin& origin) {
-        if (origin.alive) return Take(status);
+        if (origin.alive) return Receive(status);
         LoseStatus(std::string(View(status.job_uid)),
                    std::string(View(status.submission_uid)));
       });
   TakeMounts();
   tasks_.TakeAll([this](const intaglio_TaskStatus& status, const bus::SampleOrigin& o) {
-    if (o.alive && (host::HasNoRole(o) || host::IsOwnTask(status, o))) Take(status);
+    if (o.alive && (host::HasNoRole(o) || host::IsOwnTask(status, o))) Receive(status);
   });
   if (commands_) {
     commands_->answers.Take(
-        [this](const intaglio_JobCommandAnswer& answer) { Take(answer); });
+        [this](const intaglio_JobCommandAnswer& answer) { Receive(answer); });
   }
   health_.TakeAll(
       [this](const intaglio_ServiceHealth& health, const bus::SampleOrigin& o) {

@@ -102,14 +102,14 @@ class JobClient {
   std::vector<ServiceView> services() const;
 
  private:
-  void Take(const intaglio_JobStatus& status);
-  void Take(const intaglio_TaskStatus& status);
+  void Receive(const intaglio_JobStatus& status);
+  void Receive(const intaglio_TaskStatus& status);
   /// No writer has the job's status any more: the job service is gone or has forgotten
   /// it.
   void LoseStatus(const std::string& uid, const std::string& submission_uid);
   void DropForgotten();
   void Drop(const std::string& uid);
-  void Take(const intaglio_JobCommandAnswer& answer);
+  void Receive(const intaglio_JobCommandAnswer& answer);
   void TakeDisks();
   void TakeCounts();
   void TakeMounts();

@@ -47,7 +47,7 @@ Result<std::uint64_t> JobClient::Send(const JobView& job, const JobOrder& order)
   return last_number_;
 }
 
-void JobClient::Take(const intaglio_JobCommandAnswer& answer) {
+void JobClient::Receive(const intaglio_JobCommandAnswer& answer) {
   if (View(answer.sender) != sender_ || replies_.contains(answer.number)) return;
   replies_[answer.number] = {answer.code, std::string(View(answer.message))};
   Withdraw(answer.number);

@@ -83,7 +83,7 @@ class PhotoApi::Sink : public web::BodySink {
         job_(std::move(job)),
         name_(std::move(name)),
         reply_(std::move(reply)) {}
-  void Take(std::string bytes, std::function<void()> taken) override {
+  void Receive(std::string bytes, std::function<void()> taken) override {
     bytes_ += bytes;
     taken();
   }

@@ -101,7 +101,7 @@ void LaserOutput::PollHost() {
   const auto polled =
       link_->Poll([this](std::uint8_t type, std::span<const std::byte> payload) {
         if (link_->session() != link_session_) BeginSession();
-        Take(static_cast<LaserFrame>(type), payload);
+        Receive(static_cast<LaserFrame>(type), payload);
       });
   if (!polled || link_->silence() > kHostIsGone || outgoing_.size() > kMaxOutgoing ||
       commands_.size() > kMaxCommands) {
@@ -132,7 +132,7 @@ void LaserOutput::Identify() {
   Send(LaserFrame::kLaserIdentity, Encode(laser_.identity()));
 }
 
-void LaserOutput::Take(LaserFrame type, std::span<const std::byte> payload) {
+void LaserOutput::Receive(LaserFrame type, std::span<const std::byte> payload) {
   switch (type) {
     case LaserFrame::kDisarm:
     case LaserFrame::kLaserStop:

@@ -61,7 +61,7 @@ class LaserOutput {
   void BeginSession();
   void Unplug();
   void EnterSafeState();
-  void Take(link::LaserFrame type, std::span<const std::byte> payload);
+  void Receive(link::LaserFrame type, std::span<const std::byte> payload);
   void TakeAtOnce(link::LaserFrame type);
   void Queue(link::LaserFrame type, std::span<const std::byte> payload);
   void CloseLaser();

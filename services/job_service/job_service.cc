@@ -148,7 +148,7 @@ void JobService::TakeManualCommands() {
 
 CommandAnswer JobService::TakeCommand(const CommandView& command, Nanoseconds now) {
   return command.kind == intaglio_COMMAND_MOUNT ? Mount(command, now)
-                                                : queue_.Take(command, now);
+                                                : queue_.Receive(command, now);
 }
 
 CommandAnswer JobService::Mount(const CommandView& command, Nanoseconds now) {
@@ -190,7 +190,7 @@ void JobService::TakeTasks(Nanoseconds now) {
     const JobRecord* job = queue_.Find(view.task.job_uid);
     if (fresh && job != nullptr) view.warnings = WarningsAfter(view, *job);
     const bool had_ended = job != nullptr && job->ended();
-    queue_.Take(view, now);
+    queue_.Receive(view, now);
     // What a job that was ended from outside has left in the glass comes afterwards,
     // maybe when the queue has forgotten the job.
     if (!view.ended() || view.stage != intaglio_STAGE_ENGRAVE) return;
@@ -224,7 +224,7 @@ void JobService::TakeHealth(Nanoseconds now) {
     view.cell = View(health.cell);
     view.message = View(health.message);
     view.version = View(health.version);
-    queue_.Take(view, now);
+    queue_.Receive(view, now);
   };
   reports_.TakeHealth(take, now);
 }

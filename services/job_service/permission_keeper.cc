@@ -62,7 +62,7 @@ std::vector<std::pair<std::string, bool>> PermissionKeeper::TakeStops() {
   for (auto& [name, cell] : cells_) {
     bool came = false;
     cell.stops.Take([&, &cell = cell](const intaglio_EmergencyStop& stop) {
-      came = cell.stop.Take(stop) || came;
+      came = cell.stop.Receive(stop) || came;
     });
     pressed.emplace_back(name, came || cell.stop.pressed());
   }

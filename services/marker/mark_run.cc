@@ -23,7 +23,7 @@ bool MarkRun::NeverCame(const drivers::MarkEvent& event) const {
          known->second < event.mark;
 }
 
-bool MarkRun::Take(const drivers::MarkEvent& event) {
+bool MarkRun::Receive(const drivers::MarkEvent& event) {
   if (questions_ > 0 && event.fate != MarkFate::kUncertain) {
     std::uint32_t& newest = known_[event.run];
     newest = std::max(newest, event.mark);

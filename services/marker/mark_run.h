@@ -42,7 +42,7 @@ class MarkRun {
   /// Marks of an earlier life, armed in the record: they may have been handed over.
   void TakeUp(const std::vector<ArmedMark>& armed);
   /// True when the mark has become uncertain by it.
-  bool Take(const drivers::MarkEvent& event);
+  bool Receive(const drivers::MarkEvent& event);
 
   /// With a photo eye, before a run: what is open of a repeat that was begun is left out,
   /// for its place on the web has gone. With nothing armed. False: the journal's ring is

@@ -123,7 +123,7 @@ void Marking::Turn(const GrantInputs& inputs) {
 void Marking::TakeEvents(std::chrono::nanoseconds now) {
   for (const drivers::MarkEvent& event : driver_.TakeEvents()) {
     moved_at_ = now;
-    if (run_.Take(event)) consent_.NoteUncertain();
+    if (run_.Receive(event)) consent_.NoteUncertain();
   }
 }
 

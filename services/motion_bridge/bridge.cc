@@ -191,7 +191,7 @@ void Bridge::AbortRun() {
 
 void Bridge::TakeStops() {
   stops_.Take([this](const intaglio_EmergencyStop& stop) {
-    if (!stop_.Take(stop)) return;
+    if (!stop_.Receive(stop)) return;
     AbortRun();
     host::LogWarning("emergency stop: the stage brakes");
   });

@@ -161,7 +161,7 @@ void RecordingSeries::Write(std::uint32_t stream, std::uint64_t log_time_ns,
                             std::uint64_t publish_time_ns, recording::ByteView payload) {
   Known& known = streams_.at(stream);
   Repeat(std::min(file_began_ns_, log_time_ns));
-  retained_.Take(stream, known.sequence, log_time_ns, publish_time_ns, payload);
+  retained_.Receive(stream, known.sequence, log_time_ns, publish_time_ns, payload);
   if (trouble_ && known.stream.bulk) {
     CountMissing(stream, log_time_ns, "writing to the disk failed");
     return;

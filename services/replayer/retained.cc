@@ -50,8 +50,8 @@ std::vector<recording::RetainedSample> Retained::Before(std::uint64_t log_time_n
     }
     if (!*message) break;
     const recording::MessageView& view = **message;
-    state.Take(view.channel_id, view.sequence, view.log_time_ns, view.publish_time_ns,
-               view.payload);
+    state.Receive(view.channel_id, view.sequence, view.log_time_ns, view.publish_time_ns,
+                  view.payload);
   }
   std::vector<recording::RetainedSample> samples;
   for (const recording::RetainedSample* sample : state.Samples())

@@ -76,9 +76,9 @@ class Engraving final : public WorkStates {
 
   void Turn(const EngravingInputs& inputs);
   /// The controller's report, as drivers::LaserController::Poll hands it over.
-  void Take(const link::PulseReport& report) { ticks_.Take(report); }
-  void Take(const link::PastReport& report) {
-    if (phase_ == Phase::kHalting) settling_.Take(report);
+  void Receive(const link::PulseReport& report) { ticks_.Receive(report); }
+  void Receive(const link::PastReport& report) {
+    if (phase_ == Phase::kHalting) settling_.Receive(report);
   }
 
   /// The tick of each point in an undisturbed pass, once it is known.

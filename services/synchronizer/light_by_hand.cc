@@ -10,8 +10,8 @@ constexpr int kProcessShift = 32;
 
 }  // namespace
 
-void LightByHand::Take(const intaglio_ManualState& state, bool alive,
-                       std::chrono::nanoseconds now) {
+void LightByHand::Receive(const intaglio_ManualState& state, bool alive,
+                          std::chrono::nanoseconds now) {
   const bool follows = alive && number_ != 0 && state.number > number_ &&
                        state.number >> kProcessShift == number_ >> kProcessShift;
   number_ = alive ? state.number : 0;

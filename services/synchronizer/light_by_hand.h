@@ -33,7 +33,8 @@ class LightByHand {
       : laser_(laser), rate_hz_(rate_hz) {}
 
   /// `alive`: its bridge is.
-  void Take(const intaglio_ManualState& state, bool alive, std::chrono::nanoseconds now);
+  void Receive(const intaglio_ManualState& state, bool alive,
+               std::chrono::nanoseconds now);
   /// Once a turn without an engraving. `free`: no job waits for the laser, no stop holds.
   void Turn(bool free, std::chrono::nanoseconds now);
   /// An engraving has the laser: it closes the shutters itself.

@@ -62,7 +62,7 @@ void Synchronizer::Turn(std::chrono::nanoseconds now) {
   now_ = now;
   if (journal_) journal_->ClearEvent();
   const auto take = [this](const auto& report) {
-    if (engraving_) engraving_->Take(report);
+    if (engraving_) engraving_->Receive(report);
   };
   laser_.Poll(take, take);
   if (laser_.taken_over()) return;
@@ -374,7 +374,7 @@ void Synchronizer::TurnDrive() {
 void Synchronizer::TurnLight() {
   by_hand_.TakeAll(
       [this](const intaglio_ManualState& state, const bus::SampleOrigin& origin) {
-        light_.Take(state, origin.alive, now_);
+        light_.Receive(state, origin.alive, now_);
       });
   if (engraving_ && engraving_->has_lamp()) {
     lamp_hold_.Yield();

@@ -78,17 +78,17 @@ class Machine {
     for (std::uint64_t reported = 0; !stop.stop_requested();) {
       std::this_thread::sleep_for(1ms);
       const std::lock_guard lock(mutex_);
-      stops_.Take([this](const intaglio_EmergencyStop& sample) { Take(sample); });
+      stops_.Take([this](const intaglio_EmergencyStop& sample) { Receive(sample); });
       if (reported == latch_.revision() && Clock::now() - reported_at < 1s) continue;
       reported = latch_.revision();
       reported_at = Clock::now();
       Report();
     }
   }
-  void Take(const intaglio_EmergencyStop& sample) {
+  void Receive(const intaglio_EmergencyStop& sample) {
     if (!sample.pressed && !press_at_reset_.empty())
       latch_.TakePress(std::exchange(press_at_reset_, {}), 1);
-    latch_.Take(sample);
+    latch_.Receive(sample);
     if (latch_.pressed() && !pressed_at_) pressed_at_ = Clock::now();
   }
   void Report() {

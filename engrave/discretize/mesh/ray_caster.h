@@ -51,7 +51,7 @@ Status RayCaster::Cast(std::span<const mesh::Triangle> triangles,
   RayHeights heights(grid_.column_count);
   double crossing_count = 0;
   while (sweep.Next()) {
-    crossing_count += heights.Take(sweep.spans());
+    crossing_count += heights.Receive(sweep.spans());
     INTAGLIO_TRY(CheckCandidateCount(crossing_count));
     heights.ForEachRay([&](std::uint32_t column, std::span<const double> ray) {
       visit(column, sweep.row(), ray);

@@ -2,7 +2,7 @@
 
 namespace intaglio::discretize {
 
-std::uint32_t RayHeights::Take(std::span<const RaySpan> spans) {
+std::uint32_t RayHeights::Receive(std::span<const RaySpan> spans) {
   // Crossings of each column, from their differences.
   std::fill(end_of_.begin(), end_of_.end(), 0U);
   auto first = static_cast<std::uint32_t>(end_of_.size() - 1);

@@ -17,7 +17,7 @@ class RayHeights {
   explicit RayHeights(std::uint32_t column_count) : end_of_(column_count + 1, 0) {}
 
   /// Clears the previous row. The number of crossings of this row.
-  std::uint32_t Take(std::span<const RaySpan> spans);
+  std::uint32_t Receive(std::span<const RaySpan> spans);
 
   /// Calls visit(column, heights) for each ray of the row that crosses anything, by
   /// columns, with a span of the heights (double) from the lowest up.

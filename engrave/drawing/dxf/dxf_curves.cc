@@ -194,7 +194,7 @@ bool PolylineOf(const DxfEntity& entity, DrawingBuilder& builder, DxfCurve& resu
 bool SplineOf(const DxfEntity& entity, DrawingBuilder& builder, DxfCurve& result) {
   DxfSpline spline;
   const auto visit = [&](int code, double number) {
-    return spline.Take(code, number, entity, builder);
+    return spline.Consume(code, number, entity, builder);
   };
   return ForEachNumber(entity, builder, result.common, visit) &&
          spline.AddPieces(entity, builder, result.curve.pieces);

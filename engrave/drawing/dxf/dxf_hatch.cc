@@ -45,7 +45,7 @@ class HatchReader {
       if (group.code < 10 || group.code >= 100 || group.code == 62) continue;
       double number = 0;
       if (!DxfNumber(group, entity_, builder_, number)) return false;
-      if (!Take(group.code, number)) return false;
+      if (!Consume(group.code, number)) return false;
     }
     if (!groups.good() || !EndPath()) return false;
     ToWorld();
@@ -53,7 +53,7 @@ class HatchReader {
   }
 
  private:
-  bool Take(int code, double number) {
+  bool Consume(int code, double number) {
     if (code == 92) return EndPath() && BeginPath(WholeOf(number));
     if (code == 75 || code == 76 || code == 98) return EndPath();
     if (!in_path_) {
@@ -99,7 +99,7 @@ class HatchReader {
       // Degree and weights have other codes than in a SPLINE; counts do not matter.
       if (code == 94) code = 71;
       if (code == 42) code = 41;
-      return code > 71 || spline_.Take(code, number, entity_, builder_);
+      return code > 71 || spline_.Consume(code, number, entity_, builder_);
     }
     if (code < 80) values_[static_cast<std::size_t>(code)] = number;
     return true;

@@ -52,8 +52,8 @@ bool CheckNurbs(const DxfEntity& entity, DrawingBuilder& builder, const Nurbs& n
 
 }  // namespace
 
-bool DxfSpline::Take(int code, double number, const DxfEntity& entity,
-                     DrawingBuilder& builder) {
+bool DxfSpline::Consume(int code, double number, const DxfEntity& entity,
+                        DrawingBuilder& builder) {
   // About five numbers per point: three coordinates, a knot and a weight.
   if (++number_count_ / 5 > builder.limits().max_points) {
     return builder.CountPoints(number_count_, entity.Place());

@@ -9,7 +9,7 @@ class DxfSpline {
  public:
   /// Takes a group in the codes of a SPLINE: degree 71, knots 40, weights 41, control
   /// points 10 20 30, fit points 11 21 31, tangents 12 .. 33. False: too many points.
-  bool Take(int code, double number, const DxfEntity& entity, DrawingBuilder& builder);
+  bool Consume(int code, double number, const DxfEntity& entity, DrawingBuilder& builder);
 
   /// Adds the curve by control points; by fit points when there are none. False: it is
   /// no spline, and the builder has the error.

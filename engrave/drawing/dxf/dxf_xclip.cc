@@ -70,7 +70,7 @@ bool IsPoint(int code) { return code == 10 || code == 20 || code == 30; }
 class Reactors {
  public:
   /// True: the group belongs to them.
-  bool Take(const DxfGroup& group) {
+  bool Consume(const DxfGroup& group) {
     if (group.code == 102) {
       in_dictionary_ = group.value == "{ACAD_XDICTIONARY";
       in_braces_ = group.value.starts_with('{');
@@ -150,7 +150,7 @@ bool DxfXclips::ReadDictionary(const DxfEntity& object, DrawingBuilder& builder)
   std::string handle, name;
   Entries entries;
   while (groups.Next(group)) {
-    if (reactors.Take(group)) continue;
+    if (reactors.Consume(group)) continue;
     if (group.code == 5) handle = io::LowerCase(group.value);
     if (group.code == 3) name = io::LowerCase(group.value);
     const bool wanted =
@@ -172,7 +172,7 @@ bool DxfXclips::ReadFilter(const DxfEntity& object, DrawingBuilder& builder) {
   Filter filter;
   filter.place = object.Place();
   while (groups.Next(group)) {
-    if (reactors.Take(group)) continue;
+    if (reactors.Consume(group)) continue;
     if (group.code == 5) handle = io::LowerCase(group.value);
     const bool is_number = group.code >= 10 && group.code < 300 && group.code != 100;
     const std::optional<double> value = NumberOf(group.value);
@@ -201,7 +201,7 @@ bool DxfXclips::ReadRecord(const DxfEntity& object, DrawingBuilder& builder) {
   Roundtrip record;
   PointList* points = nullptr;
   while (groups.Next(group)) {
-    if (reactors.Take(group)) continue;
+    if (reactors.Consume(group)) continue;
     if (group.code == 5 && handle.empty()) handle = io::LowerCase(group.value);
     if (group.code == 102) {
       points = nullptr;

@@ -12,7 +12,7 @@ ErrorJudge::ErrorJudge(const drive::AxisDrives& drives, double rate_hz, const Ve
   Require(limit > 0, "the limit {} of an error must be positive", limit);
 }
 
-void ErrorJudge::Take(Segment planned) {
+void ErrorJudge::Receive(Segment planned) {
   planned.point = -1;  // what is behind is judged no more
   compensation_.Append(planned, commands_);
   for (const Segment& command : commands_) prediction_.Append(command, places_);

@@ -17,7 +17,7 @@ class ErrorJudge final : public StepJudge {
              double limit);
 
   /// The plan goes on with this segment for good.
-  void Take(Segment planned);
+  void Receive(Segment planned);
 
   /// Of neighbouring steps that are beyond the limit it names the worst, the step before
   /// it, whose accelerations still act, and the one behind it, to which they jump.

@@ -136,7 +136,7 @@ void ManualControl::LoseSender(const std::string& sender) {
   if (moves() && order_.sender == sender) let_go_ = true;
 }
 
-void ManualControl::Take(const ManualOrder& order, Nanoseconds now) {
+void ManualControl::Receive(const ManualOrder& order, Nanoseconds now) {
   const bool of_mover = moves() && order.sender == order_.sender;
   if (of_mover && (order.kind == intaglio_MANUAL_NONE || order.number != order_.number))
     let_go_ = true;

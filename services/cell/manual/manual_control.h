@@ -128,7 +128,7 @@ class ManualControl {
   bool IsFresh(std::uint64_t seen, Nanoseconds now) const;
 
   /// Once for each order that comes.
-  void Take(const ManualOrder& order, Nanoseconds now);
+  void Receive(const ManualOrder& order, Nanoseconds now);
   /// Its process is gone.
   void LoseSender(const std::string& sender);
   /// Once a turn.

@@ -127,7 +127,7 @@ void ManualDesk::TakeCommands(bus::Reader<intaglio_ManualCommand>& reader, bool 
     const bool executed =
         !IsTeaching(command.kind) ||
         (command.kind == intaglio_TEACH_ZERO && teacher_.zero_is_in_controller());
-    if (executed) return control_.Take(order, now);
+    if (executed) return control_.Receive(order, now);
     Teach(order, command, now);
   });
 }
@@ -140,7 +140,7 @@ void ManualDesk::TakeAtZero(ManualOrder order, const intaglio_ManualCommand& com
   if (axes) {
     if (order.kind == intaglio_MANUAL_ZERO) order.kind = intaglio_MANUAL_MOVE;
     order.place = *axes;
-    return control_.Take(order, now);
+    return control_.Receive(order, now);
   }
   if (control_.IsNew(order) && control_.IsFresh(order.seen, now) &&
       !control_.RefusesEarlier(order))

@@ -75,7 +75,7 @@ class StepCutter {
              double rate_hz)
       : positions_(positions), start_tick_(start_tick), rate_hz_(rate_hz) {}
 
-  void Take(drive::Cubic command, std::uint64_t subticks) {
+  void Receive(drive::Cubic command, std::uint64_t subticks) {
     while (subticks > 0) {
       const std::uint64_t to_tick =
           motion::kSubticksPerTick - done_ % motion::kSubticksPerTick;
@@ -133,10 +133,10 @@ Result<RecordedAxis> ReadAxis(const recording::McapReader& reader, std::size_t a
     to.duration_subticks = run->duration_subticks[i];
     const double duration_s =
         motion::DurationSeconds(to.duration_subticks, record.rate_hz);
-    cutter.Take({from.position_mm[i_axis], from.velocity_mm_s[i_axis],
-                 motion::HermiteAcceleration(from, to, 0, duration_s)[i_axis],
-                 motion::HermiteJerk(from, to, duration_s)[i_axis]},
-                to.duration_subticks);
+    cutter.Receive({from.position_mm[i_axis], from.velocity_mm_s[i_axis],
+                    motion::HermiteAcceleration(from, to, 0, duration_s)[i_axis],
+                    motion::HermiteJerk(from, to, duration_s)[i_axis]},
+                   to.duration_subticks);
     from = to.end();
   }
   record.tick_count = cutter.ticks();

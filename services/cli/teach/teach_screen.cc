@@ -79,7 +79,7 @@ class TeachScreen {
   int Run() {
     while (Interrupts() == 0 && !ends_) {
       client_.Poll();
-      if (const std::string key = ReadKey(); !key.empty()) Take(key);
+      if (const std::string key = ReadKey(); !key.empty()) Receive(key);
       Settle();
       Draw();
     }
@@ -105,7 +105,7 @@ class TeachScreen {
     return escape == std::string::npos ? all.substr(all.size() - 1) : all.substr(escape);
   }
 
-  void Take(const std::string& key) {
+  void Receive(const std::string& key) {
     const auto direction = DirectionOf(key);
     if (direction && !asks_home_) return Move(key, *direction);
     client_.LetGo();

@@ -76,7 +76,7 @@ ShopView ViewOf(const JobClient& client) {
 std::vector<std::string> ShopProofs::Turn(const ShopView& shop, Clock::time_point now) {
   if (!began_) began_ = now;
   std::vector<std::string> sentences;
-  Take(shop, now);
+  Receive(shop, now);
   TakeEnd(now, sentences);
   Start(shop, now);
   RemoveOldGlass(shop, now);
@@ -89,7 +89,7 @@ std::size_t ShopProofs::pending_count() const {
   return static_cast<std::size_t>(waiting) + (process_ ? 1 : 0);
 }
 
-void ShopProofs::Take(const ShopView& shop, Clock::time_point now) {
+void ShopProofs::Receive(const ShopView& shop, Clock::time_point now) {
   for (const auto& [uid, job] : shop.jobs) {
     if (!job.ended() || job.cell != options_.cell || seen_.contains(uid)) continue;
     seen_.insert(uid);

@@ -63,7 +63,7 @@ class ShopProofs {
     std::chrono::seconds retry = kFirstRetry;
     std::string reported;  ///< the last error, reported once
   };
-  void Take(const ShopView& shop, Clock::time_point now);
+  void Receive(const ShopView& shop, Clock::time_point now);
   void Start(const ShopView& shop, Clock::time_point now);
   void TakeEnd(Clock::time_point now, std::vector<std::string>& sentences);
   void Retry(Clock::time_point now, const std::string& error,

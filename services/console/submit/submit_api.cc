@@ -68,7 +68,7 @@ class Receiver : public web::BodySink {
     });
   }
 
-  void Take(std::string bytes, std::function<void()> taken) override {
+  void Receive(std::string bytes, std::function<void()> taken) override {
     Add([state = state_, bytes = std::move(bytes), taken = std::move(taken),
          reply = reply_] {
       if (!state->upload) return;
@@ -107,7 +107,7 @@ class SubmitApi::JobFileSink : public web::BodySink {
  public:
   JobFileSink(SubmitApi& submit, SubmissionPath path, web::Reply reply)
       : submit_(submit), path_(std::move(path)), reply_(std::move(reply)) {}
-  void Take(std::string bytes, std::function<void()> taken) override {
+  void Receive(std::string bytes, std::function<void()> taken) override {
     text_ += bytes;
     taken();
   }

@@ -38,7 +38,7 @@ void BjjczDriver::Poll() {
   const std::uint64_t sessions = line_.sessions();
   std::vector<LmcAnswer> answers;
   const bool lost = line_.Poll(answers);
-  for (const LmcAnswer& answer : answers) Take(answer);
+  for (const LmcAnswer& answer : answers) Receive(answer);
   if (lost) TakeLost();
   if (line_.sessions() != sessions)
     state_.power_up = fmt::format("bjjcz-{:08x}", DrawPowerUp());
@@ -55,7 +55,7 @@ void BjjczDriver::Poll() {
   Report();
 }
 
-void BjjczDriver::Take(const LmcAnswer& answer) {
+void BjjczDriver::Receive(const LmcAnswer& answer) {
   busy_ = answer.reply.is_busy();
   switch (answer.operation) {
     case LmcOperation::kReadPort:
@@ -68,7 +68,7 @@ void BjjczDriver::Take(const LmcAnswer& answer) {
     default:
       break;
   }
-  if (playing_) playing_->Take(answer, clock_());
+  if (playing_) playing_->Receive(answer, clock_());
 }
 
 void BjjczDriver::TakeInputs(std::uint16_t inputs) {
@@ -181,7 +181,7 @@ Status BjjczDriver::RequestPast(std::uint32_t run, std::uint32_t first,
 
 void BjjczDriver::AddEvent(std::uint32_t mark, MarkFate fate) {
   events_.push_back({*run_, mark, fate});
-  seen_.Take(events_.back());
+  seen_.Receive(events_.back());
 }
 
 void BjjczDriver::Report() {

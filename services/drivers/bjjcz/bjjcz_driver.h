@@ -80,7 +80,7 @@ class BjjczDriver final : public MarkDriver {
 
  private:
   enum class Hand { kNone, kAnnounced, kMaking };
-  void Take(const LmcAnswer& answer);
+  void Receive(const LmcAnswer& answer);
   void TakeInputs(std::uint16_t inputs);
   void TakeLost();
   void Feed();

@@ -81,7 +81,7 @@ void PlayedList::Execute(LmcLine& line) {
   was_sent_ = true;
 }
 
-void PlayedList::Take(const LmcAnswer& answer, std::chrono::nanoseconds now) {
+void PlayedList::Receive(const LmcAnswer& answer, std::chrono::nanoseconds now) {
   if (answer.operation == kExecuteList) executed_at_ = now;
   if (executed_at_ && answer.reply.is_busy()) was_busy_ = true;
 }

@@ -50,7 +50,7 @@ class PlayedList {
   bool was_sent() const { return was_sent_; }
   void Execute(LmcLine& line);
   /// Takes each answer of the board.
-  void Take(const LmcAnswer& answer, std::chrono::nanoseconds now);
+  void Receive(const LmcAnswer& answer, std::chrono::nanoseconds now);
   /// A host that was late may have missed that the board was busy.
   bool HasEnded(bool busy, std::chrono::nanoseconds now) const;
   /// A board that executes it so much longer than it should is not the profile's.

@@ -73,13 +73,13 @@ bool LmcLine::Read(std::vector<LmcAnswer>& answers) {
     reader_.Feed(std::span(buffer).first(*count));
   }
   while (const auto reply = reader_.Next()) {
-    Take(*reply, answers);
+    Receive(*reply, answers);
     if (!stream_) return false;
   }
   return true;
 }
 
-void LmcLine::Take(const LmcReply& reply, std::vector<LmcAnswer>& answers) {
+void LmcLine::Receive(const LmcReply& reply, std::vector<LmcAnswer>& answers) {
   if (!asked_) return;  // nothing was asked
   const LmcOperation operation = *std::exchange(asked_, std::nullopt);
   answered_at_ = now();

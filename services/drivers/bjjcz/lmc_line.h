@@ -64,7 +64,7 @@ class LmcLine final : public ControllerLine {
   void Open();
   /// False: the line is gone.
   bool Read(std::vector<LmcAnswer>& answers);
-  void Take(const LmcReply& reply, std::vector<LmcAnswer>& answers);
+  void Receive(const LmcReply& reply, std::vector<LmcAnswer>& answers);
   void Identify(const LmcReply& reply);
   void WriteNext();
   void WriteMessages();

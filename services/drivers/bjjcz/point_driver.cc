@@ -60,7 +60,7 @@ void BjjczPointDriver::TakeAnswers() {
   const bool lost = line_.Poll(answers);
   if (lost) TakeLost();
   if (line_.sessions() != session_ && line_.up()) TakeUp();
-  for (const LmcAnswer& answer : answers) Take(answer);
+  for (const LmcAnswer& answer : answers) Receive(answer);
 }
 
 void BjjczPointDriver::TakeUp() {
@@ -75,10 +75,10 @@ void BjjczPointDriver::TakeUp() {
   line_.Send({LmcOperation::kAxisPlace, {}});
 }
 
-void BjjczPointDriver::Take(const LmcAnswer& answer) {
+void BjjczPointDriver::Receive(const LmcAnswer& answer) {
   busy_ = answer.reply.is_busy();
   moving_ = answer.reply.is_moving();
-  if (playing_) playing_->Take(answer, now());
+  if (playing_) playing_->Receive(answer, now());
   switch (answer.operation) {
     case LmcOperation::kReadPort:
       if (stopping_ && std::exchange(seen_since_stop_, true) && !busy_ && !moving_)

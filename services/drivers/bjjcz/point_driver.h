@@ -110,7 +110,7 @@ class BjjczPointDriver final : public LockstepDriver {
   void TakeAnswers() override;
   void TakeUp();
   void TakeFirstAxisPlace(std::int32_t before);
-  void Take(const LmcAnswer& answer);
+  void Receive(const LmcAnswer& answer);
   void TakeInputs(std::uint16_t inputs);
   void TakeAxisPlace(std::int32_t steps);
   void CheckPlace();

@@ -132,7 +132,7 @@ void GalvoDriver::Handle(HeadFrame type, std::span<const std::byte> payload) {
 
 void GalvoDriver::TakeWeb(const link::HeadWeb& web) {
   HeadTracker& tracker = player_.tracker();
-  tracker.Take(web, identity_.rate_hz);
+  tracker.Receive(web, identity_.rate_hz);
   prints_.PassTo(static_cast<double>(web.samples.back().encoder_count) *
                  tracker.count_mm());
 }

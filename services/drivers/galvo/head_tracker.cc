@@ -57,7 +57,7 @@ void HeadTracker::Follow(const link::HeadWebSample& sample) {
   expected_mm_.pop_front();
 }
 
-void HeadTracker::Take(const link::HeadWeb& web, double rate_hz) {
+void HeadTracker::Receive(const link::HeadWeb& web, double rate_hz) {
   if (!follows()) return;
   rate_hz_ = rate_hz;
   for (const link::HeadWebSample& sample : web.samples) {

@@ -22,7 +22,7 @@ class HeadTracker {
   /// What another session or power-up measured is forgotten.
   void Forget();
   /// Samples of a rate of ticks, 1/s.
-  void Take(const link::HeadWeb& web, double rate_hz);
+  void Receive(const link::HeadWeb& web, double rate_hz);
   /// The web is at 0 now.
   void Restart() { zero_mm_.reset(); }
 

@@ -33,7 +33,7 @@ bool PrintTracker::LiesAPitchBehindAnother(double place_mm) const {
   });
 }
 
-void PrintTracker::Take(double place_mm) {
+void PrintTracker::Receive(double place_mm) {
   found_ = true;
   last_mm_ = place_mm;
   missing_in_a_row_ = 0;
@@ -43,10 +43,10 @@ void PrintTracker::Take(double place_mm) {
 void PrintTracker::See(double place_mm, bool in_run) {
   PassTo(place_mm);
   if (!lost_ && !found_ && in_run) {
-    if (LiesAPitchBehindAnother(place_mm)) Take(place_mm);
+    if (LiesAPitchBehindAnother(place_mm)) Receive(place_mm);
   } else if (!lost_ && in_run) {
     if (std::abs(place_mm - ExpectedMm()) <= eye_.tolerance_mm) {
-      Take(place_mm);
+      Receive(place_mm);
     } else {
       ++ignored_;
     }

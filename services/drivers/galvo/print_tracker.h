@@ -46,7 +46,7 @@ class PrintTracker {
 
  private:
   bool LiesAPitchBehindAnother(double place_mm) const;
-  void Take(double place_mm);
+  void Receive(double place_mm);
   /// Of the print mark that is expected next.
   double ExpectedMm() const { return last_mm_ + (missing_in_a_row_ + 1) * eye_.pitch_mm; }
 

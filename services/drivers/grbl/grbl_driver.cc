@@ -34,10 +34,10 @@ void GrblDriver::TakeAnswers() {
   std::vector<GrblLine::Event> events;
   line_.Poll(events);
   TakePowerUps();
-  for (const GrblLine::Event& event : events) Take(event);
+  for (const GrblLine::Event& event : events) Receive(event);
 }
 
-void GrblDriver::Take(const GrblLine::Event& event) {
+void GrblDriver::Receive(const GrblLine::Event& event) {
   if (std::holds_alternative<GrblUp>(event)) return TakeUp();
   if (std::holds_alternative<GrblLost>(event)) return TakeLost();
   if (std::holds_alternative<GrblOk>(event)) return TakeOk();

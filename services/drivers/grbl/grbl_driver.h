@@ -107,7 +107,7 @@ class GrblDriver final : public LockstepDriver {
   void Report() override;
 
   void TakeAnswers() override;
-  void Take(const GrblLine::Event& event);
+  void Receive(const GrblLine::Event& event);
   void TakeUp();
   void TakeOk();
   void TakeAlarm(const GrblAlarm& alarm);

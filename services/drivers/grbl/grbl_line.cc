@@ -65,10 +65,10 @@ void GrblLine::Read(std::vector<Event>& events) {
     if (*count == 0) break;
     reader_.Feed(std::span(buffer).first(*count), lines);
   }
-  for (const std::string& line : lines) Take(ParseGrblAnswer(line), events);
+  for (const std::string& line : lines) Receive(ParseGrblAnswer(line), events);
 }
 
-void GrblLine::Take(const GrblAnswer& answer, std::vector<Event>& events) {
+void GrblLine::Receive(const GrblAnswer& answer, std::vector<Event>& events) {
   if (std::holds_alternative<GrblOther>(answer)) return;
   asked_at_.reset();
   if (std::holds_alternative<GrblBanner>(answer)) return TakeBanner(events);

@@ -142,7 +142,7 @@ class GrblLine final : public ControllerLine {
 
   void Open();
   void Read(std::vector<Event>& events);
-  void Take(const GrblAnswer& answer, std::vector<Event>& events);
+  void Receive(const GrblAnswer& answer, std::vector<Event>& events);
   void TakeBanner(std::vector<Event>& events);
   void TakeAcknowledgement(bool good, int code, std::vector<Event>& events);
   void TakeStatus(GrblStatus status, std::vector<Event>& events);

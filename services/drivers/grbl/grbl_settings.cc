@@ -141,11 +141,11 @@ class SettingsReader {
     std::vector<std::string> lines;
     while (const auto count = INTAGLIO_TRY(stream_.Read(buffer)))
       reader_.Feed(std::span(buffer).first(count), lines);
-    for (const std::string& line : lines) INTAGLIO_TRY(Take(ParseGrblAnswer(line)));
+    for (const std::string& line : lines) INTAGLIO_TRY(Receive(ParseGrblAnswer(line)));
     return {};
   }
 
-  Status Take(const GrblAnswer& answer) {
+  Status Receive(const GrblAnswer& answer) {
     if (const auto* status = std::get_if<GrblStatus>(&answer)) return TakeStatus(*status);
     if (std::holds_alternative<GrblBanner>(answer) && phase_ == Phase::kGrblResetting) {
       phase_ = Phase::kReading;

@@ -15,7 +15,7 @@ namespace intaglio::drivers {
 
 class SeenMarks {
  public:
-  void Take(const MarkEvent& event) {
+  void Receive(const MarkEvent& event) {
     fates_[{event.run, event.mark}] = event.fate;
     while (fates_.size() > kRememberedMarks) fates_.erase(fates_.begin());
   }

@@ -100,7 +100,7 @@ void HalSession::Read(std::chrono::nanoseconds now) {
          end = rest.find('\n')) {
       if (const auto sample = ParseSample(rest.substr(0, end))) {
         sampled_at_ = now;
-        Take(*sample);
+        Receive(*sample);
       }
       if (!line_) return;
       rest.remove_prefix(end + 1);
@@ -110,7 +110,7 @@ void HalSession::Read(std::chrono::nanoseconds now) {
   }
 }
 
-void HalSession::Take(const HalSample& sample) {
+void HalSession::Receive(const HalSample& sample) {
   newest_ = sample;
   has_sample_ = true;
   if (!greeted_) return;

@@ -66,7 +66,7 @@ class HalSession {
   enum class Phase { kClosed, kOpening, kUp };
   void Open(std::chrono::nanoseconds now);
   void Read(std::chrono::nanoseconds now);
-  void Take(const HalSample& sample);
+  void Receive(const HalSample& sample);
   void Begin();
   void Hello();
   bool RecordIsWhole();

@@ -48,7 +48,7 @@ void LinuxcncDriver::Turn() {
   if (!session_.up()) return SetDown();
   if (session_.sessions() != begun_sessions_) BeginSession();
   for (const HalSample& sample : samples) {
-    Take(sample);
+    Receive(sample);
     if (!session_.up()) return SetDown();
   }
   if (!samples.empty()) {
@@ -115,7 +115,7 @@ void LinuxcncDriver::SetDown() {
   state_.message = session_.message();
 }
 
-void LinuxcncDriver::Take(const HalSample& sample) {
+void LinuxcncDriver::Receive(const HalSample& sample) {
   if (sample.Has(kHalFresh))
     TakeRow(sample);
   else if ((run_in_flight_ || jog_in_flight_) && !sent_.empty() &&

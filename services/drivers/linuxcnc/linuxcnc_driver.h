@@ -99,7 +99,7 @@ class LinuxcncDriver final : public MotionDriver, public LaserController {
   void Turn();
   void BeginSession();
   void SetDown();
-  void Take(const HalSample& sample);
+  void Receive(const HalSample& sample);
   void TakeRow(const HalSample& sample);
   void TakeSync(const SentRow& row, const HalSample& sample);
   void TakeRest(const HalSample& sample);

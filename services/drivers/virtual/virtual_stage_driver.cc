@@ -203,7 +203,7 @@ class VirtualStageDriver final : public MotionDriver {
     if (type == MotionFrame::kMotionIdentity) return Identify(payload);
     if (!identified_) return;
     if (type == MotionFrame::kMotionStatus) {
-      if (const auto status = link::Decode<link::MotionStatus>(payload)) Take(*status);
+      if (const auto status = link::Decode<link::MotionStatus>(payload)) Receive(*status);
     } else if (type == MotionFrame::kControllerClock) {
       const auto clock = link::Decode<link::ControllerClock>(payload);
       if (clock) state_.clock = clock->power_up;
@@ -270,7 +270,7 @@ class VirtualStageDriver final : public MotionDriver {
     (void)session_.Send(static_cast<std::uint8_t>(MotionFrame::kAbortRun), {});
   }
 
-  void Take(const link::MotionStatus& status) {
+  void Receive(const link::MotionStatus& status) {
     status_ = status;
     state_.link_up = identified_;
     state_.tick = status.tick;

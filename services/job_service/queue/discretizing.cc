@@ -84,8 +84,8 @@ void Discretizing::SetProgress(JobRecord& job, Nanoseconds now) {
   stage.elapsed_s = progress.elapsed_s;
 }
 
-Discretizing::Outcome Discretizing::Take(JobRecord& job, const TaskView& task,
-                                         Nanoseconds now) {
+Discretizing::Outcome Discretizing::Receive(JobRecord& job, const TaskView& task,
+                                            Nanoseconds now) {
   const std::uint32_t part = task.task.part;
   if (!job.parts.IsCurrent(task.worker, part, task.task.part_attempt)) {
     return Outcome::kIgnored;

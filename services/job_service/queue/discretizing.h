@@ -40,7 +40,7 @@ class Discretizing {
     kFailed,    ///< the caller decides what follows
     kAllDone,   ///< so was every other part
   };
-  Outcome Take(JobRecord& job, const TaskView& task, Nanoseconds now);
+  Outcome Receive(JobRecord& job, const TaskView& task, Nanoseconds now);
 
   /// A part is lost and open again after `pause`; why the job has to be given up over it,
   /// else nothing.

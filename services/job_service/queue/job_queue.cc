@@ -89,7 +89,7 @@ void JobQueue::EndJob(JobRecord& job, intaglio_JobState state, const std::string
   job.frozen_job = {};  // up to a megabyte that is not needed any more
 }
 
-CommandAnswer JobQueue::Take(const CommandView& command, Nanoseconds now) {
+CommandAnswer JobQueue::Receive(const CommandView& command, Nanoseconds now) {
   JobRecord* job = book_.Find(command.job_uid);
   if (job == nullptr) {
     return {intaglio_ANSWER_UNKNOWN_JOB,
@@ -224,7 +224,7 @@ void JobQueue::Begin(JobRecord& job,
 
 // ---- Workers ------------------------------------------------------------------------
 
-void JobQueue::Take(const WorkerView& worker, Nanoseconds now) {
+void JobQueue::Receive(const WorkerView& worker, Nanoseconds now) {
   tasks_.workers().Update(worker, now);
   // It ends in order, and its process was asked to.
   if (worker.role == intaglio_ROLE_SYNCHRONIZER &&
@@ -303,7 +303,7 @@ void JobQueue::FeedFailed(const std::string& job_uid, std::uint32_t attempt,
 
 // ---- Tasks --------------------------------------------------------------------------
 
-void JobQueue::Take(const TaskView& task, Nanoseconds now) {
+void JobQueue::Receive(const TaskView& task, Nanoseconds now) {
   if (AnswersAnOldRevocation(task)) return;
   if (task.ended()) {
     tasks_.workers().Release(task.worker, task.task, now);
@@ -338,7 +338,7 @@ void JobQueue::NoteFirstEstimate(JobRecord& job, const TaskView& task) {
 }
 
 void JobQueue::TakePart(JobRecord& job, const TaskView& task, Nanoseconds now) {
-  switch (discretizing_.Take(job, task, now)) {
+  switch (discretizing_.Receive(job, task, now)) {
     case Discretizing::Outcome::kFailed:
       return StageFailed(job, task, now);
     case Discretizing::Outcome::kAllDone:

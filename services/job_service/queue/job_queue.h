@@ -67,13 +67,13 @@ class JobQueue {
                Nanoseconds now);
   void Add(JobRecord job);
 
-  void Take(const WorkerView& worker, Nanoseconds now);
+  void Receive(const WorkerView& worker, Nanoseconds now);
   void WorkerLost(const std::string& instance, Nanoseconds now);
   /// Unless it is taken, nothing was changed. PAUSE and CANCEL of an open job are always
   /// taken; ARM and RESUME as Arming allows. The caller knows which commands were
   /// answered before.
-  CommandAnswer Take(const CommandView& command, Nanoseconds now);
-  void Take(const TaskView& task, Nanoseconds now);
+  CommandAnswer Receive(const CommandView& command, Nanoseconds now);
+  void Receive(const TaskView& task, Nanoseconds now);
   /// A model file could not be read or sent.
   void FeedFailed(const std::string& job_uid, std::uint32_t attempt,
                   const std::string& message, Nanoseconds now);

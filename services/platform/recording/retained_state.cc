@@ -85,9 +85,9 @@ std::string RetainedState::KeyOf(const Learned& learned, ByteView payload) {
   return key;
 }
 
-void RetainedState::Take(std::uint32_t number, std::uint32_t sequence,
-                         std::uint64_t log_time_ns, std::uint64_t publish_time_ns,
-                         ByteView payload) {
+void RetainedState::Receive(std::uint32_t number, std::uint32_t sequence,
+                            std::uint64_t log_time_ns, std::uint64_t publish_time_ns,
+                            ByteView payload) {
   const auto found = learned_.find(number);
   if (found == learned_.end()) return;
   const Learned& learned = found->second;

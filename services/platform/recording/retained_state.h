@@ -51,8 +51,8 @@ class RetainedState {
   /// passed over.
   bool Learn(std::uint32_t number, const Stream& stream, const SampleType& type);
   /// Samples in the order of their reception; those of other streams are passed over.
-  void Take(std::uint32_t number, std::uint32_t sequence, std::uint64_t log_time_ns,
-            std::uint64_t publish_time_ns, ByteView payload);
+  void Receive(std::uint32_t number, std::uint32_t sequence, std::uint64_t log_time_ns,
+               std::uint64_t publish_time_ns, ByteView payload);
 
   /// In the order of their reception. Valid until the next Take.
   std::vector<const RetainedSample*> Samples() const;

@@ -104,7 +104,7 @@ class HttpSession : public Waiting, public std::enable_shared_from_this<HttpSess
     stream_.expires_after(limits.request_time);
     http::async_read_header(stream_, buffer_, *head_,
                             [self = shared_from_this()](ErrorOf error, std::size_t) {
-                              if (error) return self->Take(error);
+                              if (error) return self->Receive(error);
                               self->ReadBody();
                             });
   }
@@ -115,15 +115,17 @@ class HttpSession : public Waiting, public std::enable_shared_from_this<HttpSess
       StopWaiting();
       return DecideLong();
     }
-    if (head_->content_length().value_or(0) > limit) return Take(http::error::body_limit);
+    if (head_->content_length().value_or(0) > limit)
+      return Receive(http::error::body_limit);
     parser_.emplace(std::move(*head_));
     parser_->body_limit(limit);
-    http::async_read(
-        stream_, buffer_, *parser_,
-        [self = shared_from_this()](ErrorOf error, std::size_t) { self->Take(error); });
+    http::async_read(stream_, buffer_, *parser_,
+                     [self = shared_from_this()](ErrorOf error, std::size_t) {
+                       self->Receive(error);
+                     });
   }
 
-  void Take(ErrorOf error) {
+  void Receive(ErrorOf error) {
     StopWaiting();
     keep_alive_ = false;
     if (error == http::error::body_limit)

@@ -62,19 +62,20 @@ class LongBody : public std::enable_shared_from_this<LongBody> {
     is_busy_ = true;
     parser_.get().body() = {piece_.data(), piece_.size(), true};
     stream_.expires_after(core_.options.limits.request_time);
-    http::async_read_some(
-        stream_, buffer_, parser_,
-        [self = shared_from_this()](ErrorOf error, std::size_t) { self->Take(error); });
+    http::async_read_some(stream_, buffer_, parser_,
+                          [self = shared_from_this()](ErrorOf error, std::size_t) {
+                            self->Receive(error);
+                          });
   }
 
-  void Take(ErrorOf error) {
+  void Receive(ErrorOf error) {
     if (error && error != http::error::need_buffer) return;  // the connection broke
     is_busy_ = false;
     const std::size_t count = piece_.size() - parser_.get().body().size;
     if (answer_) return Discard(count);
     if (count == 0) return parser_.is_done() ? End() : Read();
     keeps_itself_ = shared_from_this();
-    sink_->Take(piece_.substr(0, count), [weak = weak_from_this(), &io = core_.io] {
+    sink_->Receive(piece_.substr(0, count), [weak = weak_from_this(), &io = core_.io] {
       net::post(io, [weak] {
         if (const auto self = weak.lock()) self->Taken();
       });

@@ -33,13 +33,13 @@ struct Server::Impl {
         pause.async_wait([this](ErrorOf) { Accept(); });
         return;
       }
-      Take(std::move(socket));
+      Receive(std::move(socket));
       Accept();
     });
   }
 
   /// A flood of connections that send no request does not keep a request out.
-  void Take(tcp::socket socket) {
+  void Receive(tcp::socket socket) {
     if (core->connection_count >= core->options.limits.connection_count) {
       if (core->waiting.empty()) return;
       core->waiting.front()->Close();

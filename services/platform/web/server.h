@@ -81,7 +81,7 @@ class BodySink {
  public:
   virtual ~BodySink() = default;
   /// Not empty. `taken` asks for the next piece, from any thread: no two wait at once.
-  virtual void Take(std::string bytes, std::function<void()> taken) = 0;
+  virtual void Receive(std::string bytes, std::function<void()> taken) = 0;
   /// Everything has come: the request has to be answered now.
   virtual void End() = 0;
 };

@@ -158,14 +158,14 @@ void CellBench::TakeMessages(Performance& performance) {
   pulses_.TakeAll(
       [&](const intaglio_PulseEventBatch& sample, const bus::SampleOrigin& origin) {
         if (!origin.alive) return;
-        performance.listener.Take(MessageOf(sample),
-                                  static_cast<std::uint64_t>(origin.source_ns));
+        performance.listener.Receive(MessageOf(sample),
+                                     static_cast<std::uint64_t>(origin.source_ns));
         performance.moved_at = Clock::now();
       });
   status_.Take([&](const intaglio_TaskStatus& sample) {
     if (bus::View(sample.worker) == instance_ &&
         sample.attempt == performance.session.task.id.attempt)
-      performance.listener.Take(MessageOf(sample));
+      performance.listener.Receive(MessageOf(sample));
   });
 }
 

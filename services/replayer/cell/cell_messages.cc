@@ -171,7 +171,7 @@ std::size_t CellMessages::broken_count() const {
       runs.begin(), runs.end(), [](const CellRun& run) { return run.aborted; }));
 }
 
-bool CellListener::Take(const SegmentMessages& messages, std::uint64_t at_ns) {
+bool CellListener::Receive(const SegmentMessages& messages, std::uint64_t at_ns) {
   if (messages.job_uid != job_uid_) return false;
   auto& runs = messages_.runs;
   if (messages.abort) {
@@ -217,7 +217,7 @@ std::uint32_t CellListener::RunAt(std::uint64_t at_ns) const {
   return runs.empty() ? 1 : runs.front().number;
 }
 
-void CellListener::Take(const PulseMessages& messages, std::uint64_t at_ns) {
+void CellListener::Receive(const PulseMessages& messages, std::uint64_t at_ns) {
   if (messages.job_uid != job_uid_) return;
   if (messages.number > next_pulses_) NoteGap(RunAt(at_ns));
   next_pulses_ = messages.number + 1;
@@ -233,7 +233,7 @@ void CellListener::Take(const PulseMessages& messages, std::uint64_t at_ns) {
   }
 }
 
-void CellListener::Take(const StatusMessage& messages) {
+void CellListener::Receive(const StatusMessage& messages) {
   if (messages.job_uid != job_uid_ || messages.stage != "STAGE_ENGRAVE") return;
   auto& states = messages_.states;
   if (states.empty() || states.back() != messages.state) states.push_back(messages.state);

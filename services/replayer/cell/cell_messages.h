@@ -104,9 +104,9 @@ class CellListener {
  public:
   explicit CellListener(std::string job_uid) : job_uid_(std::move(job_uid)) {}
   /// `at_ns`: when it was published. True when it begins a run.
-  bool Take(const SegmentMessages& messages, std::uint64_t at_ns);
-  void Take(const PulseMessages& messages, std::uint64_t at_ns);
-  void Take(const StatusMessage& messages);
+  bool Receive(const SegmentMessages& messages, std::uint64_t at_ns);
+  void Receive(const PulseMessages& messages, std::uint64_t at_ns);
+  void Receive(const StatusMessage& messages);
   const std::vector<CellRun>& runs() const { return messages_.runs; }
   /// Pulses of all runs.
   std::size_t fired_count() const { return fired_count_; }

@@ -101,14 +101,14 @@ Status SessionReader::ReadMessages() {
                       [&](const Value& value, std::uint64_t at_ns) {
                         const auto messages = ReadSegments(value);
                         if (messages && Within(at_ns))
-                          (void)listener.Take(*messages, at_ns);
+                          (void)listener.Receive(*messages, at_ns);
                         return messages.has_value();
                       });
   if (!read) return read;
   read = ForEach(reader_, bus::kPulseEventBatch.name,
                  [&](const Value& value, std::uint64_t at_ns) {
                    const auto messages = ReadPulses(value);
-                   if (messages && Within(at_ns)) listener.Take(*messages, at_ns);
+                   if (messages && Within(at_ns)) listener.Receive(*messages, at_ns);
                    return messages.has_value();
                  });
   if (!read) return read;
@@ -116,7 +116,7 @@ Status SessionReader::ReadMessages() {
       reader_, bus::kTaskStatus.name, [&](const Value& value, std::uint64_t at_ns) {
         const auto messages = ReadStatus(value);
         if (messages && Within(at_ns) && messages->attempt == session_.task.id.attempt)
-          listener.Take(*messages);
+          listener.Receive(*messages);
         return messages.has_value();
       });
   session_.messages = listener.Messages();

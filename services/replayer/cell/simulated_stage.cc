@@ -68,7 +68,7 @@ bool SimulatedStage::Take(CellListener& listener) {
       [&](const intaglio_MotionSegmentBatch& sample, const bus::SampleOrigin& origin) {
         if (!origin.alive) return;
         const SegmentMessages messages = MessageOf(sample);
-        begun = listener.Take(messages, static_cast<std::uint64_t>(origin.source_ns)) ||
+        begun = listener.Receive(messages, static_cast<std::uint64_t>(origin.source_ns)) ||
                 begun;
         changed_ = true;
         if (messages.abort) {

@@ -116,10 +116,10 @@ void Settling::RequestPast(std::chrono::nanoseconds now) {
                            static_cast<std::uint16_t>(asked.back().tick - first + 1));
 }
 
-void Settling::Take(const link::PastReport& report) {
+void Settling::Receive(const link::PastReport& report) {
   if (!disarm_seen_) return;
   const std::uint64_t before = record_.fired_point_count();
-  ticks_.Take(report);
+  ticks_.Receive(report);
   settled_by_memory_count_ += record_.fired_point_count() - before;
 }
 

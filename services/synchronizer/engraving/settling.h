@@ -56,7 +56,7 @@ class Settling {
   /// Once a turn, always: notices the answer to the Disarm, however late.
   void TakeDisarmed();
   /// The answer to what it asked. Before the disarm is confirmed it means nothing.
-  void Take(const link::PastReport& report);
+  void Receive(const link::PastReport& report);
   /// A stage that moves for an earlier life is braked; in lockstep it would wait for
   /// ever.
   void AbortEarlierRun(const MotionView& motion, std::chrono::nanoseconds now);

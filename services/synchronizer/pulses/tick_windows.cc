@@ -67,14 +67,14 @@ void TickWindows::SendIdle(std::size_t count) {
   (void)laser_.RequestStatus();
 }
 
-void TickWindows::Take(const link::PulseReport& report) {
+void TickWindows::Receive(const link::PulseReport& report) {
   if (report.outcome.empty()) return;
   reported_through_ =
       std::max(reported_through_, report.first_tick + report.outcome.size() - 1);
   schedule_.Apply(report, [this](const PulseResult& r) { record_.Resolve(r); });
 }
 
-void TickWindows::Take(const link::PastReport& report) {
+void TickWindows::Receive(const link::PastReport& report) {
   schedule_.Apply(report, [this](const PulseResult& r) { record_.Resolve(r); });
 }
 

@@ -60,8 +60,8 @@ class TickWindows {
   void SendIdle(std::size_t count);
 
   /// The controller's results; what was not armed here is passed over.
-  void Take(const link::PulseReport& report);
-  void Take(const link::PastReport& report);
+  void Receive(const link::PulseReport& report);
+  void Receive(const link::PastReport& report);
 
   /// Forgets what is planned and what is held; returns the armed points of windows that
   /// were never sent.

@@ -71,7 +71,7 @@ void HeadController::Begin(const link::HeadBegin& begin) {
   finishing_ = pausing_ = false;
 }
 
-void HeadController::Take(link::HeadBlock block) {
+void HeadController::Receive(link::HeadBlock block) {
   const auto note_dropped = [&] {
     for (const link::HeadEdge& edge : block.edges)
       if (edge.begins) memory_.Note(block.run, edge.mark, HeadMarkFate::kNotBegun);

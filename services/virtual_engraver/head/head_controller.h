@@ -42,7 +42,7 @@ class HeadController {
   void LoseHost();
   void Permit(bool permitted, std::chrono::nanoseconds now);
   void Begin(const link::HeadBegin& begin);
-  void Take(link::HeadBlock block);
+  void Receive(link::HeadBlock block);
   /// The run ends behind what is queued; without any, at once: in lockstep no tick passes
   /// any more.
   void Finish();

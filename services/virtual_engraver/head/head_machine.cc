@@ -66,7 +66,7 @@ void HeadMachine::Handle(HeadFrame type, std::span<const std::byte> payload) {
       return;
     case HeadFrame::kHeadBlock:
       if (auto m = link::Decode<link::HeadBlock>(payload))
-        controller_.Take(std::move(*m));
+        controller_.Receive(std::move(*m));
       return;
     case HeadFrame::kHeadFinish:
       return controller_.Finish();

@@ -45,11 +45,11 @@ struct VirtualGrbl::GcodeLine {
           std::from_chars(line.data() + at, line.data() + end, value);
       if (error != std::errc{} || last != line.data() + end) return kBadNumber;
       at = end;
-      if (const int bad = Take(letter, value)) return bad;
+      if (const int bad = Receive(letter, value)) return bad;
     }
     return 0;
   }
-  int Take(char letter, double value) {
+  int Receive(char letter, double value) {
     if (letter == 'G')
       g.push_back(static_cast<int>(std::lround(value * 10)));
     else if (letter == 'M')

@@ -40,7 +40,7 @@ class FakeStage {
     if (!link_) return;
     const auto polled =
         link_->Poll([this](std::uint8_t type, std::span<const std::byte> payload) {
-          Take(static_cast<link::MotionFrame>(type), payload);
+          Receive(static_cast<link::MotionFrame>(type), payload);
         });
     ASSERT_TRUE(polled.has_value());
     if (!link_->up() || link_->session() == session_) return;
@@ -81,7 +81,7 @@ class FakeStage {
   bool out_of_order = false;
 
  private:
-  void Take(link::MotionFrame type, std::span<const std::byte> payload) {
+  void Receive(link::MotionFrame type, std::span<const std::byte> payload) {
     using link::MotionFrame;
     if (type == MotionFrame::kBeginRun) {
       begun.push_back(link::Decode<link::BeginRun>(payload).value());

@@ -40,7 +40,7 @@ class Watch {
     if (LaserController* const laser = bench_.driver().laser(); laser != nullptr)
       (void)laser->OpenShutters(1);
     Expect(!bench_.rig().may_fire(), "M19: the gate of the laser is open in an outline");
-    outline_.Take(bench_.rig().actual_mm().head<2>(), bench_.rig().guide_is_on());
+    outline_.Receive(bench_.rig().actual_mm().head<2>(), bench_.rig().guide_is_on());
   }
   void ExpectEachCorner(int visits) const { outline_.ExpectEachCorner(visits); }
 

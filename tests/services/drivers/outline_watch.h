@@ -37,7 +37,7 @@ class OutlineWatch {
         visits_(corners_.size(), 0) {}
 
   /// Once a millisecond.
-  void Take(const Vec2& at, bool is_on) {
+  void Receive(const Vec2& at, bool is_on) {
     if (is_on) TakeLit(at);
     was_on_ = is_on;
     before_ = at;

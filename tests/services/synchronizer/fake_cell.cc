@@ -103,7 +103,9 @@ void FakeCell::Begin(JobBegun begun) {
       [this] { return Result<std::unique_ptr<link::ByteStream>>(LineEnd(true)); },
       [this] { return now; });
   feed = std::make_unique<MotionFeed>(
-      [this](const intaglio_MotionSegmentBatch& batch) { return stage.Take(batch, now); },
+      [this](const intaglio_MotionSegmentBatch& batch) {
+        return stage.Receive(batch, now);
+      },
       [this](const std::string& stream) { return stage.GrantOf(stream); });
   auto opened = OpenJournal(journal_file, {points_mm.size(), 1, 7}, begun);
   if (!opened) throw std::runtime_error(opened.error().message);
@@ -192,7 +194,7 @@ void FakeCell::Poll() {
   laser.Poll();
   stage.Poll(now, laser.tick());
   const auto take = [this](const auto& report) {
-    if (engraving) engraving->Take(report);
+    if (engraving) engraving->Receive(report);
   };
   controller->Poll(take, take);
 }

@@ -10,8 +10,8 @@ namespace intaglio::synchronizer {
 using bus::View;
 using namespace std::chrono_literals;
 
-Status FakeStage::Take(const intaglio_MotionSegmentBatch& batch,
-                       std::chrono::nanoseconds now) {
+Status FakeStage::Receive(const intaglio_MotionSegmentBatch& batch,
+                          std::chrono::nanoseconds now) {
   Batch taken{
       now + latency,
       bus::StreamName(std::string(View(batch.job_uid)), batch.run, "MotionSegmentBatch"),

@@ -24,7 +24,7 @@ class FakeStage {
   static constexpr std::uint64_t kWindowBatches = 16;
 
   /// What MotionFeed writes to and asks.
-  Status Take(const intaglio_MotionSegmentBatch& batch, std::chrono::nanoseconds now);
+  Status Receive(const intaglio_MotionSegmentBatch& batch, std::chrono::nanoseconds now);
   bus::CreditBook::Grant GrantOf(const std::string& stream) const;
 
   /// The bridge's turn; `tick` is the newest one of the lamp.

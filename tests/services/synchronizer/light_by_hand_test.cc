@@ -25,7 +25,7 @@ class LightByHandTest : public testing::Test {
     state.number = ++number_;
     state.lamp_by_hand = lamp_;
     state.shutters_by_hand = shutters_;
-    light_.Take(state, true, bench_.now);
+    light_.Receive(state, true, bench_.now);
   }
   void ExpectDark(const char* why) {
     EXPECT_FALSE(bench_.laser.lamp_on()) << why;

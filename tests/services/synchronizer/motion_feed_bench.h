@@ -67,7 +67,7 @@ class MotionFeedTest : public testing::Test {
         schedule_);
   }
 
-  Status Take(const intaglio_MotionSegmentBatch& batch) {
+  Status Receive(const intaglio_MotionSegmentBatch& batch) {
     if (refuse_) return Fail(ErrorCode::kTimedOut, "the test refuses it");
     const auto times = View(batch.controller_ns);
     SentBatch sent{batch.run,
@@ -112,7 +112,7 @@ class MotionFeedTest : public testing::Test {
   bus::CreditBook::Grant grant_{true, false, {}, 0, kNever};
   std::string asked_for_;
   PulseSchedule schedule_;
-  MotionFeed feed_{[this](const intaglio_MotionSegmentBatch& b) { return Take(b); },
+  MotionFeed feed_{[this](const intaglio_MotionSegmentBatch& b) { return Receive(b); },
                    [this](const std::string& stream) {
                      asked_for_ = stream;
                      return grant_;

@@ -117,7 +117,7 @@ EngravingHost::EngravingHost(const EngraverProcess& engraver)
 
 void EngravingHost::Poll() {
   const auto take = [this](std::uint8_t type, std::span<const std::byte> payload) {
-    received_.Take(type, payload);
+    received_.Receive(type, payload);
   };
   laser_.Poll(take);
   motion_.Poll(take);

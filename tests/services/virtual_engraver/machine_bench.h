@@ -53,7 +53,7 @@ struct Received {
   std::vector<link::MotionStatus> motion_statuses;
   std::vector<link::Positions> positions;
 
-  void Take(std::uint8_t type, std::span<const std::byte> payload) {
+  void Receive(std::uint8_t type, std::span<const std::byte> payload) {
     Keep(type, link::LaserFrame::kLaserIdentity, payload, laser_identities);
     Keep(type, link::LaserFrame::kLaserStatus, payload, laser_statuses);
     Keep(type, link::LaserFrame::kPulseReport, payload, reports);
@@ -124,7 +124,7 @@ class MachineBench : public ::testing::Test {
     for (std::int64_t i = 0; i < time.count(); ++i) {
       now += std::chrono::milliseconds(1);
       const auto take = [this](std::uint8_t type, std::span<const std::byte> payload) {
-        received.Take(type, payload);
+        received.Receive(type, payload);
       };
       for (auto* host : {laser_host.get(), motion_host.get()}) {
         if (host != nullptr && !host->Poll(take)) ADD_FAILURE() << "the line is lost";

@@ -24,7 +24,7 @@ class RestingMachine : public MachineBench {
       now += machine->Turn();
       ++turns;
       const auto take = [this](std::uint8_t type, std::span<const std::byte> payload) {
-        received.Take(type, payload);
+        received.Receive(type, payload);
       };
       EXPECT_TRUE(laser_host->Poll(take) && motion_host->Poll(take));
     }
@@ -52,7 +52,7 @@ TEST_F(RestingMachine, WakesForAHostAndReportsAtOnce) {
   received = {};
   machine->Turn();
   EXPECT_TRUE(laser_host->Poll(
-      [this](auto type, auto payload) { received.Take(type, payload); }));
+      [this](auto type, auto payload) { received.Receive(type, payload); }));
   ASSERT_FALSE(received.laser_statuses.empty());
   EXPECT_TRUE(received.laser_statuses.back().interlocks & link::kLampOn);
   received = {};

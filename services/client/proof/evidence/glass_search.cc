@@ -63,7 +63,7 @@ Status AddOfSpan(const fs::path& record, const TickSpan& span, std::uint64_t off
 
 }  // namespace
 
-void TickSpans::Take(const formats::JournalRecord& record) {
+void TickSpans::Receive(const formats::JournalRecord& record) {
   if (record.kind == formats::JournalKind::kSession) {
     EndSession();
     session_ = {record.point, record.tick, record.tick};
@@ -92,7 +92,7 @@ Result<std::vector<TickSpan>> ReadTickSpans(const fs::path& journal) {
   TickSpans spans;
   INTAGLIO_TRY(formats::ReadJournalRecords(
       journal, [&](const formats::JournalHeader&, const formats::JournalRecord& record) {
-        spans.Take(record);
+        spans.Receive(record);
       }));
   return spans.Finish();
 }

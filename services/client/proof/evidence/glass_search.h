@@ -30,7 +30,7 @@ struct TickSpan {
 /// Collects the spans of a journal from its records one after another.
 class TickSpans {
  public:
-  void Take(const formats::JournalRecord& record);
+  void Receive(const formats::JournalRecord& record);
   /// One for each power-up, in the order of the journal; those without a tried point are
   /// left out. It ends the collection.
   std::vector<TickSpan> Finish();

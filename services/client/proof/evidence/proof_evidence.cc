@@ -95,8 +95,8 @@ Status ReadPulses(const fs::path& file, Evidence& evidence) {
   TickSpans spans;
   const auto header = INTAGLIO_TRY(formats::ReadJournalRecords(
       file, [&](const formats::JournalHeader& of, const formats::JournalRecord& record) {
-        histories.Take(of, record);
-        spans.Take(record);
+        histories.Receive(of, record);
+        spans.Receive(record);
       }));
   evidence.history = histories.Finish(header);
   evidence.history.resize(evidence.plan_mm.size());

@@ -68,7 +68,7 @@ GrblCourseDriver::GrblCourseDriver(const MachineSpec& machine, link::StreamOpene
 void GrblCourseDriver::Poll() {
   std::vector<GrblLine::Event> events;
   line_.Poll(events);
-  for (const GrblLine::Event& event : events) Take(event);
+  for (const GrblLine::Event& event : events) Receive(event);
   CheckPermission();
   if (stopping_)
     FeedStop();
@@ -188,7 +188,7 @@ Status GrblCourseDriver::RequestPast(std::uint32_t run, std::uint32_t first,
 
 void GrblCourseDriver::AddEvent(std::uint32_t mark, MarkFate fate) {
   events_.push_back({*run_, mark, fate});
-  seen_.Take(events_.back());
+  seen_.Receive(events_.back());
 }
 
 void GrblCourseDriver::Report() {

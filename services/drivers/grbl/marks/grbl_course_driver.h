@@ -98,7 +98,7 @@ class GrblCourseDriver final : public MarkDriver {
   };
   enum class Hand { kNone, kAnnounced, kSending, kEnding };
 
-  void Take(const GrblLine::Event& event);
+  void Receive(const GrblLine::Event& event);
   void TakeUp();
   void TakeLost();
   void TakeOk();

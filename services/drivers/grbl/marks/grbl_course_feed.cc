@@ -16,14 +16,14 @@ constexpr char kMarkBarrier[] = "G4P0";
 
 }  // namespace
 
-void GrblCourseDriver::Take(const GrblLine::Event& event) {
+void GrblCourseDriver::Receive(const GrblLine::Event& event) {
   const bool of_line = std::holds_alternative<GrblOk>(event) ||
                        std::holds_alternative<GrblError>(event) ||
                        std::holds_alternative<GrblHomed>(event);
   const auto* status = std::get_if<GrblStatus>(&event);
-  if (status != nullptr) hand_motion_.Take(event);
+  if (status != nullptr) hand_motion_.Receive(event);
   if (of_line && hand_motion_.active()) {
-    hand_motion_.Take(event);
+    hand_motion_.Receive(event);
     if (std::holds_alternative<GrblHomed>(event)) EndFault();
     return;
   }
@@ -60,7 +60,7 @@ void GrblCourseDriver::TakeLost() {
   if (hand_ && stage_ == Hand::kAnnounced) {
     AddEvent(hand_->number, MarkFate::kBroken);
   } else if (hand_) {
-    seen_.Take({*run_, hand_->number, MarkFate::kUncertain});
+    seen_.Receive({*run_, hand_->number, MarkFate::kUncertain});
     state_.fault = fmt::format(
         "the line to the controller was lost in mark {}, and the controller has made "
         "what it held: check the work, then resume",

@@ -99,7 +99,7 @@ void GrblCourseHand::End() {
   sent_.clear();
 }
 
-void GrblCourseHand::Take(const GrblLine::Event& event) {
+void GrblCourseHand::Receive(const GrblLine::Event& event) {
   status_is_behind_ = std::holds_alternative<GrblStatus>(event);
   if (status_is_behind_) return;
   if (const auto* error = std::get_if<GrblError>(&event)) {

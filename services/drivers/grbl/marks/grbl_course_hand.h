@@ -54,7 +54,7 @@ class GrblCourseHand final : public HandMotion {
   bool active() const { return what_ != What::kNone; }
   /// All places where what is under way may leave the tool, as the controller counts.
   Box3 reach() const;
-  void Take(const GrblLine::Event& event);
+  void Receive(const GrblLine::Event& event);
   /// What the driver knows; `runs`: it has marks to make.
   void TakeState(const MarkDeviceState& mark, const GrblStatus& status, bool runs);
   void Feed();

@@ -15,7 +15,7 @@ std::vector<intaglio_StopPress> WireOf(const std::vector<StopPress>& presses) {
   return wire;
 }
 
-bool StopLatch::Take(const intaglio_EmergencyStop& sample) {
+bool StopLatch::Receive(const intaglio_EmergencyStop& sample) {
   if (sample.pressed) return TakePress(bus::View(sample.source), sample.number);
   bool news = false;
   for (const intaglio_StopPress& press : bus::View(sample.released)) {

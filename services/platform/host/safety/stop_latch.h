@@ -55,7 +55,7 @@ class StopLatch {
 
   /// True when it names a press that was not known: the machine stops now, whether or not
   /// the latch is pressed afterwards. Likewise the others.
-  bool Take(const intaglio_EmergencyStop& sample);
+  bool Receive(const intaglio_EmergencyStop& sample);
   /// Everything that another listener of the same machine holds; empty: nothing.
   bool TakeHeld(std::string_view listener, std::span<const intaglio_StopPress> presses);
   /// Number 0, which no sender gives, is taken for 1.

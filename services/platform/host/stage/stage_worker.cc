@@ -65,14 +65,14 @@ void StageWorker::TakeTasks() {
   tasks_.TakeAll(
       [this](const intaglio_StageTask& sample, const bus::SampleOrigin& origin) {
         if (View(sample.worker) != host_.instance()) return;
-        if (origin.alive) return Take(sample);
+        if (origin.alive) return Receive(sample);
         pending_.reset();
         Withdraw(ErrorCode::kLinkLost,
                  "the job service that assigned the task no longer runs");
       });
 }
 
-void StageWorker::Take(const intaglio_StageTask& sample) {
+void StageWorker::Receive(const intaglio_StageTask& sample) {
   StageTask task = TaskOf(sample);
   if (sample.revoked) return Revoke(task);
   if (newest_ && newest_->SameAs(task)) return;  // received again

@@ -95,7 +95,7 @@ class StageWorker {
   };
 
   void TakeTasks();
-  void Take(const intaglio_StageTask& sample);
+  void Receive(const intaglio_StageTask& sample);
   void Revoke(const StageTask& task);
   void Withdraw(ErrorCode code, const std::string& reason);
   void Accept(Work work);

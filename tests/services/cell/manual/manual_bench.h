@@ -90,7 +90,7 @@ class ManualControlTest : public ::testing::Test {
     return {sender, kBefore + number, number_, intaglio_MANUAL_JOG, Vec3(1, 0, 0), 20};
   }
   void Give(const ManualOrder& order) {
-    control_.Take(order, now_);
+    control_.Receive(order, now_);
     Turn();
   }
   void BeginJog() {

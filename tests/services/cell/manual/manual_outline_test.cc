@@ -156,7 +156,7 @@ TEST_F(ManualOutline, IsRefusedAsTheDriverRefusesIt) {
   ManualControl control(driver, {Vec3::Zero(), Vec3(100, 80, 60)}, {"x", "y", "z"});
   control.NotePublished(number_, now_);
   conditions_.interlocks_at = now_;
-  control.Take(Outline(1), now_);
+  control.Receive(Outline(1), now_);
   control.Turn(conditions_, now_);
   EXPECT_FALSE(control.moves());
   EXPECT_EQ(control.answer().code, intaglio_MANUAL_REFUSED);

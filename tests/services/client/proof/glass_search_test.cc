@@ -41,7 +41,7 @@ class GlassSearchTest : public ::testing::Test {
   }
   std::vector<TickSpan> Spans() const {
     TickSpans spans;
-    for (const JournalRecord& record : journal_.records) spans.Take(record);
+    for (const JournalRecord& record : journal_.records) spans.Receive(record);
     return spans.Finish();
   }
   std::vector<double> Ticks() const {

@@ -32,7 +32,7 @@ TEST(HeadTracker, FollowsAWebFromItsFirstAnswerOn) {
     HeadTracker tracker(kCountMm, 0, 0.04);
     std::uint64_t tick = 0;
     const auto run = [&](int samples) {
-      tracker.Take(Samples(tick, samples, speed_mm_s), kRateHz);
+      tracker.Receive(Samples(tick, samples, speed_mm_s), kRateHz);
       tick += static_cast<std::uint64_t>(samples) * kStepTicks;
     };
     run(10);
@@ -53,7 +53,7 @@ TEST(HeadTracker, FollowsAWebFromItsFirstAnswerOn) {
 TEST(HeadTracker, ExpectsTheCountThatComes) {
   HeadTracker tracker(kCountMm, 0, 0.04);
   for (std::uint64_t tick = 0; tick < 100000; tick += 10 * kStepTicks)
-    tracker.Take(Samples(tick, 10, 200), kRateHz);
+    tracker.Receive(Samples(tick, 10, 200), kRateHz);
   const double later_s = 0.0002;
   EXPECT_NEAR(tracker.CountAt(104000, later_s),
               200 * (1.04 - 0.5 / kRateHz + later_s) / kCountMm, 1.5);
@@ -64,7 +64,7 @@ TEST(HeadTracker, RemembersHowFarTheWebWasFromWhereItWasExpected) {
   HeadTracker tracker(kCountMm, 0, 0.04);
   std::uint64_t tick = 0;
   for (; tick < 200000; tick += 10 * kStepTicks)
-    tracker.Take(Samples(tick, 10, 200), kRateHz);
+    tracker.Receive(Samples(tick, 10, 200), kRateHz);
   EXPECT_LT(tracker.surprise_mm(), 0.05);
   // Faster by 20 mm/s, which 40 ms before nobody knew.
   const auto ahead = static_cast<std::int64_t>(std::llround(200 * 2.0 / kCountMm));
@@ -72,7 +72,7 @@ TEST(HeadTracker, RemembersHowFarTheWebWasFromWhereItWasExpected) {
     link::HeadWeb web = Samples(later, 10, 220);
     web.first_tick += tick;
     for (link::HeadWebSample& sample : web.samples) sample.encoder_count += ahead;
-    tracker.Take(web, kRateHz);
+    tracker.Receive(web, kRateHz);
   }
   EXPECT_NEAR(tracker.surprise_mm(), 0.8, 0.15);
 }

@@ -64,7 +64,7 @@ void VirtualIsel::Advance(double us) {
     while (!to_controller_.empty() && to_controller_.front().at_us <= now_us_) {
       const char byte = to_controller_.front().value;
       to_controller_.pop_front();  // a reset clears what follows
-      Take(byte);
+      Receive(byte);
     }
     if (moving_) AdvanceMove();
     const auto line = receive_buffer_.find('\r');
@@ -76,7 +76,7 @@ void VirtualIsel::Advance(double us) {
   }
 }
 
-void VirtualIsel::Take(char byte) {
+void VirtualIsel::Receive(char byte) {
   if (byte == kStopByte || byte == kBreakByte) return StopMove(kStopped);
   if (byte == kResetByte) return PowerCycle();
   if (receive_buffer_.find('\r') == std::string::npos)

@@ -71,7 +71,7 @@ class VirtualIsel {
     char value;
   };
 
-  void Take(char byte);
+  void Receive(char byte);
   void Obey(const std::string& command);
   char BeginMove(const std::string& numbers, bool relative);
   char BeginHome();

@@ -57,7 +57,7 @@ void AnOutlineIsDrawnUntilItIsHeld(const MarkRigMaker& make) {
   OutlineWatch watch("K12", corners, bench.rig().place_tolerance_mm());
   for (int ms = 0; ms < 2000; ++ms) {
     bench.Step();
-    watch.Take(bench.rig().guide_at_mm(), bench.rig().guide_is_on());
+    watch.Receive(bench.rig().guide_at_mm(), bench.rig().guide_is_on());
   }
   watch.ExpectEachCorner(3);
   Expect(!bench.state().settled, "K12: the state is settled in an outline");

@@ -155,7 +155,7 @@ TEST_F(JobDisarmTest, TheSameCommandIsAppliedOnceOverARestart) {
   JobQueue queue(actions);
   queue.Restore({actions_.kept.at("j1")}, 1s, now_);
   const std::uint64_t grant = queue.Permissions(now_).at(0).grant;
-  EXPECT_TRUE(queue.Take(resume, now_).taken());
+  EXPECT_TRUE(queue.Receive(resume, now_).taken());
   EXPECT_EQ(queue.Permissions(now_).at(0).grant, grant);
 }
 
@@ -199,8 +199,8 @@ TEST_F(JobDisarmTest, AJobThatIsHandedOutAgainAfterAHigherOneIsNotArmed) {
 // A on machine c, B on machine e; the only sorter is lost in mid-job and then has B.
 TEST_F(JobDisarmTest, OfTwoMachinesWithOneSorterTheOneThatWaitsIsNotArmed) {
   ReadyAll();
-  queue_.Take(WorkerView{"z", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_READY, "e", ""},
-              now_);
+  queue_.Receive(
+      WorkerView{"z", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_READY, "e", ""}, now_);
   Add(1);
   EXPECT_TRUE(Command(intaglio_COMMAND_ARM));
   Lose("s");

@@ -243,9 +243,9 @@ class RandomShop : public JobActions {
   int Upto(int largest) { return std::uniform_int_distribution(0, largest)(random_); }
   void Health(JobQueue& queue, const std::string& name, Nanoseconds now) {
     const bool idle = tasks_.at(name).empty();
-    queue.Take(WorkerView{name, intaglio_ROLE_DISCRETIZER,
-                          idle ? intaglio_HEALTH_READY : intaglio_HEALTH_BUSY, "", ""},
-               now);
+    queue.Receive(WorkerView{name, intaglio_ROLE_DISCRETIZER,
+                             idle ? intaglio_HEALTH_READY : intaglio_HEALTH_BUSY, "", ""},
+                  now);
   }
   static void Report(JobQueue& queue, const std::string& name, const TaskId& task,
                      intaglio_TaskState state, Nanoseconds now) {
@@ -255,7 +255,7 @@ class RandomShop : public JobActions {
     report.state = state;
     report.done_count = report.total_count = 10;
     if (state == intaglio_TASK_FAILED) report.error_code = intaglio_ERROR_LINK_LOST;
-    queue.Take(report, now);
+    queue.Receive(report, now);
   }
 
   std::mt19937 random_;
@@ -271,8 +271,9 @@ TEST(PartsAheadAtRandom, EveryPartIsMadeAndNoNumberGivenTwice) {
     JobQueue queue(shop);
     Nanoseconds now = 100s;
     for (int i = 0; i < 2; ++i) shop.Join(queue, now);
-    queue.Take(WorkerView{"s", intaglio_ROLE_SORTER, intaglio_HEALTH_READY, "", ""}, now);
-    queue.Take(
+    queue.Receive(WorkerView{"s", intaglio_ROLE_SORTER, intaglio_HEALTH_READY, "", ""},
+                  now);
+    queue.Receive(
         WorkerView{"y", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_READY, "c", ""}, now);
     JobRecord record;
     record.number = 1;
@@ -288,7 +289,7 @@ TEST(PartsAheadAtRandom, EveryPartIsMadeAndNoNumberGivenTwice) {
       // The other two are not what is tested.
       for (const char* other : {"s", "y"}) {
         const bool sorts = other[0] == 's';
-        queue.Take(
+        queue.Receive(
             WorkerView{other, sorts ? intaglio_ROLE_SORTER : intaglio_ROLE_SYNCHRONIZER,
                        intaglio_HEALTH_BUSY, sorts ? "" : "c", ""},
             now);
@@ -296,7 +297,7 @@ TEST(PartsAheadAtRandom, EveryPartIsMadeAndNoNumberGivenTwice) {
         report.task = {"j1", job.attempt, 0, 0};
         report.stage = sorts ? intaglio_STAGE_SORT : intaglio_STAGE_ENGRAVE;
         report.worker = other;
-        queue.Take(report, now);
+        queue.Receive(report, now);
       }
       queue.Turn(now);
     }

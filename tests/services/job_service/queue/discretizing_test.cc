@@ -97,7 +97,7 @@ TEST_F(JobPartsTest, EitherMayBeLostAtAnyTime) {
       RecordingActions actions;
       JobQueue queue(actions);
       const auto ready = [&](const char* name, intaglio_ServiceRole role) {
-        queue.Take(WorkerView{name, role, intaglio_HEALTH_READY, "c", ""}, now_);
+        queue.Receive(WorkerView{name, role, intaglio_HEALTH_READY, "c", ""}, now_);
       };
       ready("d", intaglio_ROLE_DISCRETIZER);
       ready("d2", intaglio_ROLE_DISCRETIZER);
@@ -119,7 +119,7 @@ TEST_F(JobPartsTest, EitherMayBeLostAtAnyTime) {
           report.worker = job.parts[i].worker;
           report.state = intaglio_TASK_DONE;
           report.done_count = report.total_count = 10;
-          queue.Take(report, now_);
+          queue.Receive(report, now_);
           queue.Turn(now_);
           ++done;
           return true;
@@ -271,8 +271,8 @@ TEST_F(JobPartsTest, ProgressAddsUp) {
 
 TEST_F(JobPartsTest, AFreeOneServesTheJobUnderWayBeforeTheNext) {
   BeginWithTwo();
-  queue_.Take(WorkerView{"z", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_READY, "e", ""},
-              now_);
+  queue_.Receive(
+      WorkerView{"z", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_READY, "e", ""}, now_);
   Ready("s2", intaglio_ROLE_SORTER);
   Add(2, "e");
   EXPECT_EQ(queue_.Find("j2")->state, intaglio_JOB_QUEUED);

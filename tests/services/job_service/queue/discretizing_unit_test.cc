@@ -34,8 +34,8 @@ class DiscretizingUnitTest : public testing::Test {
     task.done_count = task.total_count = 5;
     return task;
   }
-  Outcome Take(std::uint32_t part, intaglio_TaskState state) {
-    return discretizing_.Take(*job_, Report(part, state), now_);
+  Outcome Receive(std::uint32_t part, intaglio_TaskState state) {
+    return discretizing_.Receive(*job_, Report(part, state), now_);
   }
   bool Lose(std::uint32_t part) {
     return discretizing_.Lose(*job_, part, "a was lost", 2s, now_).has_value();
@@ -50,18 +50,18 @@ class DiscretizingUnitTest : public testing::Test {
 };
 
 TEST_F(DiscretizingUnitTest, ReportsOnlyWhatFollows) {
-  EXPECT_EQ(Take(0, intaglio_TASK_RUNNING), Outcome::kProgress);
-  EXPECT_EQ(Take(0, intaglio_TASK_FAILED), Outcome::kFailed);
-  EXPECT_EQ(Take(1, intaglio_TASK_DONE), Outcome::kProgress);
-  EXPECT_EQ(Take(1, intaglio_TASK_DONE), Outcome::kIgnored) << "it is done";
+  EXPECT_EQ(Receive(0, intaglio_TASK_RUNNING), Outcome::kProgress);
+  EXPECT_EQ(Receive(0, intaglio_TASK_FAILED), Outcome::kFailed);
+  EXPECT_EQ(Receive(1, intaglio_TASK_DONE), Outcome::kProgress);
+  EXPECT_EQ(Receive(1, intaglio_TASK_DONE), Outcome::kIgnored) << "it is done";
   TaskView other = Report(0, intaglio_TASK_DONE);
   other.worker = "b";
-  EXPECT_EQ(discretizing_.Take(*job_, other, now_), Outcome::kIgnored);
+  EXPECT_EQ(discretizing_.Receive(*job_, other, now_), Outcome::kIgnored);
   for (std::uint32_t part = 2; part < 16; ++part) {
     job_->parts.Give(part, "b");
-    EXPECT_EQ(Take(part, intaglio_TASK_DONE), Outcome::kProgress);
+    EXPECT_EQ(Receive(part, intaglio_TASK_DONE), Outcome::kProgress);
   }
-  EXPECT_EQ(Take(0, intaglio_TASK_DONE), Outcome::kAllDone);
+  EXPECT_EQ(Receive(0, intaglio_TASK_DONE), Outcome::kAllDone);
   EXPECT_EQ(job_->stage(intaglio_STAGE_DISCRETIZE).done_count, 16u * 5u);
 }
 
@@ -96,7 +96,7 @@ TEST_F(DiscretizingUnitTest, WhoHasAcceptedAPartGetsOneAhead) {
 }
 
 TEST_F(DiscretizingUnitTest, FinishRevokesWhatIsStillMade) {
-  Take(0, intaglio_TASK_DONE);
+  Receive(0, intaglio_TASK_DONE);
   tasks_.workers().Release("a", job_->TaskOf(intaglio_STAGE_DISCRETIZE, 0), now_);
   actions_.Orders();
   discretizing_.Finish(*job_, now_);

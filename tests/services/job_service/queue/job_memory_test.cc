@@ -17,7 +17,7 @@ class JobMemoryTest : public JobQueueTest {
     cancel.number = number;
     cancel.kind = intaglio_COMMAND_CANCEL;
     cancel.operator_name = "ann@shop";
-    EXPECT_TRUE(queue_.Take(cancel, now_).taken());
+    EXPECT_TRUE(queue_.Receive(cancel, now_).taken());
     queue_.Turn(now_);
   }
   void AddAndCancel(std::uint32_t from, std::uint32_t to) {
@@ -145,7 +145,7 @@ TEST_F(JobMemoryTest, ALateReportOnAForgottenJobFreesItsWorker) {
   late.worker = "y";
   late.state = intaglio_TASK_FAILED;
   late.error_code = intaglio_ERROR_CANCELLED;
-  queue_.Take(late, now_);
+  queue_.Receive(late, now_);
   ReadyAll();
   actions_.Orders();
   Add(kRemembered + 2);

@@ -116,7 +116,7 @@ TEST_F(JobQueueTest, OfThoseThatWaitTheHighestPriorityIsNext) {
   for (const char* next : {"j5", "j1", "j3", "j2"}) {
     for (const auto& [uid, job] : queue_.jobs()) {
       if (!job.active()) continue;
-      queue_.Take(Order(intaglio_COMMAND_CANCEL, uid), now_);
+      queue_.Receive(Order(intaglio_COMMAND_CANCEL, uid), now_);
       break;
     }
     ReadyAll();
@@ -149,8 +149,8 @@ TEST_F(JobQueueTest, AJobThatItsMachineDoesNotHaveCannotBeArmed) {
 TEST_F(JobQueueTest, AnotherCellGoesOnMeanwhile) {
   ReadyAll();
   Ready("s2", intaglio_ROLE_SORTER);
-  queue_.Take(WorkerView{"z", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_READY, "e", ""},
-              now_);
+  queue_.Receive(
+      WorkerView{"z", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_READY, "e", ""}, now_);
   Add(1);
   Ready("d2", intaglio_ROLE_DISCRETIZER);
   Add(2, "e");
@@ -173,7 +173,7 @@ TEST_F(JobQueueTest, LostWorkerMeansANewAttempt) {
   TaskView dropped = SortStatus(1, intaglio_TASK_FAILED);
   dropped.stage = intaglio_STAGE_DISCRETIZE;
   dropped.worker = "d";
-  queue_.Take(dropped, now_);
+  queue_.Receive(dropped, now_);
   now_ += 500ms;
   ReadyAll();
   queue_.Turn(now_);
@@ -203,7 +203,7 @@ TEST_F(JobQueueTest, AWorkerThatSeemedLostIsRidOfItsTaskAndUsedAgain) {
   TaskView dropped = SortStatus(1, intaglio_TASK_FAILED);
   dropped.stage = intaglio_STAGE_ENGRAVE;
   dropped.worker = "y";
-  queue_.Take(dropped, now_);
+  queue_.Receive(dropped, now_);
   Ready("y", intaglio_ROLE_SYNCHRONIZER);
   queue_.Turn(now_);
   EXPECT_EQ(job().attempt, 2u);
@@ -216,7 +216,7 @@ TEST_F(JobQueueTest, OldAttemptsAreIgnored) {
   Add(1);
   Lose("y");
   const TaskView late = SortStatus(1, intaglio_TASK_DONE);
-  queue_.Take(late, now_);
+  queue_.Receive(late, now_);
   EXPECT_EQ(job().state, intaglio_JOB_QUEUED);
   EXPECT_FALSE(job().stage(intaglio_STAGE_SORT).done);
   now_ += 2s;
@@ -224,7 +224,7 @@ TEST_F(JobQueueTest, OldAttemptsAreIgnored) {
   Ready("s", intaglio_ROLE_SORTER);
   queue_.Turn(now_);
   ASSERT_EQ(job().attempt, 2u);
-  queue_.Take(late, now_);
+  queue_.Receive(late, now_);
   EXPECT_FALSE(job().stage(intaglio_STAGE_SORT).done);
 }
 
@@ -440,7 +440,7 @@ TEST_F(JobQueueTest, RestartTakesUpAQueuedAndABrokenChain) {
        std::map<std::string, intaglio_ServiceRole>{{"d", intaglio_ROLE_DISCRETIZER},
                                                    {"s", intaglio_ROLE_SORTER},
                                                    {"y", intaglio_ROLE_SYNCHRONIZER}}) {
-    queue.Take(WorkerView{name, role, intaglio_HEALTH_READY, "c", ""}, now_);
+    queue.Receive(WorkerView{name, role, intaglio_HEALTH_READY, "c", ""}, now_);
   }
   queue.Turn(now_);
   EXPECT_EQ(queue.Find("j1")->attempt, 2u);
@@ -488,14 +488,14 @@ TEST_F(JobQueueTest, RestartPausesAnEngravingAndGoesOnWithTheSameSynchronizer) {
   now_ += 5s;
   queue.Turn(now_);
   EXPECT_FALSE(queue.Permissions(now_).at(0).granted);
-  queue.Take(WorkerView{"y", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_BUSY, "c", ""},
-             now_);
+  queue.Receive(
+      WorkerView{"y", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_BUSY, "c", ""}, now_);
   CommandView resume = Order(intaglio_COMMAND_RESUME);
-  EXPECT_EQ(queue.Take(resume, now_).code, intaglio_ANSWER_SUPERSEDED)
+  EXPECT_EQ(queue.Receive(resume, now_).code, intaglio_ANSWER_SUPERSEDED)
       << "sent before the restart";
   ++resume.number;
   resume.disarm_count = queue.Find("j1")->arm.disarm_count();
-  EXPECT_TRUE(queue.Take(resume, now_).taken());
+  EXPECT_TRUE(queue.Receive(resume, now_).taken());
   EXPECT_TRUE(queue.Permissions(now_).at(0).granted);
 }
 

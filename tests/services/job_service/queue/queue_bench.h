@@ -66,9 +66,9 @@ class JobQueueTest : public testing::Test {
  protected:
   void Ready(const std::string& instance, intaglio_ServiceRole role,
              intaglio_HealthState state = intaglio_HEALTH_READY) {
-    queue_.Take(WorkerView{instance, role, state,
-                           role == intaglio_ROLE_SYNCHRONIZER ? "c" : "", ""},
-                now_);
+    queue_.Receive(WorkerView{instance, role, state,
+                              role == intaglio_ROLE_SYNCHRONIZER ? "c" : "", ""},
+                   now_);
   }
   void ReadyAll() {
     Ready("d", intaglio_ROLE_DISCRETIZER);
@@ -101,7 +101,7 @@ class JobQueueTest : public testing::Test {
     task.pause_reason = cause.pause;
     task.message = text;
     task.estimate_ticks = stage == intaglio_STAGE_ENGRAVE ? 77 : 0;
-    queue_.Take(task, now_);
+    queue_.Receive(task, now_);
     queue_.Turn(now_);
   }
   /// A report about a part from the worker that has it.
@@ -116,7 +116,7 @@ class JobQueueTest : public testing::Test {
     return task;
   }
   void Report(const TaskView& report) {
-    queue_.Take(report, now_);
+    queue_.Receive(report, now_);
     queue_.Turn(now_);
   }
   void Done(std::uint32_t part) { Report(PartReport(part, intaglio_TASK_DONE)); }
@@ -149,7 +149,7 @@ class JobQueueTest : public testing::Test {
     return command;
   }
   CommandAnswer Send(const CommandView& command) {
-    CommandAnswer answer = queue_.Take(command, now_);
+    CommandAnswer answer = queue_.Receive(command, now_);
     queue_.Turn(now_);
     return answer;
   }

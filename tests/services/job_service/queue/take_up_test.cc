@@ -155,7 +155,7 @@ TEST_F(TakeUpTest, AFrozenSynchronizerLetsGoBeforeItTakesItUpAgain) {
   over.worker = "y";
   over.state = intaglio_TASK_FAILED;
   over.error_code = intaglio_ERROR_CANCELLED;
-  queue_.Take(over, now_);
+  queue_.Receive(over, now_);
   EXPECT_EQ(job().state, intaglio_JOB_PAUSED) << "its end is not the job's";
   Ready("y", intaglio_ROLE_SYNCHRONIZER);
   queue_.Turn(now_);
@@ -185,10 +185,10 @@ TEST_F(TakeUpTest, AfterARestartTheLostOnesLastReportIsNotOneOnTheJob) {
   late.worker = "y";
   late.state = intaglio_TASK_FAILED;
   late.error_code = intaglio_ERROR_CANCELLED;
-  queue.Take(late, now_);
+  queue.Receive(late, now_);
   EXPECT_EQ(queue.Find("j1")->state, intaglio_JOB_PAUSED);
-  queue.Take(WorkerView{"y", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_READY, "c", ""},
-             now_);
+  queue.Receive(
+      WorkerView{"y", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_READY, "c", ""}, now_);
   queue.Turn(now_);
   EXPECT_THAT(actions.Orders(), ElementsAre("take up y j1 1"));
   EXPECT_TRUE(queue.Permissions(now_ + 4s).at(0).granted);
@@ -394,8 +394,8 @@ TEST_F(TakeUpTest, AfterARestartAnotherSynchronizerTakesItUp) {
   RecordingActions actions;
   JobQueue queue(actions);
   queue.Restore({actions_.kept.at("j1")}, std::nullopt, now_);
-  queue.Take(WorkerView{"y2", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_READY, "c", ""},
-             now_);
+  queue.Receive(
+      WorkerView{"y2", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_READY, "c", ""}, now_);
   queue.Turn(now_);
   EXPECT_THAT(actions.Orders(), ElementsAre("take up y2 j1 1"));
 }

@@ -23,7 +23,7 @@ class RetainedStateTest : public ::testing::Test {
   }
   void Send(RetainedState& state, std::uint32_t id, std::uint32_t filling = 0) {
     ++count_;
-    state.Take(kValues, count_, 10 * count_, count_, StatusOf(id, count_, filling));
+    state.Receive(kValues, count_, 10 * count_, count_, StatusOf(id, count_, filling));
   }
   static std::vector<std::uint32_t> SequencesIn(const RetainedState& state) {
     std::vector<std::uint32_t> sequences;
@@ -55,10 +55,10 @@ TEST_F(RetainedStateTest, ForgetsWhatHasEnded) {
   RetainedState state;
   Learn(state);
   for (const std::uint32_t id : {7u, 8u}) Send(state, id);
-  state.Take(kEnds, 0, 0, 0, StatusKeyOf(7));
-  state.Take(kEnds, 0, 0, 0, StatusKeyOf(70));
+  state.Receive(kEnds, 0, 0, 0, StatusKeyOf(7));
+  state.Receive(kEnds, 0, 0, 0, StatusKeyOf(70));
   EXPECT_THAT(SequencesIn(state), ElementsAre(2));
-  state.Take(kEnds, 0, 0, 0, StatusKeyOf(8));
+  state.Receive(kEnds, 0, 0, 0, StatusKeyOf(8));
   EXPECT_TRUE(state.empty());
   EXPECT_EQ(state.bytes(), 0u);
 }
@@ -90,9 +90,9 @@ TEST_F(RetainedStateTest, PassesOverWhatItCannotRead) {
   EXPECT_FALSE(state.Learn(1, StatusStream(), {"m::Status", "", kStatusKeys}));
   EXPECT_FALSE(state.Learn(1, StatusStream(), {"m::Status", kStatusIdl, ""}));
   EXPECT_FALSE(state.Learn(1, StatusStream(), {"m::Status", "module {", kStatusKeys}));
-  state.Take(1, 0, 0, 0, StatusOf(7, 1));
+  state.Receive(1, 0, 0, 0, StatusOf(7, 1));
   Learn(state);
-  state.Take(kValues, 0, 0, 0, Bytes(6));
+  state.Receive(kValues, 0, 0, 0, Bytes(6));
   EXPECT_THAT(SequencesIn(state), IsEmpty());
 }
 
@@ -108,7 +108,7 @@ TEST_F(RetainedStateTest, PlacesAreKeptApart) {
   ASSERT_TRUE(state.Learn(6, without_key, {}));
   Send(state, 7);
   for (const std::uint32_t number : {5u, 6u, 6u})
-    state.Take(number, 10 * number, 0, 0, StatusOf(7, 1));
+    state.Receive(number, 10 * number, 0, 0, StatusOf(7, 1));
   EXPECT_THAT(SequencesIn(state), ElementsAre(1, 50, 60));
 }
 

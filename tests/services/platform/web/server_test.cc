@@ -75,7 +75,7 @@ class WebServer : public ::testing::Test {
     CountingSink(WebServer& test, std::uint64_t body_bytes, Reply reply)
         : test_(test), body_bytes_(body_bytes), reply_(std::move(reply)) {}
     ~CountingSink() override { test_.broken_ += answered_ ? 0 : 1; }
-    void Take(std::string bytes, std::function<void()> taken) override {
+    void Receive(std::string bytes, std::function<void()> taken) override {
       test_.largest_piece_ = std::max<std::size_t>(test_.largest_piece_, bytes.size());
       count_ += bytes.size();
       if (bytes.find('!') != std::string::npos) {

@@ -18,18 +18,18 @@ CellMessages Sent(std::uint32_t run, std::uint64_t start_tick) {
   for (auto& column : segments.columns) column = {1, 2};
   segments.duration_subticks = {65536, 65536};
   segments.pulse = {1, 1};
-  listener.Take(segments, 10);
-  listener.Take(PulseMessages{"job",
-                              {start_tick + 1, start_tick + 2},
-                              {0, 1},
-                              {intaglio_PULSE_MADE, intaglio_PULSE_MADE},
-                              {0, 0}},
-                20);
+  listener.Receive(segments, 10);
+  listener.Receive(PulseMessages{"job",
+                                 {start_tick + 1, start_tick + 2},
+                                 {0, 1},
+                                 {intaglio_PULSE_MADE, intaglio_PULSE_MADE},
+                                 {0, 0}},
+                   20);
   StatusMessage done;
   done.job_uid = "job";
   done.stage = "STAGE_ENGRAVE";
   done.state = "TASK_DONE";
-  listener.Take(done);
+  listener.Receive(done);
   return listener.Messages();
 }
 
@@ -143,20 +143,20 @@ TEST(CellListener, RunsOfWhichNothingWasDecidedAreNotCompared) {
   late.job_uid = "job";
   late.run = 1;
   late.start_tick = 50;
-  EXPECT_TRUE(listener.Take(late, 5));
+  EXPECT_TRUE(listener.Receive(late, 5));
   late.abort = true;
-  EXPECT_FALSE(listener.Take(late, 6));
+  EXPECT_FALSE(listener.Receive(late, 6));
   SegmentMessages again = late;
   again.abort = false;
   again.run = 2;
   again.start_tick = 90;
-  EXPECT_TRUE(listener.Take(again, 7));
+  EXPECT_TRUE(listener.Receive(again, 7));
   // Taken back of the first run, though its tick lies in the second.
-  listener.Take(
+  listener.Receive(
       PulseMessages{
           "job", {95}, {0}, {intaglio_PULSE_SKIPPED}, {intaglio_SKIP_NO_PERMISSION}},
       8);
-  listener.Take(PulseMessages{"job", {91}, {0}, {intaglio_PULSE_MADE}, {0}}, 9);
+  listener.Receive(PulseMessages{"job", {91}, {0}, {intaglio_PULSE_MADE}, {0}}, 9);
   const CellMessages messages = listener.Messages();
   ASSERT_EQ(messages.runs.size(), 1u);
   EXPECT_EQ(messages.given_up_count, 1u);
@@ -174,11 +174,11 @@ TEST(CellListener, RunsBeforeTheUncertainKeepTheirPulses) {
                          std::uint64_t at_ns) {
     run.run = number;
     run.start_tick = start_tick;
-    EXPECT_TRUE(listener.Take(run, at_ns));
+    EXPECT_TRUE(listener.Receive(run, at_ns));
   };
   const auto report = [&](std::uint64_t tick, std::uint32_t point, std::uint8_t outcome,
                           std::uint64_t at_ns) {
-    listener.Take(PulseMessages{"job", {tick}, {point}, {outcome}, {0}}, at_ns);
+    listener.Receive(PulseMessages{"job", {tick}, {point}, {outcome}, {0}}, at_ns);
   };
   begin(1, 500, 10);
   report(510, 0, intaglio_PULSE_MADE, 20);

@@ -66,40 +66,40 @@ PulseMessages Pulses(std::uint64_t number) {
 
 TEST(CellListener, HasNoGapWhereTheNumbersFollowEachOther) {
   CellListener listener("7-abc");
-  listener.Take(Segments(1, 0), 10);
-  listener.Take(Segments(1, 1, true), 20);
-  listener.Take(Segments(2, 0, true), 30);
-  listener.Take(Pulses(0), 25);
-  listener.Take(Pulses(1), 35);
+  listener.Receive(Segments(1, 0), 10);
+  listener.Receive(Segments(1, 1, true), 20);
+  listener.Receive(Segments(2, 0, true), 30);
+  listener.Receive(Pulses(0), 25);
+  listener.Receive(Pulses(1), 35);
   EXPECT_EQ(listener.Messages().incomplete_run, 0u);
 }
 
 TEST(CellListener, FindsTheRunOfWhichMotionIsMissing) {
   CellListener begin("7-abc"), middle("7-abc"), end("7-abc");
-  begin.Take(Segments(3, 2), 10);  // a recording that was cut in it
+  begin.Receive(Segments(3, 2), 10);  // a recording that was cut in it
   EXPECT_EQ(begin.Messages().incomplete_run, 3u);
-  middle.Take(Segments(1, 0, true), 10);
-  middle.Take(Segments(2, 0), 20);
-  middle.Take(Segments(2, 2, true), 30);
+  middle.Receive(Segments(1, 0, true), 10);
+  middle.Receive(Segments(2, 0), 20);
+  middle.Receive(Segments(2, 2, true), 30);
   EXPECT_EQ(middle.Messages().incomplete_run, 2u);
-  end.Take(Segments(1, 0), 10);  // neither its last segment nor an abort
-  end.Take(Segments(2, 0, true), 20);
+  end.Receive(Segments(1, 0), 10);  // neither its last segment nor an abort
+  end.Receive(Segments(2, 0, true), 20);
   EXPECT_EQ(end.Messages().incomplete_run, 1u);
 }
 
 TEST(CellListener, FindsTheRunOfWhichPulsesAreMissing) {
   CellListener listener("7-abc");
-  listener.Take(Segments(1, 0, true), 10);
-  listener.Take(Segments(2, 0, true), 30);
-  listener.Take(Pulses(0), 15);
-  listener.Take(Pulses(2), 40);
+  listener.Receive(Segments(1, 0, true), 10);
+  listener.Receive(Segments(2, 0, true), 30);
+  listener.Receive(Pulses(0), 15);
+  listener.Receive(Pulses(2), 40);
   EXPECT_EQ(listener.Messages().incomplete_run, 2u);
 }
 
 // A run that has not ended yet is no gap: the recording ends in it.
 TEST(CellListener, ARecordingMayEndInARun) {
   CellListener listener("7-abc");
-  listener.Take(Segments(1, 0), 10);
+  listener.Receive(Segments(1, 0), 10);
   EXPECT_EQ(listener.Messages().incomplete_run, 0u);
 }
 

@@ -34,7 +34,7 @@ class EngravingRunTest : public testing::Test {
       bench_.laser.AdvanceTick(stage_.in_position(), stage_.at_mm());
     }
     stage_.Poll(bench_.now, bench_.laser.tick());
-    for (const auto& report : bench_.reports) parts_->ticks.Take(report);
+    for (const auto& report : bench_.reports) parts_->ticks.Receive(report);
     bench_.reports.clear();
     inputs_.now = bench_.now;
     inputs_.motion = stage_.view();
@@ -69,7 +69,7 @@ class EngravingRunTest : public testing::Test {
           JournalWriter& journal, const EngravingInputs& inputs)
         : record(kRunPoints, job.photosensor_feedback, journal,
                  [this](const PulseResult& r) { run.Note(r); }),
-          feed([&](const auto& batch) { return stage.Take(batch, inputs.now); },
+          feed([&](const auto& batch) { return stage.Receive(batch, inputs.now); },
                [&](const std::string& stream) { return stage.GrantOf(stream); }),
           ticks(laser, record),
           horizon(laser, job.plan.rate_hz),

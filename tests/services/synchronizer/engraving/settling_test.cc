@@ -37,8 +37,8 @@ class SettlingTest : public testing::Test {
   }
   void Turn() {
     bench_.Step();
-    for (const auto& report : bench_.reports) ticks_.Take(report);
-    for (const auto& report : bench_.pasts) settling_.Take(report);
+    for (const auto& report : bench_.reports) ticks_.Receive(report);
+    for (const auto& report : bench_.pasts) settling_.Receive(report);
     bench_.reports.clear();
     bench_.pasts.clear();
     settling_.TakeDisarmed();
@@ -156,7 +156,7 @@ TEST_F(SettlingTest, AnAnswerBeforeTheDisarmIsConfirmedMeansNothing) {
   Arm(2);
   Send();
   settling_.Begin(SkipReason::kLink, bench_.now);
-  settling_.Take(
+  settling_.Receive(
       link::PastReport{bench_.laser.tick() + 1,
                        {link::TickOutcome::kNotArmed, link::TickOutcome::kNotArmed}});
   EXPECT_EQ(Count(PointState::kArmed), 2u) << "they may fire yet";
@@ -222,7 +222,7 @@ TEST_F(SettlingTest, WhatAnEarlierLifeArmedIsAskedOfTheSamePowerUpAlone) {
   EXPECT_EQ(record.ledger().count(PointState::kArmed), 2u);
   for (int i = 0; i < 200; ++i) {
     bench_.Step();
-    for (const auto& report : bench_.pasts) next.Take(report);
+    for (const auto& report : bench_.pasts) next.Receive(report);
     bench_.pasts.clear();
     next.TakeDisarmed();
     (void)next.Turn(bench_.now, true, true);

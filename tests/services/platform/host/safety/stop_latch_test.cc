@@ -29,7 +29,7 @@ struct Sample {
     sample.number = number;
     sample.pressed = pressed;
     bus::Borrow(sample.released, wire);
-    return latch.Take(sample);
+    return latch.Receive(sample);
   }
 };
 
