@@ -57,16 +57,20 @@ void ChangeSpeeds(const Path& path, const SpeedLaw& law,
 void LowerAccelerations(const Path& path, const SpeedLaw& law,
                         const std::vector<double>& load_ratio, std::size_t first_free,
                         const Speeds& first, bool all_bad, Speeds& speeds) {
+  // At the ends a node has no speed that could be lowered.
+  const auto is_slow = [&](std::size_t node) {
+    if (node == 0 || node + 1 == path.node_count()) return true;
+    return law.node_speed_mm_s[node] < kSlowRatio * first.node_mm_s[node];
+  };
   for (std::size_t i = first_free - 1; i < path.segment_count(); ++i) {
-    const bool bad = std::max(load_ratio[i], load_ratio[i + 1]) > kKept;
-    const double passed = std::min(law.node_speed_mm_s[i], law.node_speed_mm_s[i + 1]);
-    const auto begun = [&](std::size_t node) {
-      const bool end = node == 0 || node + 1 == path.node_count();
-      return end ? path.segments()[i].feed_mm_s : first.node_mm_s[node];
-    };
-    if (bad && all_bad) speeds.acceleration_mm_s2[i] *= kSomeAcceleration;
-    if (bad && passed < kSlowRatio * std::min(begun(i), begun(i + 1)))
-      speeds.acceleration_mm_s2[i] *= kLessAcceleration;
+    bool is_bad = false, is_bad_when_slow = false;
+    for (const std::size_t node : {i, i + 1}) {
+      if (load_ratio[node] <= kKept) continue;
+      is_bad = true;
+      is_bad_when_slow = is_bad_when_slow || is_slow(node);
+    }
+    if (is_bad && all_bad) speeds.acceleration_mm_s2[i] *= kSomeAcceleration;
+    if (is_bad_when_slow) speeds.acceleration_mm_s2[i] *= kLessAcceleration;
   }
 }
 

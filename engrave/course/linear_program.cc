@@ -37,7 +37,10 @@ class Newton {
  public:
   Newton(const LinearProgram& program, const Point& at)
       : a_(program.rows), at_(at), weights_(at.z.cwiseQuotient(at.s)) {
-    Eigen::MatrixXd normal = a_.transpose() * weights_.asDiagonal() * a_;
+    // The lower half alone, which is what the factors are made of.
+    const Eigen::MatrixXd scaled = weights_.cwiseSqrt().asDiagonal() * a_;
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(a_.cols(), a_.cols());
+    normal.selfadjointView<Eigen::Lower>().rankUpdate(scaled.transpose());
     normal.diagonal().array() += 1e-13 * normal.diagonal().maxCoeff();
     factors_.compute(normal);
     primal_ = program.limits - a_ * at.x - at.s;

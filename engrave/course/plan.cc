@@ -73,10 +73,15 @@ double KernelTime(const AxisPair& axes, const Allowed& allowed) {
   return time_s;
 }
 
-/// Of a course with swings: kernels in units of KernelTime.
-constexpr double kSwungKernelLengths[] = {4, 6};
+/// A course with swings: its kernel in units of KernelTime, and the longest swing on one
+/// side in lengths of the kernel.
+struct SwungTrial {
+  double kernel, half;
+};
+constexpr SwungTrial kSwungTrials[] = {{4, 0.75}, {6, 0.75}, {6, 1.2}, {6, 2.2}};
 constexpr double kSwungAccelerationShare = 0.85;
-constexpr int kSwungTrials = 3;
+/// How often corners that do not keep the limits lose their swings.
+constexpr int kDroppings = 3;
 constexpr std::size_t kChoosingSegments = 1000;
 /// Longer contours are planned without swings, to keep their time of planning.
 constexpr std::size_t kMaxSwungSegments = 20'000;
@@ -84,6 +89,7 @@ constexpr std::size_t kMaxSwungSegments = 20'000;
 struct Choice {
   TrackingOptions tracking;
   double acceleration_mm_s2 = 0;
+  double longest_swing = 0;  ///< on one side, in lengths of the kernel
 };
 
 Choice DirectChoice(const PlanOptions& options) {
@@ -185,9 +191,10 @@ Corrected CorrectSwung(const Path& path, const AxisPair& axes, const PlanOptions
   // A reserve lowers the speeds of the same swings.
   Allowed full = allowed;
   full.error_mm = options.tolerance_mm;
-  table.AddTo(path, tracking, full, choice.acceleration_mm_s2, speeds);
+  table.AddTo(path, tracking, full, {choice.acceleration_mm_s2, choice.longest_swing},
+              speeds);
   Corrected corrected;
-  for (int trial = 0; trial < kSwungTrials; ++trial) {
+  for (int i = 0; i < kDroppings; ++i) {
     corrected = CorrectSpeeds(path, tracking, allowed, speeds, options.rounds, {},
                               options.executor);
     if (corrected.holds) break;
@@ -206,11 +213,15 @@ Corrected CorrectSwung(const Path& path, const AxisPair& axes, const PlanOptions
   return corrected;
 }
 
-Choice SwungChoice(const AxisPair& axes, const PlanOptions& options, double length_s) {
+Choice SwungChoice(const AxisPair& axes, const PlanOptions& options,
+                   const SwungTrial& trial) {
+  const double length_s =
+      options.kernel_s.value_or(trial.kernel * KernelTime(axes, AllowedBy(options)));
   const Tracking tracking(axes, {options.period_s, 0, length_s});
   const double reach_mm_s2 = Reach(FiguresOf(tracking.kernel(), axes), options);
   return {tracking.options(),
-          std::min(options.acceleration_mm_s2, kSwungAccelerationShare * reach_mm_s2)};
+          std::min(options.acceleration_mm_s2, kSwungAccelerationShare * reach_mm_s2),
+          trial.half};
 }
 
 CoursePlan PlainPlan(const Path& path, const AxisPair& axes, const PlanOptions& options) {
@@ -218,23 +229,29 @@ CoursePlan PlainPlan(const Path& path, const AxisPair& axes, const PlanOptions& 
   return PlanOf(path, choice, CorrectBy(path, axes, options, choice));
 }
 
+CoursePlan SwungPlan(const Path& path, const AxisPair& axes, const PlanOptions& options,
+                     const Choice& choice, SwingTable& table) {
+  return PlanOf(path, choice, CorrectSwung(path, axes, options, choice, table));
+}
+
 double TotalS(const CoursePlan& plan) {
   return plan.law.duration_s + plan.tracking.kernel_s.value_or(0);
 }
 
+struct Fastest {
+  CoursePlan plan;
+  std::optional<Choice> swung;  ///< when the plan has swings
+};
+
 /// The plan without swings, or one with them that takes less time and holds.
-CoursePlan FastestOf(const Path& path, const AxisPair& axes, const PlanOptions& options,
-                     SwingTable& table) {
-  CoursePlan best = PlainPlan(path, axes, options);
-  for (const double length : kSwungKernelLengths) {
-    const double length_s =
-        options.kernel_s.value_or(length * KernelTime(axes, AllowedBy(options)));
-    const Choice choice = SwungChoice(axes, options, length_s);
-    CoursePlan plan =
-        PlanOf(path, choice, CorrectSwung(path, axes, options, choice, table));
-    if (plan.holds && (!best.holds || TotalS(plan) < TotalS(best)))
-      best = std::move(plan);
-    if (options.kernel_s) break;
+Fastest FastestOf(const Path& path, const AxisPair& axes, const PlanOptions& options,
+                  SwingTable& table) {
+  Fastest best{PlainPlan(path, axes, options), std::nullopt};
+  for (const SwungTrial& trial : kSwungTrials) {
+    const Choice choice = SwungChoice(axes, options, trial);
+    CoursePlan plan = SwungPlan(path, axes, options, choice, table);
+    if (plan.holds && (!best.plan.holds || TotalS(plan) < TotalS(best.plan)))
+      best = {std::move(plan), choice};
   }
   return best;
 }
@@ -246,14 +263,11 @@ CoursePlan CompensatedPlan(const Path& path, const AxisPair& axes,
   std::shared_ptr<SwingTable> table = options.swings;
   if (!table) table = std::make_shared<SwingTable>();
   if (path.segment_count() <= kChoosingSegments)
-    return FastestOf(path, axes, options, *table);
+    return FastestOf(path, axes, options, *table).plan;
   // The begin of a long contour chooses for the rest.
-  const CoursePlan begin =
-      FastestOf(path.Part(0, kChoosingSegments), axes, options, *table);
-  if (begin.holds && begin.law.swings) {
-    const Choice choice = SwungChoice(axes, options, *begin.tracking.kernel_s);
-    CoursePlan plan =
-        PlanOf(path, choice, CorrectSwung(path, axes, options, choice, *table));
+  const Fastest begin = FastestOf(path.Part(0, kChoosingSegments), axes, options, *table);
+  if (begin.swung) {
+    CoursePlan plan = SwungPlan(path, axes, options, *begin.swung, *table);
     if (plan.holds) return plan;
   }
   return PlainPlan(path, axes, options);

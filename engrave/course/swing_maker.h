@@ -1,13 +1,14 @@
 #pragma once
 
-// The fastest swing at one corner (swing.h), as a linear program: its knots and the speed
-// at the corner are unknown, the speed is to be the greatest. Limits, at instants a third
-// of a knot apart: the load within the tolerance of the leg before the corner until the
-// corner's instant and of the leg behind it from then on, at that instant within the
-// tolerance of the corner, and each axis' motor within its acceleration and its load
-// within its jerk. All of them are linear but the circle around the corner, of which a
-// polygon inside it is used. The law along the path slows down to the corner and speeds
-// up behind it by a constant acceleration, up to the feed.
+// The fastest swing at one corner (swing.h). For a speed at the corner a linear program
+// finds the knots whose greatest load, a ratio to its limit, is the least; the speed is
+// the greatest up to the feed with a load of 1. Limits, at each setpoint: the load within
+// the tolerance of the leg before the corner until the corner's instant and of the leg
+// behind it from then on, at that instant within the tolerance of the corner, and each
+// axis' motor within its acceleration and its load within its jerk. All of them are
+// linear but the circle around the corner, of which a polygon inside it is used. The law
+// along the path slows down to the corner and speeds up behind it by a constant
+// acceleration, up to the feed.
 
 #include <optional>
 

@@ -8,12 +8,12 @@ namespace intaglio::course {
 namespace {
 
 /// Lengths of a swing on each side, in lengths of the kernel, the longest first.
-constexpr std::array kHalfLengths{0.75, 0.4};
+constexpr std::array kHalfLengths{2.2, 1.5, 1.2, 0.75, 0.4};
 /// A swing shares a leg with that of the other node: this much of the leg's duration.
 constexpr double kLegShare = 0.6;
-/// What a swing is made for, of the limits: classes, instants between those of the
-/// program and neighbours take the rest.
-constexpr double kErrorShare = 0.9, kMotorShare = 0.95;
+/// What a swing is made for, of the limits: the middle of a class is not the corner, and
+/// neighbours take the rest.
+constexpr double kErrorShare = 0.95, kMotorShare = 0.95;
 /// Less gain is not worth the swing.
 constexpr double kMinGain = 1.03;
 
@@ -83,7 +83,8 @@ std::optional<SwingShape> SwingTable::Find(const Key& key, const Tracking& track
 }
 
 void SwingTable::AddTo(const Path& path, const Tracking& tracking, const Allowed& allowed,
-                       double acceleration_mm_s2, Speeds& speeds) {
+                       const Limits& limits, Speeds& speeds) {
+  const double acceleration_mm_s2 = limits.acceleration_mm_s2;
   auto swings = std::make_shared<Swings>();
   swings->of_node.resize(path.node_count());
   std::map<Key, int> used;
@@ -110,7 +111,8 @@ void SwingTable::AddTo(const Path& path, const Tracking& tracking, const Allowed
         std::min(LegDuration(path, node - 1, acceleration_mm_s2, speed_mm_s),
                  LegDuration(path, node, acceleration_mm_s2, speed_mm_s));
     const auto length = std::ranges::find_if(kHalfLengths, [&](double of_kernel) {
-      return of_kernel * kernel_s <= kLegShare * leg_s;
+      return of_kernel <= limits.longest_half &&
+             of_kernel * kernel_s <= kLegShare * leg_s;
     });
     if (length == kHalfLengths.end()) continue;
     key.half_s = *length * kernel_s;

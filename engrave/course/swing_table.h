@@ -22,11 +22,15 @@ inline constexpr double kClassRad = std::numbers::pi / 16;
 
 class SwingTable {
  public:
-  /// `speeds` as of FirstSpeeds with one acceleration: nodes that are passed faster with
+  struct Limits {
+    double acceleration_mm_s2 = 0;  ///< along the path
+    double longest_half = 0;        ///< of a swing on one side, in lengths of the kernel
+  };
+  /// `speeds` as of FirstSpeeds with this acceleration: nodes that are passed faster with
   /// a swing get it, and its speed, when both legs last long enough. The
   /// axes of `tracking` are the same in all calls.
   void AddTo(const Path& path, const Tracking& tracking, const Allowed& allowed,
-             double acceleration_mm_s2, Speeds& speeds);
+             const Limits& limits, Speeds& speeds);
 
  private:
   struct Key {
