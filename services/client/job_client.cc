@@ -189,15 +189,7 @@ void JobClient::Poll(std::chrono::milliseconds timeout) {
           services_.erase(instance);
           return;
         }
-        services_[instance] = {instance,
-                               std::string(View(health.host)),
-                               std::string(View(health.cell)),
-                               std::string(View(health.message)),
-                               std::string(View(health.version)),
-                               health.role,
-                               health.state,
-                               health.pid,
-                               std::chrono::steady_clock::now()};
+        services_[instance] = ServiceViewOf(health, std::chrono::steady_clock::now());
       });
   TakeCounts();
   listed_.Poll();

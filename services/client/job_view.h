@@ -13,6 +13,7 @@
 #include "idl/job.h"
 #include "idl/service.h"
 #include "services/job/machine/mounted_parts.h"
+#include "services/platform/bus/samples.h"
 
 namespace intaglio::client {
 
@@ -92,6 +93,22 @@ struct ServiceView {
   int pid = 0;
   std::chrono::steady_clock::time_point reported_at;  ///< its newest health, received
 };
+
+/// From a service's own health, or from what the job service knows of it.
+template <typename Sample>
+ServiceView ServiceViewOf(const Sample& sample,
+                          std::chrono::steady_clock::time_point reported_at) {
+  using bus::View;
+  return {std::string(View(sample.instance)),
+          std::string(View(sample.host)),
+          std::string(View(sample.cell)),
+          std::string(View(sample.message)),
+          std::string(View(sample.version)),
+          sample.role,
+          sample.state,
+          sample.pid,
+          reported_at};
+}
 
 /// What a person asks of a job.
 struct JobOrder {

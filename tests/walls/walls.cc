@@ -91,7 +91,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
      {"engrave/core", "engrave/mark", "services/platform/bus",
       "services/platform/host/process", "services/platform/host/threads", "idl",
       "proto"}},
-    {"services/job/methods", {"engrave/*", "proto"}},
+    {"services/job/methods", {"engrave/*", "proto", "services/platform/fields"}},
     // Warnings are messages of both kinds.
     {"services/job/verdict", {"engrave/core", "idl", "proto"}},
     {"services/job",

@@ -24,6 +24,7 @@
 #include "services/job/models/text_model.h"
 #include "services/job/models/unfitted_sizes.h"
 #include "services/platform/command_line/supplied_files.h"
+#include "services/platform/fields/field_rules.h"
 
 namespace intaglio::cli {
 namespace {
@@ -39,8 +40,7 @@ void Set(Vector3* to, const std::vector<double>& from) {
 /// The field of a name on the command line: - for _.
 const google::protobuf::FieldDescriptor* OrderField(std::string name) {
   std::replace(name.begin(), name.end(), '-', '_');
-  const auto* field = Ordering::descriptor()->FindFieldByName(name);
-  return field != nullptr && field->real_containing_oneof() != nullptr ? field : nullptr;
+  return FindChoice(*Ordering::descriptor(), name);
 }
 
 Status SetOrder(const JobFlags& flags, Ordering& ordering) {

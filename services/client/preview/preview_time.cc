@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
-#include <numeric>
-#include <span>
 #include <utility>
 
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
 #include "engrave/machine/axes_from_glass.h"
+#include "engrave/sort/local_samples.h"
 #include "engrave/sort/order.h"
 #include "services/job/convert/options.h"
 #include "services/job/machine/head_over_block.h"
@@ -17,6 +16,7 @@
 #include "services/job/machine/machine_axes.h"
 #include "services/job/plan/plan_summary.h"
 #include "services/job/plan/steady_ticks.h"
+#include "services/platform/fields/field_rules.h"
 
 namespace intaglio::client {
 namespace {
@@ -24,46 +24,6 @@ namespace {
 constexpr std::size_t kPieces = 8;
 
 using Indices = std::vector<std::uint32_t>;
-
-/// Divides the points at the median of their largest extent, again and again, until a
-/// piece has no more than `piece_size`: compact pieces, in which points have the
-/// neighbours that they have in the whole cloud. `by_height`: at the median height, for
-/// an order in slabs.
-void Divide(const PointList& points_mm, std::span<std::uint32_t> range,
-            std::size_t piece_size, bool by_height,
-            std::vector<std::span<std::uint32_t>>& pieces) {
-  if (range.size() <= piece_size) return pieces.push_back(range);
-  Box3 box;
-  for (const std::uint32_t i : range) box.Extend(points_mm[i]);
-  Eigen::Index axis = 2;
-  if (!by_height) box.size_mm().maxCoeff(&axis);
-  const std::size_t half = range.size() / 2;
-  std::nth_element(range.begin(), range.begin() + static_cast<std::ptrdiff_t>(half),
-                   range.end(), [&](std::uint32_t a, std::uint32_t b) {
-                     const double at_a = points_mm[a][axis], at_b = points_mm[b][axis];
-                     return at_a != at_b ? at_a < at_b : a < b;
-                   });
-  Divide(points_mm, range.first(half), piece_size, by_height, pieces);
-  Divide(points_mm, range.subspan(half), piece_size, by_height, pieces);
-}
-
-/// What is ordered and planned: all points, or pieces from all over the cloud.
-std::vector<Indices> PiecesOf(const PointList& points_mm, std::size_t max_planned_points,
-                              bool by_height) {
-  Indices all(points_mm.size());
-  std::iota(all.begin(), all.end(), 0);
-  if (all.size() <= max_planned_points) return {std::move(all)};
-  std::vector<std::span<std::uint32_t>> pieces;
-  Divide(points_mm, all, std::max<std::size_t>(1, max_planned_points / kPieces),
-         by_height, pieces);
-  std::vector<Indices> chosen;
-  for (std::size_t i = 0; i < kPieces; ++i) {
-    const auto piece = pieces[(2 * i + 1) * pieces.size() / (2 * kPieces)];
-    chosen.emplace_back(piece.begin(), piece.end());
-    std::sort(chosen.back().begin(), chosen.back().end());
-  }
-  return chosen;
-}
 
 /// An order that takes seconds in place of one that takes minutes.
 FrozenJob WithQuickOrder(FrozenJob job, std::size_t point_count) {
@@ -76,8 +36,7 @@ FrozenJob WithQuickOrder(FrozenJob job, std::size_t point_count) {
 }
 
 std::string OrderNameOf(const FrozenJob& job) {
-  const Ordering& ordering = job.job().ordering();
-  const auto* field = Ordering::descriptor()->FindFieldByNumber(ordering.method_case());
+  const auto* field = ChosenField(job.job().ordering(), "method");
   return field == nullptr ? "" : field->name();
 }
 
@@ -194,8 +153,11 @@ Result<TimePreview> EstimateTime(const FrozenJob& job, const CloudToTime& cloud,
   if (job.machine().head_over_block().has_jump_and_dwell())
     return JumpTimeOf(job, cloud, progress);
   const bool sweeps = job.job().ordering().has_sweep();
-  const std::vector<Indices> pieces = PiecesOf(
-      cloud.points_mm, max_planned_points * (sweeps ? kSweepSampleRatio : 1), sweeps);
+  const std::size_t planned_points =
+      max_planned_points * (sweeps ? kSweepSampleRatio : 1);
+  const std::vector<Indices> pieces =
+      sort::LocalSamples(cloud.points_mm, kPieces,
+                         std::max<std::size_t>(1, planned_points / kPieces), sweeps);
   const FrozenJob quick = WithQuickOrder(job, point_count);
   const auto planned_ticks =
       INTAGLIO_TRY(TicksOfAll(quick, cloud, pieces, executor, progress));

@@ -23,27 +23,20 @@ nanoseconds AgeOf(const intaglio_KnownService& sample, const bus::SampleOrigin& 
 KnownMachines::KnownMachines(bus::Bus& bus) : reader_(bus, bus::kKnownService) {}
 
 void KnownMachines::Poll() {
-  reader_.TakeAll(
-      [this](const intaglio_KnownService& sample, const bus::SampleOrigin& origin) {
-        const std::string instance(View(sample.instance));
-        if (!origin.alive) {
-          known_.erase(instance);
-          return;
-        }
-        Known known;
-        known.service = {instance,
-                         std::string(View(sample.host)),
-                         std::string(View(sample.cell)),
-                         std::string(View(sample.message)),
-                         std::string(View(sample.version)),
-                         sample.role,
-                         sample.state,
-                         sample.pid,
-                         std::chrono::steady_clock::now() - AgeOf(sample, origin)};
-        for (const intaglio_MachineFacts& facts : View(sample.facts))
-          Update(known.facts.emplace_back(), facts);
-        known_[instance] = std::move(known);
-      });
+  reader_.TakeAll([this](const intaglio_KnownService& sample,
+                         const bus::SampleOrigin& origin) {
+    const std::string instance(View(sample.instance));
+    if (!origin.alive) {
+      known_.erase(instance);
+      return;
+    }
+    Known known;
+    known.service =
+        ServiceViewOf(sample, std::chrono::steady_clock::now() - AgeOf(sample, origin));
+    for (const intaglio_MachineFacts& facts : View(sample.facts))
+      Update(known.facts.emplace_back(), facts);
+    known_[instance] = std::move(known);
+  });
 }
 
 std::vector<ServiceView> KnownMachines::services() const {

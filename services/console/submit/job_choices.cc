@@ -14,6 +14,7 @@
 #include "materials_db/material_store.h"
 #include "services/job/files/job_file.h"
 #include "services/platform/command_line/supplied_files.h"
+#include "services/platform/fields/field_rules.h"
 
 namespace intaglio::console {
 namespace {
@@ -40,9 +41,7 @@ double TravelOf(const AxisLimits& axis) {
 }
 
 std::string KinematicsOf(const MachineSpec& machine) {
-  const auto* kinematics = MachineSpec::descriptor()->FindOneofByName("kinematics");
-  const auto* field =
-      machine.GetReflection()->GetOneofFieldDescriptor(machine, kinematics);
+  const auto* field = ChosenField(machine, "kinematics");
   return field == nullptr ? "cartesian" : field->name();
 }
 

@@ -46,10 +46,6 @@ bool IsFontFamily(const std::string& file, const std::string& field) {
   return field.find(".text.") != std::string::npos && !drawing::IsFontFile(file);
 }
 
-bool IsNameOfAProfile(const std::string& machine) {
-  return machine.find_first_of("./\\") == std::string::npos;
-}
-
 bool IsProfileOf(const std::vector<ShopMachine>& shop, const std::string& file) {
   return std::ranges::any_of(shop, [&](const ShopMachine& machine) {
     return !file.empty() && machine.profile == file;
@@ -78,7 +74,7 @@ Status CheckFilesOfSubmission(JobSpec job, const fs::path& folder,
     if (status && !IsFontFamily(file, field)) status = CheckFile(file, field, folder);
   });
   const std::string& profile = job.machine_file();
-  if (status && !IsNameOfAProfile(profile) && !IsProfileOf(shop, profile))
+  if (status && !IsNameOfAProfile(profile, folder) && !IsProfileOf(shop, profile))
     return CheckFile(profile, "machine_file", folder);
   return status;
 }

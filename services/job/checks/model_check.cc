@@ -5,14 +5,10 @@
 #include "engrave/io/lower_case.h"
 #include "services/job/convert/model_kind.h"
 #include "services/job/methods/method_table.h"
+#include "services/platform/fields/field_rules.h"
 
 namespace intaglio {
 namespace {
-
-std::string FieldOf(Model::MethodCase method) {
-  const auto* field = Model::descriptor()->FindFieldByNumber(method);
-  return field == nullptr ? "" : field->name();
-}
 
 void CheckKindAndMethod(const Model& model, const std::string& path, Findings& findings) {
   const auto kind = KindOf(model);
@@ -24,7 +20,7 @@ void CheckKindAndMethod(const Model& model, const std::string& path, Findings& f
   }
   const Model::MethodCase method = model.method_case();
   if (method == Model::METHOD_NOT_SET || Suits(method, *kind)) return;
-  findings.Wrong(path + "." + FieldOf(method), NameOf(*kind),
+  findings.Wrong(path + "." + ChosenField(model, "method")->name(), NameOf(*kind),
                  "cannot be made by this method; remove the method for the default one");
 }
 

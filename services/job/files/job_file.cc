@@ -65,14 +65,6 @@ void MakeAbsolute(std::string& file, const fs::path& folder) {
   if (!file.empty()) file = (folder / file).lexically_normal().string();
 }
 
-/// "els-03": neither a path nor a file of that name.
-bool IsNameOfAProfile(const std::string& machine_file, const fs::path& folder) {
-  std::error_code ignored;
-  const fs::path path(machine_file);
-  return !path.has_parent_path() && !path.has_extension() &&
-         !fs::exists(folder / path, ignored);
-}
-
 /// Families become the files that this machine has for them; one that is not found stays,
 /// and the check reports it.
 void NameFontFile(std::string& font) {
@@ -103,6 +95,14 @@ Result<JobSpec> ReadJobFile(const fs::path& path) {
   INTAGLIO_TRY(ReadMessage(path, job));
   ResolveFiles(job, fs::absolute(path).parent_path());
   return job;
+}
+
+bool IsNameOfAProfile(const std::string& machine_file, const fs::path& folder) {
+  if (machine_file.empty()) return true;
+  std::error_code ignored;
+  const fs::path path(machine_file);
+  return !path.has_parent_path() && !path.has_extension() &&
+         !fs::exists(folder / path, ignored);
 }
 
 void ResolveFiles(JobSpec& job, const fs::path& folder) {

@@ -26,6 +26,11 @@ enum class JobFileFormat { kText, kJson };
 /// models and machine file are made absolute: they are relative to the job file's folder.
 Result<JobSpec> ReadJobFile(const std::filesystem::path& path);
 
+/// "els-03": neither a path nor a file of that name in the folder. Also nothing, which is
+/// the name of the default one.
+bool IsNameOfAProfile(const std::string& machine_file,
+                      const std::filesystem::path& folder);
+
 /// Paths relative to `folder`, which is absolute, become absolute; families of fonts the
 /// files that this machine has for them. A machine file without folder and extension that
 /// is no file there stays as it is: the name of a supplied profile.

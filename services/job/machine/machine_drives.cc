@@ -8,19 +8,15 @@
 
 #include "engrave/core/check.h"
 #include "services/job/machine/machine_defaults.h"
+#include "services/platform/fields/field_rules.h"
 
 namespace intaglio {
 namespace {
 
 namespace pb = google::protobuf;
 
-/// Reads a message with the oneof `drive`: its number is a lag, its messages have the
-/// names of their kinds and the parameters of these in their order. nullptr: not set.
-const pb::FieldDescriptor* DriveFieldOf(const pb::Message& of) {
-  return of.GetReflection()->GetOneofFieldDescriptor(
-      of, of.GetDescriptor()->FindOneofByName("drive"));
-}
-
+/// Reads the oneof `drive`: its number is a lag, its messages have the names of their
+/// kinds and the parameters of these in their order.
 drive::DriveParameters ParametersOf(const pb::Message& of,
                                     const pb::FieldDescriptor& field) {
   const pb::Reflection& reflection = *of.GetReflection();
@@ -62,7 +58,7 @@ drive::AxisDrives DrivesBy(const MachineSpec& machine, const Make& make) {
 
 void CheckDrive(const pb::Message& of, const std::string& path,
                 std::vector<Error>& errors) {
-  const pb::FieldDescriptor* field = DriveFieldOf(of);
+  const pb::FieldDescriptor* field = ChosenField(of, "drive");
   if (field == nullptr) return;
   const drive::DriveParameters drive = ParametersOf(of, *field);
   const auto made = drive::MakeDrive(drive.name, drive.values);
@@ -75,13 +71,13 @@ void CheckDrive(const pb::Message& of, const std::string& path,
 }  // namespace
 
 std::array<drive::DriveParameters, 3> DriveParametersOf(const MachineSpec& machine) {
-  const pb::FieldDescriptor* of_all = DriveFieldOf(machine);
+  const pb::FieldDescriptor* of_all = ChosenField(machine, "drive");
   std::array<drive::DriveParameters, 3> parameters;
   parameters.fill(of_all == nullptr ? drive::DriveParameters{"first_order", {0}}
                                     : ParametersOf(machine, *of_all));
   const auto names = AxisNamesOf(machine);
   for (const AxisDrive& drive : machine.axis_drives()) {
-    const auto* field = DriveFieldOf(drive);
+    const auto* field = ChosenField(drive, "drive");
     const auto name = std::ranges::find(names, drive.axis());
     Require(field != nullptr && name != names.end(), "the machine was not checked: {}",
             drive.axis());
@@ -129,7 +125,7 @@ void CheckDrives(const MachineSpec& given, std::vector<Error>& errors) {
            fmt::format("{}axis: {} occurs twice; remove one", path, drive.axis()),
            drive.axis()});
     }
-    if (DriveFieldOf(drive) == nullptr) {
+    if (ChosenField(drive, "drive") == nullptr) {
       errors.push_back(
           {ErrorCode::kMissing,
            fmt::format("{}drive: is missing; give stage_lag_s, second_order, "

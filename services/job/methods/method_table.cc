@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "engrave/core/check.h"
+#include "services/platform/fields/field_rules.h"
 
 namespace intaglio {
 namespace {
@@ -63,15 +64,12 @@ const Method* DefaultMethodOf(ModelKind kind) {
 }
 
 const Method* MethodOf(const pb::Message& holder) {
-  const auto* choice = holder.GetDescriptor()->FindOneofByName("method");
-  Require(choice != nullptr, "{} holds no method", holder.GetTypeName());
-  const auto* field = holder.GetReflection()->GetOneofFieldDescriptor(holder, choice);
+  const auto* field = ChosenField(holder, "method");
   return field == nullptr ? nullptr : FindMethod(field->name());
 }
 
 const pb::FieldDescriptor* FieldInDiscretization(const Method& method) {
-  const auto* field = Discretization::descriptor()->FindFieldByName(method.name());
-  return field != nullptr && field->real_containing_oneof() != nullptr ? field : nullptr;
+  return FindChoice(*Discretization::descriptor(), method.name());
 }
 
 const pb::Message& MessageOf(const Method& method, const pb::Message& holder) {

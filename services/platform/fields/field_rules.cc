@@ -113,6 +113,19 @@ const pb::FieldDescriptor& FieldOf(const pb::Descriptor& message, int number) {
   return *field;
 }
 
+const pb::FieldDescriptor* ChosenField(const pb::Message& message,
+                                       const std::string& oneof) {
+  const pb::OneofDescriptor* choices = message.GetDescriptor()->FindOneofByName(oneof);
+  Require(choices != nullptr, "{} has no choice {}", message.GetTypeName(), oneof);
+  return message.GetReflection()->GetOneofFieldDescriptor(message, choices);
+}
+
+const pb::FieldDescriptor* FindChoice(const pb::Descriptor& message,
+                                      const std::string& name) {
+  const pb::FieldDescriptor* field = message.FindFieldByName(name);
+  return field != nullptr && field->real_containing_oneof() != nullptr ? field : nullptr;
+}
+
 NumberRange RangeOf(const pb::FieldDescriptor& field) {
   const auto range = FindRange(field);
   Require(range.has_value(), "{} has no range", field.full_name());

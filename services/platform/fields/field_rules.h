@@ -36,6 +36,14 @@ std::vector<const google::protobuf::FieldDescriptor*> FieldsOf(
 const google::protobuf::FieldDescriptor& FieldOf(
     const google::protobuf::Descriptor& message, int number);
 
+/// The member of a oneof that is set; nullptr: none. Throws when there is no such oneof.
+const google::protobuf::FieldDescriptor* ChosenField(
+    const google::protobuf::Message& message, const std::string& oneof);
+
+/// The member of a oneof by its name; nullptr: none.
+const google::protobuf::FieldDescriptor* FindChoice(
+    const google::protobuf::Descriptor& message, const std::string& name);
+
 template <typename Message>
 const google::protobuf::FieldDescriptor& FieldOf(int number) {
   return FieldOf(*Message::descriptor(), number);
