@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -62,8 +63,12 @@ struct PublishedKdzOptions {
 
 struct AnnealOptions {
   /// Changes tried, for each point, 0..1e6. Ten thousand points and more: 30 bring half
-  /// of what there is to gain, 1000 nearly all.
-  double tries_per_point = 30;
+  /// of what there is to gain, 1000 nearly all. Absent: as many as are worth it, that is,
+  /// for as long as a second of annealing promises to save more than a second of
+  /// engraving all `pieces`. The order does not depend on the time that it takes then,
+  /// either.
+  std::optional<double> tries_per_point;
+  double pieces = 1;  ///< to be engraved in this order, 1..1e6
   std::uint64_t seed = 1;
   /// When given, it decides in the place of tries_per_point: the share of a time budget
   /// that is used, 0..1, and at 1 the annealing ends. The order then depends on the time.

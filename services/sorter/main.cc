@@ -12,6 +12,9 @@ namespace {
 
 using namespace intaglio;
 
+/// Sixteen megabytes.
+constexpr std::size_t kRememberedPoints = 4'000'000;
+
 /// The discretizer's points, or its marks.
 class PointOrMarkInput final : public host::StageInput {
  public:
@@ -43,9 +46,9 @@ class PointOrMarkInput final : public host::StageInput {
         return sorter::SortMarks(job, std::move(marks), progress);
       };
     }
-    return [job = task.job, cloud = points_.TakeContent(),
-            estimate = estimate_ticks_](const ProgressSink& progress) mutable {
-      return sorter::SortJob(job, std::move(cloud), *estimate, progress);
+    return [job = task.job, cloud = points_.TakeContent(), estimate = estimate_ticks_,
+            memo = memo_](const ProgressSink& progress) mutable {
+      return sorter::SortJob(job, std::move(cloud), *memo, *estimate, progress);
     };
   }
   std::uint64_t estimate_ticks() const override {
@@ -61,6 +64,8 @@ class PointOrMarkInput final : public host::StageInput {
   host::PointIntake points_;
   host::MarkIntake marks_;
   std::shared_ptr<std::atomic<std::uint64_t>> estimate_ticks_;  // of the newest task
+  std::shared_ptr<sorter::OrderMemo> memo_ =
+      std::make_shared<sorter::OrderMemo>(kRememberedPoints);
 };
 
 int Serve(host::ServiceHost& host) {

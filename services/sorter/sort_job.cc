@@ -31,7 +31,7 @@ std::uint64_t CountChanges(const std::vector<ChannelMask>& masks) {
 
 }  // namespace
 
-Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
+Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud, OrderMemo& memo,
                                   std::atomic<std::uint64_t>& estimate_ticks,
                                   const ProgressSink& progress) {
   // The maker of one part does not know that the others are empty as well.
@@ -41,8 +41,14 @@ Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
   const auto estimate =
       FirstEstimateTicks(job, cloud.points_mm, of_cloud, host::AllCores(), progress);
   if (estimate) estimate_ticks = *estimate;
-  const auto order = INTAGLIO_TRY(
-      sort::MakeChannelOrder(cloud.points_mm, of_cloud, host::OrderingOf(job), progress));
+  const std::string key = OrderKey(job, cloud.points_mm, of_cloud);
+  std::optional<sort::Order> known = memo.Find(key);
+  if (!known) {
+    known = INTAGLIO_TRY(sort::MakeChannelOrder(cloud.points_mm, of_cloud,
+                                                host::OrderingOf(job), progress));
+    memo.Keep(key, *known);
+  }
+  const sort::Order& order = *known;
   host::StageResult result;
   SortOutcome& outcome = *result.outcome.mutable_sort();
   outcome.set_point_count(order.size());

@@ -127,7 +127,13 @@ void AddOrderFlags(command_line::Command command, JobFlags& flags) {
       .Group(kOrder);
   command
       .AddOption("--order-tries", flags.order_tries,
-                 "anneal: changes tried for each point; more changes give a better order")
+                 "anneal: changes tried for each point; default as many as are worth it")
+      .Group(kOrder);
+  command
+      .AddOption(
+          "--order-pieces", flags.order_pieces,
+          "anneal: pieces to be engraved in this order, default 1: for more of them "
+          "more changes are worth it")
       .Group(kOrder);
   command.AddOption("--order-time", flags.order_time_s, "anneal: or the time to spend, s")
       .Group(kOrder);

@@ -33,6 +33,7 @@ struct JobFlags {
   std::optional<double> spacing_mm;
   std::optional<std::string> order;  // of Ordering, - for _
   std::optional<double> order_tries, order_time_s;
+  std::optional<std::uint32_t> order_pieces;
   std::optional<std::string> profile;  // of MotionProfile, - for _
   std::optional<double> rate_hz, speed_mm_s, acceleration_mm_s2, focal_mm;
   std::optional<std::string> machine;  // name of a supplied profile, or a file

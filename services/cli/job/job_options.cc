@@ -49,13 +49,14 @@ Status SetOrder(const JobFlags& flags, Ordering& ordering) {
     Require(field != nullptr, "--order '{}' has passed its check", *flags.order);
     ordering.GetReflection()->MutableMessage(&ordering, field);
   }
-  if (!flags.order_tries && !flags.order_time_s) return {};
+  if (!flags.order_tries && !flags.order_time_s && !flags.order_pieces) return {};
   if (ordering.method_case() != Ordering::METHOD_NOT_SET && !ordering.has_anneal()) {
     return Fail(ErrorCode::kInvalidValue,
-                "--order-tries and --order-time apply only to --order anneal", "");
+                "--order-tries, -pieces and -time apply only to --order anneal", "");
   }
   AnnealOrder& anneal = *ordering.mutable_anneal();
   if (flags.order_tries) anneal.set_tries_per_point(*flags.order_tries);
+  if (flags.order_pieces) anneal.set_pieces(*flags.order_pieces);
   if (flags.order_time_s) anneal.set_time_s(*flags.order_time_s);
   return {};
 }

@@ -129,7 +129,10 @@ void SetMethod(const Ordering& ordering, sort::OrderOptions& options) {
       break;
     case Ordering::kAnneal:
       options.method = sort::Method::kAnneal;
-      options.anneal.tries_per_point = ordering.anneal().tries_per_point();
+      if (ordering.anneal().has_tries_per_point())
+        options.anneal.tries_per_point = ordering.anneal().tries_per_point();
+      if (ordering.anneal().has_pieces())
+        options.anneal.pieces = ordering.anneal().pieces();
       options.anneal.seed = ordering.anneal().seed();
       break;
     case Ordering::kBoustrophedon:

@@ -205,6 +205,7 @@ TEST(JobFlags, OfOrderMotionAndLaserLandInThem) {
   EXPECT_TRUE(JobOf({"--order", "kdz"}).ordering().has_kdz());
   EXPECT_TRUE(JobOf({"--order", "published-kdz"}).ordering().has_published_kdz());
   EXPECT_EQ(JobOf({"--order-tries", "200"}).ordering().anneal().tries_per_point(), 200);
+  EXPECT_EQ(JobOf({"--order-pieces", "50"}).ordering().anneal().pieces(), 50u);
   EXPECT_EQ(JobOf({"--order-time", "9"}).ordering().anneal().time_s(), 9);
 }
 

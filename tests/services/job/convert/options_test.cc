@@ -276,7 +276,8 @@ TEST(Options, OrderFollowsTheCone) {
   FrozenJob job = Frozen(GoodJob());
   job.mutable_optics()->set_cone_tangent(0.9);
   EXPECT_EQ(OrderOptionsOf(job).method, sort::Method::kAnneal);
-  EXPECT_EQ(OrderOptionsOf(job).anneal.tries_per_point, 30);
+  EXPECT_EQ(OrderOptionsOf(job).anneal.tries_per_point, std::nullopt);
+  EXPECT_EQ(OrderOptionsOf(job).anneal.pieces, 1);
   EXPECT_EQ(OrderOptionsOf(job).cone.tangent, 0.9);
   const MachineLens& lens = job.machine().lenses(0);
   EXPECT_EQ(OrderOptionsOf(job).cone.crack_radius_mm, lens.crack_diameter_mm() / 2);

@@ -49,7 +49,7 @@ TEST(FreezeJob, ResolvesEverything) {
   EXPECT_NEAR(frozen->optics().stage_per_glass_ratio(),
               std::tan(in_glass) / std::tan(in_air), 1e-12);
   EXPECT_NEAR(frozen->optics().cone_tangent(), std::tan(in_glass), 1e-12);
-  EXPECT_EQ(frozen->job().ordering().anneal().tries_per_point(), 30);
+  EXPECT_EQ(frozen->job().ordering().anneal().pieces(), 1);
   EXPECT_FALSE(frozen->optics().has_thermal_strength_k());
 }
 
