@@ -4,6 +4,7 @@
 
 #include "engrave/core/try.h"
 #include "engrave/discretize/cloud.h"
+#include "services/discretizer/result_checksum.h"
 #include "services/job/marks/mark_maker.h"
 #include "services/job/models/discretize_outcome.h"
 #include "services/job/verdict/warnings.h"
@@ -29,6 +30,7 @@ Result<host::StageResult> MakeMarksOf(const FrozenJob& job, std::vector<FileByte
   INTAGLIO_TRY(host::CheckMarkRoom(*result.marks));
   DiscretizeOutcome& outcome = *result.outcome.mutable_discretize();
   outcome.set_point_count(result.size());
+  outcome.set_checksum(ChecksumOf(result));
   AddTo(*outcome.mutable_warnings(), warnings);
   return result;
 }
@@ -46,6 +48,7 @@ Result<host::StageResult> DiscretizePart(const PreparedJob& prepared,
   host::StageResult result;
   *result.outcome.mutable_discretize() = OutcomeOf(prepared.sources, made, part);
   result.cloud = std::move(made.cloud);
+  result.outcome.mutable_discretize()->set_checksum(ChecksumOf(result));
   return result;
 }
 

@@ -82,7 +82,7 @@ void StageWorker::Receive(const intaglio_StageTask& sample) {
   work.task = std::move(task);
   work.frozen_job.assign(bytes.begin(), bytes.end());
   const bool joins =
-      !works_.empty() && !withdrawn_ && !pending_ && work.task.part.valid() &&
+      !works_.empty() && !withdrawn_ && !pending_ && work.task.part.may_be_made() &&
       std::all_of(works_.begin(), works_.end(), [&work](const Work& other) {
         return other.task.IsOfChain(work.task) &&
                other.task.part.index != work.task.part.index;
@@ -172,7 +172,7 @@ Status StageWorker::Begin(Work& work) {
   const bool readable = work.task.job.ParseFromString(work.frozen_job);
   work.frozen_job.clear();
   work.phase = Phase::kInput;
-  if (readable && work.task.part.valid()) return input_.Open(work.task);
+  if (readable && work.task.part.may_be_made()) return input_.Open(work.task);
   return Fail(ErrorCode::kUnreadable,
               "the task cannot be parsed: the job service has another version");
 }
@@ -195,7 +195,9 @@ bool StageWorker::Send(const Result<bool>& sent) {
   if (work.phase < Phase::kMade) return false;
   work.progress.elapsed_s = std::chrono::duration<double>(now_ - work.began_at).count();
   Result<bool> all_sent = sent;
-  if (work.phase == Phase::kMade && !work.task.consumer.empty()) {
+  const bool is_sent =
+      !work.task.consumer.empty() && !IsComparison(work.task.part.attempt);
+  if (work.phase == Phase::kMade && is_sent) {
     StageResult made;
     made.cloud = std::exchange(work.result.cloud, {});
     made.marks = std::exchange(work.result.marks, {});
@@ -203,7 +205,7 @@ bool StageWorker::Send(const Result<bool>& sent) {
     work.phase = Phase::kSending;
     all_sent = output_.Advance(now_);
   } else if (work.phase == Phase::kMade) {
-    all_sent = true;  // there is no consumer
+    all_sent = true;
   }
   if (all_sent && !*all_sent) return false;
   End(0, all_sent ? nullptr : &all_sent.error());

@@ -19,6 +19,15 @@ inline constexpr std::uint32_t kMaxPartLosses = 3;
 /// begun again.
 inline constexpr std::uint32_t kMaxPartAttempts = kMaxPartLosses + 1;
 
+/// Times that a part of one attempt is made once more for its checksum alone, to compare
+/// discretizers. These follow the attempts in their numbers: the consumer grants no
+/// credit for them, so that their points cannot reach it.
+inline constexpr std::uint32_t kMaxComparisons = 8;
+
+constexpr bool IsComparison(std::uint32_t part_attempt) {
+  return part_attempt >= kMaxPartAttempts;
+}
+
 /// Part `index` of `count`, begun for the `attempt`th time (from 0); of a stage that is
 /// not cut, the only one.
 struct TaskPart {
@@ -26,8 +35,11 @@ struct TaskPart {
   std::uint32_t count = 1;
   std::uint32_t attempt = 0;
 
-  bool valid() const {
-    return count <= kMaxParts && index < count && attempt < kMaxPartAttempts;
+  /// It may be sent to a consumer.
+  bool valid() const { return may_be_made() && !IsComparison(attempt); }
+  bool may_be_made() const {
+    return count <= kMaxParts && index < count &&
+           attempt < kMaxPartAttempts + kMaxComparisons;
   }
 };
 
