@@ -13,6 +13,7 @@
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/peers/identity_role.h"
 #include "services/platform/host/peers/role_refusal.h"
+#include "services/platform/host/stage/task_part.h"
 
 namespace intaglio::client {
 namespace {
@@ -149,6 +150,7 @@ bool JobClient::IsForgotten(const std::string& uid) const {
 }
 
 void JobClient::Receive(const intaglio_TaskStatus& status) {
+  if (host::IsComparison(status.part_attempt)) return;
   const std::pair key(std::string(View(status.job_uid)), static_cast<int>(status.stage));
   StageOutcomes& stage = outcomes_[key];
   if (status.attempt < stage.attempt) return;

@@ -1,6 +1,7 @@
 #include "services/job_service/job_service.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -45,6 +46,12 @@ TaskView ViewOf(const intaglio_TaskStatus& status) {
   return view;
 }
 
+/// Empty: it has none.
+std::string ChecksumIn(const std::string& bytes) {
+  StageOutcome outcome;
+  return outcome.ParseFromString(bytes) ? outcome.discretize().checksum() : "";
+}
+
 /// A permission with a partition's pattern would reach other machines, too.
 bool IsCellName(const std::string& cell) {
   return !cell.empty() && std::all_of(cell.begin(), cell.end(), [](unsigned char c) {
@@ -66,7 +73,8 @@ FrozenJob FrozenOf(const JobRecord& job) {
 JobService::JobService(host::ServiceHost& host, const JobServiceOptions& options,
                        JobStore store, const std::optional<SeenByStandby>& standby,
                        StatusBoard& board, Nanoseconds now)
-    : options_(options),
+    : host_(host),
+      options_(options),
       store_(std::move(store)),
       reader_(ReadingWith(options.materials)),
       statistics_(store_, options.recording.string()),
@@ -137,6 +145,20 @@ void JobService::Turn(Nanoseconds now) {
   }
   seen_.Note();
   permissions_.Decide(queue_.Permissions(now));
+  ReportRemarks();
+}
+
+// In the health, which `intaglio status` and the console show; each as an alarm once.
+void JobService::ReportRemarks() {
+  std::vector<std::string> remarks = queue_.Remarks();
+  if (remarks == remarks_) return;
+  for (const std::string& remark : remarks) {
+    if (std::ranges::find(remarks_, remark) == remarks_.end())
+      host_.RaiseAlarm(intaglio_ALARM_WARNING, ErrorCodeName(ErrorCode::kFault), remark);
+  }
+  remarks_ = std::move(remarks);
+  host_.SetHealth(intaglio_HEALTH_READY, {},
+                  fmt::format("{}", fmt::join(remarks_, "; ")));
 }
 
 void JobService::TakeManualCommands() {
@@ -185,7 +207,9 @@ void JobService::TakeTasks(Nanoseconds now) {
     bool fresh = false;
     if (view.ended() && !queue_.AnswersAnOldRevocation(view)) {
       const auto bytes = View(status.outcome);
-      fresh = store_.KeepTaskEnd(view, std::string(bytes.begin(), bytes.end()));
+      const std::string outcome(bytes.begin(), bytes.end());
+      view.checksum = ChecksumIn(outcome);
+      fresh = store_.KeepTaskEnd(view, outcome);
     }
     const JobRecord* job = queue_.Find(view.task.job_uid);
     if (fresh && job != nullptr) view.warnings = WarningsAfter(view, *job);

@@ -98,7 +98,9 @@ class JobService : private JobActions {
   /// Keeps and publishes the end of a job.
   void Settle(const JobRecord& job, bool more_is_expected);
   std::set<std::string> CellsInUse() const;
+  void ReportRemarks();
 
+  host::ServiceHost& host_;
   JobServiceOptions options_;
   JobStore store_;
   SubmissionReader reader_;
@@ -120,6 +122,7 @@ class JobService : private JobActions {
   JobQueue queue_;
   UnsettledEnds unsettled_;
   Nanoseconds now_;                        // of this turn
+  std::vector<std::string> remarks_;       ///< in the health of this process
   EndedList refusals_{0, kRememberedFor};  ///< answers to submissions
   EndedList recalls_{0, kRememberedFor};  ///< jobs that are on the bus for such an answer
   std::map<std::string, std::string> recalled_;  ///< the same with their submissions

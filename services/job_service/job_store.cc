@@ -6,6 +6,7 @@
 
 #include "services/job/verdict/warnings.h"
 #include "services/job_service/store_guard.h"
+#include "services/platform/host/stage/task_part.h"
 
 namespace intaglio::job_service {
 namespace {
@@ -54,10 +55,11 @@ void LoadStages(sql::Connection& database, JobRecord& job) {
 void LoadParts(sql::Connection& database, JobRecord& job) {
   const auto select = database.Prepare(
       "SELECT part, part_attempt, worker FROM tasks WHERE job_uid = ? AND attempt = ? "
-      "AND stage = ? AND ended_utc IS NULL AND revoked_utc IS NULL");
+      "AND stage = ? AND part_attempt < ? AND ended_utc IS NULL AND revoked_utc IS NULL");
   select->Bind(1, job.uid);
   select->Bind(2, job.attempt);
   select->Bind(3, static_cast<int>(intaglio_STAGE_DISCRETIZE));
+  select->Bind(4, host::kMaxPartAttempts);  // comparisons end with their job service
   while (select->Step()) {
     const auto part = static_cast<std::uint32_t>(select->Integer(0));
     job.parts.Restore(part, static_cast<std::uint32_t>(select->Integer(1)),

@@ -8,6 +8,7 @@
 #include "proto/task.pb.h"
 #include "services/job_service/job_store.h"
 #include "services/job_service/store_guard.h"
+#include "services/platform/host/stage/task_part.h"
 
 namespace intaglio::job_service {
 namespace {
@@ -67,11 +68,13 @@ AttemptOutcomes JobStore::OutcomesOf(const std::string& job_uid, std::uint32_t a
   return Guarded(*database_, [&] {
     const auto select = database_->Prepare(
         "SELECT stage, part, outcome FROM tasks WHERE job_uid = ? AND attempt = ? AND "
-        "stage < ? AND state = ? AND outcome IS NOT NULL ORDER BY part, part_attempt");
+        "stage < ? AND state = ? AND part_attempt < ? AND outcome IS NOT NULL ORDER BY "
+        "part, part_attempt");
     select->Bind(1, job_uid);
     select->Bind(2, attempt);
     select->Bind(3, static_cast<int>(intaglio_STAGE_ENGRAVE));
     select->Bind(4, static_cast<int>(intaglio_TASK_DONE));
+    select->Bind(5, host::kMaxPartAttempts);  // without comparisons
     AttemptOutcomes outcomes;
     std::map<std::uint32_t, DiscretizeOutcome> parts;  // the newest attempt at each
     while (select->Step()) {

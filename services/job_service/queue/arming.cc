@@ -70,6 +70,10 @@ CommandAnswer Arming::CheckArm(const JobRecord& job, const CommandView& command)
                         "it again (intaglio arm {})",
                         job.number, job.arm.disarm_reason(), job.number)};
   }
+  if (!job.suspicion.empty()) {
+    return {intaglio_ANSWER_NOT_YET,
+            fmt::format("job {} cannot be armed yet: {}", job.number, job.suspicion)};
+  }
   if (const Warning* warning = job.open_consent(); warning && !command.accept_breakage) {
     return {intaglio_ANSWER_NEEDS_CONSENT,
             fmt::format("job {} cannot be armed without a consent: {}", job.number,

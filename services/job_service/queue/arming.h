@@ -16,6 +16,8 @@
 // 6. A program's arm counts only after the machine was opened (cells/piece_book.h).
 // 7. A job is armed only for what is mounted in its machine (cells/mount_book.h), and a
 //    person who says that something was mounted ends the arms there.
+// 8. A job is not armed while a discretizer that made a part of it is suspected
+//    (comparing.h).
 // Used from one thread.
 
 #include <functional>

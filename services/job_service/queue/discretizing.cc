@@ -36,6 +36,7 @@ void Discretizing::GiveFirst(const JobRecord& job, Nanoseconds now) {
 }
 
 void Discretizing::GiveOpen(JobRecord& job, Nanoseconds now) {
+  comparing_.Give(job, now);
   if (!job.active() || job.stage(intaglio_STAGE_DISCRETIZE).done) return;
   for (const std::string& worker :
        tasks_.workers().Free(intaglio_ROLE_DISCRETIZER, job.cell)) {
@@ -66,8 +67,9 @@ void Discretizing::PublishMessage(JobRecord& job) {
     sentences.push_back(fmt::format("attempt {}: {}", job.attempt, job.last_loss));
   }
   if (!job.parts.last_loss().empty()) sentences.push_back(job.parts.last_loss());
+  if (!job.suspicion.empty()) sentences.push_back(job.suspicion);
   const WorkerBook& workers = tasks_.workers();
-  if (!job.parts.any_at_work() &&
+  if (!job.parts.any_at_work() && job.suspicion.empty() &&
       workers.Free(intaglio_ROLE_DISCRETIZER, job.cell).empty()) {
     sentences.push_back("waits for " + workers.WhyNone(intaglio_ROLE_DISCRETIZER,
                                                        job.cell, job.maker(), true));
@@ -87,16 +89,38 @@ void Discretizing::SetProgress(JobRecord& job, Nanoseconds now) {
 Discretizing::Outcome Discretizing::Receive(JobRecord& job, const TaskView& task,
                                             Nanoseconds now) {
   const std::uint32_t part = task.task.part;
+  if (host::IsComparison(task.task.part_attempt)) {
+    comparing_.Receive(job, task, now);
+    return Outcome::kIgnored;
+  }
   if (!job.parts.IsCurrent(task.worker, part, task.task.part_attempt)) {
     return Outcome::kIgnored;
   }
   job.parts.SetProgress(part, task.done_count, task.total_count);
   if (task.state == intaglio_TASK_FAILED) return Outcome::kFailed;
-  if (task.state == intaglio_TASK_DONE) job.parts.Finish(part);
+  if (task.state == intaglio_TASK_DONE) {
+    job.parts.Finish(part);
+    NotePace(task, now);
+    if (!job.stage(intaglio_STAGE_DISCRETIZE).done)
+      comparing_.NoteDone(job, part, task.checksum);
+  }
   SetProgress(job, now);
   if (job.parts.all_done()) return Outcome::kAllDone;
   book_.PublishProgress(job);
   return Outcome::kProgress;
+}
+
+void Discretizing::NotePace(const TaskView& task, Nanoseconds now) {
+  const auto slower =
+      pace_.NoteDone(task.worker, task.task, task.elapsed_s, task.done_count);
+  if (!slower) return;
+  tasks_.workers().SetSlow(
+      task.worker,
+      fmt::format(
+          "{} takes {:.0f} times as long for a part as the others: it is given "
+          "nothing for {} min while others run; check what else its computer does",
+          task.worker, *slower, kSlowFor.count()),
+      now + kSlowFor);
 }
 
 std::optional<std::string> Discretizing::Lose(JobRecord& job, std::uint32_t part,
@@ -131,11 +155,12 @@ void Discretizing::Finish(JobRecord& job, Nanoseconds now) {
   if (stage.done) return;
   std::vector<GivenTask> parts = job.GivenTasks();
   std::erase_if(parts, [](const GivenTask& given) {
-    return given.stage != intaglio_STAGE_DISCRETIZE || given.done;
+    return given.stage != intaglio_STAGE_DISCRETIZE || given.done ||
+           host::IsComparison(given.task.part_attempt);
   });
   tasks_.RevokeHeld(job, parts, now);
   stage.done = true;
-  tasks_.StopFeed(job);
+  if (!job.comparison) tasks_.StopFeed(job);
 }
 
 }  // namespace intaglio::job_service

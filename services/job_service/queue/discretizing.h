@@ -10,20 +10,26 @@
 //    worker's tasks are never on their way to it at the same time, because only the
 //    newest is retained: it gets one ahead when it has accepted what it has.
 // 3. A part that is lost kMaxPartLosses times gives the job up.
+// 4. Discretizers are compared with each other: what they make (comparing.h), and how
+//    fast (worker_pace.h).
 // Used from one thread.
 
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "services/job_service/queue/comparing.h"
 #include "services/job_service/queue/job_book.h"
 #include "services/job_service/queue/task_handout.h"
+#include "services/job_service/queue/worker_pace.h"
 
 namespace intaglio::job_service {
 
 class Discretizing {
  public:
-  Discretizing(JobBook& book, TaskHandout& tasks) : book_(book), tasks_(tasks) {}
+  Discretizing(JobBook& book, TaskHandout& tasks)
+      : book_(book), tasks_(tasks), comparing_(book, tasks) {}
 
   /// Another attempt of the job: its parts, of which these discretizers have the first,
   /// but are not given them yet.
@@ -31,7 +37,8 @@ class Discretizing {
                   Nanoseconds now);
   /// The parts that discretizers have.
   void GiveFirst(const JobRecord& job, Nanoseconds now);
-  /// To the free discretizers, and ahead. Nothing for a job that is not under way.
+  /// To the free discretizers, and ahead, a comparison first. Nothing for a job that is
+  /// not under way.
   void GiveOpen(JobRecord& job, Nanoseconds now);
 
   enum class Outcome {
@@ -53,14 +60,18 @@ class Discretizing {
   /// No part is needed any more; the result of a discretizer that is still making one
   /// again is not used.
   void Finish(JobRecord& job, Nanoseconds now);
+  Comparing& comparing() { return comparing_; }
 
  private:
+  void NotePace(const TaskView& task, Nanoseconds now);
   void GiveAhead(JobRecord& job, Nanoseconds now);
   void PublishMessage(JobRecord& job);
   static void SetProgress(JobRecord& job, Nanoseconds now);
 
   JobBook& book_;
   TaskHandout& tasks_;
+  Comparing comparing_;
+  WorkerPace pace_;
 };
 
 }  // namespace intaglio::job_service

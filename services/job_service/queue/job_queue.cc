@@ -38,12 +38,6 @@ constexpr intaglio_ServiceRole RoleOf(intaglio_Stage stage) {
   return intaglio_ROLE_SYNCHRONIZER;
 }
 
-// Failures that a neighbour's death causes as well: worth another attempt.
-bool MayBeANeighbours(intaglio_ErrorCode code) {
-  return code == intaglio_ERROR_LINK_LOST || code == intaglio_ERROR_TIMED_OUT ||
-         code == intaglio_ERROR_CANCELLED;
-}
-
 }  // namespace
 
 // ---- Jobs ---------------------------------------------------------------------------
@@ -86,6 +80,7 @@ void JobQueue::EndJob(JobRecord& job, intaglio_JobState state, const std::string
   job.arm.Disarm(message, now);
   book_.End(job, state, message, now);
   tasks_.RevokeAndStopFeed(job, job.GivenTasks(), now);
+  discretizing_.comparing().Drop(job);
   job.frozen_job = {};  // up to a megabyte that is not needed any more
 }
 
@@ -131,11 +126,14 @@ void JobQueue::Turn(Nanoseconds now) {
   }
   book_.Forget(now);
   tasks_.ForgetLost(now);
+  tasks_.workers().EndSlow(now);
+  RemakeWrong(now);
   // A discretizer is of more use to a job that is under way than to the next one.
   for (JobRecord* job : book_.ActiveInTurn()) discretizing_.GiveOpen(*job, now);
   for (JobRecord* job : book_.ActiveInTurn()) take_up_.GiveToFree(*job, now);
   StartWaiting(now);
   arming_.TurnPieces();
+  for (JobRecord* job : book_.ActiveInTurn()) discretizing_.comparing().Hold(*job, now);
 }
 
 void JobQueue::StartWaiting(Nanoseconds now) {
@@ -222,85 +220,6 @@ void JobQueue::Begin(JobRecord& job,
   discretizing_.GiveFirst(job, now);
 }
 
-// ---- Workers ------------------------------------------------------------------------
-
-void JobQueue::Receive(const WorkerView& worker, Nanoseconds now) {
-  tasks_.workers().Update(worker, now);
-  // It ends in order, and its process was asked to.
-  if (worker.role == intaglio_ROLE_SYNCHRONIZER &&
-      worker.state == intaglio_HEALTH_STOPPING) {
-    take_up_.CloseCell(worker.instance, now);
-  }
-}
-
-void JobQueue::WorkerLost(const std::string& instance, Nanoseconds now) {
-  const WorkerBook::Assignments lost = tasks_.workers().Lose(instance, now);
-  if (!lost.task.revoked) LoseTasks(instance, lost, instance + " was lost", now);
-}
-
-void JobQueue::LoseTasks(const std::string& instance, const WorkerBook::Assignments& has,
-                         const std::string& why, Nanoseconds now) {
-  discretizing_.LoseAhead(instance, has.next.task);
-  LoseTask(instance, has.task.task, why, now);
-}
-
-void JobQueue::LoseTask(const std::string& instance, const TaskId& task,
-                        const std::string& why, Nanoseconds now) {
-  JobRecord* job = book_.FindOpen(task.job_uid);
-  if (job == nullptr || job->attempt != task.attempt) return;
-  for (const GivenTask& given : job->GivenTasks()) {
-    if (given.worker != instance || given.task != task) continue;
-    if (given.stage == intaglio_STAGE_DISCRETIZE) {
-      return LosePart(*job, task.part, why, 0s, now);
-    }
-    return LoseStage(*job, given.stage, why, now);
-  }
-}
-
-void JobQueue::LosePart(JobRecord& job, std::uint32_t part, const std::string& why,
-                        Nanoseconds pause, Nanoseconds now) {
-  const auto given_up = discretizing_.Lose(job, part, why, pause, now);
-  if (given_up) EndJob(job, intaglio_JOB_FAILED, *given_up, now);
-}
-
-void JobQueue::LoseStage(JobRecord& job, intaglio_Stage stage, const std::string& why,
-                         Nanoseconds now) {
-  if (job.stage(stage).done || !job.active()) return;
-  if (stage != intaglio_STAGE_ENGRAVE || !job.arm.ever_granted()) {
-    return LoseAttempt(job, why, now);
-  }
-  take_up_.Lose(job, why, now);
-}
-
-void JobQueue::LoseAttempt(JobRecord& job, const std::string& why, Nanoseconds now) {
-  ++job.lost_attempts;
-  job.last_loss = fmt::format("attempt {} failed: {}", job.attempt, why);
-  if (job.lost_attempts >= kMaxAttempts) {
-    return EndJob(job, intaglio_JOB_FAILED,
-                  fmt::format("failed after {}; {}",
-                              Counted(job.lost_attempts, "attempt"), job.last_loss),
-                  now);
-  }
-  Requeue(job, job.last_loss, now);
-  tasks_.RevokeAndStopFeed(job, job.GivenTasks(), now);
-}
-
-void JobQueue::Requeue(JobRecord& job, const std::string& why, Nanoseconds now) {
-  job.last_loss = why;
-  if (job.arm.armed()) {
-    job.last_loss += "; it is no longer armed: arm it when it has its machine again";
-  }
-  job.arm.Disarm(why, now);
-  book_.Change(job, intaglio_JOB_QUEUED, job.last_loss);
-}
-
-void JobQueue::FeedFailed(const std::string& job_uid, std::uint32_t attempt,
-                          const std::string& message, Nanoseconds now) {
-  JobRecord* job = book_.FindOpen(job_uid);
-  if (job == nullptr || job->attempt != attempt || !job->active()) return;
-  EndJob(*job, intaglio_JOB_FAILED, message, now);
-}
-
 // ---- Tasks --------------------------------------------------------------------------
 
 void JobQueue::Receive(const TaskView& task, Nanoseconds now) {
@@ -355,7 +274,7 @@ void JobQueue::StageFailed(JobRecord& job, const TaskView& task, Nanoseconds now
       task.stage != intaglio_STAGE_ENGRAVE || !job.arm.ever_granted();
   if (job.stage(task.stage).done) return;
   const std::string what = fmt::format("{}: {}", task.worker, task.message);
-  if (glass_is_clear && MayBeANeighbours(task.error_code)) {
+  if (glass_is_clear && task.failed_by_neighbour()) {
     return in_parts ? LosePart(job, task.task.part, what, kPartPause, now)
                     : LoseAttempt(job, what, now);
   }
@@ -385,12 +304,14 @@ void JobQueue::EngraveStatus(JobRecord& job, const TaskView& task, Nanoseconds n
   // warnings about the path, may still be on its way.
   discretizing_.Finish(job, now);
   const Warning* consent = job.open_consent();
+  const std::string unsettled = job.WhyNotSettled();
   const std::string misfit = job.arm.armed() ? "" : arming_.MountMisfitOf(job);
   book_.Publish(
       job, task.done_count > 0 ? intaglio_JOB_ENGRAVING : intaglio_JOB_WAITING_FOR_ARM,
-      consent != nullptr ? Arming::ConsentMessage(job, *consent)
-      : misfit.empty()   ? task.message
-                         : misfit);
+      !unsettled.empty()   ? unsettled
+      : consent != nullptr ? Arming::ConsentMessage(job, *consent)
+      : misfit.empty()     ? task.message
+                           : misfit);
 }
 
 }  // namespace intaglio::job_service

@@ -113,6 +113,8 @@ class JobQueue {
     return take_up_.AnswersAnOldRevocation(task);
   }
   const std::map<std::string, JobRecord>& jobs() const { return book_.jobs(); }
+  /// Why workers are left out of the work, a sentence each.
+  std::vector<std::string> Remarks() const { return tasks_.workers().Remarks(); }
 
  private:
   void Apply(JobRecord& job, const CommandView& command, Nanoseconds now);
@@ -139,6 +141,12 @@ class JobQueue {
   void LoseStage(JobRecord& job, intaglio_Stage stage, const std::string& why,
                  Nanoseconds now);
   void LoseAttempt(JobRecord& job, const std::string& why, Nanoseconds now);
+  /// Requeue, and what its workers have is revoked.
+  void EndAttempt(JobRecord& job, const std::string& why, Nanoseconds now);
+  /// Every job that has a part of a discretizer that was found wrong begins anew, or is
+  /// paused if its machine has begun.
+  void RemakeWrong(Nanoseconds now);
+  void Remake(JobRecord& job, const WrongWorker& wrong, Nanoseconds now);
   /// It leaves its machine, to wait for another attempt; its arm does not wait with it.
   void Requeue(JobRecord& job, const std::string& why, Nanoseconds now);
   static void NoteFirstEstimate(JobRecord& job, const TaskView& task);

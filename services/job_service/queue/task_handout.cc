@@ -34,6 +34,17 @@ void TaskHandout::GivePartAhead(const JobRecord& job, std::uint32_t part,
   SendPart(job, part);
 }
 
+void TaskHandout::GiveComparison(const JobRecord& job, bool ahead, Nanoseconds now) {
+  const std::string& worker = job.comparison->worker;
+  const TaskId task = job.ComparisonTask();
+  if (ahead) {
+    workers_.AssignNext(worker, task, now);
+  } else {
+    workers_.Assign(worker, task, now);
+  }
+  actions_.Give({worker, intaglio_STAGE_DISCRETIZE, task, {}, false}, job);
+}
+
 void TaskHandout::SendPart(const JobRecord& job, std::uint32_t part) {
   actions_.Give({job.parts[part].worker, intaglio_STAGE_DISCRETIZE,
                  job.TaskOf(intaglio_STAGE_DISCRETIZE, part),

@@ -33,6 +33,8 @@ class TaskHandout {
   void GivePart(const JobRecord& job, std::uint32_t part, Nanoseconds now);
   /// The same, to be begun when what that worker is at has ended.
   void GivePartAhead(const JobRecord& job, std::uint32_t part, Nanoseconds now);
+  /// The part that is compared, to the worker that makes it once more, `ahead` or not.
+  void GiveComparison(const JobRecord& job, bool ahead, Nanoseconds now);
 
   /// Whatever the worker has.
   void Revoke(const JobRecord& job, const GivenTask& given, Nanoseconds now);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace intaglio::job_service {
 namespace {
 
@@ -22,6 +24,10 @@ std::string NameOf(intaglio_ServiceRole role, std::string_view maker) {
     default:
       return "a service";
   }
+}
+
+bool WorksOrWaits(const WorkerView& worker) {
+  return worker.state == intaglio_HEALTH_READY || worker.state == intaglio_HEALTH_BUSY;
 }
 
 }  // namespace
@@ -82,12 +88,89 @@ const WorkerView* WorkerBook::OfAnotherVersion(const WorkerView& worker) const {
   return nullptr;
 }
 
+bool WorkerBook::HasFaster(intaglio_ServiceRole role) const {
+  return std::ranges::any_of(workers_, [&](const auto& entry) {
+    const Worker& other = entry.second;
+    return other.alive && other.view.role == role && other.slow.empty() &&
+           other.left_out.empty() && WorksOrWaits(other.view) &&
+           OfAnotherVersion(other.view) == nullptr;
+  });
+}
+
+bool WorkerBook::IsUsable(const Worker& worker) const {
+  return worker.left_out.empty() && OfAnotherVersion(worker.view) == nullptr &&
+         (worker.slow.empty() || !HasFaster(worker.view.role));
+}
+
+std::vector<std::string> WorkerBook::Serving(intaglio_ServiceRole role) const {
+  std::vector<std::string> serving;
+  for (const auto& [instance, worker] : workers_) {
+    if (worker.alive && worker.view.role == role && WorksOrWaits(worker.view) &&
+        IsUsable(worker)) {
+      serving.push_back(instance);
+    }
+  }
+  return serving;
+}
+
+void WorkerBook::LeaveOut(const std::string& instance, const std::string& why) {
+  const auto found = workers_.find(instance);
+  if (found == workers_.end()) return;
+  found->second.left_out = why;
+  found->second.for_good = true;
+}
+
+void WorkerBook::Suspect(const std::string& instance, const std::string& why) {
+  const auto found = workers_.find(instance);
+  if (found != workers_.end() && !found->second.for_good) found->second.left_out = why;
+}
+
+void WorkerBook::TakeBack(const std::string& instance) {
+  const auto found = workers_.find(instance);
+  if (found != workers_.end() && !found->second.for_good) found->second.left_out.clear();
+}
+
+void WorkerBook::SetSlow(const std::string& instance, const std::string& why,
+                         Nanoseconds until) {
+  const auto found = workers_.find(instance);
+  if (found == workers_.end()) return;
+  found->second.slow = why;
+  found->second.slow_until = until;
+}
+
+void WorkerBook::EndSlow(Nanoseconds now) {
+  for (auto& [instance, worker] : workers_) {
+    if (now >= worker.slow_until) worker.slow.clear();
+  }
+}
+
+bool WorkerBook::IsWrong(const std::string& instance) const {
+  const auto found = workers_.find(instance);
+  return found != workers_.end() && found->second.for_good;
+}
+
+std::string WorkerBook::WhyLeftOut(const std::string& instance) const {
+  const auto found = workers_.find(instance);
+  return found == workers_.end() ? std::string() : found->second.left_out;
+}
+
+// A reason that several are suspected for is reported once.
+std::vector<std::string> WorkerBook::Remarks() const {
+  std::vector<std::string> remarks;
+  for (const auto& [instance, worker] : workers_) {
+    const std::string& why = worker.left_out.empty() ? worker.slow : worker.left_out;
+    const bool is_new = std::ranges::find(remarks, why) == remarks.end();
+    if (worker.alive && !why.empty() && is_new) remarks.push_back(why);
+  }
+  return remarks;
+}
+
 std::vector<std::string> WorkerBook::Free(intaglio_ServiceRole role,
                                           const std::string& cell) const {
   std::vector<std::string> free;
   for (const auto& [instance, worker] : workers_) {
     if (Serves(worker, role, cell) && worker.view.state == intaglio_HEALTH_READY &&
-        worker.has.task.empty() && OfAnotherVersion(worker.view) == nullptr) {
+        worker.has.task.empty() && IsUsable(worker)) {
       free.push_back(instance);
     }
   }
@@ -101,7 +184,7 @@ std::vector<std::string> WorkerBook::WithoutNext(intaglio_ServiceRole role,
   for (const auto& [instance, worker] : workers_) {
     const Assignment& at = worker.has.task;
     const bool works = worker.alive && worker.view.role == role && at.answered &&
-                       !at.revoked && OfAnotherVersion(worker.view) == nullptr;
+                       !at.revoked && IsUsable(worker);
     if (works && at.task.job_uid == job_uid && at.task.attempt == attempt &&
         worker.has.next.empty()) {
       without.push_back(instance);
@@ -117,7 +200,9 @@ std::string WorkerBook::WhyNone(intaglio_ServiceRole role, const std::string& ce
   const Worker* seen = nullptr;
   for (const auto& [instance, worker] : workers_) {
     if (!Serves(worker, role, cell)) continue;
-    if (seen == nullptr || OfAnotherVersion(seen->view) != nullptr) seen = &worker;
+    const bool is_better = seen == nullptr || OfAnotherVersion(seen->view) != nullptr ||
+                           !seen->left_out.empty();
+    if (is_better) seen = &worker;
   }
   if (seen == nullptr)
     return text + (all_reported ? " (none runs)" : " (none has reported yet)");
@@ -131,6 +216,7 @@ std::string WorkerBook::WhyNone(intaglio_ServiceRole role, const std::string& ce
         "engraved)",
         text, other->instance, other->version, host::SoftwareVersion());
   }
+  if (!seen->left_out.empty()) return fmt::format("{} ({})", text, seen->left_out);
   return text + " (all are busy)";
 }
 

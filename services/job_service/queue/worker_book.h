@@ -77,6 +77,8 @@ class WorkerBook {
   std::vector<std::string> WithoutNext(intaglio_ServiceRole role,
                                        const std::string& job_uid,
                                        std::uint32_t attempt) const;
+  /// Alive and usable, at work or not, by name.
+  std::vector<std::string> Serving(intaglio_ServiceRole role) const;
   /// Why there is none, e.g. "a sorter (all are busy)"; that of a machine is called as
   /// `maker` says. Unless `all_reported`, one that has not reported may run.
   std::string WhyNone(intaglio_ServiceRole role, const std::string& cell,
@@ -90,6 +92,21 @@ class WorkerBook {
   void Answered(const std::string& instance, const TaskId& task);
   /// It has ended; the next one, if there is one, is worked on from now on.
   void Release(const std::string& instance, const TaskId& task, Nanoseconds now);
+
+  /// Nothing is given to it any more, as long as its process lives.
+  void LeaveOut(const std::string& instance, const std::string& why);
+  /// The same until TakeBack.
+  void Suspect(const std::string& instance, const std::string& why);
+  void TakeBack(const std::string& instance);
+  /// Nothing is given to it until then, while there are others of its role.
+  void SetSlow(const std::string& instance, const std::string& why, Nanoseconds until);
+  void EndSlow(Nanoseconds now);
+  /// LeaveOut was called for it.
+  bool IsWrong(const std::string& instance) const;
+  /// Empty: it is not, or it is unknown. Of a slow one empty, too.
+  std::string WhyLeftOut(const std::string& instance) const;
+  /// Why living workers are left out, and who is slow; a sentence each.
+  std::vector<std::string> Remarks() const;
 
   bool IsAlive(const std::string& instance) const;
   /// Either to be worked on or as the next one, and not revoked.
@@ -106,7 +123,14 @@ class WorkerBook {
     bool alive = false;
     Nanoseconds reported_at{0};  ///< its newest health; before the first: its assignment
     Assignments has;
+    std::string left_out;   ///< why; empty: it is not
+    bool for_good = false;  ///< that
+    std::string slow;       ///< why; empty: it is not
+    Nanoseconds slow_until{0};
   };
+  /// It may be given something, if it is free.
+  bool IsUsable(const Worker& worker) const;
+  bool HasFaster(intaglio_ServiceRole role) const;
   bool Serves(const Worker& worker, intaglio_ServiceRole role,
               const std::string& cell) const;
   /// A service whose version keeps this worker from a task; nullptr: there is none.

@@ -12,6 +12,7 @@
 #include "idl/job.h"
 #include "services/job_service/records/job_arm.h"
 #include "services/job_service/records/job_parts.h"
+#include "services/job_service/records/part_comparison.h"
 #include "services/job_service/records/task_id.h"
 
 namespace intaglio::job_service {
@@ -83,13 +84,19 @@ struct JobRecord {
   std::string arm_loss;           ///< why its arm was spent before it had a path
   intaglio_PointCounts counts{};  ///< of the newest engraving
   std::string alarm;              ///< why that makes no progress; empty: it does
-  bool taken_up = false;          ///< the newest engraving task: begun by another worker
+  std::optional<PartComparison> comparison;  ///< of one of its parts; empty: none
+  std::string suspicion;  ///< of a discretizer that made one of them; empty: none
+  bool taken_up = false;  ///< the newest engraving task: begun by another worker
 
   StageRecord& stage(intaglio_Stage s) { return stages[s]; }
   const StageRecord& stage(intaglio_Stage s) const { return stages[s]; }
   TaskId TaskOf(intaglio_Stage s, std::uint32_t part = 0) const {
     const bool in_parts = s == intaglio_STAGE_DISCRETIZE;
     return {uid, attempt, part, in_parts ? parts.at(part).attempt : 0};
+  }
+  /// Only while somebody is at its comparison.
+  TaskId ComparisonTask() const {
+    return {uid, attempt, comparison->part, comparison->part_attempt()};
   }
   /// By stage and part.
   std::vector<GivenTask> GivenTasks() const {
@@ -98,6 +105,10 @@ struct JobRecord {
       if (parts[i].worker.empty()) continue;
       given.push_back({parts[i].worker, intaglio_STAGE_DISCRETIZE,
                        TaskOf(intaglio_STAGE_DISCRETIZE, i), parts[i].done});
+    }
+    if (comparison && comparison->at_work()) {
+      given.push_back(
+          {comparison->worker, intaglio_STAGE_DISCRETIZE, ComparisonTask(), false});
     }
     for (const intaglio_Stage s : {intaglio_STAGE_SORT, intaglio_STAGE_ENGRAVE}) {
       if (stage(s).worker.empty()) continue;
@@ -120,9 +131,17 @@ struct JobRecord {
     return (stage(intaglio_STAGE_SORT).done || arm.ever_granted()) &&
            open_consent() == nullptr;
   }
+  /// Why nothing may be granted yet for want of a comparison of its points, for people;
+  /// empty: they are settled.
+  std::string WhyNotSettled() const {
+    if (arm.ever_granted()) return "";
+    if (!suspicion.empty() || !comparison) return suspicion;
+    return "waits until " + parts.NameOf(comparison->part) +
+           " is made by another discretizer and compared";
+  }
   /// Its machine has the whole path, or is at it: it may be granted a permission.
   bool may_be_granted() const {
-    return warnings_are_settled() &&
+    return warnings_are_settled() && WhyNotSettled().empty() &&
            (state == intaglio_JOB_WAITING_FOR_ARM || state == intaglio_JOB_ENGRAVING ||
             state == intaglio_JOB_PAUSED);
   }

@@ -73,7 +73,14 @@ struct TaskView {
   std::optional<Warnings> warnings;
   intaglio_PointCounts counts{};
   std::string alarm;
+  std::string checksum;  ///< discretize, when done: of the part
 
+  /// Failed of what a neighbour's death causes as well: worth another attempt.
+  bool failed_by_neighbour() const {
+    return error_code == intaglio_ERROR_LINK_LOST ||
+           error_code == intaglio_ERROR_TIMED_OUT ||
+           error_code == intaglio_ERROR_CANCELLED;
+  }
   bool ended() const {
     return state == intaglio_TASK_DONE || state == intaglio_TASK_FAILED;
   }

@@ -1,0 +1,206 @@
+#include "services/job_service/queue/comparing.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace intaglio::job_service {
+namespace {
+
+using namespace std::chrono_literals;
+
+// As long as a part that failed for want of its neighbour waits (job_queue).
+constexpr Nanoseconds kPause = 2s;
+
+std::string NamesOf(const PartComparison& comparison) {
+  std::vector<std::string> names;
+  for (const PartComparison::Made& made : comparison.made) names.push_back(made.worker);
+  return fmt::format("{}", fmt::join(names, " and "));
+}
+
+bool HasMade(const PartComparison& comparison, const std::string& worker) {
+  return std::ranges::find(comparison.made, worker, &PartComparison::Made::worker) !=
+         comparison.made.end();
+}
+
+/// A checksum that two have made; nullptr: all differ.
+const std::string* RightOf(const PartComparison& comparison) {
+  for (const PartComparison::Made& made : comparison.made) {
+    if (std::ranges::count(comparison.made, made.checksum,
+                           &PartComparison::Made::checksum) > 1) {
+      return &made.checksum;
+    }
+  }
+  return nullptr;
+}
+
+std::string Difference(const JobRecord& job, const PartComparison& comparison) {
+  return fmt::format("{} of job {} was made differently by {}, and one of them is wrong",
+                     job.parts.NameOf(comparison.part), job.number, NamesOf(comparison));
+}
+
+}  // namespace
+
+void Comparing::NoteDone(JobRecord& job, std::uint32_t part,
+                         const std::string& checksum) {
+  if (++done_count_ < kCompareEvery || job.comparison) return;
+  PartComparison comparison;
+  comparison.part = part;
+  comparison.made.push_back({job.parts[part].worker, checksum});
+  if (Candidates(comparison).empty()) return;
+  job.comparison = std::move(comparison);
+  done_count_ = 0;
+}
+
+std::vector<std::string> Comparing::Candidates(const PartComparison& comparison) const {
+  auto serving = tasks_.workers().Serving(intaglio_ROLE_DISCRETIZER);
+  std::erase_if(serving,
+                [&](const std::string& worker) { return HasMade(comparison, worker); });
+  return serving;
+}
+
+void Comparing::Give(JobRecord& job, Nanoseconds now) {
+  if (!job.comparison || !job.active()) return;
+  PartComparison& comparison = *job.comparison;
+  WorkerBook& workers = tasks_.workers();
+  if (comparison.at_work()) {
+    if (workers.IsAlive(comparison.worker) &&
+        workers.IsAssigned(comparison.worker, job.ComparisonTask())) {
+      return;
+    }
+    Reopen(job, now);  // revoked with another task of its chain
+  }
+  ForgetWrong(comparison);
+  const auto candidates = Candidates(comparison);
+  const bool may_be_made =
+      !candidates.empty() && comparison.times < host::kMaxComparisons;
+  if (!may_be_made) return comparison.made.size() > 1 ? Suspect(job) : Settle(job);
+  if (now < comparison.not_before) return;
+  const auto give = [&](const std::vector<std::string>& idle, bool ahead) {
+    const auto found = std::ranges::find_first_of(candidates, idle);
+    if (found == candidates.end()) return false;
+    GiveTo(job, *found, ahead, now);
+    return true;
+  };
+  if (give(workers.Free(intaglio_ROLE_DISCRETIZER, job.cell), false)) return;
+  give(workers.WithoutNext(intaglio_ROLE_DISCRETIZER, job.uid, job.attempt), true);
+}
+
+// What they made proves nothing. If it is the first, the job begins anew.
+void Comparing::ForgetWrong(PartComparison& comparison) const {
+  const std::string maker = comparison.made.front().worker;
+  std::erase_if(comparison.made, [&](const PartComparison::Made& made) {
+    return made.worker != maker && tasks_.workers().IsWrong(made.worker);
+  });
+}
+
+void Comparing::GiveTo(JobRecord& job, const std::string& worker, bool ahead,
+                       Nanoseconds now) {
+  job.comparison->worker = worker;
+  ++job.comparison->times;
+  tasks_.GiveComparison(job, ahead, now);
+}
+
+void Comparing::Reopen(JobRecord& job, Nanoseconds not_before) {
+  job.comparison->worker.clear();
+  job.comparison->not_before = not_before;
+}
+
+void Comparing::Lose(JobRecord& job, Nanoseconds now) {
+  if (!job.comparison || !job.comparison->at_work()) return;
+  tasks_.RevokeHeld(
+      job,
+      {{job.comparison->worker, intaglio_STAGE_DISCRETIZE, job.ComparisonTask(), false}},
+      now);
+  Reopen(job, now);
+}
+
+void Comparing::Receive(JobRecord& job, const TaskView& task, Nanoseconds now) {
+  if (!job.comparison || !job.comparison->at_work() || !task.ended()) return;
+  PartComparison& comparison = *job.comparison;
+  if (task.worker != comparison.worker || task.task != job.ComparisonTask()) return;
+  if (task.state == intaglio_TASK_FAILED && task.failed_by_neighbour()) {
+    return Reopen(job, now + kPause);
+  }
+  comparison.made.push_back({task.worker, task.state == intaglio_TASK_DONE
+                                              ? task.checksum
+                                              : "failed: " + task.message});
+  comparison.worker.clear();
+  Decide(job);
+}
+
+void Comparing::Decide(JobRecord& job) {
+  const PartComparison& comparison = *job.comparison;
+  const std::string* right = RightOf(comparison);
+  if (right == nullptr) return;
+  std::vector<std::string> equal;
+  for (const PartComparison::Made& made : comparison.made) {
+    if (made.checksum != *right) continue;
+    equal.push_back(made.worker);
+    tasks_.workers().TakeBack(made.worker);
+  }
+  std::ranges::sort(equal);
+  for (const PartComparison::Made& made : comparison.made) {
+    if (made.checksum == *right) continue;
+    wrong_.push_back(
+        {made.worker,
+         fmt::format("{} made {} of job {} wrong, other than {}: it is given nothing "
+                     "more until it is restarted; check its computer",
+                     made.worker, job.parts.NameOf(comparison.part), job.number,
+                     fmt::join(equal, " and "))});
+    tasks_.workers().LeaveOut(made.worker, wrong_.back().why);
+  }
+  Settle(job);
+}
+
+void Comparing::Suspect(JobRecord& job) {
+  PartComparison& comparison = *job.comparison;
+  if (comparison.suspected_count == comparison.made.size()) return;
+  comparison.suspected_count = comparison.made.size();
+  const std::string why =
+      Difference(job, comparison) +
+      ": start another discretizer, which decides, or restart one of them";
+  for (const PartComparison::Made& made : comparison.made) {
+    tasks_.workers().Suspect(made.worker, why);
+  }
+}
+
+// Nobody decides any more which of them is right.
+void Comparing::Drop(JobRecord& job) {
+  if (!job.comparison) return;
+  const PartComparison& comparison = *job.comparison;
+  const bool explained = tasks_.workers().IsWrong(comparison.made.front().worker);
+  for (const PartComparison::Made& made : comparison.made) {
+    if (comparison.made.size() == 1 || explained) break;
+    tasks_.workers().Suspect(made.worker,
+                             Difference(job, comparison) + ": restart all of them");
+  }
+  job.comparison.reset();
+}
+
+void Comparing::Settle(JobRecord& job) {
+  job.comparison.reset();
+  if (job.stage(intaglio_STAGE_DISCRETIZE).done) tasks_.StopFeed(job);
+}
+
+void Comparing::Hold(JobRecord& job, Nanoseconds now) {
+  if (job.arm.ever_granted()) return;
+  std::string suspicion;
+  for (const PartRecord& part : job.parts) {
+    suspicion = tasks_.workers().WhyLeftOut(part.worker);
+    if (!suspicion.empty()) break;
+  }
+  if (suspicion == job.suspicion) return;
+  job.suspicion = suspicion;
+  if (suspicion.empty()) {
+    // The machine's next report has the message of a job whose path is there.
+    if (job.state != intaglio_JOB_DISCRETIZING) book_.Publish(job, job.state, "");
+    return;
+  }
+  if (job.arm.armed()) job.arm.Disarm(suspicion, now);
+  book_.Change(job, job.state, suspicion);
+}
+
+}  // namespace intaglio::job_service
