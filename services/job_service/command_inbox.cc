@@ -1,9 +1,6 @@
 #include "services/job_service/command_inbox.h"
 
-#include <algorithm>
-#include <tuple>
 #include <utility>
-#include <vector>
 
 #include "services/job/mounted/mounted_sample.h"
 #include "services/platform/bus/samples.h"
@@ -58,17 +55,7 @@ std::string BasisText(const CommandView& command) {
   return "";
 }
 
-/// Obeying it lets less fire: it takes precedence over commands sent at the same time,
-/// and is obeyed also when its client has gone.
-bool Stops(const CommandView& command) {
-  return command.kind == intaglio_COMMAND_PAUSE ||
-         command.kind == intaglio_COMMAND_CANCEL;
-}
-
-bool Before(const CommandView& a, const CommandView& b) {
-  if (Stops(a) != Stops(b)) return Stops(a);
-  return std::tie(a.sender, a.number) < std::tie(b.sender, b.number);
-}
+constexpr std::chrono::seconds kLogPeriod{1};
 
 }  // namespace
 
@@ -77,42 +64,53 @@ CommandInbox::CommandInbox(bus::Bus& bus, JobStore& store)
       commands_(bus, bus::kJobCommand),
       answers_(bus, bus::kJobCommandAnswer) {}
 
+void CommandInbox::Read(Nanoseconds now) {
+  commands_.TakeAll([&](const intaglio_JobCommand& sample,
+                        const bus::SampleOrigin& origin) {
+    // Its client was answered, gave up waiting, or is gone.
+    if (!origin.alive)
+      return waiting_.Withdraw(std::string(View(sample.sender)), sample.number);
+    const std::string process = origin.writer ? origin.writer->participant : "";
+    if (waiting_.Add(process, ViewOf(sample)) || now < next_drop_log_) return;
+    next_drop_log_ = now + kLogPeriod;
+    host::LogWarning(
+        "a command of {} is dropped: more than {} commands of its process {} wait; end "
+        "that process",
+        View(sample.sender), WaitingCommands::kMaxOfProcess, process);
+  });
+}
+
 void CommandInbox::Take(const Decide& decide, Nanoseconds now) {
-  std::vector<CommandView> commands;
-  commands_.TakeAll(
-      [&](const intaglio_JobCommand& sample, const bus::SampleOrigin& origin) {
-        if (origin.alive) {
-          commands.push_back(ViewOf(sample));
-          return;
-        }
-        // Its client was answered, gave up waiting, or is gone.
-        std::erase_if(commands, [&](const CommandView& command) {
-          return !Stops(command) && command.sender == View(sample.sender) &&
-                 command.number == sample.number;
-        });
-      });
-  std::sort(commands.begin(), commands.end(), Before);
-  for (const CommandView& command : commands) {
-    Publish(command, AnswerTo(command, decide));
-    answered_.push_back({command.sender, command.number, now});
+  Read(now);
+  for (const auto& [process, command] : waiting_.TakeTurn(kDecidedATurn)) {
+    Publish(command, AnswerTo(command, decide, now));
+    answered_[process].push_back({command.sender, command.number, now});
   }
   DisposeOld(now);
 }
 
-CommandAnswer CommandInbox::AnswerTo(const CommandView& command, const Decide& decide) {
+CommandAnswer CommandInbox::AnswerTo(const CommandView& command, const Decide& decide,
+                                     Nanoseconds now) {
   if (const auto answer = store_.AnswerTo(command.sender, command.number)) return *answer;
   const CommandAnswer answer = decide(command);
-  store_.KeepAnswer(command, answer);
-  if (answer.taken()) {
-    host::LogInfo("{}: command {} of {} is accepted{}", AboutWhat(command),
-                  static_cast<int>(command.kind), command.operator_name,
-                  BasisText(command));
-  } else {
-    host::LogWarning("{}: command {} of {} is refused: {}", AboutWhat(command),
-                     static_cast<int>(command.kind), command.operator_name,
-                     answer.message);
-  }
+  if (answer.code != intaglio_ANSWER_UNKNOWN_JOB) store_.KeepAnswer(command, answer);
+  Log(command, answer, now);
   return answer;
+}
+
+void CommandInbox::Log(const CommandView& command, const CommandAnswer& answer,
+                       Nanoseconds now) {
+  if (answer.taken()) {
+    return host::LogInfo("{}: command {} of {} is accepted{}", AboutWhat(command),
+                         static_cast<int>(command.kind), command.operator_name,
+                         BasisText(command));
+  }
+  if (answer.code == intaglio_ANSWER_UNKNOWN_JOB) {
+    if (now < next_unknown_log_) return;
+    next_unknown_log_ = now + kLogPeriod;
+  }
+  host::LogWarning("{}: command {} of {} is refused: {}", AboutWhat(command),
+                   static_cast<int>(command.kind), command.operator_name, answer.message);
 }
 
 void CommandInbox::Publish(const CommandView& command, const CommandAnswer& answer) {
@@ -130,14 +128,18 @@ void CommandInbox::Publish(const CommandView& command, const CommandAnswer& answ
 
 void CommandInbox::DisposeOld(Nanoseconds now) {
   const std::string empty;
-  while (!answered_.empty() && now - answered_.front().at > kAnswerStays) {
-    intaglio_JobCommandAnswer sample{};
-    sample.sender = Borrow(answered_.front().sender);
-    sample.number = answered_.front().number;
-    sample.job_uid = sample.message = Borrow(empty);
-    (void)answers_.Dispose(sample);
-    answered_.pop_front();
+  for (auto& [process, answered] : answered_) {
+    while (!answered.empty() &&
+           (now - answered.front().at > kAnswerStays || answered.size() > kMaxAnswers)) {
+      intaglio_JobCommandAnswer sample{};
+      sample.sender = Borrow(answered.front().sender);
+      sample.number = answered.front().number;
+      sample.job_uid = sample.message = Borrow(empty);
+      (void)answers_.Dispose(sample);
+      answered.pop_front();
+    }
   }
+  std::erase_if(answered_, [](const auto& entry) { return entry.second.empty(); });
 }
 
 }  // namespace intaglio::job_service

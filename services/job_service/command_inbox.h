@@ -9,17 +9,23 @@
 //      |-----answered before-----------------------------^
 //      +--withdrawn by its client before it was read: ARM, RESUME, SPEED are dropped
 //
-// PAUSE and CANCEL are decided first of commands that are read together; otherwise the
-// commands of one sender are decided in their order. Used from one thread.
+// PAUSE and CANCEL are decided first of the commands of a turn; otherwise the commands of
+// one sender are decided in their order. A turn decides kDecidedATurn at most, of every
+// process its share (waiting_commands.h).
+//
+// A command about a job that does not exist is answered and not kept: it changes nothing,
+// whenever it is delivered again. Used from one thread.
 
 #include <chrono>
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <map>
 #include <string>
 
 #include "services/job_service/job_store.h"
 #include "services/job_service/queue/job_queue.h"
+#include "services/job_service/waiting_commands.h"
 #include "services/platform/bus/bus.h"
 
 namespace intaglio::job_service {
@@ -30,10 +36,14 @@ class CommandInbox {
   /// Longer than any client waits, also for one that has not found the answers' writer
   /// yet.
   static constexpr std::chrono::seconds kAnswerStays{60};
+  /// Each is a commit on the disk, of some milliseconds; a turn may not last long.
+  static constexpr std::size_t kDecidedATurn = 32;
+  /// Answers to one process that stay on the bus, the newest.
+  static constexpr std::size_t kMaxAnswers = 1024;
 
   CommandInbox(bus::Bus& bus, JobStore& store);
 
-  /// Decides and answers what has come.
+  /// Reads what has come; decides and answers what is in turn.
   void Take(const Decide& decide, Nanoseconds now);
 
   template <typename Loop>
@@ -47,14 +57,20 @@ class CommandInbox {
     std::uint64_t number;
     Nanoseconds at;
   };
-  CommandAnswer AnswerTo(const CommandView& command, const Decide& decide);
+  void Read(Nanoseconds now);
+  CommandAnswer AnswerTo(const CommandView& command, const Decide& decide,
+                         Nanoseconds now);
+  void Log(const CommandView& command, const CommandAnswer& answer, Nanoseconds now);
   void Publish(const CommandView& command, const CommandAnswer& answer);
   void DisposeOld(Nanoseconds now);
 
   JobStore& store_;
   bus::Reader<intaglio_JobCommand> commands_;
   bus::Writer<intaglio_JobCommandAnswer> answers_;
-  std::deque<Answered> answered_;  // the oldest first
+  WaitingCommands waiting_;
+  std::map<std::string, std::deque<Answered>> answered_;  // by process, the oldest first
+  // Logs of a flood are written once a second at most.
+  Nanoseconds next_drop_log_{0}, next_unknown_log_{0};
 };
 
 }  // namespace intaglio::job_service

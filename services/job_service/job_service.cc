@@ -203,7 +203,7 @@ void JobService::Close(Nanoseconds now) {
 void JobService::TakeTasks(Nanoseconds now) {
   const auto take = [&](const intaglio_TaskStatus& status) {
     TaskView view = ViewOf(status);
-    if (view.stage > intaglio_STAGE_ENGRAVE) return;
+    if (view.stage > intaglio_STAGE_ENGRAVE || !queue_.MayKnow(view)) return;
     bool fresh = false;
     if (view.ended() && !queue_.AnswersAnOldRevocation(view)) {
       const auto bytes = View(status.outcome);

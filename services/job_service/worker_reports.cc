@@ -46,7 +46,12 @@ void WorkerReports::TakeHealth(const HealthSink& sink, Nanoseconds now) {
   for (auto& [partition, readers] : readers_) {
     readers.health.TakeAll(
         [&](const intaglio_ServiceHealth& health, const bus::SampleOrigin& origin) {
-          if (host::IsOwnHealth(health, origin)) return sink(health, origin.alive);
+          if (host::IsOwnHealth(health, origin)) {
+            if (!origin.alive) instances_.End(View(health.instance));
+            if (!origin.alive || instances_.Admit(View(health.instance)))
+              sink(health, origin.alive);
+            return;
+          }
           Refuse(bus::kServiceHealth.name, View(health.instance), origin, now);
         });
   }

@@ -15,6 +15,7 @@
 #include <string>
 
 #include "services/platform/bus/bus.h"
+#include "services/platform/host/peers/process_instances.h"
 
 namespace intaglio::job_service {
 
@@ -54,6 +55,7 @@ class WorkerReports {
 
   bus::Bus& bus_;
   std::map<std::string, Readers> readers_;  // by partition
+  host::ProcessInstances instances_;
   Nanoseconds next_warning_{0};
 };
 

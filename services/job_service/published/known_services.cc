@@ -46,7 +46,9 @@ void KnownServices::TakeReports() {
       [this](const intaglio_MachineReport& report, const bus::SampleOrigin& origin) {
         if (!host::IsOwn(View(report.instance), origin)) return;
         const std::string instance(View(report.instance));
+        if (!origin.alive) instances_.End(instance);
         if (origin.alive) {
+          if (!instances_.Admit(instance)) return;
           host::MachineFacts facts;
           host::Update(facts, report.facts);
           facts_[instance] = std::move(facts);

@@ -9,6 +9,7 @@
 
 #include "services/platform/bus/bus.h"
 #include "services/platform/host/peers/machine_facts.h"
+#include "services/platform/host/peers/process_instances.h"
 
 namespace intaglio::job_service {
 
@@ -47,6 +48,7 @@ class KnownServices {
   bus::Writer<intaglio_KnownService> writer_;
   std::map<std::string, Known> services_;            // by instance
   std::map<std::string, host::MachineFacts> facts_;  // by instance; may come before it
+  host::ProcessInstances instances_;                 // of facts_
 };
 
 }  // namespace intaglio::job_service

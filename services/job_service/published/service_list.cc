@@ -25,10 +25,12 @@ void ServiceList::TakeHealth(std::chrono::nanoseconds now) {
         if (!host::IsOwnHealth(health, origin)) return;
         const std::string instance(View(health.instance));
         if (!origin.alive) {
+          instances_.End(instance);
           known_.Remove(instance);
           changed_ = services_.erase(instance) > 0 || changed_;
           return;
         }
+        if (!instances_.Admit(instance)) return;
         known_.Update(health, now);
         if (services_.contains(instance)) return;
         services_[instance] = {health.role, std::string(View(health.cell))};

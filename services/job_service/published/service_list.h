@@ -10,6 +10,7 @@
 
 #include "services/job_service/published/known_services.h"
 #include "services/platform/bus/bus.h"
+#include "services/platform/host/peers/process_instances.h"
 
 namespace intaglio::job_service {
 
@@ -37,6 +38,7 @@ class ServiceList {
   bus::Reader<intaglio_ServiceHealth> health_;
   bus::Writer<intaglio_ServiceList> lists_;
   KnownServices known_;
+  host::ProcessInstances instances_;
   std::map<std::string, Entry> services_;  // by instance
   bool changed_ = true;
 };

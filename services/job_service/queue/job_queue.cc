@@ -222,6 +222,11 @@ void JobQueue::Begin(JobRecord& job,
 
 // ---- Tasks --------------------------------------------------------------------------
 
+bool JobQueue::MayKnow(const TaskView& task) const {
+  return task.stage == intaglio_STAGE_ENGRAVE ||
+         tasks_.workers().HasOrHad(task.worker, task.task);
+}
+
 void JobQueue::Receive(const TaskView& task, Nanoseconds now) {
   if (AnswersAnOldRevocation(task)) return;
   if (task.ended()) {

@@ -108,6 +108,9 @@ class JobQueue {
   }
 
   const JobRecord* Find(const std::string& job_uid) const { return book_.Find(job_uid); }
+  /// False: the report is about no attempt of which its worker has a task. A report about
+  /// an engraving may always be known: its job may have ended long ago.
+  bool MayKnow(const TaskView& task) const;
   /// As in TakeUp.
   bool AnswersAnOldRevocation(const TaskView& task) const {
     return take_up_.AnswersAnOldRevocation(task);

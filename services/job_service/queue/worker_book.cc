@@ -268,6 +268,13 @@ bool WorkerBook::IsAlive(const std::string& instance) const {
   return found != workers_.end() && found->second.alive;
 }
 
+bool WorkerBook::HasOrHad(const std::string& instance, const TaskId& task) const {
+  const auto found = workers_.find(instance);
+  if (found == workers_.end()) return false;
+  const TaskId& has = found->second.has.task.task;
+  return has.job_uid == task.job_uid && has.attempt == task.attempt;
+}
+
 bool WorkerBook::IsAssigned(const std::string& instance, const TaskId& task) const {
   const auto found = workers_.find(instance);
   if (found == workers_.end()) return false;

@@ -109,6 +109,8 @@ class WorkerBook {
   std::vector<std::string> Remarks() const;
 
   bool IsAlive(const std::string& instance) const;
+  /// What it has is of this attempt of a job, revoked or not.
+  bool HasOrHad(const std::string& instance, const TaskId& task) const;
   /// Either to be worked on or as the next one, and not revoked.
   bool IsAssigned(const std::string& instance, const TaskId& task) const;
   /// Workers with a task that have not answered it, or have not reported their health,

@@ -102,8 +102,8 @@ struct SampleOrigin {
                                ///< read only the key fields of the sample
   std::int64_t source_ns = 0;  ///< writer's wall clock, for people only
   bool disposed = false;       ///< not alive because a writer disposed it
-  /// Of topics of the scope kRole; else, and when it is not known any more, null. Of an
-  /// instance that ended: the writer that disposed it, or wrote it last.
+  /// Null when it is not known any more. Of an instance that ended: the writer that
+  /// disposed it, or wrote it last.
   const SampleWriter* writer = nullptr;
 };
 
@@ -132,7 +132,7 @@ class Reader {
             internal::ReaderChoice{source == Source::kOtherProcesses,
                                    keeps == Keeps::kEverySample})) {}
 
-  /// Takes what is there and calls sink(sample) for each live sample; the sample is
+  /// Takes what is there, up to a bound, and calls sink(sample) for each live sample; the sample is
   /// valid during the call only. Returns how many were taken.
   template <typename Sink>
   int Take(Sink&& sink) {

@@ -16,6 +16,9 @@ namespace intaglio::bus::internal {
 namespace {
 
 constexpr std::size_t kTakeAtOnce = 64;
+// A writer that is faster than its reader would keep that for ever; the rest is there for
+// the next call.
+constexpr int kMaxATake = 16384;
 // When full, all entries are removed, also those of writers that are gone; the others are
 // read again.
 constexpr std::size_t kMaxKnownWriters = 4096;
@@ -94,7 +97,7 @@ std::string ParticipantName(const std::uint8_t* guid) {
 
 RawReader::RawReader(Bus& bus, const TopicView& topic, const std::string& partition,
                      const ReaderChoice& choice)
-    : keyed_(topic.descriptor->m_nkeys > 0), of_roles_(topic.scope == Scope::kRole) {
+    : keyed_(topic.descriptor->m_nkeys > 0) {
   auto& entities = bus.entities();
   const dds_entity_t topic_entity = entities.TopicOf(topic);
   subscriber_ = Must(
@@ -143,7 +146,7 @@ int RawReader::Take(Sink sink, void* context) {
       const dds_sample_info_t& origin = origins[static_cast<std::size_t>(i)];
       void* sample = samples[static_cast<std::size_t>(i)];
       SampleOrigin to_sink{true, origin.source_timestamp, false,
-                           of_roles_ ? WriterOf(origin.publication_handle) : nullptr};
+                           WriterOf(origin.publication_handle)};
       // A sample that was still unread when its instance ended carries both.
       if (origin.valid_data) sink(context, sample, to_sink);
       const bool ended = keyed_ && origin.instance_state != DDS_IST_ALIVE;
@@ -153,7 +156,7 @@ int RawReader::Take(Sink sink, void* context) {
       sink(context, sample, to_sink);
     }
     total += count;
-    if (static_cast<std::size_t>(count) < kTakeAtOnce) return total;
+    if (static_cast<std::size_t>(count) < kTakeAtOnce || total >= kMaxATake) return total;
   }
 }
 

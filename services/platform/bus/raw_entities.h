@@ -63,7 +63,6 @@ class RawReader {
   const SampleWriter* WriterOf(std::uint64_t publication);
 
   bool keyed_ = false;
-  bool of_roles_ = false;  // the writers' properties are read
   std::unordered_map<std::uint64_t, SampleWriter> writers_;
   std::int32_t subscriber_ = 0;
   std::int32_t reader_ = 0;

@@ -5,6 +5,9 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <map>
+
 #include "services/platform/bus/samples.h"
 #include "tests/services/platform/bus/private_bus.h"
 #include "tests/test_folder.h"
@@ -138,6 +141,81 @@ TEST_F(CommandInboxTest, AnswersAreDisposedAfterAWhile) {
   now_ += 31s;
   Take();
   EXPECT_THAT(Answers(), ElementsAre("end of ann 1"));
+}
+
+TEST_F(CommandInboxTest, OneProcessThatFloodsDelaysItselfAlone) {
+  bus::Bus flooding(test::PrivateBusOptions());
+  bus::Writer<intaglio_JobCommand> flood(flooding, bus::kJobCommand);
+  constexpr std::uint64_t kFlood = 3000;
+  for (std::uint64_t i = 0; i < kFlood; ++i) {
+    const std::string sender = fmt::format("a flooder {}", i);
+    ASSERT_TRUE(flood.Write(Sample(sender, i, intaglio_COMMAND_PAUSE)));
+  }
+  std::size_t decided = 0;
+  ASSERT_TRUE(test::Eventually([&] {
+    const std::size_t now = Take().size();
+    EXPECT_LE(now, CommandInbox::kDecidedATurn);
+    decided += now;
+    return decided > 100;
+  }));
+  Send("ann", 1, intaglio_COMMAND_ARM);
+  Send("bob", 1, intaglio_COMMAND_PAUSE);
+  const auto next = Take();
+  EXPECT_THAT(next, testing::Contains("bob 1")) << "in the next turn";
+  EXPECT_THAT(next, testing::Contains("ann 1")) << "though the flood is of pauses";
+  decided += next.size();
+  for (int turn = 0; turn < 200; ++turn) decided += Take().size();
+  EXPECT_LE(decided, kFlood + 2);
+  now_ += 1s;
+  Take();
+  std::size_t left = 0;
+  for (const std::string& answer : Answers())
+    left += answer.starts_with("end of") ? 0 : 1;
+  EXPECT_LE(left, CommandInbox::kMaxAnswers + 2) << "on the bus";
+}
+
+TEST(WaitingCommands, OfManyProcessesEachHasItsTurn) {
+  WaitingCommands waiting;
+  const auto command = [](const std::string& sender, std::uint64_t number,
+                          intaglio_JobCommandKind kind = intaglio_COMMAND_ARM) {
+    CommandView view;
+    view.sender = sender;
+    view.number = number;
+    view.kind = kind;
+    return view;
+  };
+  for (int process = 0; process < 5; ++process) {
+    for (std::uint64_t i = 0; i < 3; ++i) {
+      const std::string name = fmt::format("p{}", process);
+      EXPECT_TRUE(waiting.Add(name, command(name, i)));
+    }
+  }
+  std::map<std::string, int> taken;
+  for (int turn = 0; turn < 5; ++turn) {
+    const auto entries = waiting.TakeTurn(3);
+    EXPECT_EQ(entries.size(), 3u);
+    for (const auto& [process, one] : entries) {
+      EXPECT_EQ(process, one.sender);
+      ++taken[process];
+    }
+    int min_taken = 3, max_taken = 0;
+    for (int process = 0; process < 5; ++process) {
+      min_taken = std::min(min_taken, taken[fmt::format("p{}", process)]);
+      max_taken = std::max(max_taken, taken[fmt::format("p{}", process)]);
+    }
+    EXPECT_LE(max_taken - min_taken, 1) << turn;
+  }
+  EXPECT_TRUE(waiting.TakeTurn(3).empty());
+
+  // A full queue takes what stops in place of what does not, and nothing else.
+  for (std::uint64_t i = 0; i < WaitingCommands::kMaxOfProcess; ++i)
+    EXPECT_TRUE(waiting.Add("p", command("x", i)));
+  EXPECT_FALSE(waiting.Add("p", command("x", 9999)));
+  EXPECT_TRUE(waiting.Add("q", command("y", 1)));
+  EXPECT_TRUE(waiting.Add("p", command("x", 9999, intaglio_COMMAND_PAUSE)));
+  const auto first = waiting.TakeTurn(1);
+  ASSERT_EQ(first.size(), 1u);
+  EXPECT_EQ(first[0].command.number, 9999u);
 }
 
 }  // namespace

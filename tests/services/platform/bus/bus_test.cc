@@ -108,6 +108,28 @@ intaglio_JobStatus StatusOf(const std::string& job_uid, std::uint64_t revision) 
   return status;
 }
 
+// Who writes faster than a reader takes does not keep that for ever.
+TEST(Bus, OneTakeIsBoundedAndTheNextTakesTheRest) {
+  Bus bus(PrivateBusOptions());
+  Writer<intaglio_TaskStatus> writer(bus, kTaskStatus);
+  Reader<intaglio_TaskStatus> reader(bus, kTaskStatus, {}, Source::kEverybody,
+                                     Keeps::kEverySample);
+  const std::string name = "one";
+  intaglio_TaskStatus sample{};
+  sample.job_uid = sample.worker = sample.message = Borrow(name);
+  constexpr int kSamples = 20'000;
+  for (int i = 0; i < kSamples; ++i) {
+    sample.done_count = static_cast<std::uint64_t>(i);
+    ASSERT_TRUE(writer.Write(sample));
+  }
+  int taken = 0;
+  const auto count = [&](const intaglio_TaskStatus& status) {
+    EXPECT_EQ(status.done_count, static_cast<std::uint64_t>(taken++));
+  };
+  EXPECT_EQ(reader.Take(count), 16384);
+  EXPECT_EQ(reader.Take(count), kSamples - 16384);
+}
+
 TEST(Bus, LateJoinerGetsTheNewestStateOfEachInstance) {
   Bus bus(PrivateBusOptions());
   Writer<intaglio_JobStatus> writer(bus, kJobStatus);
