@@ -86,7 +86,8 @@ class JobService : private JobActions {
   CommandAnswer TakeCommand(const CommandView& command, Nanoseconds now);
   /// Kept with who and when before it has an effect.
   CommandAnswer Mount(const CommandView& command, Nanoseconds now);
-  void Submit(const intaglio_JobSubmission& submission, Nanoseconds now);
+  void Submit(const intaglio_JobSubmission& submission, const std::string& process,
+              Nanoseconds now);
   /// Another job was taken under the key of this submission; nullopt: none was.
   std::optional<std::string> WhyKeyIsTaken(const std::string& uid);
   /// Publishes the job of a submission that was taken before, so that its client sees it.
@@ -123,6 +124,7 @@ class JobService : private JobActions {
   UnsettledEnds unsettled_;
   Nanoseconds now_;                        // of this turn
   std::vector<std::string> remarks_;       ///< in the health of this process
+  Nanoseconds next_drop_log_{0};           ///< of submissions
   EndedList refusals_{0, kRememberedFor};  ///< answers to submissions
   EndedList recalls_{0, kRememberedFor};  ///< jobs that are on the bus for such an answer
   std::map<std::string, std::string> recalled_;  ///< the same with their submissions

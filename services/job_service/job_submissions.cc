@@ -47,8 +47,11 @@ SubmissionReader::Read ReadingWith(const std::filesystem::path& path) {
 }
 
 void JobService::TakeSubmissions(Nanoseconds now) {
-  submissions_.Take(
-      [&](const intaglio_JobSubmission& submission) { Submit(submission, now); });
+  submissions_.TakeAll(
+      [&](const intaglio_JobSubmission& submission, const bus::SampleOrigin& origin) {
+        const std::string process = origin.writer ? origin.writer->participant : "";
+        if (origin.alive) Submit(submission, process, now);
+      });
   for (SubmissionReader::Answer& answer : reader_.Take(now)) {
     if (answer.frozen) {
       Accept(answer, std::move(*answer.frozen));
@@ -63,7 +66,8 @@ void JobService::TakeSubmissions(Nanoseconds now) {
   }
 }
 
-void JobService::Submit(const intaglio_JobSubmission& submission, Nanoseconds now) {
+void JobService::Submit(const intaglio_JobSubmission& submission,
+                        const std::string& process, Nanoseconds now) {
   const std::string submission_uid(View(submission.submission_uid));
   if (const auto outcome = store_.OutcomeOf(submission_uid)) {
     if (!outcome->empty()) return Refuse(submission_uid, *outcome, now);
@@ -77,9 +81,16 @@ void JobService::Submit(const intaglio_JobSubmission& submission, Nanoseconds no
                   now);
   }
   const auto job = View(submission.job);
-  reader_.Add(
-      {submission_uid, std::string(View(submission.client)), {job.begin(), job.end()}},
-      now);
+  const bool waits = reader_.Add({submission_uid,
+                                  std::string(View(submission.client)),
+                                  {job.begin(), job.end()},
+                                  process},
+                                 now);
+  if (waits || now < next_drop_log_) return;
+  next_drop_log_ = now + std::chrono::seconds(1);
+  host::LogWarning(
+      "submission {} is dropped: more than {} of its process {} wait; end that process",
+      submission_uid, SubmissionReader::kMaxOfProcess, process);
 }
 
 std::optional<std::string> JobService::WhyKeyIsTaken(const std::string& uid) {

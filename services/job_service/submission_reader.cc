@@ -50,16 +50,29 @@ SubmissionReader::~SubmissionReader() {
   reading_->ended.wait_for(lock, 1s, [this] { return reading_->result.has_value(); });
 }
 
-void SubmissionReader::Add(Submission submission, Nanoseconds now) {
-  if (!known_.insert(submission.uid).second) return;
-  waiting_.push_back(std::move(submission));
+bool SubmissionReader::Add(Submission submission, Nanoseconds now) {
+  if (known_.contains(submission.uid)) return true;
+  const auto waiting = waiting_.find(submission.process);
+  if (waiting != waiting_.end() && waiting->second.size() >= kMaxOfProcess) return false;
+  known_.insert(submission.uid);
+  waiting_[submission.process].push_back(std::move(submission));
   if (!reading_) Start(now);
+  return true;
+}
+
+// The oldest one of the process behind the one that was served last.
+SubmissionReader::Submission SubmissionReader::TakeNext() {
+  auto turn = waiting_.upper_bound(current_.process);
+  if (turn == waiting_.end()) turn = waiting_.begin();
+  Submission next = std::move(turn->second.front());
+  turn->second.pop_front();
+  if (turn->second.empty()) waiting_.erase(turn);
+  return next;
 }
 
 void SubmissionReader::Start(Nanoseconds now) {
   if (waiting_.empty()) return;
-  current_ = std::move(waiting_.front());
-  waiting_.pop_front();
+  current_ = TakeNext();
   since_ = now;
   reading_ = std::make_shared<Reading>();
   if (CountHanging() >= kMaxHanging) {

@@ -7,12 +7,17 @@
 // One submission after another is read, each in a thread of its own. One that takes
 // longer than kReadWithin is refused; its thread is left behind and ends when the mount
 // answers. At most kMaxHanging threads are left behind: while so many hang, what comes is
-// refused at once. Used from one thread.
+// refused at once.
+//
+// The processes that submit have their turns one after the other, so that one that floods
+// the topic delays itself: of each at most kMaxOfProcess submissions wait. Used from one
+// thread.
 
 #include <chrono>
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <set>
 #include <string>
@@ -29,6 +34,7 @@ class SubmissionReader {
   /// Long for a disk that wakes up, and shorter than a client waits (15 s).
   static constexpr std::chrono::seconds kReadWithin{5};
   static constexpr std::size_t kMaxHanging = 4;
+  static constexpr std::size_t kMaxOfProcess = 4096;
 
   /// From the bytes of the job to the frozen job. Called from other threads, several at
   /// once when some hang, and maybe after the end of this object.
@@ -40,9 +46,11 @@ class SubmissionReader {
   struct Submission {
     std::string uid, client;
     std::vector<std::uint8_t> job;
+    std::string process = {};  ///< that wrote it, as Bus::participant_name()
   };
-  /// One that is being read or waits for it already is ignored.
-  void Add(Submission submission, Nanoseconds now);
+  /// One that is being read or waits for it already is ignored. False: too many of its
+  /// process wait, and it is dropped.
+  bool Add(Submission submission, Nanoseconds now);
 
   struct Answer {
     std::string uid, client;
@@ -54,10 +62,11 @@ class SubmissionReader {
  private:
   struct Reading;  // shared with its thread
   void Start(Nanoseconds now);
+  Submission TakeNext();
   std::size_t CountHanging();
 
   Read read_;
-  std::deque<Submission> waiting_;
+  std::map<std::string, std::deque<Submission>> waiting_;  // by process; none is empty
   std::set<std::string> known_;  // uids of those, and of the one that is read
   Submission current_;
   std::shared_ptr<Reading> reading_;  // null: none

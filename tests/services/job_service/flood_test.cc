@@ -75,10 +75,21 @@ class Flooder {
       (void)health_.Write(sample);
     });
   }
+  void Submissions() {
+    Run([this](std::uint32_t i) {
+      const std::string uid = fmt::format("flood {}", i);
+      const std::vector<std::uint8_t> job(200, 0xff);
+      intaglio_JobSubmission sample{};
+      sample.submission_uid = Borrow(uid);
+      sample.client = Borrow(uid_);
+      Borrow(sample.job, job);
+      (void)submissions_.Write(sample);
+    });
+  }
   bool done() const { return done_; }
   bool IsSeen() const {
-    return commands_.matched_count() > 0 && tasks_.matched_count() > 0 &&
-           health_.matched_count() > 0;
+    return commands_.matched_count() > 0 && submissions_.matched_count() > 0 &&
+           tasks_.matched_count() > 0 && health_.matched_count() > 0;
   }
 
  private:
@@ -92,6 +103,7 @@ class Flooder {
   bus::Bus bus_{test::PrivateBusOptions()};
   const std::string partition_ = bus::RolePartition(bus::kStageWorkerRole);
   bus::Writer<intaglio_JobCommand> commands_{bus_, bus::kJobCommand};
+  bus::Writer<intaglio_JobSubmission> submissions_{bus_, bus::kJobSubmission};
   bus::Writer<intaglio_TaskStatus> tasks_{bus_, bus::kTaskStatus, partition_};
   bus::Writer<intaglio_ServiceHealth> health_{bus_, bus::kServiceHealth, partition_};
   const std::string uid_ = "77-f100d", empty_, version_ = host::SoftwareVersion();
@@ -196,6 +208,21 @@ class FloodTest : public testing::Test {
 TEST_F(FloodTest, OfCommandsOfRandomSenders) {
   ASSERT_NO_FATAL_FAILURE(RunToEngraving());
   flooder_.Commands();
+  ExpectBounded(Measure());
+}
+
+TEST_F(FloodTest, OfSubmissions) {
+  ASSERT_NO_FATAL_FAILURE(RunToEngraving());
+  flooder_.Submissions();
+  std::this_thread::sleep_for(500ms);
+  const auto sent = Clock::now();
+  shop_.Submit("two", GoodJob());
+  EXPECT_TRUE(shop_.Until([&] {
+    Signs();
+    return !shop_.Status("two").uid.empty();
+  }));
+  const std::chrono::duration<double> taken = Clock::now() - sent;
+  std::cout << fmt::format("a submission was taken after {:.3f} s\n", taken.count());
   ExpectBounded(Measure());
 }
 

@@ -124,5 +124,25 @@ TEST_F(SubmissionReaderTest, NoMoreThanSomeThreadsHang) {
   EXPECT_TRUE(read);
 }
 
+TEST_F(SubmissionReaderTest, OneProcessThatFloodsDelaysItselfAlone) {
+  const auto add = [&](const std::string& uid, const std::string& process) {
+    return reader_.Add({uid, "ann@shop", {'r'}, process}, now_);
+  };
+  std::size_t waiting = 0;
+  for (int i = 0; i < 5000; ++i)
+    waiting += add("flood " + std::to_string(i), "flooder") ? 1 : 0;
+  // The first one is being read.
+  EXPECT_EQ(waiting, SubmissionReader::kMaxOfProcess + 1);
+  EXPECT_TRUE(add("flood 1", "flooder")) << "it waits already";
+  EXPECT_TRUE(add("one", "ann"));
+  EXPECT_TRUE(add("two", "ann"));
+  EXPECT_TRUE(add("three", "bob"));
+  std::vector<std::string> order;
+  for (const auto& answer : Answers(6)) order.push_back(answer.uid);
+  order.resize(6);
+  EXPECT_THAT(order, testing::ElementsAre("flood 0", "one", "three", "flood 1", "two",
+                                          "flood 2"));
+}
+
 }  // namespace
 }  // namespace intaglio::job_service
