@@ -217,6 +217,15 @@ ALTER TABLE commands ADD COLUMN basis INTEGER NOT NULL DEFAULT 1;
     R"sql(
 ALTER TABLE jobs ADD COLUMN turn INTEGER NOT NULL DEFAULT 0;
 UPDATE jobs SET turn = number * 1048576;
+)sql",
+    // Workers that are given nothing more.
+    R"sql(
+CREATE TABLE left_out (
+  worker TEXT PRIMARY KEY,
+  why TEXT NOT NULL,
+  for_good INTEGER NOT NULL,
+  since_utc TEXT NOT NULL
+);
 )sql"};
 
 }  // namespace intaglio::job_service

@@ -98,6 +98,7 @@ JobService::JobService(host::ServiceHost& host, const JobServiceOptions& options
   const auto pieces = store_.LoadPieces();
   for (const PieceRecord& piece : pieces) interlocks_.OpenCell(piece.cell);
   queue_.RestoreCells(pieces, store_.LoadLoadedBlocks(), store_.LoadMounts());
+  queue_.RestoreLeftOut(store_.LoadLeftOut(), now);
   for (const auto& [cell, mount] : queue_.mounts().mounts()) board_.Publish(mount);
   std::vector<JobRecord> restored = store_.Load(kRememberedJobs);
   std::set<std::string> announced;
@@ -194,6 +195,8 @@ CommandAnswer JobService::Mount(const CommandView& command, Nanoseconds now) {
 void JobService::PieceChanged(const PieceRecord& piece) { store_.KeepPiece(piece); }
 
 void JobService::BlockLoaded(const LoadedBlock& block) { store_.KeepLoadedBlock(block); }
+
+void JobService::LeftOutChanged(const LeftOut& worker) { store_.KeepLeftOut(worker); }
 
 void JobService::Close(Nanoseconds now) {
   queue_.Close(now);
@@ -355,6 +358,7 @@ void JobService::WorkerForgotten(const std::string& instance) {
   sample.job_uid = sample.consumer = Borrow(empty);
   (void)discretize_tasks_.Dispose(sample);
   (void)sort_tasks_.Dispose(sample);
+  store_.KeepLeftOut({instance, "", false});
 }
 
 std::set<std::string> JobService::CellsInUse() const {

@@ -72,6 +72,7 @@ class JobService : private JobActions {
   void WorkerForgotten(const std::string& instance) override;
   void PieceChanged(const PieceRecord& piece) override;
   void BlockLoaded(const LoadedBlock& block) override;
+  void LeftOutChanged(const LeftOut& worker) override;
 
   void StartFeed(const TaskOrder& order, const JobRecord& job);
   /// The topics of a job's machine.

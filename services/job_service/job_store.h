@@ -117,6 +117,10 @@ class JobStore {
   /// The newest of each machine.
   std::vector<MountRecord> LoadMounts();
 
+  /// Without a reason the worker is removed.
+  void KeepLeftOut(const LeftOut& worker);
+  std::vector<LeftOut> LoadLeftOut();
+
   /// All open jobs, with the parts that are handed out, and the newest `ended_count`
   /// ended ones, without their frozen jobs, by number. Reads these rows alone, however
   /// many have ended.

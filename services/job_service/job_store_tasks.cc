@@ -1,4 +1,5 @@
-// What JobStore keeps of the tasks: to whom they were given, and what came of them.
+// What JobStore keeps of the tasks: to whom they were given, what came of them, and to
+// whom none is given any more.
 
 #include <fmt/format.h>
 
@@ -61,6 +62,35 @@ bool JobStore::KeepTaskEnd(const TaskView& task, const std::string& outcome) {
     update->Bind(9, task.worker);
     update->Bind(10, NowUtc());
     return update->Execute() > 0;
+  });
+}
+
+void JobStore::KeepLeftOut(const LeftOut& worker) {
+  Guarded(*database_, [&] {
+    const auto statement = database_->Prepare(
+        worker.why.empty() ? "DELETE FROM left_out WHERE worker = ?"
+                           : "INSERT INTO left_out (worker, why, for_good, since_utc) "
+                             "VALUES (?, ?, ?, ?) "
+                             "ON CONFLICT (worker) DO UPDATE SET why = excluded.why, "
+                             "for_good = excluded.for_good");
+    statement->Bind(1, worker.worker);
+    if (!worker.why.empty()) {
+      statement->Bind(2, worker.why);
+      statement->Bind(3, worker.for_good ? 1 : 0);
+      statement->Bind(4, NowUtc());
+    }
+    statement->Execute();
+  });
+}
+
+std::vector<LeftOut> JobStore::LoadLeftOut() {
+  return Guarded(*database_, [&] {
+    const auto select =
+        database_->Prepare("SELECT worker, why, for_good FROM left_out ORDER BY worker");
+    std::vector<LeftOut> workers;
+    while (select->Step())
+      workers.push_back({select->Text(0), select->Text(1), select->Integer(2) != 0});
+    return workers;
   });
 }
 

@@ -41,6 +41,11 @@ std::string Difference(const JobRecord& job, const PartComparison& comparison) {
                      job.parts.NameOf(comparison.part), job.number, NamesOf(comparison));
 }
 
+/// Nobody decides any more.
+std::string RestartAll(const JobRecord& job, const PartComparison& comparison) {
+  return Difference(job, comparison) + ": restart all of them";
+}
+
 }  // namespace
 
 void Comparing::NoteDone(JobRecord& job, std::uint32_t part,
@@ -139,7 +144,7 @@ void Comparing::Decide(JobRecord& job) {
   for (const PartComparison::Made& made : comparison.made) {
     if (made.checksum != *right) continue;
     equal.push_back(made.worker);
-    tasks_.workers().TakeBack(made.worker);
+    tasks_.TakeBack(made.worker);
   }
   std::ranges::sort(equal);
   for (const PartComparison::Made& made : comparison.made) {
@@ -150,7 +155,7 @@ void Comparing::Decide(JobRecord& job) {
                      "more until it is restarted; check its computer",
                      made.worker, job.parts.NameOf(comparison.part), job.number,
                      fmt::join(equal, " and "))});
-    tasks_.workers().LeaveOut(made.worker, wrong_.back().why);
+    tasks_.LeaveOut(made.worker, wrong_.back().why);
   }
   Settle(job);
 }
@@ -163,7 +168,7 @@ void Comparing::Suspect(JobRecord& job) {
       Difference(job, comparison) +
       ": start another discretizer, which decides, or restart one of them";
   for (const PartComparison::Made& made : comparison.made) {
-    tasks_.workers().Suspect(made.worker, why);
+    tasks_.Suspect(made.worker, why, RestartAll(job, comparison));
   }
 }
 
@@ -174,8 +179,8 @@ void Comparing::Drop(JobRecord& job) {
   const bool explained = tasks_.workers().IsWrong(comparison.made.front().worker);
   for (const PartComparison::Made& made : comparison.made) {
     if (comparison.made.size() == 1 || explained) break;
-    tasks_.workers().Suspect(made.worker,
-                             Difference(job, comparison) + ": restart all of them");
+    const std::string why = RestartAll(job, comparison);
+    tasks_.Suspect(made.worker, why, why);
   }
   job.comparison.reset();
 }

@@ -91,6 +91,8 @@ class JobQueue {
     pieces_.Restore(pieces, blocks);
     mounts_.Restore(std::move(mounts));
   }
+  /// Whom an earlier run of the job service has left out, before Restore.
+  void RestoreLeftOut(const std::vector<LeftOut>& workers, Nanoseconds now);
   void SetDoor(const std::string& cell, DoorState state) {
     pieces_.SetDoor(cell, state);
     arming_.TurnPieces();

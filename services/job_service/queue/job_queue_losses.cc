@@ -100,6 +100,10 @@ void JobQueue::FeedFailed(const std::string& job_uid, std::uint32_t attempt,
 
 // ---- Workers that are wrong -----------------------------------------------------------
 
+void JobQueue::RestoreLeftOut(const std::vector<LeftOut>& workers, Nanoseconds now) {
+  for (const LeftOut& worker : workers) tasks_.workers().Restore(worker, now);
+}
+
 // Nobody knows since when one is wrong: none of its parts is engraved.
 void JobQueue::RemakeWrong(Nanoseconds now) {
   for (const WrongWorker& wrong : discretizing_.comparing().TakeWrong()) {

@@ -81,6 +81,24 @@ void TaskHandout::RevokePartAhead(const JobRecord& job, const std::string& worke
   actions_.Give({worker, intaglio_STAGE_DISCRETIZE, task, {}, true}, job);
 }
 
+void TaskHandout::LeaveOut(const std::string& worker, const std::string& why) {
+  workers_.LeaveOut(worker, why);
+  actions_.LeftOutChanged({worker, why, true});
+}
+
+void TaskHandout::Suspect(const std::string& worker, const std::string& why,
+                          const std::string& kept) {
+  if (workers_.IsWrong(worker)) return;
+  workers_.Suspect(worker, why);
+  actions_.LeftOutChanged({worker, kept, false});
+}
+
+void TaskHandout::TakeBack(const std::string& worker) {
+  if (workers_.IsWrong(worker) || workers_.WhyLeftOut(worker).empty()) return;
+  workers_.TakeBack(worker);
+  actions_.LeftOutChanged({worker, "", false});
+}
+
 void TaskHandout::ForgetLost(Nanoseconds now) {
   for (const std::string& instance : workers_.ForgetLost(now)) {
     actions_.WorkerForgotten(instance);

@@ -48,6 +48,13 @@ class TaskHandout {
                        const TaskId& task);
   void StopFeed(const JobRecord& job) { actions_.StopFeed(job.uid); }
 
+  /// As in WorkerBook, and kept. Nothing changes of one that is left out for good.
+  /// `kept`: the reason after a restart of the job service, which forgets comparisons.
+  void LeaveOut(const std::string& worker, const std::string& why);
+  void Suspect(const std::string& worker, const std::string& why,
+               const std::string& kept);
+  void TakeBack(const std::string& worker);
+
   /// Workers that were lost long ago leave the book.
   void ForgetLost(Nanoseconds now);
 

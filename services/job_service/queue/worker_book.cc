@@ -130,6 +130,14 @@ void WorkerBook::TakeBack(const std::string& instance) {
   if (found != workers_.end() && !found->second.for_good) found->second.left_out.clear();
 }
 
+void WorkerBook::Restore(const LeftOut& left_out, Nanoseconds now) {
+  Worker& worker = workers_[left_out.worker];
+  worker.left_out = left_out.why;
+  worker.for_good = left_out.for_good;
+  worker.reported_at = now;
+  lost_.Add(left_out.worker, now);
+}
+
 void WorkerBook::SetSlow(const std::string& instance, const std::string& why,
                          Nanoseconds until) {
   const auto found = workers_.find(instance);

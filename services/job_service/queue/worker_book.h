@@ -27,6 +27,7 @@
 
 #include "idl/service.h"
 #include "services/job_service/queue/ended_list.h"
+#include "services/job_service/records/left_out.h"
 #include "services/job_service/records/task_id.h"
 #include "services/platform/host/process/software_version.h"
 
@@ -98,6 +99,8 @@ class WorkerBook {
   /// The same until TakeBack.
   void Suspect(const std::string& instance, const std::string& why);
   void TakeBack(const std::string& instance);
+  /// As an earlier run of the job service has left it out; it may have gone.
+  void Restore(const LeftOut& worker, Nanoseconds now);
   /// Nothing is given to it until then, while there are others of its role.
   void SetSlow(const std::string& instance, const std::string& why, Nanoseconds until);
   void EndSlow(Nanoseconds now);

@@ -5,6 +5,7 @@
 #include "services/job_service/records/cell_records.h"
 #include "services/job_service/records/job_record.h"
 #include "services/job_service/records/job_views.h"
+#include "services/job_service/records/left_out.h"
 
 namespace intaglio::job_service {
 
@@ -28,6 +29,8 @@ class JobActions {
   /// What is known of a machine's block is to be kept before anything that follows.
   virtual void PieceChanged(const PieceRecord& piece) = 0;
   virtual void BlockLoaded(const LoadedBlock& block) = 0;
+  /// A worker is left out, for another reason or not any more: to be kept.
+  virtual void LeftOutChanged(const LeftOut& worker) = 0;
 };
 
 }  // namespace intaglio::job_service

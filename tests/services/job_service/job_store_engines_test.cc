@@ -8,6 +8,7 @@
 #include "services/job_service/boot_clock.h"
 #include "services/job_service/job_store.h"
 #include "services/job_service/store_turn.h"
+#include "services/platform/host/stage/task_part.h"
 #include "services/platform/host/times/utc_time.h"
 #include "services/sql/address.h"
 #include "tests/patience.h"
@@ -170,6 +171,7 @@ TEST_P(JobStoreEngine, LoadsThePartsThatAreHandedOut) {
   store.KeepTaskEnd(done, "");
   give(2, 0, 1, "again");
   give(2, 2, 0, "at work");
+  give(2, 2, host::kMaxPartAttempts, "compares it");
   opened.reset();
   const auto parts = JobStore(address_).Load(0).at(0).parts;
   ASSERT_EQ(parts.size(), 3u);
@@ -286,6 +288,18 @@ TEST_P(JobStoreEngine, KeepsWhatIsKnownOfTheMachines) {
   ASSERT_EQ(mounts.size(), 1u);
   EXPECT_EQ(mounts[0].parts.glass, "N-BK7");
   EXPECT_EQ(mounts[0].parts.block_mm->z(), 70);
+}
+
+TEST_P(JobStoreEngine, KeepsWhoIsLeftOut) {
+  const LeftOut wrong{"d", "d is wrong", true};
+  {
+    JobStore store(address_);
+    store.KeepLeftOut({"d", "d or e is wrong", false});
+    store.KeepLeftOut({"e", "d or e is wrong", false});
+    store.KeepLeftOut(wrong);
+    store.KeepLeftOut({"e", "", false});
+  }
+  EXPECT_THAT(JobStore(address_).LoadLeftOut(), testing::ElementsAre(wrong));
 }
 
 TEST_P(JobStoreEngine, FindsAKeyUnderWhichAJobWasTaken) {

@@ -26,7 +26,9 @@ constexpr const char* kWrong = "w";
 
 class WrongDiscretizerTest : public testing::Test {
  protected:
-  WrongDiscretizerTest() : service_(test::FreshFolder(), test::PrivateTag()) {}
+  WrongDiscretizerTest() : folder_(test::FreshFolder()) {
+    service_.emplace(folder_, test::PrivateTag());
+  }
 
   static std::unique_ptr<ChildProgram> Discretizer() {
     return std::make_unique<ChildProgram>(
@@ -109,7 +111,8 @@ class WrongDiscretizerTest : public testing::Test {
   bus::Reader<intaglio_ServiceHealth> health_{bus_, bus::kServiceHealth};
   bus::Reader<intaglio_StageTask> tasks_{bus_, bus::kDiscretizeTask};
   host::PointIntake intake_{bus_, "s", bus::kPointBatch};
-  ServiceProcess service_;
+  std::filesystem::path folder_;
+  std::optional<ServiceProcess> service_;
   Result<bool> whole_ = false;
   std::chrono::steady_clock::time_point next_sign_{};
   std::string submission_;
@@ -158,6 +161,13 @@ TEST_F(WrongDiscretizerTest, IsSuspectedThenFoundAndItsPartsAreMadeAnew) {
   ASSERT_TRUE(PlayUntil([&] { return Status().state == intaglio_JOB_WAITING_FOR_ARM; }));
   shop_.Accept(Status(), 3);
   EXPECT_TRUE(PlayUntil([&] { return shop_.granted(); })) << Status().message;
+
+  // The next life of the job service knows it, too.
+  service_.reset();
+  service_.emplace(folder_, test::PrivateTag());
+  ASSERT_TRUE(PlayUntil([&] { return shop_.JobServiceHealth().message.empty(); }));
+  EXPECT_TRUE(PlayUntil(
+      [&] { return shop_.JobServiceHealth().message.find(found) != std::string::npos; }));
 }
 
 }  // namespace

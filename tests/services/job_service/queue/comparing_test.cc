@@ -204,6 +204,30 @@ TEST_F(DisputeTest, ACancelledJobLeavesBothSuspected) {
   EXPECT_THAT(job().message, HasSubstr("waits for a discretizer (part "));
 }
 
+// What a restart of the job service keeps.
+TEST_F(DisputeTest, ARestartForgetsNeitherWhoIsSuspectedNorWhoIsWrong) {
+  Dispute();
+  ASSERT_THAT(actions_.left_out, SizeIs(2));
+  const auto remarks_after = [&] {
+    RecordingActions actions;
+    JobQueue queue(actions);
+    queue.RestoreLeftOut(actions_.left_out, now_);
+    EXPECT_THAT(queue.Remarks(), IsEmpty()) << "nobody has reported";
+    for (const char* name : {"d", "e"}) {
+      queue.Receive(
+          WorkerView{name, intaglio_ROLE_DISCRETIZER, intaglio_HEALTH_READY, "", ""},
+          now_);
+    }
+    return queue.Remarks();
+  };
+  EXPECT_THAT(remarks_after(), ElementsAre(HasSubstr("restart all of them")));
+  Start("f");
+  Work();
+  EXPECT_THAT(actions_.left_out,
+              ElementsAre(testing::Field(&LeftOut::worker, testing::StrEq("d"))));
+  EXPECT_THAT(remarks_after(), ElementsAre(HasSubstr("d made part ")));
+}
+
 TEST_F(ComparingTest, ASecondOneThatIsLostIsReplacedOrNotWaitedFor) {
   for (const char* name : {"d", "e", "f"}) Start(name);
   WorkUntilCompared();

@@ -192,6 +192,7 @@ class RandomShop : public JobActions {
   void WorkerForgotten(const std::string&) override {}
   void PieceChanged(const PieceRecord& /*piece*/) override {}
   void BlockLoaded(const LoadedBlock& /*block*/) override {}
+  void LeftOutChanged(const LeftOut& /*worker*/) override {}
   void Give(const TaskOrder& order, const JobRecord&) override {
     if (order.stage != intaglio_STAGE_DISCRETIZE) return;
     const auto found = tasks_.find(order.worker);

@@ -43,12 +43,18 @@ class RecordingActions : public JobActions {
   void WorkerForgotten(const std::string& name) override { forgotten.push_back(name); }
   void PieceChanged(const PieceRecord& piece) override { pieces[piece.cell] = piece; }
   void BlockLoaded(const LoadedBlock& block) override { blocks.push_back(block); }
+  void LeftOutChanged(const LeftOut& worker) override {
+    std::erase_if(left_out,
+                  [&](const LeftOut& other) { return other.worker == worker.worker; });
+    if (!worker.why.empty()) left_out.push_back(worker);
+  }
   std::vector<std::string> Orders() { return std::exchange(orders, {}); }
 
   std::map<std::string, JobRecord> kept;
   std::map<std::string, int> progress;
   std::map<std::string, PieceRecord> pieces;  // by cell
   std::vector<LoadedBlock> blocks;
+  std::vector<LeftOut> left_out;  // as it is kept
   std::vector<std::string> orders;
   std::vector<std::string> forgotten;
 };
