@@ -42,7 +42,8 @@ constexpr std::array kRows = {
     Row{WarningCode::kTwoFoci, "two_foci", kWarning},
     Row{WarningCode::kPulseHeat, "pulse_heat", kWarning},
     Row{WarningCode::kModelsOverlap, "models_overlap", kWarning},
-    Row{WarningCode::kSlowDepthAxis, "slow_depth_axis", kNote}};
+    Row{WarningCode::kSlowDepthAxis, "slow_depth_axis", kNote},
+    Row{WarningCode::kUntrustedPoints, "untrusted_points", kWarning}};
 
 constexpr bool RowsAreInOrder() {
   for (std::size_t i = 0; i < kRows.size(); ++i) {

@@ -49,6 +49,7 @@ enum class WarningCode {
   kPulseHeat,          ///< pulses too weak for a crack, or so strong that they melt it
   kModelsOverlap,      ///< a text and models that lie in one another
   kSlowDepthAxis,      ///< a scan head waits for its z, by a narrow tolerance in depth
+  kUntrustedPoints,    ///< whoever made points of the job was found wrong afterwards
 };
 
 struct Warning {

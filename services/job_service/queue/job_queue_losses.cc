@@ -120,13 +120,13 @@ void JobQueue::Remake(JobRecord& job, const WrongWorker& wrong, Nanoseconds now)
     job.last_loss = fmt::format("attempt {} is made anew: {}", job.attempt, wrong.why);
     return EndAttempt(job, job.last_loss, now);
   }
-  job.arm.Disarm(wrong.why, now);
-  book_.ChangeToPaused(
-      job, intaglio_PAUSE_FAULT,
-      fmt::format(
-          "{}; it made points of this job: compare the piece with its model, then "
-          "resume the job or cancel it",
-          wrong.why));
+  const std::string why = fmt::format(
+      "{}; it made points of this job: compare the piece with its model, then "
+      "resume the job or cancel it",
+      wrong.why);
+  job.warnings.push_back({WarningCode::kUntrustedPoints, WarningWeight::kWarning, why});
+  job.arm.Disarm(why, now);
+  book_.ChangeToPaused(job, intaglio_PAUSE_FAULT, why);
 }
 
 }  // namespace intaglio::job_service

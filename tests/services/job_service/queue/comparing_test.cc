@@ -297,6 +297,11 @@ TEST_F(ComparingTest, AnEngravingWithPartsOfAWrongOneIsPausedAndNamesIt) {
   EXPECT_THAT(engraved.message, AllOf(HasSubstr("d made part "),
                                       HasSubstr("compare the piece with its model")));
   EXPECT_EQ(engraved.attempt, 1u) << "it may have points in the glass";
+  // In its report, and in its verdict.
+  ASSERT_THAT(engraved.warnings, SizeIs(1));
+  EXPECT_EQ(engraved.warnings[0].code, WarningCode::kUntrustedPoints);
+  EXPECT_EQ(engraved.warnings[0].weight, WarningWeight::kWarning);
+  EXPECT_THAT(actions_.kept.at("other").warnings, SizeIs(1));
 }
 
 TEST_F(ComparingTest, OneThatCannotMakeWhatTwoOthersMadeIsWrong) {
