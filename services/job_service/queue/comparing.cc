@@ -94,11 +94,15 @@ void Comparing::Give(JobRecord& job, Nanoseconds now) {
 }
 
 // What they made proves nothing. If it is the first, the job begins anew.
-void Comparing::ForgetWrong(PartComparison& comparison) const {
+void Comparing::ForgetWrong(PartComparison& comparison) {
   const std::string maker = comparison.made.front().worker;
-  std::erase_if(comparison.made, [&](const PartComparison::Made& made) {
-    return made.worker != maker && tasks_.workers().IsWrong(made.worker);
-  });
+  const auto forgotten =
+      std::erase_if(comparison.made, [&](const PartComparison::Made& made) {
+        return made.worker != maker && tasks_.workers().IsWrong(made.worker);
+      });
+  if (forgotten == 0 || comparison.made.size() > 1) return;
+  comparison.suspected_count = 0;
+  tasks_.TakeBack(maker);
 }
 
 void Comparing::GiveTo(JobRecord& job, const std::string& worker, bool ahead,

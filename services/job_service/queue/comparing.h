@@ -54,7 +54,7 @@ class Comparing {
 
  private:
   std::vector<std::string> Candidates(const PartComparison& comparison) const;
-  void ForgetWrong(PartComparison& comparison) const;
+  void ForgetWrong(PartComparison& comparison);
   void GiveTo(JobRecord& job, const std::string& worker, bool ahead, Nanoseconds now);
   void Reopen(JobRecord& job, Nanoseconds not_before);
   void Decide(JobRecord& job);
