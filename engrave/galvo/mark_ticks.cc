@@ -17,6 +17,8 @@ constexpr double kMaxTicks = 1e8;
 constexpr double kQuinticPeak = 15.0 / 8;
 // The shortest jump, in lags: the servo follows its changes of speed.
 constexpr double kMinJumpLags = 6;
+// Spans of one length have as many ticks each, whatever rounding does to their ends.
+constexpr double kTieSteps = 1e-6;
 
 Status CheckTickOptions(const MarkTickOptions& o) {
   struct Range {
@@ -74,6 +76,14 @@ class TickMaker {
           ErrorCode::kInvalidValue,
           fmt::format("stroke {} has fewer than two places; leave it out", number + 1));
     }
+    const bool swept = options_.lead_servo || options_.run_in_s > 0;
+    if (!stroke.lit.empty() && (parts.size() > 1 || stroke.closed || !swept)) {
+      return Fail(
+          ErrorCode::kInvalidValue,
+          fmt::format("stroke {}: lit spans need an open stroke without a corner, "
+                      "and run_in_s above 0 or lead_servo",
+                      number + 1));
+    }
     double length_mm = 0;
     std::vector<TurningPath> paths;
     paths.reserve(parts.size());
@@ -90,9 +100,9 @@ class TickMaker {
                               number + 1, kMaxTicks));
     }
     if (options_.lead_servo) {
-      for (const TurningPath& part : paths) AddWithRunIn(part.path);
+      for (const TurningPath& part : paths) AddWithRunIn(part.path, stroke.lit);
     } else if (options_.run_in_s > 0 && paths.size() == 1) {
-      AddWithRunIn(paths.front().path);
+      AddWithRunIn(paths.front().path, stroke.lit);
     } else {
       AddWithDelays(paths);
     }
@@ -180,22 +190,51 @@ class TickMaker {
     });
   }
 
-  void AddWithRunIn(const StrokePath& path) {
-    const std::size_t n = TicksFor(path.length_mm(), options_.mark_mm_s, options_);
+  void AddWithRunIn(const StrokePath& path, const std::vector<LitSpan>& lit) {
+    // Spans of a regular row fall on ticks when its speed is the nearest that there is,
+    // and not the nearest below.
+    const std::size_t n =
+        lit.empty() ? TicksFor(path.length_mm(), options_.mark_mm_s, options_)
+                    : std::max<std::size_t>(
+                          1, TicksOf(path.length_mm() / options_.mark_mm_s, options_));
     const double step_mm = path.length_mm() / static_cast<double>(n);
     const std::size_t run = Ticks(options_.run_in_s);
     const double run_mm = static_cast<double>(run) * step_mm;
     const double speed_mm_s = step_mm * options_.rate_hz;
     JumpTo(path.At(-run_mm), speed_mm_s * path.DirectionAt(-run_mm));
-    const std::size_t begin = count_ + run + Ticks(options_.laser_on_delay_s);
-    const std::size_t end = count_ + run + n + Ticks(options_.laser_off_delay_s);
+    const std::size_t end = Light(count_ + run, n, step_mm, lit);
     Put(n + 2 * run + 1, [&](std::size_t k) {
       return path.At(static_cast<double>(k) * step_mm - run_mm);
     });
     speed_mm_s_ = speed_mm_s * path.DirectionAt(path.length_mm() + run_mm);
-    lit_.emplace_back(begin, end);
     // The laser goes off before the next jump begins.
     if (count_ < end) Rest(end - count_);
+  }
+
+  /// Of `n` steps, the first of which is made in the tick `first`. Behind the last tick
+  /// with the laser on.
+  std::size_t Light(std::size_t first, std::size_t n, double step_mm,
+                    const std::vector<LitSpan>& lit) {
+    const std::size_t on = Ticks(options_.laser_on_delay_s),
+                      off = Ticks(options_.laser_off_delay_s);
+    if (lit.empty()) {
+      lit_.emplace_back(first + on, first + n + off);
+      return first + n + off;
+    }
+    std::size_t end = 0;
+    for (const LitSpan& span : lit) {
+      const double length = (span.to_mm - span.from_mm) / step_mm;
+      const double count =
+          std::clamp(std::round(length - kTieSteps), 1.0, static_cast<double>(n));
+      const double from =
+          std::round((span.from_mm + span.to_mm) / 2 / step_mm - count / 2 - kTieSteps);
+      const auto begin =
+          static_cast<std::size_t>(std::clamp(from, 0.0, static_cast<double>(n) - count));
+      end = std::max(first + begin + static_cast<std::size_t>(count) + off,
+                     first + begin + on + 1);
+      if (makes_) lit_.emplace_back(first + begin + on, end);
+    }
+    return end;
   }
 
   void AddWithDelays(const std::vector<TurningPath>& parts) {

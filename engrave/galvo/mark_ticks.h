@@ -4,6 +4,11 @@
 // length v / f (Bessmeltsev, Goloshevsky, Smirnov 2009, step 2), with the delays that a
 // control board knows, or with a run-in and commands that lead the servo.
 //
+// A stroke whose laser is on in spans alone takes the whole ticks that are nearest to its
+// speed. It is lit for whole ticks, in each span one or more: spans of the same length as
+// many each, at most half a tick's way from their place. The lead of the servo, or the
+// delays of the laser, lay both directions of rows upon each other.
+//
 // Frame: of the material, mm. Tick k holds its place from k / f to (k + 1) / f; the laser
 // is on for as many ticks as the stroke has micro-vectors.
 //   Delays (RTC manuals): the laser is switched on and off later than the commands begin
@@ -22,9 +27,17 @@
 
 namespace intaglio::galvo {
 
+/// A part of a way, from its beginning.
+struct LitSpan {
+  double from_mm = 0, to_mm = 0;
+};
+
 struct MarkStroke {
   std::vector<Vec2> points_mm;  ///< two or more; a closed one does not repeat its first
   bool closed = false;
+  /// Where the laser is on, ascending; none: everywhere. Of strokes without a corner that
+  /// have a run-in or commands that lead the servo: the mirrors sweep at one speed.
+  std::vector<LitSpan> lit = {};
 };
 
 struct MarkTickOptions {
@@ -44,8 +57,8 @@ struct MarkTick {
 };
 
 /// From `from_mm` through the strokes in their order. kInvalidValue: an option outside
-/// its range, or a stroke of fewer than two places, by name; kTooLarge: more than 100
-/// million ticks.
+/// its range, a stroke of fewer than two places, or spans of one that is not swept at one
+/// speed, by name; kTooLarge: more than 100 million ticks.
 Result<std::vector<MarkTick>> MakeMarkTicks(std::span<const MarkStroke> strokes,
                                             const Vec2& from_mm,
                                             const MarkTickOptions& options);

@@ -102,9 +102,12 @@ class EndGrid {
 void TurnMarkBack(Mark& mark) {
   if (mark.closed) return;
   std::reverse(mark.places.begin(), mark.places.end());
-  for (std::size_t i = 0; i + 1 < mark.places.size(); ++i)
+  for (std::size_t i = 0; i + 1 < mark.places.size(); ++i) {
     mark.places[i].bulge = -mark.places[i + 1].bulge;
+    mark.places[i].dark = mark.places[i + 1].dark;
+  }
   mark.places.back().bulge = 0;
+  mark.places.back().dark = false;
 }
 
 /// The place of a closed mark at which the ways to it and on from it are shortest, the

@@ -8,10 +8,14 @@
 namespace intaglio::mark {
 namespace {
 
+// Rounding of a row's places, when it is turned and moved.
+constexpr double kStraightMm = 1e-6;
+
 /// The way from one place to the next.
 struct Way {
   Vec2 from_mm, to_mm;
   double bulge;
+  bool dark;
 
   double chord_mm() const { return (to_mm - from_mm).norm(); }
   double sweep_rad() const { return 4 * std::atan(bulge); }
@@ -28,10 +32,11 @@ void ForEachWay(const Mark& mark, Visit visit) {
   const std::size_t count = mark.places.size();
   if (count < 2) return;
   for (std::size_t i = 0; i + 1 < count; ++i)
-    visit(Way{mark.places[i].at_mm, mark.places[i + 1].at_mm, mark.places[i].bulge});
+    visit(Way{mark.places[i].at_mm, mark.places[i + 1].at_mm, mark.places[i].bulge,
+              mark.places[i].dark});
   if (mark.closed)
     visit(Way{mark.places.back().at_mm, mark.places.front().at_mm,
-              mark.places.back().bulge});
+              mark.places.back().bulge, mark.places.back().dark});
 }
 
 void AppendChords(const Way& way, double tolerance_mm, std::vector<Vec2>& places) {
@@ -73,16 +78,78 @@ Status CheckPen(const Pen& pen, const std::string& name) {
   return {};
 }
 
+/// Every place lies on the line from the first to the last, none before the one before
+/// it.
+bool GoesStraight(const Mark& mark) {
+  const Vec2& from_mm = mark.places.front().at_mm;
+  const Vec2 way = mark.places.back().at_mm - from_mm;
+  if (!(way.norm() > 0)) return false;
+  const Vec2 along = way.normalized();
+  double before_mm = 0;
+  for (const Place& place : mark.places) {
+    const Vec2 to = place.at_mm - from_mm;
+    const double along_mm = to.dot(along);
+    if (place.bulge != 0 || (to - along_mm * along).norm() > kStraightMm) return false;
+    if (along_mm < before_mm - kStraightMm) return false;
+    before_mm = along_mm;
+  }
+  return true;
+}
+
+Status CheckRow(const Mark& mark, const std::string& name) {
+  const auto count = static_cast<double>(mark.places.size());
+  if (mark.closed) return Refuse(name, "it is closed and has a dark way", count);
+  if (mark.places.front().dark || mark.places.back().dark ||
+      mark.places[mark.places.size() - 2].dark)
+    return Refuse(name, "it begins or ends with a dark way", count);
+  for (std::size_t i = 1; i < mark.places.size(); ++i)
+    if (mark.places[i].dark && mark.places[i - 1].dark)
+      return Refuse(name, "two of its ways are dark, one behind the other", count);
+  if (!GoesStraight(mark))
+    return Refuse(name, "it has a dark way and does not go straight on", count);
+  return {};
+}
+
 Status CheckMark(const Mark& mark, std::size_t pen_count, const std::string& name) {
   if (mark.pen >= pen_count) return Refuse(name, "it has no pen", mark.pen);
   if (mark.places.empty()) return Refuse(name, "it has no place", 0);
   bool finite = std::isfinite(mark.web_mm);
   for (const Place& place : mark.places)
     finite = finite && place.at_mm.allFinite() && std::isfinite(place.bulge);
-  return finite ? Status() : Refuse(name, "a value is not finite", mark.web_mm);
+  if (!finite) return Refuse(name, "a value is not finite", mark.web_mm);
+  return IsRow(mark) ? CheckRow(mark, name) : Status();
 }
 
 }  // namespace
+
+bool IsRow(const Mark& mark) { return std::ranges::any_of(mark.places, &Place::dark); }
+
+double LitLengthOf(const Mark& mark) {
+  double length_mm = 0;
+  ForEachWay(mark, [&](const Way& way) { length_mm += way.dark ? 0 : way.length_mm(); });
+  return length_mm;
+}
+
+std::vector<std::vector<Vec2>> LitWaysOf(const Mark& mark, double tolerance_mm) {
+  std::vector<std::vector<Vec2>> ways;
+  if (!IsRow(mark)) {
+    ways.push_back(PlacesOf(mark, tolerance_mm));
+    if (mark.closed && ways.front().size() > 1)
+      ways.front().push_back(ways.front().front());
+    return ways;
+  }
+  bool was_dark = true;
+  for (const Place& place : mark.places) {
+    if (was_dark) ways.emplace_back();
+    ways.back().push_back(place.at_mm);
+    was_dark = place.dark;
+  }
+  return ways;
+}
+
+std::size_t LitWayCount(const Mark& mark) {
+  return 1 + static_cast<std::size_t>(std::ranges::count_if(mark.places, &Place::dark));
+}
 
 double LengthOf(const Mark& mark) {
   double length_mm = 0;

@@ -33,6 +33,8 @@ struct Place {
   /// Of the way to the next place: tangent of a quarter of its arc, positive
   /// counterclockwise; 0: straight.
   double bulge = 0;
+  /// The beam is off on the way to the next place; of rows alone.
+  bool dark = false;
 };
 
 struct Mark {
@@ -42,25 +44,37 @@ struct Mark {
   std::vector<Place> places;  ///< one: a hole
 };
 
+/// A straight line that the beam follows at one speed, switched on and off on its way: of
+/// a halftone a row of dots. It is open, goes forward alone, and begins and ends lit.
+bool IsRow(const Mark& mark);
+
 /// In the order in which they are made, once they are ordered.
 struct MarkSet {
   std::vector<Pen> pens;
   std::vector<Mark> marks;
 };
 
-/// Of the way along its arcs, mm.
+/// Of the way along its arcs, mm; of a row with its dark ways.
 double LengthOf(const Mark& mark);
+/// The same without dark ways.
+double LitLengthOf(const Mark& mark);
 
 /// Arcs as chords no farther from them than `tolerance_mm` > 0; a closed one does not
 /// repeat its first place.
 std::vector<Vec2> PlacesOf(const Mark& mark, double tolerance_mm);
 
+/// What the beam marks: the way of PlacesOf, of a closed mark with its first place again;
+/// of a row each of its lit parts.
+std::vector<std::vector<Vec2>> LitWaysOf(const Mark& mark, double tolerance_mm);
+/// How many these are.
+std::size_t LitWayCount(const Mark& mark);
+
 /// Mean of a way along its chords, weighted by their lengths; of one without length its
 /// first place.
 Vec2 MiddleOf(std::span<const Vec2> way_mm);
 
-/// kInvalidValue: a pen out of range, no place, a value that is not finite, by the number
-/// of the mark or the pen.
+/// kInvalidValue: a pen out of range, no place, a value that is not finite, dark ways in
+/// a mark that is no row, by the number of the mark or the pen.
 Status CheckMarks(const MarkSet& set);
 
 }  // namespace intaglio::mark

@@ -19,6 +19,7 @@ constexpr char kMagic[] = "INTMRKS1";
 constexpr std::size_t kMagicSize = 8, kHeadSize = 12;
 // A pen takes these without its name, a mark with one place.
 constexpr std::size_t kMinPenBytes = 48, kMinMarkBytes = 44, kPlaceBytes = 24;
+constexpr std::uint32_t kOpenKind = 0, kClosedKind = 1, kRowKind = 2;
 
 template <typename T>
 void Put(std::vector<std::byte>& bytes, T value) {
@@ -39,13 +40,15 @@ void PutPen(std::vector<std::byte>& bytes, const Pen& pen) {
 
 void PutMark(std::vector<std::byte>& bytes, const Mark& mark) {
   Put(bytes, mark.pen);
-  Put(bytes, static_cast<std::uint32_t>(mark.closed ? 1 : 0));
+  const bool row = IsRow(mark);
+  Put(bytes, row ? kRowKind : mark.closed ? kClosedKind : kOpenKind);
   Put(bytes, mark.web_mm);
   Put(bytes, static_cast<std::uint32_t>(mark.places.size()));
   for (const Place& place : mark.places) {
     Put(bytes, place.at_mm.x());
     Put(bytes, place.at_mm.y());
     Put(bytes, place.bulge);
+    if (row) Put(bytes, static_cast<std::uint32_t>(place.dark ? 1 : 0));
   }
 }
 
@@ -67,15 +70,16 @@ class Reader {
     bytes_ = bytes_.subspan(size);
     return text;
   }
-  /// 0 or 1; with anything else it has failed.
-  bool TakeFlag() {
-    const auto flag = Take<std::uint32_t>();
-    return flag <= 1 ? flag == 1 : Fails();
+  /// At most `max`; with anything else it has failed, and this is 0.
+  std::uint32_t TakeUpTo(std::uint32_t max) {
+    const auto value = Take<std::uint32_t>();
+    return value <= max || Fails() ? value : 0;
   }
   /// There can be `count` things of `size` bytes; else it has failed.
   bool HasRoom(std::uint64_t count, std::size_t size) {
     return Has(0) && (count <= bytes_.size() / size || Fails());
   }
+  void Refuse() { good_ = false; }
   bool good() const { return good_; }
   bool at_end() const { return good_ && bytes_.empty(); }
 
@@ -105,7 +109,8 @@ Pen TakePen(Reader& reader) {
 Mark TakeMark(Reader& reader) {
   Mark mark;
   mark.pen = reader.Take<std::uint32_t>();
-  mark.closed = reader.TakeFlag();
+  const std::uint32_t kind = reader.TakeUpTo(kRowKind);
+  mark.closed = kind == kClosedKind;
   mark.web_mm = reader.Take<double>();
   const auto count = reader.Take<std::uint32_t>();
   if (!reader.HasRoom(count, kPlaceBytes)) return mark;
@@ -113,7 +118,9 @@ Mark TakeMark(Reader& reader) {
   for (std::uint32_t i = 0; i < count; ++i) {
     const auto x = reader.Take<double>(), y = reader.Take<double>();
     mark.places.push_back({Vec2(x, y), reader.Take<double>()});
+    if (kind == kRowKind) mark.places.back().dark = reader.TakeUpTo(1) == 1;
   }
+  if (kind == kRowKind && !IsRow(mark)) reader.Refuse();
   return mark;
 }
 

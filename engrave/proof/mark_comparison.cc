@@ -6,6 +6,8 @@
 #include <map>
 #include <utility>
 
+#include "engrave/proof/row_comparison.h"
+
 namespace intaglio::proof {
 namespace {
 
@@ -15,14 +17,6 @@ constexpr double kLengthShare = 0.1;
 constexpr double kLengthEndsMm = 0.05;
 
 using MarkTicks = std::vector<formats::BurntTick>;
-
-/// A closed one with its first place repeated.
-std::vector<Vec2> PlannedWay(const mark::Mark& mark) {
-  std::vector<Vec2> way = mark::PlacesOf(mark, kChordMm);
-  if (mark.closed && way.size() > 1) way.push_back(way.front());
-  for (Vec2& place : way) place.x() -= mark.web_mm;
-  return way;
-}
 
 double BurntLength(const MarkTicks& ticks) {
   double length = 0;
@@ -84,30 +78,47 @@ double BurntDiameter(const MarkTicks& ticks, const Vec2& centre, double length) 
   return 2 * radius;
 }
 
-BurntFate FateOf(double burnt_mm, double way_mm, std::uint32_t pass_count) {
-  const double planned_mm = pass_count * way_mm;
-  const double permitted_mm =
-      std::min(kLengthShare * planned_mm + kLengthEndsMm, way_mm / 2);
-  if (burnt_mm < planned_mm - permitted_mm) return BurntFate::kIncomplete;
-  if (burnt_mm > planned_mm + permitted_mm) return BurntFate::kDoubled;
-  return BurntFate::kMade;
+/// A closed one with its first place repeated; of a row its dots.
+std::vector<std::vector<Vec2>> PlannedWays(const mark::Mark& mark) {
+  auto ways = mark::LitWaysOf(mark, kChordMm);
+  for (std::vector<Vec2>& way : ways)
+    for (Vec2& place : way) place.x() -= mark.web_mm;
+  return ways;
+}
+
+/// By lengths, of all of them.
+Vec2 MiddleOfWays(const std::vector<std::vector<Vec2>>& ways, double length_mm) {
+  if (ways.size() == 1 || length_mm <= 0) return mark::MiddleOf(ways.front());
+  Vec2 sum = Vec2::Zero();
+  for (const std::vector<Vec2>& way : ways)
+    sum += (way.back() - way.front()).norm() / length_mm * mark::MiddleOf(way);
+  return sum;
 }
 
 BurntMark CompareMark(const mark::Mark& planned, std::uint32_t pass_count,
                       const MarkTicks& ticks) {
   BurntMark burnt;
   if (ticks.empty()) return burnt;
-  const auto way = PlannedWay(planned);
-  const double planned_mm = mark::LengthOf(planned), burnt_mm = BurntLength(ticks);
-  const Vec2 centre = mark::MiddleOf(way), burnt_centre = BurntMean(ticks, burnt_mm);
+  const auto ways = PlannedWays(planned);
+  const auto& way = ways.front();
+  const double planned_mm = mark::LitLengthOf(planned), burnt_mm = BurntLength(ticks);
+  const Vec2 centre = MiddleOfWays(ways, planned_mm),
+             burnt_centre = BurntMean(ticks, burnt_mm);
   burnt.offset_mm = burnt_centre - centre;
   if (planned_mm <= 0) {
     burnt.fate = BurntFate::kMade;
     return burnt;
   }
-  burnt.fate = FateOf(burnt_mm, planned_mm, pass_count);
   burnt.pass_count = burnt_mm / planned_mm;
-  burnt.shape_um = ShapeUm(way, ticks, burnt.offset_mm);
+  if (ways.size() > 1) {
+    const BurntRow row = CompareRow(ways, ticks, pass_count, burnt.offset_mm);
+    burnt.fate = row.fate();
+    burnt.shape_um = row.shape_um;
+    burnt.wrong_dot_count = row.missed_count + row.incomplete_count + row.doubled_count;
+  } else {
+    burnt.fate = FateOf(burnt_mm, planned_mm, pass_count);
+    burnt.shape_um = ShapeUm(way, ticks, burnt.offset_mm);
+  }
   if (planned.closed) burnt.gap_um = GapUm(ticks);
   if (burnt_mm <= 0) return burnt;
   double energy_mj = 0;
@@ -168,6 +179,12 @@ void Count(const mark::MarkSet& set, MarkComparison& result) {
   std::map<std::uint32_t, std::vector<double>> energies;
   for (std::size_t i = 0; i < result.marks.size(); ++i) {
     const BurntMark& burnt = result.marks[i];
+    if (mark::IsRow(set.marks[i])) {
+      const auto dots = mark::LitWayCount(set.marks[i]);
+      result.dot_count += dots;
+      result.wrong_dot_count +=
+          burnt.fate == BurntFate::kMissed ? dots : burnt.wrong_dot_count;
+    }
     result.missed_count += burnt.fate == BurntFate::kMissed;
     result.incomplete_count += burnt.fate == BurntFate::kIncomplete;
     result.doubled_count += burnt.fate == BurntFate::kDoubled;
@@ -207,6 +224,15 @@ std::vector<MarkTicks> TicksOfMarks(const mark::MarkSet& set,
 }
 
 }  // namespace
+
+BurntFate FateOf(double burnt_mm, double way_mm, std::uint32_t pass_count) {
+  const double planned_mm = pass_count * way_mm;
+  const double permitted_mm =
+      std::min(kLengthShare * planned_mm + kLengthEndsMm, way_mm / 2);
+  if (burnt_mm < planned_mm - permitted_mm) return BurntFate::kIncomplete;
+  if (burnt_mm > planned_mm + permitted_mm) return BurntFate::kDoubled;
+  return BurntFate::kMade;
+}
 
 bool MarkComparison::IsGood(double tolerance_um) const {
   return made_count == marks.size() && stray_tick_count == 0 && shared_print_count == 0 &&

@@ -3,7 +3,8 @@
 // The comparison of what a scan head burnt with the marks of its job. Frame: material,
 // mm; x along the web, whose piece web_mm lies at x - web_mm.
 //
-// Burnt ticks belong to marks by the number in their record. A mark's place is the mean
+// Burnt ticks belong to marks by the number in their record, and those of a row to its
+// dots by their place: a row is made when each of its dots is. A mark's place is the mean
 // of its way, weighted by length; its shape is compared after both means are laid upon
 // each other. Where the web was at the beginning of a run is not known to the material:
 // with `on_web` the median of a run's deviations along x is no error of its marks. Where
@@ -41,6 +42,8 @@ struct BurntMark {
   std::optional<double> gap_um;       ///< largest between strokes of a closed mark
   std::optional<double> diameter_um;  ///< of a circle: burnt less planned
   double energy_mj_mm = 0;            ///< per length, over all passes
+  /// Of a row of dots those that were missed, burnt in part, or twice.
+  std::uint32_t wrong_dot_count = 0;
 };
 
 /// Largest absolute value over the made marks.
@@ -52,6 +55,8 @@ struct MarkErrors {
 
 struct MarkComparison {
   std::uint64_t made_count = 0, missed_count = 0, incomplete_count = 0, doubled_count = 0;
+  /// Dots of rows, and those that were missed, burnt in part, or twice.
+  std::uint64_t dot_count = 0, wrong_dot_count = 0;
   std::uint64_t stray_tick_count = 0;  ///< of marks that the job does not have
   /// With print marks: repeats at one at which another repeat lies.
   std::uint64_t shared_print_count = 0;
@@ -68,6 +73,9 @@ struct PrintedRepeats {
   double pitch_mm = 1;            ///< a mark's web_mm is a multiple, > 0
   double offset_mm = 0;           ///< x of a repeat's origin less that of its print mark
 };
+
+/// Of so much burnt of a way that is planned in these passes; not missed.
+BurntFate FateOf(double burnt_mm, double way_mm, std::uint32_t pass_count);
 
 /// As below, of marks on a web.
 MarkComparison CompareMarks(const mark::MarkSet& set,

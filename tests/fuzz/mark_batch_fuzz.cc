@@ -77,6 +77,8 @@ void TryNext(Input& input, mark::MarkSet& set) {
   const auto x = input.List<double>(places, next_double);
   const auto y = input.List<double>(places, next_double);
   const auto bulge = input.List<double>(places, next_double);
+  const auto dark =
+      input.List<std::uint8_t>(input.Next() % 2 == 0 ? 0 : places, next_byte);
   intaglio_MarkBatch batch{};
   batch.first_mark = set.marks.size();
   bus::Borrow(batch.pens, pens);
@@ -87,6 +89,7 @@ void TryNext(Input& input, mark::MarkSet& set) {
   bus::Borrow(batch.x_mm, x);
   bus::Borrow(batch.y_mm, y);
   bus::Borrow(batch.bulge, bulge);
+  bus::Borrow(batch.dark, dark);
   const std::size_t had = set.marks.size(), had_pens = set.pens.size();
   const auto taken = host::AppendMarks(batch, set);
   Require(mark::CheckMarks(set).has_value() || set.marks.empty(), "impossible marks");

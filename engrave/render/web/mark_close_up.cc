@@ -18,10 +18,12 @@ constexpr int kCloseUpTopPx = 44, kCloseUpEdgePx = 30;
 constexpr double kCloseUpCapPx = 9.5, kCloseUpLinePx = 18;
 constexpr double kCloseUpToleranceShare = 1.0 / 12, kCloseUpDeviationShare = 1.0 / 4;
 
-Vec2 NearestOf(const std::vector<Vec2>& way_mm, const Vec2& place_mm) {
+Vec2 NearestOf(const ShownMark& mark, const Vec2& place_mm) {
+  const std::vector<Vec2>& way_mm = mark.way_mm;
   Vec2 nearest = way_mm.front();
   double distance_mm = (place_mm - nearest).norm();
   for (std::size_t i = 1; i < way_mm.size(); ++i) {
+    if (!mark.IsLitTo(i)) continue;
     const Vec2 way = way_mm[i] - way_mm[i - 1];
     const double square = way.squaredNorm();
     const double share =
@@ -52,9 +54,8 @@ double CloseUpMagnification(const CloseUp& close_up, double tolerance_um) {
   const double extent_mm = ExtentOfWay(close_up.mark);
   double largest_mm = 0;
   for (const BurntStroke& stroke : close_up.burnt)
-    largest_mm =
-        std::max(largest_mm,
-                 (stroke.to_mm - NearestOf(close_up.mark.way_mm, stroke.to_mm)).norm());
+    largest_mm = std::max(largest_mm,
+                          (stroke.to_mm - NearestOf(close_up.mark, stroke.to_mm)).norm());
   double limit = std::numeric_limits<double>::infinity();
   if (tolerance_um > 0) limit = 1e3 * kCloseUpToleranceShare * extent_mm / tolerance_um;
   if (largest_mm > 0)
@@ -74,7 +75,7 @@ void DrawCloseUp(Canvas& canvas, const Rect& cell, const CloseUp& close_up,
                   cell.width - 2 * kCloseUpEdgePx,
                   cell.height - kCloseUpTopPx - kCloseUpEdgePx - text_px};
   const auto magnified_mm = [&](const Vec2& place_mm) -> Vec2 {
-    const Vec2 nearest_mm = NearestOf(mark.way_mm, place_mm);
+    const Vec2 nearest_mm = NearestOf(mark, place_mm);
     return nearest_mm + by * (place_mm - nearest_mm);
   };
   Box3 box = BoxOfPlaces(mark.way_mm);
@@ -87,12 +88,15 @@ void DrawCloseUp(Canvas& canvas, const Rect& cell, const CloseUp& close_up,
   const MarkScale scale = FitInto(room, box);
   DrawScaleBar(canvas, cell, scale.px_per_mm);
   const double band_px = 2 * edge_mm * scale.px_per_mm;
-  for (std::size_t i = 1; i < mark.way_mm.size() && band_px > 0; ++i)
-    DrawLine(canvas, scale(mark.way_mm[i - 1]), scale(mark.way_mm[i]), band_px,
-             {Srgb(0x1B2E47)});
-  for (std::size_t i = 1; i < mark.way_mm.size(); ++i)
-    DrawLine(canvas, scale(mark.way_mm[i - 1]), scale(mark.way_mm[i]), 1.2,
-             {palette.dim_text});
+  const auto draw_way = [&](double width_px, const Color& color) {
+    for (std::size_t i = 1; i < mark.way_mm.size(); ++i) {
+      if (!mark.IsLitTo(i)) continue;
+      DrawLine(canvas, scale(mark.way_mm[i - 1]), scale(mark.way_mm[i]), width_px,
+               {color});
+    }
+  };
+  if (band_px > 0) draw_way(band_px, Srgb(0x1B2E47));
+  draw_way(1.2, palette.dim_text);
   const Color color =
       mark.state == MarkState::kMade ? palette.warning : ColorOf(mark.state);
   for (const BurntStroke& stroke : close_up.burnt)

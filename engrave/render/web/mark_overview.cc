@@ -37,9 +37,11 @@ void DrawWays(Canvas& canvas, const MarkViews& views, const MarkScale& scale,
   for (const ShownMark& mark : views.marks) {
     if (mark.way_mm.empty() || faults != (mark.state != MarkState::kMade)) continue;
     const Color color = ColorOf(mark.state);
-    for (std::size_t i = 1; i < mark.way_mm.size(); ++i)
+    for (std::size_t i = 1; i < mark.way_mm.size(); ++i) {
+      if (!mark.IsLitTo(i)) continue;
       DrawLine(canvas, scale(mark.way_mm[i - 1]), scale(mark.way_mm[i]),
                faults ? 2.2 : 1.3, {color, faults ? 1.0F : 0.85F});
+    }
     if (mark.way_mm.size() == 1)
       DrawDisc(canvas, scale(mark.way_mm.front()), 2.5, {color});
     if (!faults || ++rings > kMaxRings) continue;

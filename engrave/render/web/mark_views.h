@@ -32,6 +32,11 @@ struct ShownMark {
   Vec2 middle_mm = Vec2::Zero();
   MarkState state = MarkState::kMade;
   std::optional<Vec2> offset_mm;  ///< of what was burnt; none: not measured
+  /// Of each place: the beam is off on the way to the next; empty: on none.
+  std::vector<bool> dark = {};
+
+  /// The way that ends at this place, from 1.
+  bool IsLitTo(std::size_t place) const { return dark.empty() || !dark[place - 1]; }
 };
 
 /// The error of one mark; of all marks in their order.

@@ -75,6 +75,10 @@ Status MarkLists::Check(std::uint32_t number, const mark::Mark& mark) const {
     return refuse("has no length; draw a hole as a small circle");
   if (mark.web_mm != 0)
     return refuse("is on a web, which a BJJCZ board does not follow here");
+  if (mark::IsRow(mark))
+    return refuse(
+        "is a row of dots, and a BJJCZ board does not switch the laser on its "
+        "way here; use MARK_DOT_MODE_EACH");
   for (const Vec2& at : mark::PlacesOf(mark, kChordPlaces / field_.places_per_mm())) {
     if (field_.Contains(at)) continue;
     return refuse(

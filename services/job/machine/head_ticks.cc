@@ -1,8 +1,12 @@
 #include "services/job/machine/head_ticks.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <utility>
+
+#include "services/platform/fields/field_defaults.h"
 
 namespace intaglio {
 namespace {
@@ -12,6 +16,19 @@ constexpr double kChordToleranceMm = 1e-4;
 constexpr double kDefaultAheadMs = 40;
 // From one status of a head's controller to the next, with what it has seen meanwhile.
 constexpr double kHeadStatusSeconds = 0.02;
+// Of the driver that sends ticks; controllers of other protocols make strokes by
+// themselves.
+constexpr char kTickProtocol[] = "scan-head";
+// Of the tolerance: how far whole ticks may shift a dot of a row.
+constexpr double kDotShiftRatio = 0.5;
+
+std::vector<galvo::LitSpan> LitSpansOf(const mark::Mark& row) {
+  const Vec2& begin_mm = row.places.front().at_mm;
+  std::vector<galvo::LitSpan> spans;
+  for (const std::vector<Vec2>& way : mark::LitWaysOf(row, kChordToleranceMm))
+    spans.push_back({(way.front() - begin_mm).norm(), (way.back() - begin_mm).norm()});
+  return spans;
+}
 
 }  // namespace
 
@@ -45,8 +62,41 @@ galvo::MarkTickOptions TickOptionsOf(const ScanHead& head, const mark::Pen& pen,
   return options;
 }
 
+std::string WhyNoDotRows(const MachineSpec& machine, double dot_mm, double speed_mm_s) {
+  const ScanHead& head = machine.scan_head();
+  if (machine.mark_line().protocol() != kTickProtocol) {
+    return fmt::format(
+        "a controller of mark_line.protocol \"{}\" does not switch the "
+        "laser while the mirrors sweep; name another machine",
+        machine.mark_line().protocol());
+  }
+  const galvo::MarkTickOptions ticks =
+      TickOptionsOf(head, mark::Pen(), galvo::MarkTickOptions().rate_hz);
+  if (!ticks.lead_servo && ticks.run_in_s == 0)
+    return "scan_head.run_in_s is 0, so that rows would begin from rest; give a run-in";
+  const double step_mm = speed_mm_s / ticks.rate_hz;
+  const double tolerance_mm =
+      1e-3 * (head.has_tolerance_um()
+                  ? head.tolerance_um()
+                  : DefaultOf<ScanHead>(ScanHead::kToleranceUmFieldNumber));
+  const double max_step_mm = std::min(dot_mm, 2 * kDotShiftRatio * tolerance_mm);
+  if (step_mm <= max_step_mm * (1 + 1e-9)) return {};
+  return fmt::format(
+      "the beam passes {:.3g} mm in a tick at {:.6g} mm/s, more than {}; "
+      "mark at {:.6g} mm/s or less",
+      step_mm, speed_mm_s,
+      max_step_mm == dot_mm
+          ? fmt::format("a dot of {:.3g} mm", dot_mm)
+          : fmt::format("the {:.3g} mm that scan_head.tolerance_um permits", max_step_mm),
+      max_step_mm * ticks.rate_hz);
+}
+
 std::vector<galvo::MarkStroke> StrokesOf(const mark::Mark& mark, const mark::Pen& pen) {
   galvo::MarkStroke stroke{mark::PlacesOf(mark, kChordToleranceMm), mark.closed};
+  if (mark::IsRow(mark)) {
+    stroke.lit = LitSpansOf(mark);
+    stroke.points_mm = {stroke.points_mm.front(), stroke.points_mm.back()};
+  }
   for (Vec2& place : stroke.points_mm) place.x() -= mark.web_mm;
   std::vector<galvo::MarkStroke> passes;
   passes.reserve(pen.pass_count);

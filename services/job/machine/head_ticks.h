@@ -3,6 +3,7 @@
 // How a scan head (MachineSpec.scan_head) makes ticks of marks: for its driver, and for
 // what is known of a job before it starts.
 
+#include <string>
 #include <vector>
 
 #include "engrave/galvo/mark_ticks.h"
@@ -26,6 +27,11 @@ double EyeAheadSeconds(const ScanHead& head);
 /// Absent fields are the defaults of machine.proto.
 galvo::MarkTickOptions TickOptionsOf(const ScanHead& head, const mark::Pen& pen,
                                      double rate_hz);
+
+/// Why the head cannot make dots of that length in rows, its laser switched while the
+/// mirrors sweep at that speed, as the end of a sentence with a remedy; empty: it can.
+/// Dots lie at whole ticks, half of one from their place at most.
+std::string WhyNoDotRows(const MachineSpec& machine, double dot_mm, double speed_mm_s);
 
 /// A mark as strokes, one for each pass. Frame: material, x of the piece less web_mm.
 std::vector<galvo::MarkStroke> StrokesOf(const mark::Mark& mark, const mark::Pen& pen);

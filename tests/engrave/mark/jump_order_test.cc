@@ -97,6 +97,17 @@ TEST(JumpOrder, IsNearTheShortestOfAll) {
   EXPECT_LE(sum, 1.12 * shortest);
 }
 
+TEST(JumpOrder, AReversedRowHasTheSameDots) {
+  // A dot of 1, a gap of 1 and a dot of 3 mm; the nearest end is the last one.
+  const Mark row{0, false, 0, {{{0, 0}}, {{1, 0}, 0, true}, {{2, 0}}, {{5, 0}}}};
+  const auto ordered = OrderByJumps({row}, {Vec2(6, 0), true});
+  const auto dots = LitWaysOf(ordered.front(), 0.001);
+  ASSERT_EQ(dots.size(), 2U);
+  EXPECT_EQ(dots[0], (std::vector<Vec2>{{5, 0}, {2, 0}}));
+  EXPECT_EQ(dots[1], (std::vector<Vec2>{{1, 0}, {0, 0}}));
+  EXPECT_TRUE(CheckMarks({{{"pen", 100, 0.5}}, ordered}));
+}
+
 TEST(JumpOrder, AReversedArcIsTheSameArc) {
   const Mark arc{0, false, 0, {{{10, 0}, 0.5}, {{5, 2}, 0.25}, {{1, 0}, 0}}};
   const auto ordered = OrderByJumps({arc}, {});

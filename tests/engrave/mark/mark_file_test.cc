@@ -33,6 +33,28 @@ TEST(MarkFile, MarksComeBackAsTheyWere) {
   EXPECT_EQ(set->marks[1].web_mm, 30);
 }
 
+MarkSet OneRow() {
+  return {{{"black", 1000, 0.5, 20000, 1, 0, 0}},
+          {{0, false, 0, {{{0, 0}}, {{1, 0}, 0, true}, {{2, 0}}, {{3, 0}}}}}};
+}
+
+TEST(MarkFile, ARowComesBackWithItsDarkWays) {
+  const auto bytes = EncodeMarks(OneRow());
+  const auto set = DecodeMarks(bytes);
+  ASSERT_TRUE(set.has_value()) << set.error().message;
+  EXPECT_EQ(EncodeMarks(*set), bytes);
+  EXPECT_EQ(LitLengthOf(set->marks[0]), 2);
+  // The four places of 24 bytes with a flag each stand at the end.
+  const std::size_t dark_at = bytes.size() - 3 * 28 + 24;
+  ASSERT_EQ(bytes[dark_at], std::byte{1});
+  for (const int wrong : {0, 2}) {
+    auto changed = bytes;
+    changed[dark_at] = static_cast<std::byte>(wrong);
+    Seal(changed);
+    EXPECT_FALSE(DecodeMarks(changed).has_value()) << wrong;
+  }
+}
+
 TEST(MarkFile, EachChangedOrMissingByteIsRefused) {
   const auto whole = EncodeMarks(TwoMarks());
   for (std::size_t i = 0; i < whole.size(); ++i) {

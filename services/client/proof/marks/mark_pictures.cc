@@ -55,6 +55,8 @@ render::ShownMark ShownOf(const MarkEvidence& evidence, std::size_t place) {
   if (mark.closed && shown.way_mm.size() > 1)
     shown.way_mm.push_back(shown.way_mm.front());
   for (Vec2& p : shown.way_mm) p.x() -= mark.web_mm;
+  if (mark::IsRow(mark))
+    for (const mark::Place& at : mark.places) shown.dark.push_back(at.dark);
   shown.middle_mm = mark::MiddleOf(shown.way_mm);
   shown.state = StateOf(evidence.account.marks[place]);
   if (evidence.has_material &&

@@ -144,6 +144,13 @@ std::size_t GrblCourseDriver::Room() const {
 Status GrblCourseDriver::Append(const NumberedMark& mark) {
   if (Room() == 0) return RefuseCourse("there is no room for a mark");
   INTAGLIO_TRY(mark::CheckMarks({pens_, {mark.mark}}));
+  if (mark::IsRow(mark.mark)) {
+    return Fail(
+        ErrorCode::kUnsupported,
+        fmt::format("mark {}: is a row of dots, and a controller of the grbl family "
+                    "does not switch the beam on its way; use contours",
+                    mark.number));
+  }
   if (!spindle() && EdgesOfMark(mark.mark).empty()) {
     return Fail(ErrorCode::kUnsupported,
                 fmt::format("mark {}: is a place without a way, in which a laser of the "

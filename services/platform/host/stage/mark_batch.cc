@@ -47,6 +47,7 @@ Status MarkFault(std::string what) {
 Status CheckArrays(const intaglio_MarkBatch& batch) {
   const std::size_t marks = batch.pen._length;
   const std::size_t places = batch.x_mm._length;
+  const std::uint64_t dark = batch.dark._length;
   std::uint64_t sum = 0;
   for (const std::uint32_t count : View(batch.place_count)) sum += count;
   struct Array {
@@ -58,7 +59,8 @@ Status CheckArrays(const intaglio_MarkBatch& batch) {
                              {"place_count", batch.place_count._length, marks},
                              {"the sum of place_count", sum, places},
                              {"y_mm", batch.y_mm._length, places},
-                             {"bulge", batch.bulge._length, places}}) {
+                             {"bulge", batch.bulge._length, places},
+                             {"dark", dark, dark == 0 ? 0 : places}}) {
     if (array.length == array.needed) continue;
     return MarkFault(
         fmt::format("mark batch {}: {} is {}, and not {}; it has {} "
@@ -85,8 +87,11 @@ MarkColumns::MarkColumns(const mark::MarkSet& set, std::size_t first, std::size_
       x_mm_.push_back(place.at_mm.x());
       y_mm_.push_back(place.at_mm.y());
       bulge_.push_back(place.bulge);
+      dark_.push_back(place.dark ? 1 : 0);
     }
   }
+  const auto is_lit = [](std::uint8_t dark) { return dark == 0; };
+  if (std::ranges::all_of(dark_, is_lit)) dark_.clear();
 }
 
 void MarkColumns::BorrowTo(intaglio_MarkBatch& batch) const {
@@ -98,6 +103,7 @@ void MarkColumns::BorrowTo(intaglio_MarkBatch& batch) const {
   bus::Borrow(batch.x_mm, x_mm_);
   bus::Borrow(batch.y_mm, y_mm_);
   bus::Borrow(batch.bulge, bulge_);
+  bus::Borrow(batch.dark, dark_);
 }
 
 std::size_t BatchSizeAt(const mark::MarkSet& set, std::size_t first) {
@@ -143,6 +149,7 @@ Status AppendMarks(const intaglio_MarkBatch& batch, mark::MarkSet& set) {
     taken.pens = set.pens;
   }
   const auto x = View(batch.x_mm), y = View(batch.y_mm), bulge = View(batch.bulge);
+  const auto dark = View(batch.dark);
   std::size_t place = 0;
   for (std::size_t i = 0; i < batch.pen._length; ++i) {
     mark::Mark mark{
@@ -150,7 +157,8 @@ Status AppendMarks(const intaglio_MarkBatch& batch, mark::MarkSet& set) {
     const std::uint32_t count = batch.place_count._buffer[i];
     mark.places.reserve(count);
     for (const std::size_t end = place + count; place < end; ++place)
-      mark.places.push_back({Vec2(x[place], y[place]), bulge[place]});
+      mark.places.push_back(
+          {Vec2(x[place], y[place]), bulge[place], !dark.empty() && dark[place] != 0});
     taken.marks.push_back(std::move(mark));
   }
   if (const Status good = mark::CheckMarks(taken); !good) {

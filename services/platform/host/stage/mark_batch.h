@@ -34,7 +34,7 @@ class MarkColumns {
  private:
   std::vector<intaglio_MarkPen> pens_;  // their names are the set's
   std::vector<std::uint32_t> pen_, place_count_;
-  std::vector<std::uint8_t> closed_;
+  std::vector<std::uint8_t> closed_, dark_;
   std::vector<double> web_mm_, x_mm_, y_mm_, bulge_;
 };
 

@@ -349,6 +349,13 @@ TEST(BjjczDriver, RefusesWhatABoardCannot) {
   refused = host.Run(set);
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("outside the field"), std::string::npos);
+  set = Drawing();
+  set.marks[0] = {0, false, 0, {{{0, 0}}, {{1, 0}, 0, true}, {{2, 0}}, {{3, 0}}}};
+  Host another(BjjczProfile(BJJCZ_LASER_FIBRE));
+  ASSERT_TRUE(another.Connect());
+  refused = another.Run(set);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("mark 0: is a row of dots"), std::string::npos);
 }
 
 TEST(BjjczProfile, NamesEachField) {

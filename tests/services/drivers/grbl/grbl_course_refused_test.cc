@@ -85,6 +85,17 @@ class GrblCourseRefusedLine : public ::testing::TestWithParam<CourseToolKind> {
   }
 };
 
+TEST_P(GrblCourseRefusedLine, ARowOfDotsIsNotOneOfContours) {
+  CourseRig rig(GetParam());
+  ASSERT_TRUE(rig.Ready());
+  const mark::Mark row{0, false, 0, {{{0, 0}}, {{1, 0}, 0, true}, {{2, 0}}, {{3, 0}}}};
+  ASSERT_TRUE(rig.driver->Begin(1, std::vector{is_laser() ? LaserPen() : MillPen()}));
+  const auto refused = rig.driver->Append({0, row});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kUnsupported);
+  EXPECT_TRUE(refused.error().message.starts_with("mark 0: is a row of dots"));
+}
+
 TEST_P(GrblCourseRefusedLine, LightsAndCutsNothingBesideTheMarks) {
   std::uint64_t line = 0;
   while (!HasFailure() && RefuseOne(line)) ++line;

@@ -30,6 +30,10 @@ mark::MarkSet MarksOf(std::size_t count) {
     mark::Mark mark{static_cast<std::uint32_t>(i % 2), i % 3 == 2, t / 7, {}};
     for (std::size_t k = 0; k <= i % 3; ++k)
       mark.places.push_back({Vec2(t + static_cast<double>(k), 1 / (1 + t)), 0.25});
+    // Rows of two dots, in some batches and not in others.
+    if (i > 5000 && i % 3 == 1) {
+      mark.places = {{{t, 1}}, {{t + 1, 1}, 0, true}, {{t + 2, 1}}, {{t + 3, 1}}};
+    }
     set.marks.push_back(std::move(mark));
   }
   return set;
@@ -178,7 +182,7 @@ TEST_F(MarkFlowTest, WhatContradictsItselfIsRefusedByItsField) {
                             nan = {std::numeric_limits<double>::quiet_NaN(), 1};
   const std::vector<std::uint32_t> of_three = {3}, of_none = {0}, pen_five = {5},
                                    two_counts = {1, 1};
-  const std::vector<std::uint8_t> two_flags = {0, 0};
+  const std::vector<std::uint8_t> one_flag = {0}, two_flags = {0, 0};
   const std::vector<std::uint32_t> no_marks;
   const std::vector<std::uint8_t> no_flags;
   const std::vector<double> no_values;
@@ -202,6 +206,8 @@ TEST_F(MarkFlowTest, WhatContradictsItselfIsRefusedByItsField) {
        "y_mm is 3, and not 2"},
       {"bulge", [&](auto& b) { Borrow(b.bulge, one); }, ErrorCode::kFault,
        "bulge is 1, and not 2"},
+      {"dark", [&](auto& b) { Borrow(b.dark, one_flag); }, ErrorCode::kFault,
+       "dark is 1, and not 2"},
       {"sum", [&](auto& b) { Borrow(b.place_count, of_three); }, ErrorCode::kFault,
        "the sum of place_count is 3, and not 2"},
       {"no place",
