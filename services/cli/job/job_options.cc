@@ -326,6 +326,7 @@ namespace {
 /// Fills in nothing of a job of marks: the job service does it.
 Result<JobAndMachine> BuildMarkJob(const JobFlags& flags, JobSpec read) {
   if (flags.name) read.set_name(*flags.name);
+  INTAGLIO_TRY(SetFields(flags.fields, read));
   JobAndMachine built;
   built.job = std::move(read);
   INTAGLIO_TRY(SetMachineFile(flags, built.job));

@@ -232,6 +232,19 @@ TEST(JobOfMarks, IsRefusedByItsKindWherePointsAreMade) {
   EXPECT_FALSE(built->job.has_discretization());
 }
 
+TEST(JobOfMarks, HasTheFieldsThatAreSet) {
+  const auto built =
+      BuildJobOfAnyKind(Typed({INTAGLIO_SOURCE_DIR "/deploy/examples/label.textproto",
+                               "--set", "marks.pen.speed_mm_s=700"}));
+  ASSERT_TRUE(built) << built.error().message;
+  EXPECT_EQ(built->job.marks().pen().speed_mm_s(), 700);
+  const auto refused =
+      BuildJobOfAnyKind(Typed({INTAGLIO_SOURCE_DIR "/deploy/examples/label.textproto",
+                               "--set", "marks.pen.speed_mm=700"}));
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("--set: "));
+}
+
 TEST(JobFlags, OfTheMachineAreANameOrAFile) {
   const fs::path own = test::FreshFolder() / "own.textproto";
   std::ifstream in(INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto");
