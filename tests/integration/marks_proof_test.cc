@@ -15,6 +15,8 @@
 #include <set>
 
 #include "engrave/formats/mark_record.h"
+#include "engrave/render/canvas.h"
+#include "engrave/render/png_file.h"
 #include "proto/report.pb.h"
 #include "tests/integration/run_program.h"
 #include "tests/test_folder.h"
@@ -360,6 +362,37 @@ TEST_F(MarksProof, AShopProvesItsJobsOfMarks) {
   EXPECT_THAT(history.output, HasSubstr((job / "report.json").string()));
   up.Signal(SIGTERM);
   EXPECT_TRUE(up.WaitForEnd(20s).in_time);
+}
+
+/// Ticks one behind the other are a dot.
+std::size_t DotsIn(const fs::path& file) {
+  const auto record = formats::ReadMarkRecord(file);
+  EXPECT_TRUE(record) << file;
+  std::size_t dots = 0, before = 0;
+  for (const auto& tick : record.value_or(formats::MarkRecord()).ticks) {
+    dots += tick.tick != before + 1;
+    before = tick.tick;
+  }
+  return dots;
+}
+
+TEST_F(MarksProof, OfAHalftoneFindsEachDotInItsRow) {
+  constexpr unsigned kSide = 60;
+  render::Canvas canvas(kSide, kSide);
+  for (int i = 0; i < 60 * 60; ++i) canvas.at(i % 60, i / 60) = render::Srgb(0xBCBCBC);
+  ASSERT_TRUE(render::WritePng(folder_ / "grey.png", canvas));
+  std::ofstream(folder_ / "job.textproto")
+      << "name: \"grey\"\nmachine_file: \"galvo\"\n"
+      << "marks { items { image { file: \"grey.png\" make: MARK_IMAGE_MAKE_DOTS } } }\n";
+  const Ended ended = Run({});
+  ASSERT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr(" in rows, 0 missed, in part or too often"));
+  const MarkCounts counts = Report().marks().counts();
+  EXPECT_EQ(counts.made(), kSide);
+  EXPECT_EQ(counts.wrong_dots(), 0u);
+  // Half of the light is absorbed by half of the places.
+  EXPECT_NEAR(static_cast<double>(counts.dots()), kSide * kSide / 2.0, 100);
+  EXPECT_EQ(DotsIn(folder_ / "out/burnt.rec"), counts.dots());
 }
 
 }  // namespace

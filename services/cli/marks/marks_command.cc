@@ -30,6 +30,7 @@
 #include "services/job/fields/field_ranges.h"
 #include "services/job/files/job_file.h"
 #include "services/job/head/head_correction.h"
+#include "services/job/marks/dot_rows.h"
 #include "services/job/marks/job_marks.h"
 #include "services/job/marks/planned_marks.h"
 #include "services/job/marks/web_run.h"
@@ -207,6 +208,11 @@ Result<std::vector<std::string>> LinesOfMarks(MarksPreview& preview) {
         "Hz, {}",
         pen.name, Counted(marks.counts()[i], "mark"), pen.speed_mm_s, pen.power_ratio,
         pen.frequency_hz, Counted(pen.pass_count, "pass", "passes")));
+    const MarkItem& item = preview.job.marks().items(static_cast<int>(i));
+    if (const std::string how = DotModeText(item, preview.machine); !how.empty()) {
+      lines.push_back(fmt::format("{:<12}{} of {}, {}", "dots", marks.way_counts()[i],
+                                  pen.name, how));
+    }
   }
   for (const Warning& warning : preview.warnings)
     lines.push_back(client::WarningLine(warning));
@@ -229,11 +235,12 @@ Status DrawMarks(MarksPreview& preview, const std::string& file,
   const std::vector<std::size_t> missed = preview.missed();
   INTAGLIO_TRY(preview.marks.ForEach(
       [&](std::size_t number, const mark::Mark& mark) {
-        std::vector<Vec2> outline = mark::PlacesOf(mark, 0.01);
-        if (mark.closed) outline.push_back(outline.front());
-        for (Vec2& p : outline) p.x() -= mark.web_mm;
-        picture.marks_mm.push_back(std::move(outline));
-        picture.missed.push_back(std::ranges::binary_search(missed, number));
+        const bool is_missed = std::ranges::binary_search(missed, number);
+        for (std::vector<Vec2>& way : mark::LitWaysOf(mark, 0.01)) {
+          for (Vec2& p : way) p.x() -= mark.web_mm;
+          picture.marks_mm.push_back(std::move(way));
+          picture.missed.push_back(is_missed);
+        }
         return true;
       },
       kPictureFields * picture.field_mm));
@@ -242,16 +249,20 @@ Status DrawMarks(MarksPreview& preview, const std::string& file,
 
 Status WriteMarks(MarksPreview& preview, const std::string& path) {
   auto file = INTAGLIO_TRY(io::AtomicFile::Create(path));
-  INTAGLIO_TRY(file.Write(std::string_view("mark,item,web_mm,closed,x_mm,y_mm\n")));
+  INTAGLIO_TRY(file.Write(std::string_view("mark,item,web_mm,closed,x_mm,y_mm,dark\n")));
   Status written;
   LateMeter meter;
   const std::size_t count = preview.marks.mark_count();
   INTAGLIO_TRY(preview.marks.ForEach([&](std::size_t number, const mark::Mark& mark) {
     meter.Show("csv", number, count, "marks");
     std::string rows;
-    for (const Vec2& p : mark::PlacesOf(mark, 0.001))
-      fmt::format_to(std::back_inserter(rows), "{},{},{},{},{:.6g},{:.6g}\n", number + 1,
-                     mark.pen + 1, mark.web_mm, mark.closed ? 1 : 0, p.x(), p.y());
+    const bool is_row = mark::IsRow(mark);
+    const auto places = mark::PlacesOf(mark, 0.001);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      fmt::format_to(std::back_inserter(rows), "{},{},{},{},{:.6g},{:.6g},{}\n",
+                     number + 1, mark.pen + 1, mark.web_mm, mark.closed ? 1 : 0,
+                     places[i].x(), places[i].y(), is_row && mark.places[i].dark ? 1 : 0);
+    }
     written = Interrupts() == 0 ? file.Write(rows)
                                 : Fail(ErrorCode::kCancelled, "the CSV was cancelled");
     return written.has_value();

@@ -25,6 +25,10 @@ std::string MarkCountsText(const JobReport& report) {
   }
   text += fmt::format("{} incomplete, {} doubled\n", GroupedDigits(counts.incomplete()),
                       GroupedDigits(counts.doubled()));
+  if (counts.dots() > 0) {
+    text += fmt::format("dots        {} in rows, {} missed, in part or too often\n",
+                        GroupedDigits(counts.dots()), GroupedDigits(counts.wrong_dots()));
+  }
   text += fmt::format("journal     {} uncertain", GroupedDigits(counts.uncertain()));
   if (counts.uncertain() > 0) {
     text += fmt::format(" (in the material: {} whole, {} in part, {} not, {} too often)",

@@ -62,6 +62,14 @@ void CheckImageItem(const MarkItem& item, const std::string& path, Findings& fin
     findings.Wrong(path + ".image.dot_mm", image.dot_mm(),
                    "is of MARK_IMAGE_MAKE_DOTS; remove it, or make dots");
   }
+  if (!MarkDotMode_IsValid(image.dot_mode())) {
+    findings.Wrong(path + ".image.dot_mode", static_cast<int>(image.dot_mode()),
+                   "is none, 0..{}", static_cast<int>(MarkDotMode_MAX));
+  } else if (image.make() != MARK_IMAGE_MAKE_DOTS &&
+             image.dot_mode() != MARK_DOT_MODE_DEFAULT) {
+    findings.Wrong(path + ".image.dot_mode", MarkDotMode_Name(image.dot_mode()),
+                   "is of MARK_IMAGE_MAKE_DOTS; remove it, or make dots");
+  }
 }
 
 void CheckItem(const MarkItem& item, const std::string& path, bool has_table,
@@ -132,6 +140,22 @@ void CheckEyeOn(const MachineSpec& machine, const Marks& marks, Findings& findin
                  machine.name());
 }
 
+/// That it can make the rows of dots that the job asks for.
+void CheckDotRows(const MachineSpec& machine, const Marks& given, Findings& findings) {
+  const Marks marks = WithDefaults(given);
+  for (int i = 0; i < marks.items_size(); ++i) {
+    const MarkItem& item = marks.items(i);
+    if (item.image().dot_mode() != MARK_DOT_MODE_ROWS) continue;
+    const std::string why =
+        WhyNoDotRows(machine, item.image().dot_mm(), item.pen().speed_mm_s());
+    if (why.empty()) continue;
+    findings.Wrong(fmt::format("marks.items[{}].image.dot_mode", i),
+                   MarkDotMode_Name(item.image().dot_mode()),
+                   "is not possible on {}: {}, or use MARK_DOT_MODE_EACH", machine.name(),
+                   why);
+  }
+}
+
 }  // namespace
 
 std::vector<Finding> CheckMarks(const JobSpec& job) {
@@ -177,6 +201,7 @@ std::vector<Finding> CheckMarksOnMachine(const JobSpec& job, const MachineSpec& 
                    machine.name());
   } else {
     CheckEyeOn(machine, job.marks(), findings);
+    CheckDotRows(machine, job.marks(), findings);
   }
   return std::move(findings.found());
 }

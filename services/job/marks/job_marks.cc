@@ -36,10 +36,10 @@ Result<std::vector<FileBytes>> ReadJobMarkFiles(const JobSpec& job,
   return files;
 }
 
-Result<mark::MarkSet> MakeJobMarks(const JobSpec& job, const MachineSpec&,
+Result<mark::MarkSet> MakeJobMarks(const JobSpec& job, const MachineSpec& machine,
                                    std::vector<FileBytes> files, const ReadLimits& limits,
                                    Warnings& warnings, const ProgressSink& progress) {
-  auto repeats = INTAGLIO_TRY(RepeatMarks::Open(job, std::move(files), limits));
+  auto repeats = INTAGLIO_TRY(RepeatMarks::Open(job, machine, std::move(files), limits));
   mark::MarkSet made{repeats.pens(), {}};
   for (std::size_t k = 0; k < repeats.count(); ++k) {
     if (progress && !progress(k, repeats.count()))
@@ -68,8 +68,10 @@ HeadFigures HeadFiguresOf(const MachineSpec& machine) {
 
 bool MayReverse(const JobSpec& job) {
   return std::ranges::none_of(job.marks().items(), [](const MarkItem& item) {
-    return item.has_hatch() && item.hatch().has_bidirectional() &&
-           !item.hatch().bidirectional();
+    const bool hatch_keeps = item.has_hatch() && item.hatch().has_bidirectional() &&
+                             !item.hatch().bidirectional();
+    return hatch_keeps ||
+           (item.image().has_bidirectional() && !item.image().bidirectional());
   });
 }
 

@@ -125,13 +125,13 @@ Result<MarkShapes> CodeShapes(const MarkCode& item) {
 }  // namespace
 
 Result<MarkShapes> ShapesOf(const MarkItem& item, std::span<const MarkFile> files,
-                            const ReadLimits& limits, OpenFonts& fonts,
-                            Warnings& warnings) {
+                            const ReadLimits& limits, const std::optional<DotRows>& rows,
+                            OpenFonts& fonts, Warnings& warnings) {
   if (item.has_drawing())
     return DrawingShapes(item.drawing(), files.front(), limits, warnings);
   if (item.has_text()) return TextShapes(item.text(), files, fonts);
   if (item.has_code()) return CodeShapes(item.code());
-  return ImageShapes(item, files.front(), limits);
+  return ImageShapes(item, files.front(), limits, rows);
 }
 
 }  // namespace intaglio

@@ -21,6 +21,13 @@ namespace intaglio {
 struct MarkShape {
   std::vector<Vec2> places_mm;  ///< two or more; a closed one does not repeat its first
   bool closed = false;
+  bool dashed = false;  ///< each second way is dark: a row of dots (mark::IsRow)
+};
+
+/// How a head makes the dots of an image in rows.
+struct DotRows {
+  double max_gap_mm = 0;  ///< a longer gap is jumped
+  double max_mm = 0;      ///< a longer row is divided
 };
 
 /// Frame of the item, mm, x to the right, y up.
@@ -45,9 +52,10 @@ using OpenFonts = std::optional<drawing::TextOutliner>;
 /// `item` with its defaults and with the text of this repeat, plain; `files` those that
 /// ForEachFile (model_kind.h) names for the item. Errors begin with the field within the
 /// item, "drawing.file: ...". What a file holds that is not marked is added to
-/// `warnings`. `fonts`: those of the item in all repeats.
+/// `warnings`. `fonts`: those of the item in all repeats. `rows`: of an image of dots;
+/// none: each dot is a shape.
 Result<MarkShapes> ShapesOf(const MarkItem& item, std::span<const MarkFile> files,
-                            const ReadLimits& limits, OpenFonts& fonts,
-                            Warnings& warnings);
+                            const ReadLimits& limits, const std::optional<DotRows>& rows,
+                            OpenFonts& fonts, Warnings& warnings);
 
 }  // namespace intaglio

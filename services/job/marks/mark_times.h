@@ -28,7 +28,7 @@ struct HeadFigures {
 };
 
 struct MarkTimes {
-  double mark_mm = 0;  ///< of all passes
+  double mark_mm = 0;  ///< of all passes, where the beam is on
   double jump_mm = 0;
   double time_s = 0;  ///< of all, one behind the other
 };

@@ -19,15 +19,19 @@ constexpr std::size_t kLanes = 8, kRepeatsOfLane = 16;
 /// What is kept of a repeat until it is added to the plan.
 struct RepeatFigures {
   std::vector<MeasuredMark> marks;
-  std::vector<std::size_t> counts;  // of each pen
-  bool fits = true;                 // into the field
+  std::vector<std::size_t> counts, way_counts;  // of each pen
+  bool fits = true;                             // into the field
 };
 
 RepeatFigures FiguresOf(std::span<const mark::Mark> marks,
                         std::span<const mark::Pen> pens, const HeadFigures& head) {
   RepeatFigures figures{MeasureAll(marks, pens, head),
+                        std::vector<std::size_t>(pens.size()),
                         std::vector<std::size_t>(pens.size())};
-  for (const mark::Mark& mark : marks) ++figures.counts[mark.pen];
+  for (const mark::Mark& mark : marks) {
+    ++figures.counts[mark.pen];
+    figures.way_counts[mark.pen] += mark::LitWayCount(mark);
+  }
   figures.fits = std::ranges::all_of(figures.marks, [](const MeasuredMark& mark) {
     return mark.extent.made_at.width_mm() > 0;
   });
@@ -49,7 +53,7 @@ Result<PlannedMarks> PlannedMarks::Make(const JobSpec& job, const MachineSpec& m
   PlannedMarks planned(job, machine);
   if (job.marks().has_web()) {
     planned.repeats_.emplace(
-        INTAGLIO_TRY(RepeatMarks::Open(job, std::move(files), limits)));
+        INTAGLIO_TRY(RepeatMarks::Open(job, machine, std::move(files), limits)));
     INTAGLIO_TRY(planned.PlanWeb(job, machine.scan_head(), executor, warnings, progress));
   } else {
     INTAGLIO_TRY(
@@ -69,7 +73,11 @@ Status PlannedMarks::PlanAtRest(const JobSpec& job, const MachineSpec& machine,
   marks_ = std::move(ordered.marks);
   mark_count_ = marks_.size();
   counts_.resize(pens_.size());
-  for (const mark::Mark& mark : marks_) ++counts_[mark.pen];
+  way_counts_.resize(pens_.size());
+  for (const mark::Mark& mark : marks_) {
+    ++counts_[mark.pen];
+    way_counts_[mark.pen] += mark::LitWayCount(mark);
+  }
   return {};
 }
 
@@ -95,6 +103,7 @@ Status PlannedMarks::PlanWeb(const JobSpec& job, const ScanHead& head,
   RepeatMarks& repeats = *repeats_;
   pens_ = repeats.pens();
   counts_.resize(pens_.size());
+  way_counts_.resize(pens_.size());
   // What is the same in all repeats is made before there are several to make it.
   INTAGLIO_TRY(repeats.Make(0, warnings));
   std::vector<RepeatMarks> lanes;
@@ -122,7 +131,10 @@ Status PlannedMarks::PlanWeb(const JobSpec& job, const ScanHead& head,
         earliest_mm = std::min(earliest_mm, mark.extent.made_at.from_mm -
                                                 static_cast<double>(k) * pitch_mm_);
       }
-      for (std::size_t i = 0; i < pens_.size(); ++i) counts_[i] += figures->counts[i];
+      for (std::size_t i = 0; i < pens_.size(); ++i) {
+        counts_[i] += figures->counts[i];
+        way_counts_[i] += figures->way_counts[i];
+      }
       repeat_ends_.push_back(plan.mark_count());
       INTAGLIO_TRY(repeats.CheckCount(plan.mark_count()));
     }

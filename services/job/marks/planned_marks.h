@@ -45,6 +45,8 @@ class PlannedMarks {
   std::size_t mark_count() const { return mark_count_; }
   /// Of each pen.
   const std::vector<std::size_t>& counts() const { return counts_; }
+  /// The same of lit ways: of rows their dots (mark::LitWaysOf).
+  const std::vector<std::size_t>& way_counts() const { return way_counts_; }
   const MarkTimes& times() const { return times_; }
   /// Of a job with a web; errors as of WebRunOf.
   const std::optional<Result<WebRun>>& web() const { return web_; }
@@ -71,7 +73,7 @@ class PlannedMarks {
   double pitch_mm_;
   std::vector<mark::Pen> pens_;
   std::size_t mark_count_ = 0;
-  std::vector<std::size_t> counts_;
+  std::vector<std::size_t> counts_, way_counts_;
   MarkTimes times_;
   std::optional<Result<WebRun>> web_;
 

@@ -11,6 +11,7 @@
 #include "engrave/core/try.h"
 #include "engrave/mark/hatch.h"
 #include "services/job/convert/mark_defaults.h"
+#include "services/job/marks/dot_rows.h"
 #include "services/job/marks/item_place.h"
 #include "services/job/marks/job_marks.h"
 
@@ -68,6 +69,13 @@ Status AddLines(const MarkItem& item, const MarkShapes& shapes, const ItemPlace&
   return {};
 }
 
+/// Dots of rows count as marks.
+std::size_t WayCountOf(const std::vector<mark::Mark>& marks) {
+  std::size_t count = 0;
+  for (const mark::Mark& mark : marks) count += mark::LitWayCount(mark);
+  return count;
+}
+
 }  // namespace
 
 RepeatMarks::RepeatMarks(std::shared_ptr<const JobOfMarks> job)
@@ -75,7 +83,8 @@ RepeatMarks::RepeatMarks(std::shared_ptr<const JobOfMarks> job)
       fonts_(job_->item_files.size()),
       constant_(job_->item_files.size()) {}
 
-Result<RepeatMarks> RepeatMarks::Open(const JobSpec& job, std::vector<FileBytes> files,
+Result<RepeatMarks> RepeatMarks::Open(const JobSpec& job, const MachineSpec& machine,
+                                      std::vector<FileBytes> files,
                                       const ReadLimits& limits) {
   auto read = std::make_shared<JobOfMarks>();
   read->marks = WithDefaults(job.marks());
@@ -90,6 +99,8 @@ Result<RepeatMarks> RepeatMarks::Open(const JobSpec& job, std::vector<FileBytes>
   read->table = INTAGLIO_TRY(MarkTable::Make(read->marks, read->table_file));
   for (int i = 0; i < read->marks.items_size(); ++i)
     read->pens.push_back(PenOf(read->marks.items(i), i));
+  for (const MarkItem& item : read->marks.items())
+    read->rows.push_back(DotRowsOf(item, read->marks.has_web(), machine));
   return RepeatMarks(std::move(read));
 }
 
@@ -145,7 +156,7 @@ Result<std::vector<mark::Mark>> RepeatMarks::Make(std::size_t repeat,
     if (!marks) return tl::unexpected(Named(std::move(marks.error()), i, repeat));
     if (!MarkTable::Varies(item)) {
       // Before all of them take their time.
-      INTAGLIO_TRY(CheckCount(marks->size() * count()));
+      INTAGLIO_TRY(CheckCount(WayCountOf(*marks) * count()));
       kept = std::make_shared<const std::vector<mark::Mark>>(*marks);
     }
     Append(*std::move(marks), repeat, made);
@@ -163,8 +174,8 @@ Error RepeatMarks::Named(Error error, int item, std::size_t repeat) const {
 Result<std::vector<mark::Mark>> RepeatMarks::MarksOf(const MarkItem& item,
                                                      std::uint32_t pen,
                                                      Warnings& warnings) {
-  const auto shapes = INTAGLIO_TRY(
-      ShapesOf(item, job_->item_files[pen], job_->limits, fonts_[pen], warnings));
+  const auto shapes = INTAGLIO_TRY(ShapesOf(item, job_->item_files[pen], job_->limits,
+                                            job_->rows[pen], fonts_[pen], warnings));
   const ItemPlace place = PlaceOf(item.placement(), shapes);
   std::vector<mark::Mark> outlines;
   outlines.reserve(shapes.shapes.size());
@@ -172,6 +183,8 @@ Result<std::vector<mark::Mark>> RepeatMarks::MarksOf(const MarkItem& item,
     mark::Mark outline{pen, shape.closed, 0, {}};
     outline.places.reserve(shape.places_mm.size());
     for (const Vec2& p : shape.places_mm) outline.places.push_back({place(p), 0});
+    for (std::size_t i = 1; shape.dashed && i + 1 < outline.places.size(); i += 2)
+      outline.places[i].dark = true;
     outlines.push_back(std::move(outline));
   }
   if (!item.has_hatch()) return outlines;

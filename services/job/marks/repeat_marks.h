@@ -25,8 +25,8 @@ namespace intaglio {
 class RepeatMarks {
  public:
   /// `files` as JobMarkFilesOf names them. Errors as of MakeJobMarks.
-  static Result<RepeatMarks> Open(const JobSpec& job, std::vector<FileBytes> files,
-                                  const ReadLimits& limits);
+  static Result<RepeatMarks> Open(const JobSpec& job, const MachineSpec& machine,
+                                  std::vector<FileBytes> files, const ReadLimits& limits);
 
   /// The same marks for another thread, with all that was read and made for these.
   RepeatMarks Another() const;
@@ -51,6 +51,7 @@ class RepeatMarks {
     MarkFile table_file;
     std::optional<MarkTable> table;
     std::vector<mark::Pen> pens;
+    std::vector<std::optional<DotRows>> rows;  // of each item
 
     /// To each item its own files, in the order of JobMarkFilesOf.
     Status DivideFiles();

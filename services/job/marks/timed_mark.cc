@@ -49,7 +49,7 @@ MeasuredMark Measure(const mark::Mark& mark, const mark::Pen& pen,
   measured.start.begin_mm = OnWeb(mark, mark.places.front());
   measured.end_mm = OnWeb(mark, mark.closed ? mark.places.front() : mark.places.back());
   const double length_mm = mark::LengthOf(mark);
-  measured.length_mm = pen.pass_count * length_mm;
+  measured.length_mm = pen.pass_count * mark::LitLengthOf(mark);
   galvo::MarkTickOptions ticks = head.ticks;
   ticks.mark_mm_s = pen.speed_mm_s;
   MarkStart& start = measured.start;

@@ -40,7 +40,7 @@ struct MeasuredMark {
   MarkExtent extent;
   MarkStart start;
   Vec2 end_mm = Vec2::Zero();
-  double length_mm = 0;  ///< of all passes
+  double length_mm = 0;  ///< of all passes, where the beam is on
 };
 
 MeasuredMark Measure(const mark::Mark& mark, const mark::Pen& pen,

@@ -40,6 +40,8 @@ void AddCounts(const MarkEvidence& evidence, MarkCounts& counts) {
   counts.set_uncertain_doubled(account.of_uncertain.doubled);
   counts.set_unaccounted(account.unaccounted_count);
   counts.set_stray_ticks(evidence.compared.stray_tick_count);
+  counts.set_dots(evidence.compared.dot_count);
+  counts.set_wrong_dots(evidence.compared.wrong_dot_count);
 }
 
 /// Measures a mark that was made; none: it has no such measure.
@@ -220,7 +222,7 @@ void AddTime(const MarkEvidence& evidence, JobReport& report) {
 void AddEstimate(const MarkEvidence& evidence, JobReport& report) {
   double length_mm = 0;
   for (const mark::Mark& mark : evidence.marks.marks)
-    length_mm += evidence.marks.pens[mark.pen].pass_count * mark::LengthOf(mark);
+    length_mm += evidence.marks.pens[mark.pen].pass_count * mark::LitLengthOf(mark);
   report.mutable_marks()->set_length_mm(length_mm);
   if (!evidence.job.machine().has_scan_head()) return;
   report.set_estimated_time_s(

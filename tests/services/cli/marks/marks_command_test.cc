@@ -9,6 +9,8 @@
 #include <fstream>
 
 #include "engrave/io/whole_file.h"
+#include "engrave/render/canvas.h"
+#include "engrave/render/png_file.h"
 #include "services/cli/terminal/interrupt.h"
 #include "tests/services/cli/typed_command.h"
 
@@ -96,9 +98,40 @@ TEST_F(MarksCommand, WritesMarksAndPicture) {
   std::string header, first;
   std::ifstream in(csv);
   std::getline(in, header), std::getline(in, first);
-  EXPECT_EQ(header, "mark,item,web_mm,closed,x_mm,y_mm");
+  EXPECT_EQ(header, "mark,item,web_mm,closed,x_mm,y_mm,dark");
   EXPECT_EQ(first.substr(0, 8), "1,1,0,0,");
   EXPECT_GT(std::filesystem::file_size(picture), 1000U);
+}
+
+TEST_F(MarksCommand, ShowsHowDotsAreMadeAndWhatThatTakes) {
+  // 200 by 100 places of even grey: some 10 000 dots.
+  render::Canvas canvas(20, 10);
+  for (int i = 0; i < 200; ++i) canvas.at(i % 20, i / 20) = render::Srgb(0xBCBCBC);
+  ASSERT_TRUE(render::WritePng(folder_ / "grey.png", canvas));
+  const auto seconds_of = [&](const std::string& image, const std::string& how) {
+    Write("job.textproto",
+          "machine_file: \"head.textproto\" marks { items { image { file: \"grey.png\" "
+          "make: MARK_IMAGE_MAKE_DOTS " +
+              image + " } placement { fit_width_mm: 20 } } }");
+    EXPECT_EQ(Preview(), 0) << errors_;
+    EXPECT_THAT(output_, HasSubstr(how));
+    const auto at = output_.find("time        ");
+    return at == std::string::npos ? 0 : std::stod(output_.substr(at + 12));
+  };
+  const double rows_s = seconds_of("", " of item 1, in rows, the laser is switched");
+  const double each_s = seconds_of("dot_mode: MARK_DOT_MODE_EACH",
+                                   " of item 1, each by itself: as dot_mode asks");
+  EXPECT_GT(each_s, 10 * rows_s);
+  EXPECT_GT(rows_s, 100 * 20 / 1000.0);  // 100 rows of 20 mm at 1000 mm/s
+  EXPECT_EQ(Preview({"--set", "marks.pen.speed_mm_s=3000", "--set",
+                     "marks.items[0].image.dot_mode=MARK_DOT_MODE_DEFAULT"}),
+            0);
+  EXPECT_THAT(output_, HasSubstr("each by itself: the beam passes 0.03 mm in a tick"));
+  EXPECT_EQ(Preview({"--set", "marks.pen.speed_mm_s=3000", "--set",
+                     "marks.items[0].image.dot_mode=MARK_DOT_MODE_ROWS"}),
+            2);
+  EXPECT_THAT(errors_, HasSubstr("marks.items[0].image.dot_mode: MARK_DOT_MODE_ROWS is "
+                                 "not possible on head"));
 }
 
 TEST_F(MarksCommand, NamesEveryMistakeByItsField) {
