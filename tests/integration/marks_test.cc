@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
@@ -17,6 +18,8 @@
 
 #include "engrave/formats/mark_record.h"
 #include "engrave/mark/mark_file.h"
+#include "engrave/render/canvas.h"
+#include "engrave/render/png_file.h"
 #include "tests/integration/mark_shop.h"
 #include "tests/test_folder.h"
 
@@ -73,6 +76,58 @@ TEST(MarkShopTest, APauseEndsTheMarkInHand) {
   const MarkJudgement judgement = shop.Judge();
   EXPECT_EQ(judgement.burnt, kMarks);
   EXPECT_EQ(judgement.doubled + judgement.unknown + judgement.not_made, 0u);
+}
+
+constexpr std::size_t kHalftoneRows = 100;
+
+/// The middles of what was burnt without a dark tick between.
+std::vector<Vec2> DotsBurntIn(const fs::path& file) {
+  std::vector<Vec2> dots;
+  Vec2 begin_mm = Vec2::Zero();
+  std::uint64_t before = 0;
+  const auto record = formats::ReadMarkRecord(file);
+  EXPECT_TRUE(record) << file;
+  for (const auto& tick : record.value_or(formats::MarkRecord()).ticks) {
+    if (dots.empty() || tick.tick != before + 1) {
+      dots.emplace_back();
+      begin_mm = tick.place_mm - tick.way_mm;
+    }
+    before = tick.tick;
+    dots.back() = (begin_mm + tick.place_mm) / 2;
+  }
+  return dots;
+}
+
+// A row of the halftone takes 50 ms, so that the lost host ends one in its middle.
+TEST(MarkShopTest, NoDotOfARowThatWasBrokenIsMadeTwice) {
+  const fs::path folder = test::FreshFolder();
+  render::Canvas canvas(kHalftoneRows, kHalftoneRows);
+  for (int i = 0; i < canvas.width() * canvas.height(); ++i)
+    canvas.at(i % canvas.width(), i / canvas.width()) = render::Srgb(0x808080);
+  ASSERT_TRUE(render::WritePng(folder / "grey.png", canvas));
+  MarkShop shop({.job = "name: \"grey\" marks { items { image { file: \"grey.png\" make: "
+                        "MARK_IMAGE_MAKE_DOTS } } pen { speed_mm_s: 200 } }",
+                 .mark_count = kHalftoneRows},
+                folder);
+  ASSERT_TRUE(shop.Open()) << shop.UpOutput();
+  ASSERT_TRUE(shop.Submit());
+  ASSERT_TRUE(Eventually([&] { return shop.BurntTicks() > 10'000; }, 60s));
+  ASSERT_EQ(shop.Kill("intaglio-marker"), 1);
+  ASSERT_TRUE(shop.AwaitDone(kBound)) << shop.shown() << shop.UpOutput();
+  const MarkJudgement judgement = shop.Judge();
+  EXPECT_EQ(judgement.doubled + judgement.unknown + judgement.not_made, 0u);
+  EXPECT_EQ(judgement.made + judgement.uncertain, kHalftoneRows);
+  const std::vector<Vec2> dots = DotsBurntIn(shop.folder() / "shop/marks.rec");
+  // Most places of each row have a dot.
+  EXPECT_GT(dots.size(), kHalftoneRows * 7 / 10 * judgement.made);
+  // Places are 0.1 mm apart, so dots that are nearer were made of one place.
+  std::set<std::pair<long, long>> places;
+  for (const Vec2& dot : dots) {
+    const Vec2 at = (dot - dots.front()) / 0.1;
+    EXPECT_TRUE(places.emplace(std::lround(at.x()), std::lround(at.y())).second);
+  }
+  std::cout << fmt::format("{} dots, {} rows uncertain\n", dots.size(),
+                           judgement.uncertain);
 }
 
 /// A metre of web: two holes and a square every 10 mm.

@@ -169,6 +169,23 @@ TEST(DotRows, ThatAMachineCannotMakeAreRefusedByFieldAndRemedy) {
   EXPECT_THAT(errors_of(from_rest, ""), HasSubstr("give a run-in"));
 }
 
+TEST(DotRows, StrokesOfAnImageKeepOneDirectionToo) {
+  for (const bool both : {true, false}) {
+    Warnings warnings;
+    const auto set =
+        MakeJobMarks(JobOf(fmt::format("marks {{ items {{ image {{ file: \"a.bmp\" "
+                                       "distance_mm: 0.5 bidirectional: {} }} }} }}",
+                                       both)),
+                     SweepingHead(), {SteppedBmp()}, ReadLimits(), warnings, nullptr);
+    ASSERT_TRUE(set) << set.error().message;
+    ASSERT_EQ(set->marks.size(), 3U);
+    const auto backward = std::ranges::count_if(set->marks, [](const mark::Mark& mark) {
+      return mark.places.back().at_mm.x() < mark.places.front().at_mm.x();
+    });
+    EXPECT_EQ(backward, both ? 2 : 0);
+  }
+}
+
 TEST(DotRows, AreOfDotsAlone) {
   std::string errors;
   for (const Finding& finding :
