@@ -68,4 +68,15 @@ std::string DotModeText(const MarkItem& item, const MachineSpec& machine) {
                      : "each by itself: " + why;
 }
 
+void NoteDotModes(const JobSpec& job, const MachineSpec& machine, Warnings& warnings) {
+  for (int i = 0; i < job.marks().items_size(); ++i) {
+    const MarkItem& item = job.marks().items(i);
+    const bool is_asked = item.image().dot_mode() != MARK_DOT_MODE_DEFAULT;
+    if (!HasDots(item) || is_asked || WhyEach(item, machine).empty()) continue;
+    warnings.push_back(MakeWarning(
+        WarningCode::kChosen, fmt::format("marks.items[{}].image.dot_mode: dots {}", i,
+                                          DotModeText(item, machine))));
+  }
+}
+
 }  // namespace intaglio

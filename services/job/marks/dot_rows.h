@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "engrave/core/warning.h"
+#include "proto/job.pb.h"
 #include "proto/machine.pb.h"
 #include "proto/mark.pb.h"
 #include "services/job/marks/mark_shapes.h"
@@ -20,5 +22,9 @@ std::optional<DotRows> DotRowsOf(const MarkItem& item, bool on_web,
 
 /// How the dots of this item are made, for a person; empty: it has none.
 std::string DotModeText(const MarkItem& item, const MachineSpec& machine);
+
+/// Adds a note on each item whose dots are made each by itself, where the job leaves that
+/// to the machine. `job` with its defaults.
+void NoteDotModes(const JobSpec& job, const MachineSpec& machine, Warnings& warnings);
 
 }  // namespace intaglio

@@ -7,6 +7,7 @@
 #include "engrave/core/try.h"
 #include "services/job/checks/marks_check.h"
 #include "services/job/course/course_marks.h"
+#include "services/job/marks/dot_rows.h"
 #include "services/job/marks/job_marks.h"
 #include "services/job/marks/web_run.h"
 
@@ -64,6 +65,7 @@ Result<mark::MarkSet> OrderMarks(const JobSpec& job, const MachineSpec& machine,
   auto ordered =
       INTAGLIO_TRY(KindOfMarks(job).order(job, machine, std::move(marks), progress));
   INTAGLIO_TRY(CheckWebRun(job, machine, ordered, warnings));
+  NoteDotModes(job, machine, warnings);
   return ordered;
 }
 

@@ -1,5 +1,7 @@
 // Dots of images in rows: the same dots, and how rows are divided.
 
+#include "services/job/marks/dot_rows.h"
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,6 +11,7 @@
 #include <string>
 
 #include "services/job/checks/marks_check.h"
+#include "services/job/convert/mark_defaults.h"
 #include "services/job/files/job_file.h"
 #include "services/job/marks/job_marks.h"
 
@@ -167,6 +170,27 @@ TEST(DotRows, ThatAMachineCannotMakeAreRefusedByFieldAndRemedy) {
   MachineSpec from_rest = SweepingHead();
   from_rest.mutable_scan_head()->set_run_in_s(0);
   EXPECT_THAT(errors_of(from_rest, ""), HasSubstr("give a run-in"));
+}
+
+TEST(DotRows, ThatAreLeftToTheMachineAreNotedWhereItMakesDotsEach) {
+  const auto noted = [](const MachineSpec& machine, const std::string& of_image) {
+    JobSpec job = JobOf(
+        fmt::format("marks {{ items {{ image {{ file: \"a\" {} }} }} }}", of_image));
+    *job.mutable_marks() = WithDefaults(job.marks());
+    Warnings warnings;
+    NoteDotModes(job, machine, warnings);
+    std::string texts;
+    for (const Warning& warning : warnings) texts += warning.text;
+    return texts;
+  };
+  MachineSpec board = SweepingHead();
+  board.mutable_mark_line()->set_protocol("bjjcz");
+  EXPECT_THAT(noted(board, "make: MARK_IMAGE_MAKE_DOTS"),
+              HasSubstr("marks.items[0].image.dot_mode: dots each by itself: a "
+                        "controller of mark_line.protocol \"bjjcz\""));
+  EXPECT_EQ(noted(board, ""), "");
+  EXPECT_EQ(noted(board, "make: MARK_IMAGE_MAKE_DOTS dot_mode: MARK_DOT_MODE_EACH"), "");
+  EXPECT_EQ(noted(SweepingHead(), "make: MARK_IMAGE_MAKE_DOTS"), "");
 }
 
 TEST(DotRows, StrokesOfAnImageKeepOneDirectionToo) {
