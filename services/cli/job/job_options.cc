@@ -79,11 +79,8 @@ Status SetOrderAndProfile(const JobFlags& flags, JobSpec& job) {
 UpAxis UpOf(const std::string& name) {
   std::string value = "UP_AXIS_";
   for (const char c : name) {
-    if (c == '-') {
-      value += "MINUS_";
-    } else {
-      value += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-    }
+    const char upper = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    value += c == '-' ? "MINUS_" : std::string(1, upper);
   }
   UpAxis up = UP_AXIS_DEFAULT;
   UpAxis_Parse(value, &up);
