@@ -11,9 +11,8 @@
 //   of each pen: length of its name (4), the name, speed, power, frequency (doubles),
 //     passes (4), depth, plunge speed (doubles)
 //   of each mark: pen (4), kind (4: 0 open, 1 closed, 2 a row with dark ways), place
-//   along
-//     the web (double), places (4), of each place x, y, bulge (doubles), and of a row
-//     whether the way behind it is dark (4: 0 or 1)
+//     along the web (double), places (4), of each place x, y, bulge (doubles), and of a
+//     row whether the way behind it is dark (4: 0 or 1)
 
 #include <cstddef>
 #include <cstdint>

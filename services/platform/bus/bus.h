@@ -132,8 +132,8 @@ class Reader {
             internal::ReaderChoice{source == Source::kOtherProcesses,
                                    keeps == Keeps::kEverySample})) {}
 
-  /// Takes what is there, up to a bound, and calls sink(sample) for each live sample; the sample is
-  /// valid during the call only. Returns how many were taken.
+  /// Takes what is there, up to a bound, and calls sink(sample) for each live sample; the
+  /// sample is valid during the call only. Returns how many were taken.
   template <typename Sink>
   int Take(Sink&& sink) {
     return TakeAll([&sink](const T& sample, const SampleOrigin& origin) {

@@ -64,27 +64,26 @@ void SimulatedStage::EndStream() {
 
 bool SimulatedStage::Take(CellListener& listener) {
   bool begun = false;
-  batches_.TakeAll(
-      [&](const intaglio_MotionSegmentBatch& sample, const bus::SampleOrigin& origin) {
-        if (!origin.alive) return;
-        const SegmentMessages messages = MessageOf(sample);
-        begun = listener.Receive(messages, static_cast<std::uint64_t>(origin.source_ns)) ||
-                begun;
-        changed_ = true;
-        if (messages.abort) {
-          if (messages.run < run_) return;
-          run_ = messages.run;
-          at_rest_ = true;
-          return EndStream();
-        }
-        if (messages.run > run_) Begin(messages);
-        if (messages.run != run_ || stream_.empty()) return;
-        for (const std::uint32_t subticks : messages.duration_subticks)
-          subticks_ += subticks;
-        whole_ = messages.last;
-        (void)credit_.Consumed(stream_, messages.number + 1);
-        if (whole_) EndStream();
-      });
+  batches_.TakeAll([&](const intaglio_MotionSegmentBatch& sample,
+                       const bus::SampleOrigin& origin) {
+    if (!origin.alive) return;
+    const SegmentMessages messages = MessageOf(sample);
+    begun =
+        listener.Receive(messages, static_cast<std::uint64_t>(origin.source_ns)) || begun;
+    changed_ = true;
+    if (messages.abort) {
+      if (messages.run < run_) return;
+      run_ = messages.run;
+      at_rest_ = true;
+      return EndStream();
+    }
+    if (messages.run > run_) Begin(messages);
+    if (messages.run != run_ || stream_.empty()) return;
+    for (const std::uint32_t subticks : messages.duration_subticks) subticks_ += subticks;
+    whole_ = messages.last;
+    (void)credit_.Consumed(stream_, messages.number + 1);
+    if (whole_) EndStream();
+  });
   return begun;
 }
 
