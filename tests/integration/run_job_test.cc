@@ -76,7 +76,7 @@ TEST_F(RunJob, TwoRunsAreTheSameBitForBit) {
 class StalledInLockstep : public RunJob,
                           public ::testing::WithParamInterface<const char*> {
  protected:
-  const std::vector<std::string> dense_ = {"--lockstep", "--spacing", "0.35"};
+  const std::vector<std::string> dense_ = {"--lockstep", "--spacing", "0.25"};
 
   std::size_t Cracks() const {
     const auto glass = formats::ReadGlassRecord(folder_ / "out/session/glass.rec");
