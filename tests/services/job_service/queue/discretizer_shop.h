@@ -19,7 +19,7 @@ class GivenOrders : public RecordingActions {
     RecordingActions::Give(order, job);
     if (order.stage != intaglio_STAGE_DISCRETIZE) return;
     if (order.revoked) {
-      given.erase(order.worker);
+      given[order.worker].clear();
       return;
     }
     given[order.worker].push_back(order);
