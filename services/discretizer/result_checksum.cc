@@ -72,6 +72,9 @@ void Add(const mark::Mark& mark, Sum& sum) {
     sum.Add(place.at_mm.y());
     sum.Add(place.bulge);
   }
+  if (!mark::IsRow(mark)) return;
+  for (const mark::Place& place : mark.places)
+    sum.Add(static_cast<std::uint8_t>(place.dark));
 }
 
 }  // namespace

@@ -12,7 +12,8 @@ namespace intaglio::discretizer {
 /// The count and a CRC-32 as text, "8192-0a1b2c3d". That of points is the CRC of x, y, z
 /// (IEEE 754 binary64, mm) and source (uint32) of each in their order, little-endian.
 /// That of marks is the same of their pens and then of each mark, the fields in the order
-/// of idl/cloud.idl MarkBatch, with a number (uint32) before every text and every list.
+/// of idl/cloud.idl MarkBatch, with a number (uint32) before every text and every list;
+/// `dark` of rows alone, behind their places.
 std::string ChecksumOf(const host::StageResult& result);
 
 }  // namespace intaglio::discretizer

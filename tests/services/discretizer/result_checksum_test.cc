@@ -70,6 +70,7 @@ TEST(ResultChecksum, WhateverReachesTheNextStageChangesIt) {
       [](mark::MarkSet& m) { m.marks[0].places[1].at_mm.x() = 4; },
       [](mark::MarkSet& m) { m.marks[0].places[1].at_mm.y() = 4; },
       [](mark::MarkSet& m) { m.marks[0].places[1].bulge = 1; },
+      [](mark::MarkSet& m) { m.marks[0].places[1].dark = true; },
       [](mark::MarkSet& m) { m.marks[0].places.pop_back(); },
       [](mark::MarkSet& m) { std::swap(m.marks[0], m.marks[1]); },
   };
