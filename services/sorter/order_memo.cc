@@ -37,7 +37,7 @@ std::optional<sort::Order> OrderMemo::Find(const std::string& key) {
 }
 
 void OrderMemo::Keep(const std::string& key, const sort::Order& order) {
-  if (key.empty() || order.size() > max_points_) return;
+  if (key.empty() || !Keeps(order.size())) return;
   const std::scoped_lock lock(mutex_);
   points_ += order.size();
   newest_first_.push_front({key, order});

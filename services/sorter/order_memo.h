@@ -27,6 +27,8 @@ class OrderMemo {
   /// It keeps orders of as many points in all, 4 bytes each.
   explicit OrderMemo(std::size_t max_points) : max_points_(max_points) {}
 
+  /// Whether an order of so many points is kept.
+  bool Keeps(std::size_t point_count) const { return point_count <= max_points_; }
   std::optional<sort::Order> Find(const std::string& key);
   /// Forgets the orders that were used the longest ago. An order with an empty key, or
   /// with more points than all may have, is not kept.

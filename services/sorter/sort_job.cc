@@ -41,7 +41,8 @@ Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud, OrderM
   const auto estimate =
       FirstEstimateTicks(job, cloud.points_mm, of_cloud, host::AllCores(), progress);
   if (estimate) estimate_ticks = *estimate;
-  const std::string key = OrderKey(job, cloud.points_mm, of_cloud);
+  const std::string key =
+      memo.Keeps(cloud.size()) ? OrderKey(job, cloud.points_mm, of_cloud) : std::string();
   std::optional<sort::Order> known = memo.Find(key);
   if (!known) {
     known = INTAGLIO_TRY(sort::MakeChannelOrder(cloud.points_mm, of_cloud,
