@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ostream.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <iostream>
@@ -29,7 +28,6 @@
 #include "services/cli/contour/contour_project.h"
 #include "services/cli/flags/size_limits_flag.h"
 #include "services/cli/job/job_options.h"
-#include "services/cli/progress/background_meter.h"
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
@@ -37,7 +35,6 @@
 #include "services/job/checks/job_check.h"
 #include "services/job/convert/mark_defaults.h"
 #include "services/job/convert/v_bit.h"
-#include "services/job/course/course_work.h"
 #include "services/job/files/job_file.h"
 
 namespace intaglio::cli {
@@ -171,21 +168,12 @@ Status MakeContours(const ContourOptions& options) {
   INTAGLIO_TRY(TakeToolOf(options, typed));
   const Course whole = WithDefaults(typed);
   Warnings warnings;
-  std::optional<BackgroundMeter> meter(std::in_place, std::cerr,
-                                       isatty(STDERR_FILENO) != 0);
-  meter->Begin("read");
-  const auto read =
-      ReadCourseFiles(whole, options.size_limits, warnings, TypedFileOptions(options));
-  meter.reset();
-  PrintWarningLines(warnings);
-  if (!read) return tl::unexpected(read.error());
-  const CourseFiles& files = *read;
   const Vec2 start_mm = PlaceOf(options.start_mm);
-  meter.emplace(std::cerr, isatty(STDERR_FILENO) != 0);
-  meter->Begin("contours");
-  const ContourWork work = INTAGLIO_TRY(MakeContourWork(
-      whole, files, start_mm, {meter->Sink("contours"), meter->Sink("order")}));
-  meter.reset();
+  const auto made = ContoursFromFiles(whole, options.size_limits, start_mm, warnings,
+                                      TypedFileOptions(options));
+  PrintWarningLines(warnings);
+  if (!made) return tl::unexpected(made.error());
+  const auto& [files, work] = *made;
   for (const std::string& line : FiguresOf(work, whole))
     fmt::print(std::cout, "{}\n", line);
   if (!options.xml.empty()) {

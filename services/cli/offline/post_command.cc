@@ -35,7 +35,6 @@
 #include "services/job/checks/course_check.h"
 #include "services/job/checks/job_check.h"
 #include "services/job/convert/mark_defaults.h"
-#include "services/job/course/course_work.h"
 #include "services/job/fields/channels.h"
 #include "services/job/machine/laser_setting.h"
 #include "services/job/machine/machine_axes.h"
@@ -175,10 +174,11 @@ Status MakeCourseProgram(const PostOptions& options, const JobSpec& job) {
   }
   const Course whole = WithDefaults(job.course());
   Warnings warnings;
-  const CourseFiles files =
-      INTAGLIO_TRY(ReadCourseFiles(whole, options.job.size_limits, warnings));
+  const auto made =
+      ContoursFromFiles(whole, options.job.size_limits, Vec2(0, 0), warnings);
   PrintWarningLines(warnings);
-  const ContourWork work = INTAGLIO_TRY(MakeContourWork(whole, files, Vec2(0, 0)));
+  if (!made) return tl::unexpected(made.error());
+  const ContourWork& work = made->work;
   ContourProgramOptions program;
   program.mill_template = options.program_template;
   program.out = options.out;

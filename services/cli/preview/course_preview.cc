@@ -1,8 +1,5 @@
 #include "services/cli/preview/course_preview.h"
 
-#include <unistd.h>
-
-#include <iostream>
 #include <utility>
 
 #include "engrave/core/try.h"
@@ -10,13 +7,11 @@
 #include "services/cli/contour/contour_figures.h"
 #include "services/cli/contour/contour_files.h"
 #include "services/cli/contour/contour_picture.h"
-#include "services/cli/progress/background_meter.h"
 #include "services/client/preview/preview.h"
 #include "services/client/preview/preview_text.h"
 #include "services/job/checks/course_check.h"
 #include "services/job/checks/job_check.h"
 #include "services/job/convert/mark_defaults.h"
-#include "services/job/course/course_work.h"
 #include "services/job/verdict/warnings.h"
 
 namespace intaglio::cli {
@@ -47,12 +42,9 @@ Result<JobPreview> PreviewCourse(const JobSpec& job, double size_limits,
   const Course whole = WithDefaults(job.course());
   const Vec2 start_mm(0, 0);
   Warnings warnings;
-  BackgroundMeter meter(std::cerr, isatty(STDERR_FILENO) != 0);
-  meter.Begin("read");
-  const CourseFiles files =
-      INTAGLIO_TRY(ReadCourseFiles(whole, size_limits, warnings, {}));
-  const ContourWork work = INTAGLIO_TRY(MakeContourWork(
-      whole, files, start_mm, {meter.Sink("contours"), meter.Sink("order")}));
+  const auto made =
+      INTAGLIO_TRY(ContoursFromFiles(whole, size_limits, start_mm, warnings));
+  const ContourWork& work = made.work;
   JobPreview figures;
   figures.set_name(job.name().empty()
                        ? fs::path(job.course().files(0)).filename().string()

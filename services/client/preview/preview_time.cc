@@ -14,7 +14,7 @@
 #include "services/job/machine/head_over_block.h"
 #include "services/job/machine/job_ticks_bound.h"
 #include "services/job/machine/machine_axes.h"
-#include "services/job/plan/plan_summary.h"
+#include "services/job/plan/planned_ticks.h"
 #include "services/job/plan/steady_ticks.h"
 #include "services/platform/fields/field_rules.h"
 
@@ -49,24 +49,9 @@ Result<std::uint64_t> TicksOf(const FrozenJob& job, const CloudToTime& cloud,
     points_mm.push_back(cloud.points_mm[i]);
     masks.push_back(cloud.masks[i]);
   }
-  sort::OrderOptions options = OrderOptionsOf(job);
-  options.executor = executor;
-  const auto order =
-      INTAGLIO_TRY(sort::MakeChannelOrder(points_mm, masks, options, progress));
-  PointList path_mm;
-  PlanInput plan;
-  for (const std::uint32_t index : order) {
-    path_mm.push_back(points_mm[index]);
-    plan.masks.push_back(masks[index]);
-  }
-  auto axes = INTAGLIO_TRY(machine::AxesAlong(AxesFromGlassOf(job), std::move(path_mm),
-                                              AxisLimitsOf(job.machine()).travel_mm));
-  plan.machine_points_mm = std::move(axes);
-  plan.options = MotionOptionsOf(job);
-  const auto summary = INTAGLIO_TRY(Summarize(plan, progress));
-  if (!is_sample) return summary.ticks;
-  const double ticks =
-      SteadyTicksPerStep(summary.point_ticks) * static_cast<double>(piece.size());
+  const auto at = INTAGLIO_TRY(PlannedTicks(job, points_mm, masks, executor, progress));
+  if (!is_sample) return at.back();
+  const double ticks = SteadyTicksPerStep(at) * static_cast<double>(piece.size());
   return static_cast<std::uint64_t>(std::llround(ticks));
 }
 

@@ -62,6 +62,13 @@ galvo::MarkTickOptions TickOptionsOf(const ScanHead& head, const mark::Pen& pen,
   return options;
 }
 
+double MarkToleranceUm(const MachineSpec& machine) {
+  if (machine.scan_head().has_tolerance_um()) return machine.scan_head().tolerance_um();
+  return !machine.has_scan_head() && machine.position_tolerance_um() > 0
+             ? machine.position_tolerance_um()
+             : DefaultOf<ScanHead>(ScanHead::kToleranceUmFieldNumber);
+}
+
 std::string WhyNoDotRows(const MachineSpec& machine, double dot_mm, double speed_mm_s) {
   const ScanHead& head = machine.scan_head();
   if (machine.mark_line().protocol() != kTickProtocol) {
@@ -75,11 +82,8 @@ std::string WhyNoDotRows(const MachineSpec& machine, double dot_mm, double speed
   if (!ticks.lead_servo && ticks.run_in_s == 0)
     return "scan_head.run_in_s is 0, so that rows would begin from rest; give a run-in";
   const double step_mm = speed_mm_s / ticks.rate_hz;
-  const double tolerance_mm =
-      1e-3 * (head.has_tolerance_um()
-                  ? head.tolerance_um()
-                  : DefaultOf<ScanHead>(ScanHead::kToleranceUmFieldNumber));
-  const double max_step_mm = std::min(dot_mm, 2 * kDotShiftRatio * tolerance_mm);
+  const double max_step_mm =
+      std::min(dot_mm, 2 * kDotShiftRatio * 1e-3 * MarkToleranceUm(machine));
   if (step_mm <= max_step_mm * (1 + 1e-9)) return {};
   return fmt::format(
       "the beam passes {:.3g} mm in a tick at {:.6g} mm/s, more than {}; "

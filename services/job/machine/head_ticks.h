@@ -28,6 +28,9 @@ double EyeAheadSeconds(const ScanHead& head);
 galvo::MarkTickOptions TickOptionsOf(const ScanHead& head, const mark::Pen& pen,
                                      double rate_hz);
 
+/// How far places of marks may be off: by the scan head, else by the machine, um.
+double MarkToleranceUm(const MachineSpec& machine);
+
 /// Why the head cannot make dots of that length in rows, its laser switched while the
 /// mirrors sweep at that speed, as the end of a sentence with a remedy; empty: it can.
 /// Dots lie at whole ticks, half of one from their place at most.

@@ -10,7 +10,7 @@
 #include "engrave/mark/mark_file.h"
 #include "services/client/proof/evidence/proof_evidence.h"
 #include "services/job/convert/mark_defaults.h"
-#include "services/platform/fields/field_defaults.h"
+#include "services/job/machine/head_ticks.h"
 
 namespace intaglio::client {
 namespace {
@@ -45,13 +45,6 @@ bool HasMarks(const fs::path& folder) {
   return fs::exists(folder / kMarksFile, error);
 }
 
-double MarkToleranceOf(const MachineSpec& machine) {
-  if (machine.scan_head().has_tolerance_um()) return machine.scan_head().tolerance_um();
-  return !machine.has_scan_head() && machine.position_tolerance_um() > 0
-             ? machine.position_tolerance_um()
-             : DefaultOf<ScanHead>(ScanHead::kToleranceUmFieldNumber);
-}
-
 Result<MarkEvidence> ReadMarkEvidence(const fs::path& folder) {
   MarkEvidence evidence;
   evidence.job = INTAGLIO_TRY(ReadFrozenJob(folder / "job.json"));
@@ -63,7 +56,7 @@ Result<MarkEvidence> ReadMarkEvidence(const fs::path& folder) {
     evidence.has_material = true;
     evidence.cut =
         INTAGLIO_TRY(ReadCutEvidence(folder, evidence.job.job().course(), evidence.marks,
-                                     MarkToleranceOf(evidence.job.machine())));
+                                     MarkToleranceUm(evidence.job.machine())));
     evidence.compared = evidence.cut->compared.marks;
     evidence.account = proof::AccountMarks(evidence.history, evidence.compared);
     return evidence;

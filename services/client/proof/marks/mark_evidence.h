@@ -40,9 +40,6 @@ struct MarkEvidence {
 /// The folder has marks in place of points.
 bool HasMarks(const std::filesystem::path& folder);
 
-/// How far places of marks may be off: by the scan head, else by the machine, um.
-double MarkToleranceOf(const MachineSpec& machine);
-
 /// Errors name the file and what is wrong with it. kInvalidValue: the journal belongs to
 /// other marks.
 Result<MarkEvidence> ReadMarkEvidence(const std::filesystem::path& folder);

@@ -13,6 +13,7 @@
 #include "engrave/mark/mark_file.h"
 #include "services/client/proof/evidence/proof_figures.h"
 #include "services/job/convert/mark_defaults.h"
+#include "services/job/machine/head_ticks.h"
 #include "services/job/marks/job_marks.h"
 #include "services/job/marks/mark_times.h"
 #include "services/job/marks/web_run.h"
@@ -288,7 +289,7 @@ JobReport FiguresOf(const MarkEvidence& evidence) {
   report.set_evidence(evidence.has_material ? kMaterialEvidence : kControllerEvidence);
   MarkReport& marks = *report.mutable_marks();
   AddCounts(evidence, *marks.mutable_counts());
-  marks.mutable_measures()->set_tolerance_um(MarkToleranceOf(frozen.machine()));
+  marks.mutable_measures()->set_tolerance_um(MarkToleranceUm(frozen.machine()));
   if (evidence.has_material) {
     AddMeasures(evidence, *marks.mutable_measures());
     AddEnergies(evidence, marks);
