@@ -128,6 +128,13 @@ class Continuous : public Planner {
 
 }  // namespace
 
+bool KeepsMore(const PlanOptions& options) {
+  const Limits& limits = options.limits;
+  return limits.max_jerk_mm_s3.minCoeff() < kUnlimited ||
+         limits.max_speed_norm_mm_s < kUnlimited ||
+         limits.max_acceleration_norm_mm_s2 < kUnlimited || IsJudged(options);
+}
+
 std::unique_ptr<Planner> MakePlanner(const PlanOptions& options, const Vec3& start_mm) {
   if (options.continuous) return std::make_unique<Continuous>(options, start_mm);
   return std::make_unique<Stopping>(options, start_mm);

@@ -39,6 +39,10 @@ struct PlanOptions {
   double sweep_mm = 0;
 };
 
+/// Whether a motion keeps more than the speed and the acceleration of each axis: a jerk,
+/// lengths of vectors, or errors of its drives.
+bool KeepsMore(const PlanOptions& options);
+
 /// Streams: target in, commands out that may come later, in the order of the targets.
 /// Not for use by two threads at once.
 class Planner {

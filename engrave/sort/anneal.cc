@@ -57,10 +57,11 @@ std::vector<Range> CutInStretches(std::size_t size, std::mt19937_64& generator) 
 
 class Annealing {
  public:
-  Annealing(const PointList& points_mm, const OrderOptions& options, Order& order)
+  Annealing(const PointList& points_mm, const OrderOptions& options, Fit fit,
+            Order& order)
       : points_mm_(points_mm),
         options_(options),
-        cost_(options.limits, options.rate_hz),
+        cost_(options.limits, options.rate_hz, fit),
         order_(order),
         generator_(options.anneal.seed) {}
 
@@ -134,16 +135,44 @@ Status CheckRange(const char* name, double value, double min, double max) {
               fmt::format("{}", value));
 }
 
+/// What leaves fewer ticks of a stretch in the middle of the order. Where the motion
+/// keeps more than the limits of the axes, it says too little that these can make the
+/// way.
+Fit BetterFit(const PointList& points_mm, const Order& order,
+              const OrderOptions& options) {
+  if (options.keeps_more) return Fit::kNeighbours;
+  const std::size_t size = std::min(order.size(), kStretch);
+  const auto begin =
+      order.begin() + static_cast<std::ptrdiff_t>((order.size() - size) / 2);
+  const Order middle(begin, begin + static_cast<std::ptrdiff_t>(size));
+  OrderOptions of_trial = options;
+  of_trial.anneal = {};
+  of_trial.anneal.tries_per_point = kFirstTries;
+  const auto ticks = [&](Fit fit) {
+    Order annealed = middle;
+    Annealing(points_mm, of_trial, fit, annealed).Run(nullptr);
+    return PlannedTicks(points_mm, annealed, options.limits, options.rate_hz);
+  };
+  return ticks(Fit::kNeighbours) < ticks(Fit::kWay) ? Fit::kNeighbours : Fit::kWay;
+}
+
 /// An order while it is annealed, with its ticks.
 class Improvement {
  public:
   Improvement(const PointList& points_mm, Order order, const OrderOptions& options)
       : points_mm_(points_mm), order_(std::move(order)), options_(options) {
     ticks_ = TicksOf(order_);
+    if (!IsNearBest()) fit_ = BetterFit(points_mm_, order_, options_);
   }
 
   Order& order() { return order_; }
   std::uint64_t ticks() const { return ticks_; }
+  /// From now on the way has to fit. False: it had to, or need not.
+  bool BeginToFitWay() {
+    if (fit_ == Fit::kWay || options_.keeps_more) return false;
+    fit_ = Fit::kWay;
+    return true;
+  }
   bool IsNearBest() const { return IsNearTheBound(ticks_, order_.size()); }
 
   /// Keeps what is annealed where that is better. False when `progress` requested
@@ -152,7 +181,7 @@ class Improvement {
     OrderOptions options = options_;
     options.anneal = how;
     Order annealed = order_;
-    if (!Annealing(points_mm_, options, annealed).Run(progress)) return false;
+    if (!Annealing(points_mm_, options, fit_, annealed).Run(progress)) return false;
     const std::uint64_t ticks = TicksOf(annealed);
     if (ticks >= ticks_) return true;
     order_ = std::move(annealed);
@@ -169,6 +198,7 @@ class Improvement {
   Order order_;
   const OrderOptions& options_;
   std::uint64_t ticks_ = 0;
+  Fit fit_ = Fit::kWay;
 };
 
 /// A share of a bar whose end is not known: each stage goes half of the way that is left.
@@ -183,7 +213,8 @@ ProgressSink StageOf(const ProgressSink& progress, int stage) {
 }
 
 /// Anneals in stages, each with more tries than the one before, while the next one
-/// promises to save more than it takes. False when `progress` requested cancellation.
+/// promises to save more than it takes; then once more so that the way fits, if it did
+/// not have to. False when `progress` requested cancellation.
 bool AnnealByWorth(const OrderOptions& options, const ProgressSink& progress,
                    Improvement& order) {
   AnnealOptions how = options.anneal;
@@ -195,10 +226,15 @@ bool AnnealByWorth(const OrderOptions& options, const ProgressSink& progress,
     if (!order.Anneal(how, StageOf(progress, stage))) return false;
     const auto gain = static_cast<double>(before - order.ticks());
     const double saved_s = options.anneal.pieces * kNextGain * gain / options.rate_hz;
-    tries *= kMoreTries;
+    const double next_tries = tries * kMoreTries;
     const double taken_s =
-        tries * kTrySeconds * static_cast<double>(order.order().size());
-    if (order.IsNearBest() || saved_s <= taken_s || taken_s > kLongestStageS) return true;
+        next_tries * kTrySeconds * static_cast<double>(order.order().size());
+    if (order.IsNearBest()) return true;
+    if (saved_s > taken_s && taken_s <= kLongestStageS) {
+      tries = next_tries;
+    } else if (!order.BeginToFitWay()) {
+      return true;
+    }
   }
 }
 

@@ -111,6 +111,8 @@ struct OrderOptions {
   BeamCone cone;
   /// Of the stage, in the frame of the points; kSmooth, kAnneal and kSweep regard them.
   motion::Limits limits;
+  /// The motion keeps more than speed and acceleration of each axis.
+  bool keeps_more = false;
   double rate_hz = 100;  ///< lamp sync, 1..50000
   Executor executor;     ///< for methods that can use several workers
 };

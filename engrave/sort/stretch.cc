@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "engrave/core/check.h"
+#include "engrave/motion/tick_planner.h"
 
 namespace intaglio::sort {
 namespace {
@@ -13,7 +14,6 @@ namespace {
 constexpr std::size_t kNear = 8;
 constexpr std::size_t kLongestTurn = 512;
 constexpr std::size_t kLongestPiece = 256;
-constexpr std::size_t kFixed = 2;
 constexpr int kDraws = 8;
 constexpr std::uint64_t kCoolingSteps = 32;
 
@@ -68,6 +68,7 @@ Stretch::Stretch(std::span<const Vec3> points_mm, const BeamCone& cone,
 Stretch::Stretch(const std::vector<Scaled>& points, std::span<const Vec3> points_mm,
                  const BeamCone& cone, const TickCost& cost, const HeightTube& tube)
     : cost_(cost),
+      speeds_(cost),
       places_(points.size()),
       at_(points.size()),
       place_(points.size()),
@@ -103,15 +104,45 @@ void Stretch::Anneal(std::uint64_t tries, double hot, double cold, std::uint64_t
     if (!Propose(change) || !EndsStayInTube(change)) continue;
     const double chance = (static_cast<double>(random_() >> 11) + 1) * 0x1p-53;
     const double bearable = -temperature * std::log(chance);
-    if (-GainOf(change, bearable) > bearable || !IsAllowed(change)) continue;
+    if (-MaxGain(change, bearable) > bearable || !IsAllowed(change)) continue;
+    if (cost_.fit() == Fit::kWay && -Gain(change, bearable) > bearable) continue;
     Apply(change);
   }
 }
 
-/// All ticks, a window at a time from the start on.
 void Stretch::ChooseTicks() {
   if (at_.size() <= 2 * kFixed) return;
   for (std::size_t i = 1; i < at_.size(); ++i) SetStepTo(i);
+  if (cost_.fit() == Fit::kWay) {
+    ChooseTicksOfWay();
+  } else {
+    ChooseTicksOfNeighbours();
+  }
+  SetBends(kFixed, at_.size() - 1);
+}
+
+/// The fewest with which the axes can make the way, from rest to rest.
+void Stretch::ChooseTicksOfWay() {
+  motion::Limits limits;
+  limits.max_speed_mm_s = cost_.TopSpeeds();
+  limits.max_acceleration_mm_s2 = Vec3::Constant(1);
+  motion::TickLabels labels(motion::StepLimitsOf(limits, 1), 1, 1,
+                            motion::OptionsForRate(cost_.rate_hz()).labels);
+  PointList steps;
+  for (std::size_t i = 1; i < at_.size(); ++i) {
+    const Scaled step = MoveTo(i).step;
+    steps.emplace_back(step.x, step.y, step.z);
+  }
+  std::vector<motion::TimedStep> timed;
+  labels.Choose({}, steps, false, {}, timed);
+  for (std::size_t i = 1; i < at_.size(); ++i)
+    places_[i].ticks = static_cast<float>(timed[i - 1].ticks);
+  const auto move_to = [this](std::size_t place) { return MoveTo(place); };
+  Require(speeds_.Begin(at_.size(), move_to), "{} steps cannot be made", steps.size());
+}
+
+/// A window at a time from the start on.
+void Stretch::ChooseTicksOfNeighbours() {
   const std::size_t last = at_.size() - 1;
   places_[1].ticks = places_[1].min_ticks;
   places_[last].ticks = places_[last].min_ticks;
@@ -127,7 +158,6 @@ void Stretch::ChooseTicks() {
     cost_.BestTicks(MoveTo(first - 1), {steps, count}, after, ticks);
     for (std::size_t i = 0; i < count; ++i) places_[first + i].ticks = ticks[i];
   }
-  SetBends(kFixed, last);
 }
 
 void Stretch::SetStepTo(std::size_t place) {
@@ -137,7 +167,7 @@ void Stretch::SetStepTo(std::size_t place) {
 /// Of the steps to these places, both included.
 void Stretch::SetBends(std::size_t first, std::size_t last) {
   for (std::size_t i = first; i <= last; ++i)
-    places_[i].bend_cost = TickCost::BendCost(TickCost::Bend(MoveTo(i - 1), MoveTo(i)));
+    places_[i].bend_cost = cost_.BendCost(TickCost::Bend(MoveTo(i - 1), MoveTo(i)));
 }
 
 std::size_t Stretch::PieceLength(std::size_t place, bool forwards) {
@@ -209,80 +239,6 @@ TimedMove Stretch::MoveAfter(const Change& change, std::size_t place) const {
   const std::size_t from = OldPlace(change, place - 1);
   const std::size_t to = OldPlace(change, place);
   return {places_[to].point - places_[from].point, places_[std::max(from, to)].ticks};
-}
-
-/// Each step with one more on both sides, joined where they touch.
-std::size_t Stretch::WindowsAround(const std::size_t (&steps)[3],
-                                   Window (&windows)[3]) const {
-  std::size_t count = 0;
-  for (const std::size_t step : steps) {
-    const std::size_t first = std::max(step - 1, kFixed);
-    const std::size_t last = std::min(step + 1, at_.size() - kFixed);
-    if (count > 0 && first <= windows[count - 1].last + 1) {
-      windows[count - 1].last = std::max(windows[count - 1].last, last);
-    } else {
-      windows[count].first = first;
-      windows[count].last = last;
-      ++count;
-    }
-  }
-  return count;
-}
-
-/// The fewest ticks of the steps where pieces meet anew, less those of the steps that go.
-float Stretch::NewMinTicks(const Change& change) const {
-  const auto [begin, middle, end, turn_left, turn_right] = change;
-  const Scaled left[] = {places_[begin].point, places_[middle - 1].point};
-  const Scaled& before = places_[begin - 1].point;
-  const Scaled& after = places_[end].point;
-  const float gone = places_[begin].min_ticks + places_[end].min_ticks;
-  if (middle == end) {
-    return cost_.MinTicks(left[turn_left ? 1 : 0] - before) +
-           cost_.MinTicks(after - left[turn_left ? 0 : 1]) - gone;
-  }
-  const Scaled right[] = {places_[middle].point, places_[end - 1].point};
-  return cost_.MinTicks(right[turn_right ? 1 : 0] - before) +
-         cost_.MinTicks(left[turn_left ? 1 : 0] - right[turn_right ? 0 : 1]) +
-         cost_.MinTicks(after - left[turn_left ? 0 : 1]) - gone -
-         places_[middle].min_ticks;
-}
-
-/// How much cheaper the order is with the change. Both sides sum over the same steps but
-/// those that go and come. Where even the fewest ticks of the new steps lose more than
-/// `bearable`, no more than that is computed.
-float Stretch::GainOf(const Change& change, double bearable) {
-  Window old[3];
-  const std::size_t old_count =
-      WindowsAround({change.begin, change.middle, change.end}, old);
-  float cost = 0, spare = -NewMinTicks(change);
-  for (std::size_t w = 0; w < old_count; ++w) {
-    for (std::size_t i = old[w].first; i <= old[w].last; ++i) {
-      const Place& place = places_[i];
-      cost += place.ticks + place.bend_cost;
-      spare += place.ticks - place.min_ticks + place.bend_cost;
-    }
-    const float bend_behind = places_[old[w].last + 1].bend_cost;
-    cost += bend_behind;
-    spare += bend_behind;
-  }
-  // What the new steps may cost beyond their fewest ticks. Sums of floats are rounded.
-  constexpr float kRounded = 1e-3F;
-  const float left = spare + static_cast<float>(bearable) + kRounded;
-  if (left < 0) return spare;
-  const std::size_t meet = change.begin + change.end - change.middle;
-  new_window_count_ = WindowsAround({change.begin, meet, change.end}, new_windows_);
-  float gain = cost;
-  for (std::size_t w = 0; w < new_window_count_; ++w) {
-    Window& window = new_windows_[w];
-    Scaled steps[TickCost::kMaxSteps];
-    std::size_t count = 0;
-    for (std::size_t i = window.first; i <= window.last; ++i)
-      steps[count++] = MoveAfter(change, i).step;
-    gain -= cost_.BestTicks(MoveAfter(change, window.first - 1), {steps, count},
-                            MoveAfter(change, window.last + 1), window.ticks, left);
-    if (gain == -std::numeric_limits<float>::infinity()) return gain;
-  }
-  return gain;
 }
 
 /// Whether no point of a piece must precede another one of it.
@@ -377,6 +333,25 @@ void Stretch::Apply(const Change& change) {
   }
   for (std::size_t w = 0; w < new_window_count_; ++w)
     SetBends(new_windows_[w].first, new_windows_[w].last + 1);
+  if (cost_.fit() == Fit::kWay) ApplyToSpeeds(change);
+}
+
+/// The change is made already.
+void Stretch::ApplyToSpeeds(const Change& change) {
+  const std::size_t meet = change.begin + change.end - change.middle;
+  speeds_.Rearrange(
+      change.begin, change.end,
+      [&](std::size_t place) { return OldPlace(change, place); },
+      [&](std::size_t place) {
+        return place < meet ? change.turn_right : change.turn_left;
+      });
+  WaySpeeds::Steps changed[3];
+  for (std::size_t w = 0; w < new_window_count_; ++w)
+    changed[w] = {new_windows_[w].first, new_windows_[w].last};
+  const auto move_to = [this](std::size_t place) { return MoveTo(place); };
+  // Once in 100 000 changes a piece depends on what was before it longer than Gain has
+  // followed it.
+  if (!speeds_.Settle({changed, new_window_count_}, move_to)) ChooseTicks();
 }
 
 }  // namespace intaglio::sort

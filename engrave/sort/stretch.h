@@ -20,6 +20,7 @@
 #include "engrave/sort/beam/precedence.h"
 #include "engrave/sort/near/near_points.h"
 #include "engrave/sort/near/tick_cost.h"
+#include "engrave/sort/near/way_speeds.h"
 
 namespace intaglio::sort {
 
@@ -57,10 +58,14 @@ class Stretch {
     std::size_t begin, middle, end;
     bool turn_left, turn_right;
   };
+  /// Places at each end whose points stay.
+  static constexpr std::size_t kFixed = 2;
+  /// Three joints, each with a step on both sides.
+  static constexpr std::size_t kMaxWindowSteps = 9;
   /// Neighbouring steps whose ticks are chosen again.
   struct Window {
     std::size_t first, last;  ///< of the steps' places; step i leads to place i
-    float ticks[TickCost::kMaxSteps];
+    float ticks[kMaxWindowSteps];
   };
   /// What is known of a place: its point, and the step that leads to it. Together, as it
   /// is used: most changes are refused by some of it alone.
@@ -72,10 +77,31 @@ class Stretch {
     float bend_cost;  ///< between the step before and this one
   };
 
+  /// A way through the windows while it is compared with others.
+  struct Way {
+    SpeedBox speeds;  ///< possible at its end
+    TimedMove last;
+    float cost;
+    float ticks[kMaxWindowSteps];
+    std::size_t count;  ///< of the ticks
+  };
+  /// The cheapest so far, in the order of their cost.
+  struct Ways {
+    static constexpr std::size_t kMaxWays = 4;
+
+    bool IsFullAt(float cost) const;
+    void Keep(const Way& way);
+
+    Way all[kMaxWays];
+    std::size_t count = 0;
+  };
+
   std::uint32_t Below(std::uint32_t end) {
     return static_cast<std::uint32_t>(((random_() >> 32) * end) >> 32);
   }
   void ChooseTicks();
+  void ChooseTicksOfWay();
+  void ChooseTicksOfNeighbours();
   bool Propose(Change& change);
   std::size_t PieceLength(std::size_t place, bool forwards);
   std::size_t OldPlace(const Change& change, std::size_t place) const;
@@ -84,7 +110,13 @@ class Stretch {
   void SetBends(std::size_t first, std::size_t last);
   TimedMove MoveAfter(const Change& change, std::size_t place) const;
   std::size_t WindowsAround(const std::size_t (&steps)[3], Window (&windows)[3]) const;
-  float GainOf(const Change& change, double bearable);
+  float MaxGain(const Change& change, double bearable);
+  float Gain(const Change& change, double bearable);
+  void PassStep(const Scaled& step, float limit, Ways& ways) const;
+  void PassPiece(const Change& change, std::size_t first, std::size_t last, float limit,
+                 Ways& ways) const;
+  const Way* CheapestInto(const TimedMove& after, std::size_t place, float limit,
+                          Ways& ways) const;
   float NewMinTicks(const Change& change) const;
   bool IsAllowed(const Change& change) const;
   bool StaysInTubeAt(const Change& change, std::size_t place) const;
@@ -94,8 +126,10 @@ class Stretch {
                         std::size_t to) const;
   bool CanTurn(std::size_t begin, std::size_t end) const;
   void Apply(const Change& change);
+  void ApplyToSpeeds(const Change& change);
 
   const TickCost& cost_;
+  WaySpeeds speeds_;  ///< where the whole way has to fit
   std::vector<Place> places_;
   std::vector<std::uint32_t> at_;     ///< of each place its point
   std::vector<std::uint32_t> place_;  ///< of each point its place
@@ -107,6 +141,7 @@ class Stretch {
   QuickRandom random_;
   Window new_windows_[3];
   std::size_t new_window_count_ = 0;
+  float old_cost_ = 0;  ///< of the windows that a change leaves
   std::vector<std::uint32_t> moved_;
   std::vector<Place> moved_places_;
 };

@@ -14,6 +14,7 @@
 #include "engrave/motion/planner.h"
 #include "engrave/sort/cone_order.h"
 #include "engrave/sort/near/tick_cost.h"
+#include "engrave/sort/slabs.h"
 #include "engrave/sort/stretch.h"
 #include "engrave/sort/sweep_begin.h"
 
@@ -97,7 +98,7 @@ class Sweeping {
       : points_mm_(points_mm),
         heights_mm_(heights_mm),
         options_(options),
-        cost_(WithFreeHeight(options.limits), options.rate_hz),
+        cost_(WithFreeHeight(options.limits), options.rate_hz, Fit::kNeighbours),
         order_(KeepToCone(points_mm, begun.order, options.cone)),
         axis_mm_(std::move(begun.axis_mm)) {
     std::size_t begin = 0;

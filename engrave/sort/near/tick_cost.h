@@ -8,9 +8,9 @@
 // step to the middle of the next an axis changes its velocity by no more than its
 // acceleration limit allows in that time:
 //   |d2 / n2 - d1 / n1| <= A T^2 (n1 + n2) / 2.
-// That is necessary, not sufficient; the planner (motion/tick_labels.h) computes the
-// exact condition. The used share of this limit, squared and weighted, is added to the
-// ticks: a smaller share leaves the planner more freedom.
+// That is necessary, not sufficient; way_speeds.h has the exact condition. The used share
+// of this limit, squared and weighted, is added to the ticks: a smaller share leaves the
+// next changes more freedom, and the planner what it needs for further limits.
 
 #include <algorithm>
 #include <array>
@@ -40,10 +40,20 @@ struct TimedMove {
   float ticks = 1;
 };
 
+/// Which ticks a step may have.
+enum class Fit {
+  /// Those that fit the steps beside it, which is necessary. Where the axes need many
+  /// steps to get faster, an order so changes to what they cannot follow yet.
+  kNeighbours,
+  /// Those with which the axes can make the whole way (way_speeds.h). Where a step takes
+  /// few ticks, the planner needs no more; with neighbours alone it needs 2 % more.
+  kWay,
+};
+
 class TickCost {
  public:
   /// limits: in the frame of the points. rate_hz: 1..50000.
-  TickCost(const motion::Limits& limits, double rate_hz);
+  TickCost(const motion::Limits& limits, double rate_hz, Fit fit = Fit::kWay);
 
   Scaled Scale(const Vec3& mm) const {
     return {static_cast<float>(mm.x() * per_mm_.x()),
@@ -74,9 +84,20 @@ class TickCost {
   }
 
   /// In ticks; more than any detour where the limit is passed.
-  static float BendCost(float bend) {
-    return kBendWeight * bend * bend + (bend > 1 ? kForbidden * bend : 0);
+  float BendCost(float bend) const {
+    return bend_weight_ * bend * bend + (bend > 1 ? kForbidden * bend : 0);
   }
+
+  double rate_hz() const { return rate_hz_; }
+  Fit fit() const { return fit_; }
+  /// The speed limits of the axes in A T.
+  Vec3 TopSpeeds() const {
+    return Vec3(per_speed_.x, per_speed_.y, per_speed_.z).cwiseInverse();
+  }
+
+  /// Ticks tried beyond the fewest, growing, the first 0. Steps from rest to rest take
+  /// many ticks at high rates; in between, a tick more or less makes little difference.
+  std::span<const float> Beyond() const;
 
   /// The fewest ticks of `step` after `before` within the limit.
   float TicksAfter(const TimedMove& before, const Scaled& step) const;
@@ -97,10 +118,9 @@ class TickCost {
                   float spare = std::numeric_limits<float>::infinity()) const;
 
   /// The same of ticks that are given.
-  static float CostOf(const TimedMove& before, std::span<const TimedMove> moves,
-                      const TimedMove& after);
+  float CostOf(const TimedMove& before, std::span<const TimedMove> moves,
+               const TimedMove& after) const;
 
-  static constexpr float kBendWeight = 0.7F;
   static constexpr float kForbidden = 1000;
 
  private:
@@ -109,6 +129,8 @@ class TickCost {
   double rate_hz_;
   double acceleration_mm_s2_;  ///< the least
   bool many_choices_;
+  Fit fit_;
+  float bend_weight_;
 };
 
 }  // namespace intaglio::sort

@@ -178,6 +178,7 @@ sort::OrderOptions OrderOptionsOf(const FrozenJob& job) {
   sort::OrderOptions options;
   options.cone = BeamConeOf(job);
   options.limits = GlassLimitsOf(job);
+  options.keeps_more = motion::KeepsMore(MotionOptionsOf(job));
   options.rate_hz = job.job().laser().rate_hz();
   SetMethod(job.job().ordering(), options);
   options.sweep.tolerance_mm = SweepToleranceMm(job);

@@ -27,37 +27,6 @@ Order OrderOf(const Stretch& stretch) {
   return Order(stretch.order().begin(), stretch.order().end());
 }
 
-/// Ticks and bends of the whole order with the best choice of ticks (those of
-/// tick_cost.cc) for each step but the first and the last.
-double MinCost(const PointList& points_mm, const Order& order, const TickCost& cost,
-               double rate_hz) {
-  const std::vector<int> beyond = rate_hz <= 250
-                                      ? std::vector<int>{0, 1, 2, 3}
-                                      : std::vector<int>{0, 1, 2, 3, 4, 7, 12, 19};
-  std::vector<TimedMove> last = {{cost.Scale(points_mm[order[1]] - points_mm[order[0]])}};
-  last[0].ticks = cost.MinTicks(last[0].step);
-  std::vector<double> sums = {0};
-  for (std::size_t i = 2; i < order.size(); ++i) {
-    const Scaled step = cost.Scale(points_mm[order[i]] - points_mm[order[i - 1]]);
-    std::vector<TimedMove> moves;
-    std::vector<double> next_sums;
-    for (const int more : beyond) {
-      if (more > 0 && i + 1 == order.size()) break;
-      const TimedMove move{step, cost.MinTicks(step) + static_cast<float>(more)};
-      double smallest = std::numeric_limits<double>::infinity();
-      for (std::size_t k = 0; k < last.size(); ++k) {
-        smallest = std::min(smallest,
-                            sums[k] + TickCost::BendCost(TickCost::Bend(last[k], move)));
-      }
-      moves.push_back(move);
-      next_sums.push_back(smallest + move.ticks);
-    }
-    last = moves;
-    sums = next_sums;
-  }
-  return *std::min_element(sums.begin(), sums.end());
-}
-
 TEST(Stretch, KeepsItsEndsAndTheCone) {
   for (const auto& [name, points_mm, options] : StageCases(150, Method::kAnneal)) {
     SCOPED_TRACE(name);
@@ -112,10 +81,15 @@ TEST(Stretch, GetsCheaperWhereNothingWorseIsAccepted) {
       const PointList ordered_mm = Ordered(points_mm, cone);
       const TickCost cost({}, rate_hz);
       Stretch stretch(ordered_mm, cone, cost);
-      const double before = MinCost(ordered_mm, OrderOf(stretch), cost, rate_hz);
+      const auto ticks = [&] {
+        return PlannedTicks(ordered_mm, OrderOf(stretch), {}, rate_hz);
+      };
+      const auto before = ticks();
       stretch.Anneal(100 * ordered_mm.size(), 1e-6, 1e-6, 1);
-      EXPECT_LT(MinCost(ordered_mm, OrderOf(stretch), cost, rate_hz), before)
-          << name << ", " << rate_hz;
+      EXPECT_LE(ticks(), before) << name << ", " << rate_hz;
+      if (before > 2 * ordered_mm.size()) {
+        EXPECT_LT(ticks(), before) << name << ", " << rate_hz;
+      }
     }
   }
 }

@@ -193,7 +193,7 @@ double Cheapest(const TickCost& cost, const std::vector<float>& beyond,
     double sum = 0;
     for (std::size_t i = 1; i < moves.size(); ++i) {
       if (i + 1 < moves.size()) sum += moves[i].ticks;
-      sum += TickCost::BendCost(TickCost::Bend(moves[i - 1], moves[i]));
+      sum += cost.BendCost(TickCost::Bend(moves[i - 1], moves[i]));
     }
     return sum;
   }
@@ -249,19 +249,25 @@ TEST(TickCost, BestTicksAreTheCheapestOfAllChoices) {
     for (std::size_t k = 0; k < count; ++k) chosen.push_back({steps[k], ticks[k]});
     // Single precision of sums up to some thousand.
     const double tolerance = 1e-6 * best + 1e-5;
-    EXPECT_NEAR(TickCost::CostOf(moves.front(), chosen, moves.back()), best, tolerance);
+    EXPECT_NEAR(cost.CostOf(moves.front(), chosen, moves.back()), best, tolerance);
     EXPECT_NEAR(Cheapest(cost, beyond, moves, 1), best, tolerance);
     ExpectSpareDecides(cost, moves, steps, best, tolerance);
   }
 }
 
 TEST(TickCost, BendsPastTheLimitCostMoreThanAnyDetour) {
-  EXPECT_EQ(TickCost::BendCost(0), 0);
-  EXPECT_EQ(TickCost::BendCost(1), TickCost::kBendWeight);
-  EXPECT_GT(TickCost::BendCost(1.0001F), 900);
+  const TickCost cost({}, 100);
+  EXPECT_EQ(cost.BendCost(0), 0);
+  EXPECT_GT(cost.BendCost(1.0001F), 900);
   for (float bend = 0; bend < 3; bend += 0.01F) {
-    EXPECT_LE(TickCost::BendCost(bend), TickCost::BendCost(bend + 0.01F));
+    EXPECT_LE(cost.BendCost(bend), cost.BendCost(bend + 0.01F));
   }
+}
+
+TEST(TickCost, BendsCostMoreWhereOnlyNeighboursFit) {
+  const TickCost of_way({}, 100, Fit::kWay), of_neighbours({}, 100, Fit::kNeighbours);
+  EXPECT_GT(of_way.BendCost(1), 0.1);
+  EXPECT_GT(of_neighbours.BendCost(1), 2 * of_way.BendCost(1));
 }
 
 TEST(TickCost, StopAndGoIsTheTriangleOfTheSlowestAxis) {
