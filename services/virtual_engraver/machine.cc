@@ -10,7 +10,6 @@
 namespace intaglio::virtual_engraver {
 namespace {
 
-using link::MotionFrame;
 using std::chrono::nanoseconds;
 using namespace std::chrono_literals;
 
@@ -44,74 +43,25 @@ void Machine::PlugLaserLine(std::unique_ptr<link::ByteStream> end) {
 }
 
 void Machine::PlugMotionLine(std::unique_ptr<link::ByteStream> end) {
-  motion_line_.Plug(Delayed(std::move(end)), clock_, options_.laser.lockstep);
+  stage_end_.Plug(Delayed(std::move(end)), clock_, options_.laser.lockstep);
 }
 
 void Machine::PlugOneLine(std::unique_ptr<link::ByteStream> end) {
   one_line_ = true;
+  stage_end_.ShareLine(laser_end_.line());
   PlugLaserLine(std::move(end));
 }
 
 void Machine::PollLines() {
-  const auto handle = [this](std::uint8_t type, std::span<const std::byte> payload) {
-    HandleMotion(static_cast<MotionFrame>(type), payload);
-  };
-  if (one_line_) {
-    if (laser_end_.Poll(handle)) GreetMotionHost();
-    return;
+  if (!one_line_) {
+    laser_end_.Poll();
+    return stage_end_.Poll();
   }
-  laser_end_.Poll();
-  if (motion_line_.Poll(handle)) GreetMotionHost();
-}
-
-void Machine::GreetMotionHost() {
-  DeviceLine& line = MotionLine();
-  line.Send(MotionFrame::kMotionIdentity, Encode(stage_.Identity()));
-  line.Send(MotionFrame::kStageTolerance, Encode(stage_.Tolerance()));
-  if (const OwnClock* own = stage_.own_clock()) {
-    line.Send(MotionFrame::kControllerClock,
-              Encode(link::ControllerClock{own->power_up(), own->now_ns()}));
-  }
-}
-
-void Machine::HandleMotion(MotionFrame type, std::span<const std::byte> payload) {
-  switch (type) {
-    case MotionFrame::kBeginRun:
-      if (const auto m = link::Decode<link::BeginRun>(payload)) stage_.BeginRun(*m);
-      return;
-    case MotionFrame::kSegments:
-      if (const auto m = link::Decode<link::Segments>(payload)) stage_.Append(*m);
-      return;
-    case MotionFrame::kBeginTimedRun:
-      if (const auto m = link::Decode<link::BeginTimedRun>(payload)) {
-        stage_.BeginTimedRun(*m);
-      }
-      return;
-    case MotionFrame::kTimedSegments:
-      if (const auto m = link::Decode<link::TimedSegments>(payload)) {
-        stage_.AppendTimed(*m);
-      }
-      return;
-    case MotionFrame::kJogMove:
-      if (const auto m = link::Decode<link::JogMove>(payload)) stage_.Jog(*m);
-      return;
-    case MotionFrame::kHome:
-      return stage_.Home();
-    case MotionFrame::kMoveBlock:
-      if (const auto m = link::Decode<link::MoveBlock>(payload)) stage_.MoveBlock(*m);
-      return;
-    case MotionFrame::kAbortRun:
-      // Until now the stage moved on.
-      AdvanceJog();
-      return stage_.Abort();
-    case MotionFrame::kMotionReset:
-      return stage_.Reset();
-    case MotionFrame::kMotionStatusRequest:
-      motion_line_.AskForStatus();
-      return;
-    default:
-      return;
-  }
+  const bool is_new =
+      laser_end_.Poll([this](std::uint8_t type, std::span<const std::byte> payload) {
+        stage_end_.Obey(static_cast<link::MotionFrame>(type), payload);
+      });
+  if (is_new) stage_end_.Greet();
 }
 
 // By the stage controller's own timer, whatever the lamp does.
@@ -131,15 +81,14 @@ void Machine::FeelBodies() {
 
 void Machine::KeepSafe() {
   laser_end_.KeepSafe();
-  if (MotionLine().silent() && stage_.running())
-    stage_.Fail(link::StageFault::kSafeState);
+  stage_end_.KeepSafe();
 }
 
 bool Machine::MayPassTick() const {
   if (!laser_.CountsSync()) return false;
   if (!options_.laser.lockstep) return clock_() >= next_tick_at_;
   return laser_.NextIsDecided() && stage_.MayPass(laser_.rate_hz()) &&
-         !laser_end_.line().is_full() && !motion_line_.is_full();
+         !laser_end_.line().is_full() && !stage_end_.own_line().is_full();
 }
 
 void Machine::DelaySync(double seconds) {
@@ -209,9 +158,10 @@ bool Machine::Rests() const {
 // A command that came behind the reports may have asked for one.
 nanoseconds Machine::RestingIdle() const {
   const nanoseconds now = clock_();
-  if (laser_end_.line().IsStatusDue(now) || motion_line_.IsStatusDue(now))
+  if (laser_end_.line().IsStatusDue(now) || stage_end_.own_line().IsStatusDue(now))
     return nanoseconds(0);
-  return std::min(laser_end_.line().next_status(), motion_line_.next_status()) - now;
+  return std::min(laser_end_.line().next_status(), stage_end_.own_line().next_status()) -
+         now;
 }
 
 void Machine::SendReports(bool at_once) {
@@ -221,24 +171,11 @@ void Machine::SendReports(bool at_once) {
   if (std::exchange(rested_, rests) && !rests) at_once = true;
   const nanoseconds period = rests ? kRestingStatusPeriod : kStatusPeriod;
   laser_end_.SendOutcomes();
-  for (const link::Positions& positions : stage_.TakePositions()) {
-    MotionLine().Send(MotionFrame::kPositions, Encode(positions));
-  }
-  for (const link::TimedPositions& positions : stage_.TakeTimedPositions()) {
-    // They arrive at rest, too: they are not kept for a host that is not there.
-    if (!MotionLine().is_up()) break;
-    MotionLine().Send(MotionFrame::kTimedPositions, Encode(positions));
-  }
+  stage_end_.SendPositions();
   laser_end_.SendStatus(now, at_once, period);
-  if (at_once || stage_.fault() != sent_fault_ || motion_line_.IsStatusDue(now)) {
-    sent_fault_ = stage_.fault();
-    motion_line_.SetNextStatus(now + period);
-    if (MotionLine().is_up()) {
-      MotionLine().Send(MotionFrame::kMotionStatus, Encode(stage_.Report()));
-    }
-  }
+  stage_end_.SendStatus(now, at_once, period);
   laser_end_.line().Flush();
-  motion_line_.Flush();
+  stage_end_.own_line().Flush();
 }
 
 nanoseconds Machine::Turn() {

@@ -29,6 +29,7 @@
 #include "services/virtual_engraver/lines/device_line.h"
 #include "services/virtual_engraver/positioner.h"
 #include "services/virtual_engraver/stage.h"
+#include "services/virtual_engraver/stage_end.h"
 #include "services/virtual_engraver/stations.h"
 
 namespace intaglio::virtual_engraver {
@@ -85,10 +86,6 @@ class Machine {
  private:
   std::unique_ptr<link::ByteStream> Delayed(std::unique_ptr<link::ByteStream> end);
   void PollLines();
-  void GreetMotionHost();
-  /// What carries the frames of the stage.
-  DeviceLine& MotionLine() { return one_line_ ? laser_end_.line() : motion_line_; }
-  void HandleMotion(link::MotionFrame type, std::span<const std::byte> payload);
   void AdvanceJog();
   void KeepSafe();
   bool MayPassTick() const;
@@ -111,7 +108,7 @@ class Machine {
   Bodies bodies_;
   link::SteadyClock clock_;
   LaserEnd laser_end_{laser_};
-  DeviceLine motion_line_;
+  StageEnd stage_end_{stage_, [this] { AdvanceJog(); }};
   bool one_line_ = false;
   unsigned lines_plugged_ = 0;
   std::chrono::nanoseconds next_tick_at_;
@@ -120,7 +117,6 @@ class Machine {
   std::uint64_t to_miss_ = 0, to_overlook_ = 0;
   std::uint8_t blind_channels_ = 0;
   double sync_late_s_ = 0;
-  link::StageFault sent_fault_ = link::StageFault::kNone;
   bool rested_ = false;  ///< at the newest report
 };
 

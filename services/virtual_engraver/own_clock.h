@@ -30,6 +30,8 @@ class OwnClock {
   std::uint64_t now_ns() const { return static_cast<std::uint64_t>(now_ns_); }
   std::uint64_t NsAfter(double seconds) const;
   void Advance(double seconds);
+  /// A real one, which no machine time drives, has come to this time.
+  void Show(std::uint64_t now_ns) { now_ns_ = static_cast<double>(now_ns); }
 
   /// A lamp sync passes now; its notice will follow.
   void ReceiveTick(std::uint64_t tick);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "services/virtual_engraver/axes/virtual_axes.h"
+
 namespace intaglio::virtual_engraver {
 namespace {
 
@@ -28,23 +30,26 @@ std::int32_t ToNm(double mm) {
 constexpr double kGateSeconds = 0.00035;
 constexpr double kGateTickRatio = 0.25;
 
-// At 10 m/s^2 an axis that turns within it goes back by 0.05 um before the end.
-constexpr double kTurnS = 1e-4;
-
 }  // namespace
 
+Vec3 StartMm(const StageOptions& options) {
+  return options.start_mm.cwiseMax(options.travel_min_mm).cwiseMin(options.travel_max_mm);
+}
+
 Stage::Stage(const StageOptions& options)
+    : Stage(options, std::make_unique<VirtualAxes>(
+                         VirtualAxesOptions{options.mechanics, options.vibration,
+                                            options.backlash_mm, options.repeatability_mm,
+                                            options.repeatability_seed},
+                         StartMm(options))) {}
+
+Stage::Stage(const StageOptions& options, std::unique_ptr<StageAxes> axes)
     : options_(options),
-      knot_mm_(options.start_mm.cwiseMax(options.travel_min_mm)
-                   .cwiseMin(options.travel_max_mm)),
+      knot_mm_(StartMm(options)),
       commanded_mm_(knot_mm_),
-      mechanics_(options.mechanics, knot_mm_),
-      backlash_(options.backlash_mm, knot_mm_),
-      repeatability_(options.repeatability_mm, options.repeatability_seed) {
-  if (const auto undisturbed = Undisturbed(options.mechanics))
-    expected_.emplace(*undisturbed, knot_mm_);
+      axes_(std::move(axes)),
+      knows_place_(!options.homing) {
   if (options.block_stage) block_.emplace(*options.block_stage);
-  if (options.vibration) vibration_.emplace(*options.vibration, knot_mm_);
   if (!options.own_clock) return;
   own_clock_.emplace(*options.own_clock);
   now_units_ = own_clock_->now_ns();
@@ -75,14 +80,18 @@ void Stage::Start(std::uint32_t run, std::uint64_t start_units) {
 }
 
 void Stage::BeginRun(const link::BeginRun& run) {
-  if (Refuses(false) || RefusesPlace(run.block_x_nm, run.block_y_nm)) return;
+  if (Refuses(false) || RefusesWithoutPlace(run.run) ||
+      RefusesPlace(run.block_x_nm, run.block_y_nm))
+    return;
   // Beyond this there are no subticks.
   if (run.start_tick > UINT64_MAX / kSubticksPerTick) return Fail(StageFault::kLate);
   Start(run.run, run.start_tick * kSubticksPerTick);
 }
 
 void Stage::BeginTimedRun(const link::BeginTimedRun& run) {
-  if (Refuses(true) || RefusesPlace(run.block_x_nm, run.block_y_nm)) return;
+  if (Refuses(true) || RefusesWithoutPlace(run.run) ||
+      RefusesPlace(run.block_x_nm, run.block_y_nm))
+    return;
   Start(run.run, run.start_ns);
   last_end_ns_ = run.start_ns;
 }
@@ -99,6 +108,13 @@ bool Stage::TakesSegments(std::uint32_t run, std::uint64_t first_number,
 bool Stage::Queue(const Piece& piece) {
   if (!Box3{options_.travel_min_mm, options_.travel_max_mm}.Contains(piece.end_mm)) {
     Fail(StageFault::kLimit);
+    return false;
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::abs(piece.end_mm_s[axis]) <= options_.max_speed_mm_s[axis]) continue;
+    fault_axes_ = {};
+    fault_axes_[static_cast<std::size_t>(axis)] = true;
+    Fail(StageFault::kTooFast);
     return false;
   }
   queue_.push_back(piece);
@@ -132,7 +148,9 @@ void Stage::AppendTimed(const link::TimedSegments& segments) {
 }
 
 void Stage::Reset() {
-  if (phase_ == Phase::kRest && has_air_) fault_ = StageFault::kNone;
+  if (phase_ != Phase::kRest || !has_air_ || drives_ != StageFault::kNone) return;
+  fault_ = StageFault::kNone;
+  fault_axes_ = {};
 }
 
 bool Stage::MayPass(double rate_hz) const {
@@ -155,23 +173,7 @@ CubicCommand Stage::CurveOf(const Vec3& p0, const Vec3& v0, const Vec3& p1,
 void Stage::FollowCurve(const CubicCommand& curve, double from_s, double to_s) {
   commanded_mm_ = curve.At(to_s);
   commanded_mm_s_ = curve.SpeedAt(to_s);
-  if (expected_) expected_->Follow(curve, from_s, to_s);
-  if (backlash_.none() && !vibration_) return mechanics_.Follow(curve, from_s, to_s);
-  // In steps so short that an axis turns at most at their ends.
-  const int steps = std::max(1, static_cast<int>(std::ceil((to_s - from_s) / kTurnS)));
-  const double step_s = (to_s - from_s) / steps;
-  for (int i = 0; i < steps; ++i) {
-    mechanics_.Follow(curve, from_s + i * step_s, from_s + (i + 1) * step_s);
-    backlash_.Follow(mechanics_.actual_mm());
-    if (vibration_ && step_s > 0) vibration_->Follow(mechanics_.actual_mm(), step_s);
-  }
-}
-
-Vec3 Stage::BesideMm() const {
-  Vec3 beside_mm = repeatability_.DeviationMm(DoneRatio());
-  if (!backlash_.none()) beside_mm += backlash_.carried_mm() - actual_mm();
-  if (vibration_) beside_mm += vibration_->beside_mm();
-  return beside_mm;
+  axes_->Follow(curve, from_s, to_s);
 }
 
 double Stage::DoneRatio() const {
@@ -179,19 +181,19 @@ double Stage::DoneRatio() const {
   return static_cast<double>(in_piece_units_) / static_cast<double>(queue_.front().units);
 }
 
-Vec3 Stage::place_mm() const { return actual_mm() + BesideMm(); }
+Vec3 Stage::place_mm() const { return actual_mm() + axes_->BesideMm(DoneRatio()); }
 
 void Stage::FinishPiece() {
   const Piece piece = queue_.front();
-  repeatability_.PassEnd();
+  axes_->PassEnd();
   queue_.pop_front();
   queued_units_ -= piece.units;
   in_piece_units_ = 0;
   knot_mm_ = piece.end_mm;
   knot_mm_s_ = piece.end_mm_s;
   if (phase_ == Phase::kRunning && (piece.pulse || !own_clock_))
-    passed_ = {expected_ ? expected_->actual_mm() : PlaceOf(piece), piece.end_mm,
-               now_units_, piece.pulse};
+    passed_ = {axes_->expected_mm().value_or(PlaceOf(piece)), piece.end_mm, now_units_,
+               piece.pulse};
   if (piece.program_end) {
     phase_ = Phase::kRest;
     queue_.clear();
@@ -259,18 +261,24 @@ void Stage::AdvanceTick(double rate_hz) {
     AdvanceTo(now_units_ + kSubticksPerTick);
     if (executing) Latch();
   }
+  CheckPlace();
+}
+
+void Stage::CheckPlace() {
   in_position_ = GateIsOn();
   const double error = AtFocus(commanded_mm_ - actual_mm()).cwiseAbs().maxCoeff();
   following_error_max_mm_ = std::max(following_error_max_mm_, error);
-  if (error > options_.following_error_limit_mm && fault_ == StageFault::kNone)
-    Fail(StageFault::kFollowingError);
+  if (error <= options_.following_error_limit_mm || fault_ != StageFault::kNone) return;
+  // Steps that are made up for too fast may be lost.
+  if (options_.homing) knows_place_ = false;
+  Fail(StageFault::kFollowingError);
 }
 
 // On its own clock the place is taken as exactly as it is known, and with a lag of many
 // times the tolerance.
 Vec3 Stage::PlaceOf(const Piece& piece) const {
   if (!own_clock_ && options_.mechanics.first_order()) return piece.end_mm;
-  return piece.end_mm - mechanics_.velocity_lag_s().cwiseProduct(piece.end_mm_s);
+  return piece.end_mm - axes_->velocity_lag_s().cwiseProduct(piece.end_mm_s);
 }
 
 bool Stage::IsAt(const Vec3& place_mm) const {
@@ -332,7 +340,9 @@ link::MotionStatus Stage::Report() {
                 kSubticksPerTick;
   status.queue_free = options_.queue_capacity - static_cast<std::uint32_t>(queue_.size());
   status.segments_taken = taken_;
-  status.at_rest = phase_ == Phase::kRest;
+  status.at_rest = phase_ == Phase::kRest && axes_->settled();
+  status.place_lost = !knows_place_;
+  status.fault_axes = fault_axes_;
   status.fault = fault_;
   status.following_error_max_nm =
       static_cast<std::uint32_t>(std::max(0, ToNm(following_error_max_mm_)));

@@ -1,13 +1,14 @@
 #pragma once
 
-// The stage and its controller: executes runs of position-velocity-time segments on the
-// clock of the lamp's ticks or on one of its own, and lags behind what is commanded.
-// Machine frame, mm.
+// The controller of a stage: executes runs of position-velocity-time segments on the
+// clock of the lamp's ticks or on one of its own. What it moves lags behind what is
+// commanded (StageAxes). Machine frame, mm.
 //
 //   rest --BeginRun--> waiting for the start --> running --end of program--> rest
 //                                                       |  fault, abort
 //                                                       +----> braking ----> rest
 //   rest --Jog, Home, MoveBlock--> jogging --at the place, or braked--> rest
+//   any --drives cut--> rest
 //
 // With a clock of its own it knows of a tick only by a notice, which arrives a while
 // later; knots come with times of its clock, and its in-position output is on around
@@ -18,8 +19,11 @@
 //
 // Not thread-safe; the time is that given to AdvanceTick.
 
+#include <array>
 #include <cstdint>
 #include <deque>
+#include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -27,11 +31,11 @@
 
 #include "engrave/core/geometry.h"
 #include "services/platform/link/motion_protocol.h"
+#include "services/virtual_engraver/axes/stage_axes.h"
 #include "services/virtual_engraver/block_stage.h"
+#include "services/virtual_engraver/home_course.h"
 #include "services/virtual_engraver/jog_course.h"
-#include "services/virtual_engraver/mechanics/backlash.h"
 #include "services/virtual_engraver/mechanics/mechanics.h"
-#include "services/virtual_engraver/mechanics/repeatability.h"
 #include "services/virtual_engraver/mechanics/vibration.h"
 #include "services/virtual_engraver/own_clock.h"
 
@@ -67,11 +71,24 @@ struct StageOptions {
   /// One count of the velocities on its line, >= 1: 100 is enough for 210 m/s.
   std::uint32_t velocity_unit_nm_s = 1;
   std::optional<BlockStageOptions> block_stage = {};  ///< none: the block rests
+  /// No axis, > 0, is faster: a segment that is ends the run (kTooFast), and a jog is
+  /// slower.
+  Vec3 max_speed_mm_s = Vec3::Constant(std::numeric_limits<double>::infinity());
+  /// None: its encoders are absolute. Else it knows its place from the end of Home until
+  /// its drives are cut or a switch is met, and only then does a run or a jog begin.
+  std::optional<HomingOptions> homing = {};
 };
+
+/// start_mm, within the travel.
+Vec3 StartMm(const StageOptions& options);
 
 class Stage {
  public:
+  /// With the axes of the virtual engraver, as the options have them.
   explicit Stage(const StageOptions& options);
+  /// What the options have of virtual axes has no effect. `axes` is not null, and is at
+  /// rest at StartMm(options).
+  Stage(const StageOptions& options, std::unique_ptr<StageAxes> axes);
 
   void BeginRun(const link::BeginRun& run);
   void Append(const link::Segments& segments);
@@ -94,18 +111,28 @@ class Stage {
   /// Stops the stage, with a fault that has to be reset.
   void Fail(link::StageFault fault) { Brake(fault); }
   void Reset();
+  /// What cuts the drives now: kStopPressed, kDriveFault; kNone: they are in order. The
+  /// axes rest at once, their place is lost, and no Reset clears the fault before.
+  void SetDrives(link::StageFault cause);
   /// Its compressed air: without it a stage that floats on it stops with kNoAir, and with
   /// it again the fault is kAirReturned, which Reset clears.
   void SetAir(bool on);
   /// An axis that does not move any more (-1: all of them), until Unstick.
-  void Stick(int axis) { mechanics_.Stick(axis); }
-  void Unstick() { mechanics_.Unstick(); }
+  void Stick(int axis) { axes_->Stick(axis); }
+  void Unstick() { axes_->Unstick(); }
 
   /// Whether the tick after the present one may pass in lockstep: motion for it is here,
   /// or none is to come. It will last 1 / rate_hz.
   bool MayPass(double rate_hz) const;
   /// One tick of 1 / rate_hz later. Latches the position while a run is executed.
   void AdvanceTick(double rate_hz);
+
+  /// In place of AdvanceTick and AdvanceJog, for a controller whose own clock is a real
+  /// one: it has come to this time, not before the time of the last call.
+  void AdvanceClock(std::uint64_t now_ns);
+  /// The newest lamp sync that it was notified of, of a lamp with this rate, was at this
+  /// time of its clock; the place of now is latched for it.
+  void ReceiveTick(std::uint64_t tick, std::uint64_t at_ns, double rate_hz);
 
   /// At the present tick: a segment marked for a pulse ends here, and the stage is there.
   /// On a clock of its own, "here" is within 0.35 ms and a quarter of a tick. There,
@@ -114,7 +141,7 @@ class Stage {
   /// controller's model of them is.
   bool in_position() const { return in_position_; }
   /// As its encoders measure it.
-  const Vec3& actual_mm() const { return mechanics_.actual_mm(); }
+  const Vec3& actual_mm() const { return axes_->actual_mm(); }
   /// Where it is when its compare output comes on in the tick that begins now: nearest to
   /// the knot of this tick that is marked for a pulse. Nothing when it does not pass
   /// within the tolerance before the next tick, or runs on a clock of its own.
@@ -165,8 +192,6 @@ class Stage {
   /// The part of the way to rest between two times, s from now.
   Piece StopPiece(const Vec3& stop_s, double from_s, double to_s) const;
   void FollowCurve(const CubicCommand& curve, double from_s, double to_s);
-  /// What backlash, vibration and repeatability add to an actual position now.
-  Vec3 BesideMm() const;
   /// At most `units`; what the queue did not cover is returned.
   std::uint64_t FollowQueue(std::uint64_t units);
   void AdvanceTo(std::uint64_t units);
@@ -183,6 +208,16 @@ class Stage {
   void Latch();
   void LatchAt(const OwnClock::Received& received);
   void StartJog(const Vec3& target, double speed_mm_s);
+  /// Fails the run where the axes may be anywhere.
+  bool RefusesWithoutPlace(std::uint32_t run);
+  void StartHoming();
+  void AdvanceHome(double seconds);
+  void EndHomeLeg();
+  /// Here, as it is commanded now.
+  void Rest();
+  void CheckSwitches();
+  /// The in-position output and the following error of now.
+  void CheckPlace();
 
   StageOptions options_;
   std::optional<OwnClock> own_clock_;
@@ -204,15 +239,15 @@ class Stage {
   Knot passed_;                       // the last one of this run
   Vec3 knot_mm_ = Vec3::Zero(), knot_mm_s_ = Vec3::Zero();
   Vec3 commanded_mm_ = Vec3::Zero(), commanded_mm_s_ = Vec3::Zero();
-  Mechanics mechanics_;
-  // The controller's model of its loops: where the axes are to be.
-  std::optional<Mechanics> expected_;
-  Backlash backlash_;
-  std::optional<Vibration> vibration_;
-  Repeatability repeatability_;
+  std::unique_ptr<StageAxes> axes_;
   bool in_position_ = false;
   double following_error_max_mm_ = 0;
-  std::optional<JogCourse> jog_;  // while phase_ is kJogging
+  // While phase_ is kJogging one of them, or the block's stage moves.
+  std::optional<JogCourse> jog_;
+  std::optional<HomeCourse> home_;
+  bool knows_place_;
+  link::StageFault drives_ = link::StageFault::kNone;
+  std::array<bool, 3> fault_axes_ = {};  // what the fault is of, where it is of some
   std::uint32_t jogs_taken_ = 0;
   std::optional<BlockStage> block_;
   Vec2 run_block_mm_ = Vec2::Zero();  // where the run needs it

@@ -37,7 +37,7 @@ Stage::Piece Stage::StopPiece(const Vec3& stop_s, double from_s, double to_s) co
 // end lies half the braking time ahead. Mirrors are at rest long before z is.
 void Stage::Brake(link::StageFault fault) {
   if (fault_ == link::StageFault::kNone) fault_ = fault;
-  repeatability_.LeaveAt(DoneRatio());
+  axes_->LeaveAt(DoneRatio());
   queue_.clear();
   queued_units_ = in_piece_units_ = 0;
   passed_ = {};

@@ -19,7 +19,7 @@ class Stage::Ahead {
  public:
   explicit Ahead(const Stage& stage)
       : stage_(stage),
-        axes_(stage.mechanics_),
+        axes_(*stage.axes_->mechanics()),
         piece_(stage.queue_.begin()),
         from_mm_(stage.knot_mm_),
         from_mm_s_(stage.knot_mm_s_),
@@ -64,7 +64,9 @@ class Stage::Ahead {
 
 std::optional<Vec3> Stage::PlaceOfCompare() const {
   const bool at_knot = passed_.pulse && passed_.at_units == now_units_;
-  if (own_clock_ || !at_knot || fault_ != link::StageFault::kNone) return std::nullopt;
+  if (own_clock_ || !at_knot || axes_->mechanics() == nullptr ||
+      fault_ != link::StageFault::kNone)
+    return std::nullopt;
   const auto period =
       std::max<std::uint64_t>(1, static_cast<std::uint64_t>(kSamplePeriodS / unit_s_));
   Ahead ahead(*this);
@@ -80,7 +82,7 @@ std::optional<Vec3> Stage::PlaceOfCompare() const {
     nearest_mm = ahead.actual_mm();
   }
   if (min_distance_mm > options_.position_tolerance_mm) return std::nullopt;
-  return nearest_mm + BesideMm();
+  return nearest_mm + axes_->BesideMm(DoneRatio());
 }
 
 }  // namespace intaglio::virtual_engraver

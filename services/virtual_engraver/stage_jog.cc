@@ -1,6 +1,7 @@
 // Motion by hand of the stage, and of the one that carries the block.
 
 #include <algorithm>
+#include <cmath>
 
 #include "services/virtual_engraver/stage.h"
 
@@ -26,20 +27,25 @@ void Stage::Jog(const link::JogMove& jog) {
   StartJog(Vec3(jog.x_nm, jog.y_nm, jog.z_nm) / kNmPerMm, jog.speed_nm_s / kNmPerMm);
 }
 
-// Its encoders are absolute: home is where the axes were at power-up.
+// With absolute encoders home is where the axes were at power-up.
 void Stage::Home() {
   ++jogs_taken_;
-  StartJog(
-      options_.start_mm.cwiseMax(options_.travel_min_mm).cwiseMin(options_.travel_max_mm),
-      kHomeSpeedMmS);
+  if (options_.homing) return StartHoming();
+  StartJog(StartMm(options_), kHomeSpeedMmS);
 }
 
 void Stage::StartJog(const Vec3& target, double speed_mm_s) {
-  if (phase_ != Phase::kRest || fault_ != link::StageFault::kNone) return;
+  if (phase_ != Phase::kRest || fault_ != link::StageFault::kNone || !knows_place_)
+    return;
   if (!Box3{options_.travel_min_mm, options_.travel_max_mm}.Contains(target))
     return Fail(link::StageFault::kLimit);
   const double length_mm = AtFocus(target - commanded_mm_).norm();
   if (length_mm <= 0) return;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double way = std::abs(target[axis] - commanded_mm_[axis]);
+    if (way > 0)
+      speed_mm_s = std::min(speed_mm_s, options_.max_speed_mm_s[axis] * length_mm / way);
+  }
   jog_.emplace(commanded_mm_, target, length_mm, speed_mm_s,
                kJogAccelerationRatio * options_.brake_acceleration_mm_s2);
   phase_ = Phase::kJogging;
@@ -57,7 +63,7 @@ void Stage::MoveBlock(const link::MoveBlock& move) {
 void Stage::PushBlock(const Vec2& by_mm) {
   if (!block_) return;
   block_->Push(by_mm);
-  if (phase_ == Phase::kJogging && !jog_) phase_ = Phase::kRest;
+  if (phase_ == Phase::kJogging && !jog_ && !home_) phase_ = Phase::kRest;
   if (phase_ == Phase::kRunning && !IsBlockAt(run_block_mm_))
     Fail(link::StageFault::kBlockPlace);
 }
@@ -73,9 +79,19 @@ bool Stage::IsBlockAt(const Vec2& place_mm) const {
   return (block_mm() - place_mm).norm() <= options_.position_tolerance_mm;
 }
 
-void Stage::BrakeJog() { jog_ ? jog_->Brake() : block_->Brake(); }
+void Stage::BrakeJog() {
+  if (home_) {
+    home_->Brake();
+    if (home_->state() == HomeCourse::State::kHeld) EndHomeLeg();
+  } else if (jog_) {
+    jog_->Brake();
+  } else {
+    block_->Brake();
+  }
+}
 
 void Stage::AdvanceJog(double seconds) {
+  if (home_) return AdvanceHome(seconds);
   if (phase_ == Phase::kJogging && !jog_) {
     block_->Advance(seconds);
     if (!block_->moves()) phase_ = Phase::kRest;
@@ -87,10 +103,7 @@ void Stage::AdvanceJog(double seconds) {
     seconds -= stretch.seconds;
     if (!jog_->done()) continue;
     jog_.reset();
-    commanded_mm_s_ = Vec3::Zero();
-    knot_mm_ = commanded_mm_;
-    knot_mm_s_ = Vec3::Zero();
-    phase_ = Phase::kRest;
+    Rest();
     if (seconds > 0) FollowCurve({commanded_mm_}, 0, seconds);
   }
 }

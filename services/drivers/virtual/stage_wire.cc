@@ -1,5 +1,7 @@
 #include "services/drivers/virtual/stage_wire.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,6 +19,16 @@ std::optional<std::int32_t> ToCounts(double mm_s, std::uint32_t unit_nm_s) {
 
 std::uint32_t SpeedNmS(double mm_s) {
   return static_cast<std::uint32_t>(std::clamp(mm_s * kNmPerMm, 1.0, 4e9));
+}
+
+std::string NamesOf(const std::array<bool, 3>& axes) {
+  std::string names;
+  for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+    if (!axes[axis]) continue;
+    if (!names.empty()) names += ", ";
+    names += "xyz"[axis];
+  }
+  return names.empty() ? "an axis" : names;
 }
 
 }  // namespace
@@ -63,7 +75,7 @@ link::MoveBlock ToMoveBlock(const Vec2& place_mm, double speed_mm_s) {
   return {ToNm(place_mm.x()), ToNm(place_mm.y()), SpeedNmS(speed_mm_s)};
 }
 
-FaultText TextOf(link::StageFault fault) {
+FaultText TextOf(link::StageFault fault, const std::array<bool, 3>& axes) {
   using link::StageFault;
   switch (fault) {
     case StageFault::kNone:
@@ -102,6 +114,42 @@ FaultText TextOf(link::StageFault fault) {
       return {intaglio_MOTION_SAFE_STATE,
               "the stage that carries the block is not at the job's place: check that "
               "nothing holds or pushes it, then resume"};
+    case StageFault::kPlaceLost:
+      return {intaglio_MOTION_SAFE_STATE,
+              "the stage controller does not know where its axes are: home it "
+              "(intaglio teach home)"};
+    case StageFault::kNoSwitch:
+      return {intaglio_MOTION_SAFE_STATE,
+              fmt::format("home: the switch of {} was not met within the way that is "
+                          "searched: check that the axis moves and its direction, then "
+                          "the switch and its cable, and home again",
+                          NamesOf(axes))};
+    case StageFault::kSwitchStuck:
+      return {intaglio_MOTION_SAFE_STATE,
+              fmt::format("home: the switch of {} stays pressed while the axis backs "
+                          "off: check the switch and its cable, then that the axis "
+                          "moves, and home again",
+                          NamesOf(axes))};
+    case StageFault::kSwitchMet:
+      return {intaglio_MOTION_SAFE_STATE,
+              fmt::format("the switch of {} was met outside home, so steps were lost or "
+                          "its cable is off: find what blocks the axis, and home it "
+                          "(intaglio teach home)",
+                          NamesOf(axes))};
+    case StageFault::kDriveFault:
+      return {intaglio_MOTION_SAFE_STATE,
+              "an amplifier of the stage reports a fault: switch the drives off and on, "
+              "then home the stage (intaglio teach home)"};
+    case StageFault::kTooFast:
+      return {intaglio_MOTION_LIMIT,
+              fmt::format("the plan is faster than the stage controller can step {}: "
+                          "reduce max_speed_mm_s of the axis in the machine profile to "
+                          "that of its board file",
+                          NamesOf(axes))};
+    case StageFault::kStopPressed:
+      return {intaglio_MOTION_SAFE_STATE,
+              "the stop button of the stage is pressed: release it, then home the stage "
+              "(intaglio teach home)"};
   }
   return {intaglio_MOTION_SAFE_STATE, "the stage reports an unknown fault"};
 }

@@ -3,8 +3,10 @@
 // Between the motion driver's numbers and those of the motion line: mm and whole nm,
 // velocities and counts, the stage's faults and what a person reads of them.
 
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "engrave/core/geometry.h"
 #include "engrave/motion/segments/segment.h"
@@ -30,8 +32,9 @@ link::MoveBlock ToMoveBlock(const Vec2& place_mm, double speed_mm_s);
 
 struct FaultText {
   intaglio_MotionFault fault;
-  const char* message;  ///< what to do, too; empty: no fault
+  std::string message;  ///< what to do, too; empty: no fault
 };
-FaultText TextOf(link::StageFault fault);
+/// `axes`: those that the fault is of, as far as it is of some.
+FaultText TextOf(link::StageFault fault, const std::array<bool, 3>& axes = {});
 
 }  // namespace intaglio::drivers::wire

@@ -106,6 +106,10 @@ class VirtualStageDriver final : public MotionDriver {
 
   Status AbortRun() override { return SendFrame(MotionFrame::kAbortRun, {}); }
   Status Jog(const Vec3& axes, double speed_mm_s) override {
+    if (!state_.homed) {
+      return Fail(ErrorCode::kRefused,
+                  wire::TextOf(link::StageFault::kPlaceLost).message);
+    }
     return SendJog(MotionFrame::kJogMove, Encode(wire::ToJogMove(axes, speed_mm_s)));
   }
   Status Home() override { return SendJog(MotionFrame::kHome, {}); }
@@ -286,7 +290,8 @@ class VirtualStageDriver final : public MotionDriver {
     state_.block_mm = ToMm(status.block_x_nm, status.block_y_nm, 0).head<2>();
     state_.at_rest = status.at_rest && status.jogs_taken == jogs_sent_;
     state_.following_error_max_um = status.following_error_max_nm / 1e3;
-    const wire::FaultText text = wire::TextOf(status.fault);
+    const wire::FaultText text = wire::TextOf(status.fault, status.fault_axes);
+    state_.homed = !status.place_lost;
     state_.fault = text.fault;
     state_.message = text.message;
     ++state_.number;

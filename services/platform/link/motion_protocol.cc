@@ -96,8 +96,8 @@ struct Layout<MotionStatus> : OnMotionLine {
     io.Number(m.covered_through_tick);
     io.Number(m.queue_free);
     io.Number(m.segments_taken);
-    io.Flag(m.at_rest);
-    io.Enumerator(m.fault, StageFault::kBlockPlace);
+    io.Bits(m.at_rest, m.place_lost, m.fault_axes[0], m.fault_axes[1], m.fault_axes[2]);
+    io.Enumerator(m.fault, StageFault::kTooFast);
     io.Number(m.following_error_max_nm);
     io.Number(m.jogs_taken);
     BlockPlace(io, m);

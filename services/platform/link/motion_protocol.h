@@ -13,6 +13,7 @@
 // its power-up, and stamps its positions with that clock: the host estimates how the two
 // clocks relate.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -98,6 +99,14 @@ enum class StageFault : std::uint8_t {
   kNoAir = 8,        ///< its bearings have no compressed air; no Reset clears it
   kAirReturned = 9,  ///< it stopped for that; Reset clears it
   kBlockPlace = 10,  ///< the block is not where the run needs it
+  // Of a stage whose axes find their place by switches:
+  kPlaceLost = 11,    ///< a run where the axes may be anywhere: Home is first
+  kNoSwitch = 12,     ///< Home: a switch was not met within the way that was searched
+  kSwitchStuck = 13,  ///< Home: a switch stays pressed
+  kSwitchMet = 14,    ///< outside Home a switch was met: the place is lost
+  kDriveFault = 15,   ///< an amplifier reports a fault; no Reset clears it before
+  kStopPressed = 16,  ///< the stop button; no Reset clears it while it is pressed
+  kTooFast = 17,      ///< a segment ends faster than the axes can be stepped
 };
 
 struct MotionStatus {
@@ -115,6 +124,8 @@ struct MotionStatus {
   std::uint32_t jogs_taken = 0;
   /// Actual place of the stage that carries the block, by its own axes; 0: it has none.
   std::int32_t block_x_nm = 0, block_y_nm = 0;
+  bool place_lost = false;  ///< the axes may be anywhere: only Home moves them
+  std::array<bool, 3> fault_axes = {};  ///< those that the fault is of; none: not known
 };
 
 /// Motion by hand, without a run: straight to a place of the axes, by the controller's

@@ -305,6 +305,13 @@ TEST_F(VirtualStageDriver, ReportsEveryFaultInASentence) {
         Case{StageFault::kNoAir, intaglio_MOTION_NO_AIR},
         Case{StageFault::kAirReturned, intaglio_MOTION_SAFE_STATE},
         Case{StageFault::kBlockPlace, intaglio_MOTION_SAFE_STATE},
+        Case{StageFault::kPlaceLost, intaglio_MOTION_SAFE_STATE},
+        Case{StageFault::kNoSwitch, intaglio_MOTION_SAFE_STATE},
+        Case{StageFault::kSwitchStuck, intaglio_MOTION_SAFE_STATE},
+        Case{StageFault::kSwitchMet, intaglio_MOTION_SAFE_STATE},
+        Case{StageFault::kDriveFault, intaglio_MOTION_SAFE_STATE},
+        Case{StageFault::kStopPressed, intaglio_MOTION_SAFE_STATE},
+        Case{StageFault::kTooFast, intaglio_MOTION_LIMIT},
         Case{StageFault::kBadSequence, intaglio_MOTION_STARVED}}) {
     const std::uint64_t number = driver->state().number;
     stage.status.fault = c.sent;
@@ -314,6 +321,25 @@ TEST_F(VirtualStageDriver, ReportsEveryFaultInASentence) {
     EXPECT_GT(driver->state().message.size(), 20u);
     EXPECT_TRUE(driver->state().link_up) << "the line is not the fault";
   }
+}
+
+TEST_F(VirtualStageDriver, MovesAStageWithoutAPlaceByHomeAlone) {
+  ASSERT_TRUE(Connect());
+  stage.status.place_lost = true;
+  stage.status.fault = link::StageFault::kNoSwitch;
+  stage.status.fault_axes = {false, true, false};
+  stage.SendStatus();
+  ASSERT_TRUE(Until([&] { return !driver->state().homed; }));
+  EXPECT_NE(driver->state().message.find("the switch of y was not met"),
+            std::string::npos)
+      << driver->state().message;
+  stage.status.fault = link::StageFault::kNone;
+  stage.SendStatus();
+  ASSERT_TRUE(Until([&] { return driver->state().fault == intaglio_MOTION_OK; }));
+  const auto jogged = driver->Jog(Vec3(1, 0, 0), 1);
+  ASSERT_FALSE(jogged.has_value());
+  EXPECT_NE(jogged.error().message.find("teach home"), std::string::npos);
+  EXPECT_TRUE(driver->Home().has_value());
 }
 
 TEST_F(VirtualStageDriver, HandsLatchedPositionsOverInOrder) {

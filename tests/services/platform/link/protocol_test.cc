@@ -194,9 +194,10 @@ TEST(Protocols, AStatusOutOfRangeIsRefused) {
   EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::rate_hz, INFINITY)));
   EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::shutters_open, 0x10)));
   MotionStatus fault;
-  fault.fault = static_cast<StageFault>(11);
+  fault.fault = static_cast<StageFault>(18);
   EXPECT_FALSE(Taken<MotionStatus>(Encode(fault)));
-  EXPECT_FALSE(Taken<MotionStatus>(Changed(Encode(MotionStatus{}), 56, 2)));
+  EXPECT_TRUE(Taken<MotionStatus>(Changed(Encode(MotionStatus{}), 56, 0x1f)));
+  EXPECT_FALSE(Taken<MotionStatus>(Changed(Encode(MotionStatus{}), 56, 0x20)));
 }
 
 template <typename Identity>
