@@ -24,125 +24,145 @@ constexpr int kMaxChannels = 4;
 
 class BoardChecker {
  public:
-  explicit BoardChecker(const LaserBoard& board) : board_(board) {
-    for (NumberFault& fault : NumbersOutOfRange(board, ""))
-      errors_.push_back(std::move(fault.error));
+  explicit BoardChecker(const LaserBoard& board) : board_(board), faults_(board) {}
+
+  std::vector<Error> Check() && {
+    CheckNeeded();
+    CheckCounts();
+    faults_.CheckSerialNumber(board_.serial_number());
+    faults_.CheckLines(BoardLines(board_));
+    return std::move(faults_).Errors();
   }
 
+ private:
   void CheckNeeded() {
-    const auto need = [this](bool given, const char* field, const char* why) {
-      if (!given) Add(ErrorCode::kMissing, fmt::format("{}: is missing: {}", field, why));
-    };
-    need(board_.has_q_switch(), "q_switch", "without it nothing can fire");
-    need(board_.shutters_size() > 0, "shutters", "name one for each channel");
-    need(board_.has_lamp(), "lamp", "without it the lamp cannot be switched off");
-    need(board_.has_alive(), "alive", "it holds the hardware gate open");
-    need(board_.has_key(), "key", "nothing fires without it");
-    need(board_.has_door(), "door", "nothing fires without it");
-    need(board_.has_stop(), "stop", "nothing fires without it");
-    need(board_.has_in_position(), "in_position", "it is the gate of every point");
-    need(board_.has_lamp_trigger() || board_.has_lamp_sync(), "lamp_trigger",
-         "name it, or lamp_sync of a laser that flashes by itself");
+    faults_.Need(board_.has_q_switch(), "q_switch", "without it nothing can fire");
+    faults_.Need(board_.shutters_size() > 0, "shutters", "name one for each channel");
+    faults_.Need(board_.has_lamp(), "lamp", "without it the lamp cannot be switched off");
+    faults_.Need(board_.has_alive(), "alive", "it holds the hardware gate open");
+    faults_.Need(board_.has_key(), "key", "nothing fires without it");
+    faults_.Need(board_.has_door(), "door", "nothing fires without it");
+    faults_.Need(board_.has_stop(), "stop", "nothing fires without it");
+    faults_.Need(board_.has_in_position(), "in_position",
+                 "it is the gate of every point");
+    faults_.Need(board_.has_lamp_trigger() || board_.has_lamp_sync(), "lamp_trigger",
+                 "name it, or lamp_sync of a laser that flashes by itself");
   }
 
   void CheckCounts() {
     const int channels = board_.shutters_size(), sensors = board_.photosensors_size();
     if (channels > kMaxChannels)
-      Add(ErrorCode::kInvalidValue,
-          fmt::format("shutters: {} are more than 4", channels));
+      faults_.Add(fmt::format("shutters: {} are more than 4", channels));
     if (sensors != 0 && sensors != channels) {
-      Add(ErrorCode::kInvalidValue,
+      faults_.Add(
           fmt::format("photosensors: {} for {} shutters: name one for each, or none",
                       sensors, channels));
     }
     if (board_.rates_hz_size() > kMaxRates) {
-      Add(ErrorCode::kInvalidValue, fmt::format("rates_hz: {} rates are more than {}",
-                                                board_.rates_hz_size(), kMaxRates));
+      faults_.Add(fmt::format("rates_hz: {} rates are more than {}",
+                              board_.rates_hz_size(), kMaxRates));
     }
     if (!board_.has_lamp_trigger() && board_.rates_hz_size() > 1) {
-      Add(ErrorCode::kInvalidValue,
+      faults_.Add(
           fmt::format("rates_hz: {} rates, and no lamp_trigger to make them: name the "
                       "rate at which the laser flashes",
                       board_.rates_hz_size()));
     }
   }
 
-  void CheckSerialNumber() {
-    const std::string& text = board_.serial_number();
-    const bool printable = std::all_of(text.begin(), text.end(),
-                                       [](char c) { return c >= ' ' && c <= '~'; });
-    if (printable && text.size() <= kMaxSerialNumber) return;
-    Add(ErrorCode::kInvalidValue,
-        fmt::format("serial_number: {:?} is not 0 to 64 printable ASCII characters",
-                    text));
-  }
+  const LaserBoard& board_;
+  BoardFaults faults_;
+};
 
-  /// Two signals on one line would switch each other.
-  void CheckLines() {
-    std::map<std::pair<std::string, std::uint32_t>, std::string> taken;
-    for (const auto& [name, line] : BoardLines(board_)) {
-      const auto [at, fresh] = taken.try_emplace({line.chip(), line.line()}, name);
-      if (fresh) continue;
-      Add(ErrorCode::kInvalidValue, fmt::format("{}: line {} of {} is that of {}", name,
-                                                line.line(), line.chip(), at->second));
+void AddLines(const google::protobuf::Message& message, const std::string& path,
+              const std::string& chip, std::vector<NamedLine>& lines) {
+  const google::protobuf::Reflection& reflection = *message.GetReflection();
+  std::vector<const google::protobuf::FieldDescriptor*> fields;
+  reflection.ListFields(message, &fields);
+  for (const auto* field : fields) {
+    if (field->message_type() == nullptr) continue;
+    const int count = field->is_repeated() ? reflection.FieldSize(message, field) : 1;
+    for (int i = 0; i < count; ++i) {
+      const google::protobuf::Message& part =
+          field->is_repeated() ? reflection.GetRepeatedMessage(message, field, i)
+                               : reflection.GetMessage(message, field);
+      const std::string name =
+          JoinPath(path, field->is_repeated() ? fmt::format("{}[{}]", field->name(), i)
+                                              : field->name());
+      if (field->message_type() != BoardLine::descriptor()) {
+        AddLines(part, name, chip, lines);
+        continue;
+      }
+      lines.push_back({name, static_cast<const BoardLine&>(part)});
+      if (lines.back().line.chip().empty()) lines.back().line.set_chip(chip);
     }
   }
-
-  std::vector<Error> Errors() && { return std::move(errors_); }
-
- private:
-  void Add(ErrorCode code, std::string what) {
-    errors_.push_back({code, std::move(what), ""});
-  }
-
-  const LaserBoard& board_;
-  std::vector<Error> errors_;
-};
+}
 
 }  // namespace
 
-std::vector<NamedLine> BoardLines(const LaserBoard& board) {
+std::vector<NamedLine> BoardLines(const google::protobuf::Message& board) {
+  const auto* field = board.GetDescriptor()->FindFieldByName("chip");
+  const std::string chip = board.GetReflection()->GetString(board, field);
   std::vector<NamedLine> lines;
-  const std::string chip = board.chip().empty() ? "/dev/gpiochip0" : board.chip();
-  const auto add = [&](std::string name, const BoardLine& line) {
-    lines.push_back({std::move(name), line});
-    if (line.chip().empty()) lines.back().line.set_chip(chip);
-  };
-  const google::protobuf::Reflection& reflection = *LaserBoard::GetReflection();
-  std::vector<const google::protobuf::FieldDescriptor*> fields;
-  reflection.ListFields(board, &fields);
-  for (const auto* field : fields) {
-    if (field->message_type() != BoardLine::descriptor()) continue;
-    const int count = field->is_repeated() ? reflection.FieldSize(board, field) : 1;
-    for (int i = 0; i < count; ++i) {
-      const auto& line = static_cast<const BoardLine&>(
-          field->is_repeated() ? reflection.GetRepeatedMessage(board, field, i)
-                               : reflection.GetMessage(board, field));
-      add(field->is_repeated() ? fmt::format("{}[{}]", field->name(), i) : field->name(),
-          line);
-    }
-  }
+  AddLines(board, "", chip.empty() ? "/dev/gpiochip0" : chip, lines);
   return lines;
 }
 
+BoardFaults::BoardFaults(const google::protobuf::Message& board) {
+  for (NumberFault& fault : NumbersOutOfRange(board, ""))
+    errors_.push_back(std::move(fault.error));
+}
+
+void BoardFaults::Add(std::string what, ErrorCode code) {
+  errors_.push_back({code, std::move(what), ""});
+}
+
+void BoardFaults::Need(bool given, const std::string& field, const char* why) {
+  if (!given) Add(fmt::format("{}: is missing: {}", field, why), ErrorCode::kMissing);
+}
+
+void BoardFaults::CheckSerialNumber(const std::string& text) {
+  const bool printable =
+      std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
+  if (printable && text.size() <= kMaxSerialNumber) return;
+  Add(fmt::format("serial_number: {:?} is not 0 to 64 printable ASCII characters", text));
+}
+
+void BoardFaults::CheckLines(const std::vector<NamedLine>& lines) {
+  std::map<std::pair<std::string, std::uint32_t>, std::string> taken;
+  for (const auto& [name, line] : lines) {
+    const auto [at, fresh] = taken.try_emplace({line.chip(), line.line()}, name);
+    if (fresh) continue;
+    Add(fmt::format("{}: line {} of {} is that of {}", name, line.line(), line.chip(),
+                    at->second));
+  }
+}
+
+Status JoinFaults(const std::string& name, const std::vector<Error>& faults) {
+  std::string wrong;
+  for (const Error& error : faults)
+    wrong += fmt::format("{}{}: {}", wrong.empty() ? "" : "\n", name, error.message);
+  if (wrong.empty()) return {};
+  return Fail(ErrorCode::kInvalidValue, wrong);
+}
+
+Status ParseBoardText(std::string_view text, const std::string& name, const char* what,
+                      google::protobuf::Message& board) {
+  INTAGLIO_TRY(CheckTextSize(text, name, kMaxBoardFileBytes, what));
+  INTAGLIO_TRY(ParseTextFormat(text, name, kMaxDepth, board));
+  return {};
+}
+
 std::vector<Error> CheckBoard(const LaserBoard& board) {
-  BoardChecker checker(board);
-  checker.CheckNeeded();
-  checker.CheckCounts();
-  checker.CheckSerialNumber();
-  checker.CheckLines();
-  return std::move(checker).Errors();
+  return BoardChecker(board).Check();
 }
 
 Result<LaserBoard> ParseBoard(std::string_view text, const std::string& name) {
-  INTAGLIO_TRY(CheckTextSize(text, name, kMaxBoardFileBytes,
-                             "a board file (proto/laser_board.proto)"));
   LaserBoard board;
-  INTAGLIO_TRY(ParseTextFormat(text, name, kMaxDepth, board));
-  std::string wrong;
-  for (const Error& error : CheckBoard(board))
-    wrong += fmt::format("{}{}: {}", wrong.empty() ? "" : "\n", name, error.message);
-  if (!wrong.empty()) return Fail(ErrorCode::kInvalidValue, wrong);
+  INTAGLIO_TRY(
+      ParseBoardText(text, name, "a board file (proto/laser_board.proto)", board));
+  INTAGLIO_TRY(JoinFaults(name, CheckBoard(board)));
   return board;
 }
 

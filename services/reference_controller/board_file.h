@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "engrave/core/result.h"
@@ -21,8 +22,32 @@ struct NamedLine {
   std::string name;
   BoardLine line;
 };
-/// All that the board has.
-std::vector<NamedLine> BoardLines(const LaserBoard& board);
+/// All that a board has, of a message with BoardLines and a chip: a LaserBoard, or one
+/// with axes that have some, too ("x.step").
+std::vector<NamedLine> BoardLines(const google::protobuf::Message& board);
+
+/// What is wrong with a board, collected.
+class BoardFaults {
+ public:
+  /// Begins with the numbers that are out of their range.
+  explicit BoardFaults(const google::protobuf::Message& board);
+
+  void Add(std::string what, ErrorCode code = ErrorCode::kInvalidValue);
+  /// `why`: what a signal that is not given is for.
+  void Need(bool given, const std::string& field, const char* why);
+  void CheckSerialNumber(const std::string& text);
+  /// Two signals on one line would switch each other.
+  void CheckLines(const std::vector<NamedLine>& lines);
+  std::vector<Error> Errors() && { return std::move(errors_); }
+
+ private:
+  std::vector<Error> errors_;
+};
+/// kInvalidValue with every fault, one a line, of the file `name`.
+Status JoinFaults(const std::string& name, const std::vector<Error>& faults);
+/// Size and text alone; `what` the file should be. kTooLarge, kUnreadable.
+Status ParseBoardText(std::string_view text, const std::string& name, const char* what,
+                      google::protobuf::Message& board);
 
 /// Every wrong value, each with the path of its field, the value and what is allowed.
 std::vector<Error> CheckBoard(const LaserBoard& board);

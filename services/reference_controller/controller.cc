@@ -27,8 +27,7 @@ double Seconds(nanoseconds time) { return 1e-9 * static_cast<double>(time.count(
 
 }  // namespace
 
-Controller::Controller(const ControllerOptions& options, LaserPins& pins,
-                       ControllerTime time)
+Controller::Controller(const ControllerOptions& options, Pins& pins, ControllerTime time)
     : options_(options),
       pins_(pins),
       time_(std::move(time)),
@@ -137,6 +136,7 @@ Status Controller::PassTick(nanoseconds sync) {
       last_sync_ ? Seconds(sync - *last_sync_) - 1 / laser_.rate_hz() : 0;
   last_sync_ = sync;
   const std::uint8_t channels = laser_.AdvanceTick(in_position, late_s);
+  if (options_.on_tick) options_.on_tick({laser_.tick(), sync, laser_.rate_hz()});
   return channels == 0 ? Status() : Trigger(channels, sync);
 }
 

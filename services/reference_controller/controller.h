@@ -24,7 +24,8 @@
 #include <memory>
 #include <optional>
 
-#include "services/reference_controller/laser_pins.h"
+#include "services/reference_controller/pins.h"
+#include "services/reference_controller/tick_ring.h"
 #include "services/virtual_engraver/laser_end.h"
 
 namespace intaglio::reference_controller {
@@ -39,6 +40,9 @@ struct ControllerOptions {
   virtual_engraver::LaserOptions laser;
   /// How long after the trigger a flash is seen, > 0.
   std::chrono::nanoseconds sensor_window{300'000};
+  /// Each tick at its lamp sync, with the rate of the lamp; short, for the trigger waits
+  /// behind it. Empty: nobody is notified.
+  std::function<void(const TickNotice&)> on_tick = {};
 };
 
 class Controller {
@@ -49,7 +53,7 @@ class Controller {
   static constexpr std::chrono::nanoseconds kSpin{500'000};
 
   /// `pins` outlive this.
-  Controller(const ControllerOptions& options, LaserPins& pins, ControllerTime time);
+  Controller(const ControllerOptions& options, Pins& pins, ControllerTime time);
   ~Controller() { MakeSafe(); }
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;
@@ -82,7 +86,7 @@ class Controller {
   Result<std::uint8_t> Flashes();
 
   ControllerOptions options_;
-  LaserPins& pins_;
+  Pins& pins_;
   ControllerTime time_;
   virtual_engraver::Laser laser_;
   virtual_engraver::LaserEnd end_{laser_};

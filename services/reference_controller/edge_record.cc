@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <optional>
@@ -26,21 +27,25 @@ std::string Line(const char* name, const Spread& spread) {
 }  // namespace
 
 std::string NameOf(Output output) {
-  switch (output) {
-    case Output::kQSwitch:
-      return "q_switch";
-    case Output::kLampTrigger:
-      return "lamp_trigger";
-    case Output::kLamp:
-      return "lamp";
-    case Output::kDoorLock:
-      return "door_lock";
-    case Output::kAlive:
-      return "alive";
-    default:
-      return fmt::format("shutters[{}]",
-                         static_cast<int>(output) - static_cast<int>(Output::kShutter1));
-  }
+  static constexpr std::array kNames = {"q_switch",
+                                        "shutters[0]",
+                                        "shutters[1]",
+                                        "shutters[2]",
+                                        "shutters[3]",
+                                        "lamp_trigger",
+                                        "lamp",
+                                        "door_lock",
+                                        "alive",
+                                        "x.step",
+                                        "y.step",
+                                        "z.step",
+                                        "x.direction",
+                                        "y.direction",
+                                        "z.direction",
+                                        "enable",
+                                        "in_position_output"};
+  static_assert(kNames.size() == kOutputCount);
+  return kNames[static_cast<std::size_t>(output)];
 }
 
 Result<EdgeRecord> EdgeRecord::Create(const std::filesystem::path& file) {
@@ -94,11 +99,17 @@ Jitter JitterOf(const std::vector<Edge>& edges) {
           lamps - delays.size()};
 }
 
+std::string TextOfSpreads(const std::vector<std::pair<const char*, Spread>>& spreads) {
+  std::string text = fmt::format("{:<12} {:>8} {:>11} {:>9} {:>11} {:>11} {:>11}\n", "us",
+                                 "count", "mean", "rms", "min", "99.9 %", "max");
+  for (const auto& [name, spread] : spreads) text += Line(name, spread);
+  return text;
+}
+
 std::string ToText(const Jitter& jitter) {
-  return fmt::format("{:<12} {:>8} {:>11} {:>9} {:>11} {:>11} {:>11}\n", "us", "count",
-                     "mean", "rms", "min", "99.9 %", "max") +
-         Line("lamp period", jitter.period) + Line("trigger at", jitter.delay) +
-         Line("its width", jitter.width) +
+  return TextOfSpreads({{"lamp period", jitter.period},
+                        {"trigger at", jitter.delay},
+                        {"its width", jitter.width}}) +
          fmt::format("{} of {} lamp triggers without a trigger of the Q-switch\n",
                      jitter.withheld, jitter.delay.count + jitter.withheld);
 }

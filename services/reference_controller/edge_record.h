@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engrave/core/result.h"
@@ -35,6 +36,8 @@ struct Spread {
 };
 /// There is one time at least.
 Spread SpreadOf(std::vector<double> times_us);
+/// A table with a line of names, and one of each spread, that end with '\n'.
+std::string TextOfSpreads(const std::vector<std::pair<const char*, Spread>>& spreads);
 
 struct Jitter {
   Spread period;             ///< from a lamp trigger to the next

@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "engrave/core/try.h"
-#include "services/reference_controller/board_file.h"
 
 namespace intaglio::reference_controller {
 namespace {
@@ -38,25 +37,24 @@ tl::unexpected<Error> PinError(const Pin& pin, const char* what) {
       pin.name);
 }
 
-class GpioPins final : public LaserPins {
+class GpioPins final : public Pins {
  public:
   ~GpioPins() override {
     for (Pin& pin : outputs_)
       if (pin.line != nullptr) (void)gpiod_line_set_value(pin.line, 0);
   }
 
-  Status Open(const LaserBoard& board) {
-    for (const auto& [name, line] : BoardLines(board)) {
+  Status Open(const std::vector<NamedLine>& lines) {
+    for (const auto& [name, line] : lines) {
       const auto output = kOutputs.find(name);
       if (output != kOutputs.end())
         INTAGLIO_TRY(Request(name, line, outputs_[Index(output->second)], &OpenOutput));
     }
-    for (const auto& [name, line] : BoardLines(board)) {
+    for (const auto& [name, line] : lines) {
       const auto input = kInputs.find(name);
       if (input == kInputs.end()) continue;
-      const bool has_edges = input->second >= Input::kLampSync;
       INTAGLIO_TRY(Request(name, line, inputs_[Index(input->second)],
-                           has_edges ? &OpenEdges : &OpenInput));
+                           HasEdges(input->second) ? &OpenEdges : &OpenInput));
     }
     return {};
   }
@@ -76,9 +74,10 @@ class GpioPins final : public LaserPins {
 
   Result<std::uint32_t> Levels() override {
     std::uint32_t levels = 0;
-    for (const Input input :
-         {Input::kKey, Input::kDoor, Input::kStop, Input::kInPosition}) {
+    for (int i = 0; i < kInputCount; ++i) {
+      const auto input = static_cast<Input>(i);
       const Pin& pin = inputs_[Index(input)];
+      if (pin.line == nullptr || HasEdges(input)) continue;
       const int value = gpiod_line_get_value(pin.line);
       if (value < 0) return PinError(pin, "read");
       if (value > 0) levels |= BitOf(input);
@@ -151,7 +150,15 @@ const std::map<std::string, Output> GpioPins::kOutputs = {
     {"lamp_trigger", Output::kLampTrigger},
     {"lamp", Output::kLamp},
     {"door_lock", Output::kDoorLock},
-    {"alive", Output::kAlive}};
+    {"alive", Output::kAlive},
+    {"x.step", Output::kStepX},
+    {"y.step", Output::kStepY},
+    {"z.step", Output::kStepZ},
+    {"x.direction", Output::kDirectionX},
+    {"y.direction", Output::kDirectionY},
+    {"z.direction", Output::kDirectionZ},
+    {"enable", Output::kEnable},
+    {"in_position_output", Output::kInPosition}};
 const std::map<std::string, Input> GpioPins::kInputs = {
     {"key", Input::kKey},
     {"door", Input::kDoor},
@@ -161,14 +168,18 @@ const std::map<std::string, Input> GpioPins::kInputs = {
     {"photosensors[0]", Input::kPhotosensor1},
     {"photosensors[1]", Input::kPhotosensor2},
     {"photosensors[2]", Input::kPhotosensor3},
-    {"photosensors[3]", Input::kPhotosensor4}};
+    {"photosensors[3]", Input::kPhotosensor4},
+    {"x.free", Input::kFreeX},
+    {"y.free", Input::kFreeY},
+    {"z.free", Input::kFreeZ},
+    {"drives", Input::kDrives}};
 
 }  // namespace
 
-Result<std::unique_ptr<LaserPins>> OpenGpioPins(const LaserBoard& board) {
+Result<std::unique_ptr<Pins>> OpenGpioPins(const std::vector<NamedLine>& lines) {
   auto pins = std::make_unique<GpioPins>();
-  INTAGLIO_TRY(pins->Open(board));
-  return std::unique_ptr<LaserPins>(std::move(pins));
+  INTAGLIO_TRY(pins->Open(lines));
+  return std::unique_ptr<Pins>(std::move(pins));
 }
 
 }  // namespace intaglio::reference_controller

@@ -6,13 +6,13 @@
 
 #include <memory>
 
-#include "proto/laser_board.pb.h"
-#include "services/reference_controller/laser_pins.h"
+#include "services/reference_controller/board_file.h"
+#include "services/reference_controller/pins.h"
 
 namespace intaglio::reference_controller {
 
-/// Outputs are requested first, each off. `board` is checked. kIo names the line and its
-/// signal.
-Result<std::unique_ptr<LaserPins>> OpenGpioPins(const LaserBoard& board);
+/// Outputs are requested first, each off. `lines`: those of a checked board
+/// (BoardLines). kIo names the line and its signal.
+Result<std::unique_ptr<Pins>> OpenGpioPins(const std::vector<NamedLine>& lines);
 
 }  // namespace intaglio::reference_controller

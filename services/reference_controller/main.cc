@@ -1,28 +1,29 @@
-#include <poll.h>
 #include <signal.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <iostream>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <random>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <utility>
-#include <vector>
 
-#include "engrave/core/try.h"
 #include "services/platform/command_line/program.h"
 #include "services/platform/link/real_time.h"
-#include "services/platform/link/serial_port.h"
 #include "services/reference_controller/board_file.h"
 #include "services/reference_controller/edge_record.h"
 #include "services/reference_controller/exact_time.h"
 #include "services/reference_controller/gpio_pins.h"
+#include "services/reference_controller/host_line.h"
 #include "services/reference_controller/measure.h"
-#include "services/virtual_engraver/lines/machine_line.h"
+#include "services/reference_controller/measure_steps.h"
+#include "services/reference_controller/simulated_stage.h"
+#include "services/reference_controller/stage_board.h"
+#include "services/reference_controller/stage_thread.h"
 
 namespace {
 
@@ -33,7 +34,7 @@ using std::chrono::nanoseconds;
 volatile sig_atomic_t stop_asked = 0;
 
 struct Options {
-  std::string board_file, line, edges;
+  std::string board_file, line, stage_board_file, stage_line, edges;
   std::uint32_t baud = 115200;
   double measure_s = 0, rate_hz = 100;
 };
@@ -46,74 +47,21 @@ void AddOptions(command_line::Command app, Options& o) {
   app.AddOption("--line", o.line,
                 "laser line: serial:DEVICE opens a serial port; else the symbolic link "
                 "to make for a pseudo-terminal, or tcp:HOST:PORT to listen there");
-  app.AddOption("--baud", o.baud, "of a serial port").ShowDefault();
+  app.AddOption("--stage-board", o.stage_board_file,
+                "board file of the stage: its lines and axes (proto/stage_board.proto)");
+  app.AddOption("--stage-line", o.stage_line, "motion line, as --line");
+  app.AddOption("--baud", o.baud, "of serial ports").ShowDefault();
   app.AddOption("--simulate", o.edges,
                 "no line of a chip is touched: the edges of simulated outputs are "
                 "recorded in this file");
   app.AddOption("--measure", o.measure_s,
-                "in place of a line: fire simulated outputs for so many seconds, and "
-                "print how exact the times of their edges are")
+                "in place of a line: fire simulated outputs for so many seconds, or with "
+                "--stage-board step them, and print how exact the times of their edges "
+                "are")
       .Positive();
   app.AddOption("--rate", o.rate_hz, "rate of --measure, Hz; one of the board's")
       .ShowDefault();
 }
-
-/// The controller's end of the line: a serial port, or a plug with the hosts that come
-/// to it.
-class HostLine {
- public:
-  static constexpr std::string_view kSerial = "serial:";
-
-  HostLine(const Options& options, Controller& controller)
-      : controller_(controller), baud_(options.baud) {
-    if (options.line.starts_with(kSerial)) {
-      port_ = options.line.substr(kSerial.size());
-      if (const Status opened = Open(); !opened)
-        throw std::runtime_error(opened.error().message);
-      return;
-    }
-    auto plug = virtual_engraver::OpenMachineLine(options.line, "laser line");
-    if (!plug) throw std::runtime_error(plug.error().message);
-    plug_ = std::move(*plug);
-    controller_.Plug(plug_->MachineEnd());
-  }
-
-  std::string device() const { return plug_ ? plug_->device() : port_; }
-
-  void Renew() {
-    if (plug_ && plug_->HostHasGone()) controller_.Plug(plug_->MachineEnd());
-    const auto now = std::chrono::steady_clock::now();
-    if (plug_ || controller_.is_plugged() || now < next_open_) return;
-    next_open_ = now + std::chrono::milliseconds(500);
-    (void)Open();
-  }
-
-  void WaitFor(nanoseconds time) const {
-    std::vector<pollfd> lines;
-    if (plug_) {
-      for (const int fd : plug_->descriptors()) lines.push_back({fd, POLLIN, 0});
-    } else if (controller_.is_plugged()) {
-      lines.push_back({fd_, POLLIN, 0});
-    }
-    const timespec timeout{0, static_cast<long>(time.count())};
-    ppoll(lines.data(), lines.size(), &timeout, nullptr);
-  }
-
- private:
-  Status Open() {
-    auto opened = INTAGLIO_TRY(link::OpenSerialPort(port_, baud_));
-    fd_ = opened->fd();
-    controller_.Plug(std::move(opened));
-    return {};
-  }
-
-  Controller& controller_;
-  std::uint32_t baud_;
-  std::string port_;
-  std::unique_ptr<virtual_engraver::MachineLine> plug_;
-  int fd_ = -1;
-  std::chrono::steady_clock::time_point next_open_ = {};
-};
 
 template <typename T>
 T ValueOrThrow(Result<T> result) {
@@ -128,12 +76,17 @@ void AskForTime() {
             << grant.refused << std::endl;
 }
 
-int Measure(const Options& o, const LaserBoard& board) {
+int Measure(const Options& o, const LaserBoard& board,
+            const std::optional<StageBoard>& stage) {
   AskForTime();
-  const Jitter jitter =
-      ValueOrThrow(MeasureJitter(OptionsOf(board, 1), o.rate_hz, o.measure_s, ExactTime(),
-                                 [] { return stop_asked != 0; }));
-  std::cout << ToText(jitter);
+  const auto stops = [] { return stop_asked != 0; };
+  if (stage) {
+    std::cout << ToText(ValueOrThrow(
+        MeasureSteps(OptionsOf(*stage, 1), o.measure_s, ExactTime(), stops)));
+    return 0;
+  }
+  std::cout << ToText(ValueOrThrow(
+      MeasureJitter(OptionsOf(board, 1), o.rate_hz, o.measure_s, ExactTime(), stops)));
   return 0;
 }
 
@@ -147,44 +100,122 @@ SimulatedPinsOptions SimulatedPinsOf(const LaserBoard& board) {
   return pins;
 }
 
-int Serve(const Options& o, const LaserBoard& board) {
-  const ControllerTime time = ExactTime();
-  std::optional<EdgeRecord> record;
-  std::unique_ptr<LaserPins> pins;
-  if (o.edges.empty()) {
-    pins = ValueOrThrow(OpenGpioPins(board));
-  } else {
-    record.emplace(ValueOrThrow(EdgeRecord::Create(o.edges)));
-    pins = std::make_unique<SimulatedPins>(
-        SimulatedPinsOf(board), time.clock,
-        [&record](const Edge& edge) { record->Add(edge); });
+// Another number is another clock, for the host.
+std::uint32_t PowerUp() { return std::max(1U, std::random_device{}()); }
+
+/// The edges of both controllers' simulated outputs.
+class SharedRecord {
+ public:
+  explicit SharedRecord(const std::string& file)
+      : record_(ValueOrThrow(EdgeRecord::Create(file))) {}
+  void Add(const Edge& edge) {
+    const std::scoped_lock lock(mutex_);
+    record_.Add(edge);
+    if (edge.output == Output::kInPosition) in_position = edge.on;
   }
-  // Another number is another clock of ticks, for the host.
-  Controller controller(OptionsOf(board, std::max(1U, std::random_device{}())), *pins,
-                        time);
-  HostLine line(o, controller);
+
+  std::atomic<bool> in_position{false};  ///< the wire between both
+
+ private:
+  std::mutex mutex_;
+  EdgeRecord record_;
+};
+
+/// A stage with its board, line and thread.
+class ServedStage {
+ public:
+  ServedStage(const Options& o, const StageBoard& board, const ControllerTime& time,
+              SharedRecord* record)
+      : options_(OptionsOf(board, PowerUp())),
+        pins_(MakePins(board, time, record)),
+        controller_(options_, *pins_, time),
+        line_(ValueOrThrow(HostLine::Open(
+            {o.stage_line, o.baud, "motion line"},
+            [this](auto end) { controller_.Plug(std::move(end)); },
+            [this] { return controller_.is_plugged(); }))),
+        thread_(controller_, line_, time) {}
+
+  StageController& controller() { return controller_; }
+  StageThread& thread() { return thread_; }
+  std::string device() const { return line_.device(); }
+
+ private:
+  std::unique_ptr<Pins> MakePins(const StageBoard& board, const ControllerTime& time,
+                                 SharedRecord* record) const {
+    if (record == nullptr) return ValueOrThrow(OpenGpioPins(BoardLines(board)));
+    SimulatedStageOptions simulated{options_.steps, *options_.stage.homing};
+    simulated.at_mm = virtual_engraver::StartMm(options_.stage);
+    return std::make_unique<SimulatedStage>(
+        simulated, time.clock, [record](const Edge& edge) { record->Add(edge); });
+  }
+
+  StageControllerOptions options_;
+  std::unique_ptr<Pins> pins_;
+  StageController controller_;
+  HostLine line_;
+  StageThread thread_;
+};
+
+int Serve(const Options& o, const LaserBoard& board,
+          const std::optional<StageBoard>& stage_board) {
+  const ControllerTime time = ExactTime();
   AskForTime();
-  std::cout << "ready line=" << line.device() << std::endl;
-  while (stop_asked == 0) {
+  std::unique_ptr<SharedRecord> record;
+  if (!o.edges.empty()) record = std::make_unique<SharedRecord>(o.edges);
+  std::unique_ptr<Pins> pins;
+  if (record) {
+    SimulatedPinsOptions simulated = SimulatedPinsOf(board);
+    if (stage_board) simulated.in_position = &record->in_position;
+    pins = std::make_unique<SimulatedPins>(
+        simulated, time.clock, [&record](const Edge& edge) { record->Add(edge); });
+  } else {
+    pins = ValueOrThrow(OpenGpioPins(BoardLines(board)));
+  }
+  std::optional<ServedStage> stage;
+  ControllerOptions options = OptionsOf(board, PowerUp());
+  options.on_tick = [&stage](const TickNotice& notice) {
+    if (stage) stage->controller().ReceiveTick(notice);
+  };
+  Controller controller(options, *pins, time);
+  HostLine line = ValueOrThrow(HostLine::Open(
+      {o.line, o.baud, "laser line"},
+      [&controller](auto end) { controller.Plug(std::move(end)); },
+      [&controller] { return controller.is_plugged(); }));
+  if (stage_board) stage.emplace(o, *stage_board, time, record.get());
+  std::cout << "ready line=" << line.device();
+  if (stage) std::cout << " stage=" << stage->device();
+  std::cout << std::endl;
+  while (stop_asked == 0 && !(stage && stage->thread().has_failed())) {
     line.Renew();
     const nanoseconds idle = ValueOrThrow(controller.Turn());
     if (idle.count() > 0) line.WaitFor(idle);
   }
   controller.MakeSafe();
+  if (stage) {
+    if (const std::string error = stage->thread().Stop(); !error.empty())
+      throw std::runtime_error(error);
+  }
   std::cout << "ends with all outputs off" << std::endl;
   return 0;
 }
 
 int Run(const Options& o) {
   const LaserBoard board = ValueOrThrow(ReadBoardFile(o.board_file));
-  return o.measure_s > 0 ? Measure(o, board) : Serve(o, board);
+  std::optional<StageBoard> stage;
+  if (!o.stage_board_file.empty()) {
+    stage = ValueOrThrow(ReadStageBoardFile(o.stage_board_file));
+    if (const Status apart = CheckLinesApart(board, *stage); !apart)
+      throw std::runtime_error(o.stage_board_file + ": " + apart.error().message);
+  }
+  return o.measure_s > 0 ? Measure(o, board, stage) : Serve(o, board, stage);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   command_line::Program program("intaglio-reference-controller",
-                                "a laser controller of a Linux board's GPIO lines");
+                                "a controller of a laser, and of a stage, by a Linux "
+                                "board's GPIO lines");
   program.root().SetFooter(
       "Example: intaglio-reference-controller --board els-03.board --line "
       "serial:/dev/ttyGS0\n"
@@ -195,6 +226,12 @@ int main(int argc, char** argv) {
   if (const auto exit_code = program.Parse(argc, argv)) return *exit_code;
   if (options.line.empty() == (options.measure_s == 0)) {
     std::cerr << "intaglio-reference-controller: give either --line or --measure\n";
+    return 2;
+  }
+  if (options.stage_line.empty() !=
+      (options.stage_board_file.empty() || options.measure_s > 0)) {
+    std::cerr << "intaglio-reference-controller: give --stage-board and --stage-line "
+                 "together; to measure, --stage-board alone\n";
     return 2;
   }
   struct sigaction action = {};

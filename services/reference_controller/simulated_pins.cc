@@ -26,6 +26,7 @@ SimulatedPins::~SimulatedPins() {
 }
 
 bool SimulatedPins::Has(Output output) const {
+  if (output > Output::kAlive) return false;
   if (output == Output::kLampTrigger) return options_.flash_period.count() == 0;
   const int shutter = static_cast<int>(output) - static_cast<int>(Output::kShutter1);
   return shutter < 0 || shutter >= 4 || shutter < options_.channels;
@@ -35,7 +36,7 @@ bool SimulatedPins::Has(Input input) const {
   if (input == Input::kLampSync)
     return options_.has_lamp_sync || options_.flash_period.count() > 0;
   const int sensor = static_cast<int>(input) - static_cast<int>(Input::kPhotosensor1);
-  return sensor < options_.channels;
+  return sensor < options_.channels && input < Input::kFreeX;
 }
 
 Status SimulatedPins::Set(Output output, bool on) {
@@ -70,7 +71,10 @@ void SimulatedPins::FlashByItself() {
     Edges(Input::kLampSync).push_back(next_flash_);
 }
 
-Result<std::uint32_t> SimulatedPins::Levels() { return levels_; }
+Result<std::uint32_t> SimulatedPins::Levels() {
+  if (options_.in_position != nullptr) Hold(Input::kInPosition, *options_.in_position);
+  return levels_;
+}
 
 Result<std::optional<nanoseconds>> SimulatedPins::NextEdge(Input input) {
   FlashByItself();

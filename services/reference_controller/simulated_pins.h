@@ -5,12 +5,13 @@
 // for each lamp trigger.
 
 #include <array>
+#include <atomic>
 #include <deque>
 #include <functional>
 #include <vector>
 
 #include "services/platform/link/steady_clock.h"
-#include "services/reference_controller/laser_pins.h"
+#include "services/reference_controller/pins.h"
 
 namespace intaglio::reference_controller {
 
@@ -28,9 +29,12 @@ struct SimulatedPinsOptions {
   bool has_lamp_sync = false;       ///< of the laser; else ticks begin with the trigger
   std::uint8_t blind_channels = 0;  ///< bit 0..3: their photosensors see nothing
   std::chrono::nanoseconds sync_after{0};  ///< from the lamp trigger to the lamp sync
+  /// The in-position output of a simulated stage, whose thread sets it; null: the input
+  /// is held.
+  const std::atomic<bool>* in_position = nullptr;
 };
 
-class SimulatedPins final : public LaserPins {
+class SimulatedPins final : public Pins {
  public:
   /// `recorded` is called with each change of an output but Output::kAlive.
   SimulatedPins(SimulatedPinsOptions options, link::SteadyClock clock,

@@ -66,7 +66,7 @@ void NoRunBeginsWithTheBlockElsewhere(const MotionRigMaker& make) {
   if (!HasBlockStage(bench)) return;
   Expect(bench.driver().RequireBlockAt(Vec2(0.5, 0)), "RequireBlockAt");
   bench.Begin(1);
-  (void)bench.driver().Append(bench.CourseFromHere().Segments(), {});
+  (void)bench.AppendAtOnce(bench.CourseFromHere().Segments());
   bench.ExpectFault(intaglio_MOTION_SAFE_STATE, "M20: a run with the block elsewhere");
   bench.ExpectStill(500ms, "M20: a run begins with the block elsewhere");
   bench.ClearFault();

@@ -84,6 +84,13 @@ class MotionRig {
   virtual double rate_hz() const = 0;
   virtual Vec3 travel_min_mm() const = 0;
   virtual Vec3 travel_max_mm() const = 0;
+  /// What the controller's own clock shows at a tick, ns; 0: it counts the ticks.
+  virtual std::uint64_t NsOfTick(std::uint64_t tick) {
+    (void)tick;
+    return 0;
+  }
+  /// From one tick to the next it shows so much more, where it has one.
+  double tick_ns() const { return 1e9 / rate_hz(); }
   /// How far from the commanded place the stage may be at a tick.
   virtual double tolerance_mm() const = 0;
   /// From 10 mm/s to rest, with all delays of the controller.

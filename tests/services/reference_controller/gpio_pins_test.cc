@@ -110,7 +110,7 @@ class GpioPins : public ::testing::Test {
 };
 
 TEST_F(GpioPins, OutputsAreRequestedOffAndBeforeAnyInputTheQSwitchFirst) {
-  const auto pins = OpenGpioPins(board);
+  const auto pins = OpenGpioPins(BoardLines(board));
   ASSERT_TRUE(pins.has_value()) << pins.error().message;
   const std::vector<std::string> outputs(calls.begin(), calls.begin() + 9);
   EXPECT_THAT(outputs, ElementsAre("output 17=0", "output 5=0", "output 6=0",
@@ -126,7 +126,7 @@ TEST_F(GpioPins, OutputsAreRequestedOffAndBeforeAnyInputTheQSwitchFirst) {
 }
 
 TEST_F(GpioPins, AreSetOnceReadAndSwitchedOffWithTheirObject) {
-  auto pins = OpenGpioPins(board).value();
+  auto pins = OpenGpioPins(BoardLines(board)).value();
   calls.clear();
   ASSERT_TRUE(pins->Set(Output::kShutter2, true).has_value());
   ASSERT_TRUE(pins->Set(Output::kShutter2, true).has_value());
@@ -149,7 +149,7 @@ TEST_F(GpioPins, AreSetOnceReadAndSwitchedOffWithTheirObject) {
 TEST_F(GpioPins, WhatABoardHasNotIsNeitherSetNorRead) {
   board.clear_photosensors();
   board.clear_door_lock();
-  const auto pins = OpenGpioPins(board).value();
+  const auto pins = OpenGpioPins(BoardLines(board)).value();
   EXPECT_FALSE(pins->Has(Output::kDoorLock));
   EXPECT_FALSE(pins->Has(Input::kPhotosensor1));
   calls.clear();
@@ -160,18 +160,19 @@ TEST_F(GpioPins, WhatABoardHasNotIsNeitherSetNorRead) {
 
 TEST_F(GpioPins, ErrorsNameTheSignalAndItsLine) {
   fake_chip.lines[6].requested = true;
-  EXPECT_THAT(OpenGpioPins(board).error().message,
+  EXPECT_THAT(OpenGpioPins(BoardLines(board)).error().message,
               HasSubstr("shutters[1], line 6 of /dev/gpiochip0: cannot request the line: "
                         "Device or resource busy"));
   fake_chip = {};
-  auto pins = OpenGpioPins(board).value();
+  auto pins = OpenGpioPins(BoardLines(board)).value();
   lines_fail = true;
   EXPECT_THAT(pins->Set(Output::kQSwitch, true).error().message,
               HasSubstr("q_switch, line 17"));
   EXPECT_FALSE(pins->Levels().has_value());
   lines_fail = false;
   chip_is_there = false;
-  EXPECT_THAT(OpenGpioPins(board).error().message, HasSubstr("cannot open the chip"));
+  EXPECT_THAT(OpenGpioPins(BoardLines(board)).error().message,
+              HasSubstr("cannot open the chip"));
 }
 
 }  // namespace

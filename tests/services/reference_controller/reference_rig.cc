@@ -1,13 +1,12 @@
 #include "tests/services/reference_controller/reference_rig.h"
 
-#include <poll.h>
-
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
 
 #include "services/drivers/laser_drivers.h"
 #include "services/platform/link/serial_port.h"
+#include "tests/services/reference_controller/frail_board.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::reference_controller {
@@ -15,98 +14,12 @@ namespace {
 
 constexpr char kControllerNumber[] = "R-03";
 
-/// One way of the wire. The kernel carries its bytes in its own time, the test's clock
-/// stops for them: a reader waits for all that was written.
-struct Way {
-  bool cut = false;
-  std::uint64_t cut_after = UINT64_MAX;
-  std::uint64_t written = 0, read = 0, taken = 0;
-
-  void Forget() { written = read = 0; }
-};
-
-class WireEnd final : public link::ByteStream {
- public:
-  WireEnd(std::unique_ptr<link::ByteStream> inner, Way& in, Way& out,
-          std::shared_ptr<void> owner)
-      : inner_(std::move(inner)), in_(in), out_(out), owner_(std::move(owner)) {}
-
-  Result<std::size_t> Read(std::span<std::byte> buffer) override {
-    if (in_.read < in_.written) {
-      constexpr int kPatienceMs = 2000;
-      pollfd readable{inner_->fd(), POLLIN, 0};
-      (void)poll(&readable, 1, kPatienceMs);
-    }
-    auto got = inner_->Read(buffer);
-    if (got) in_.read += *got;
-    return got;
-  }
-  Result<std::size_t> Write(std::span<const std::byte> bytes) override {
-    if (!out_.cut && out_.taken + bytes.size() > out_.cut_after) {
-      const auto left = static_cast<std::size_t>(out_.cut_after - out_.taken);
-      (void)Pass(bytes.first(left));
-      out_.cut = true;
-    }
-    return out_.cut ? bytes.size() : Pass(bytes);
-  }
-  int fd() const override { return inner_->fd(); }
-
- private:
-  Result<std::size_t> Pass(std::span<const std::byte> bytes) {
-    auto sent = inner_->Write(bytes);
-    if (sent) out_.written += *sent, out_.taken += *sent;
-    return sent;
-  }
-
-  std::unique_ptr<link::ByteStream> inner_;
-  Way &in_, &out_;
-  std::shared_ptr<void> owner_;
-};
-
-/// Pins that can fail.
-class FrailBoard final : public LaserPins {
- public:
-  FrailBoard(LaserPins& pins, std::shared_ptr<bool> broken)
-      : pins_(pins), broken_(std::move(broken)) {}
-  bool Has(Output output) const override { return pins_.Has(output); }
-  bool Has(Input input) const override { return pins_.Has(input); }
-  Status Set(Output output, bool on) override {
-    if (*broken_) return Broken();
-    return pins_.Set(output, on);
-  }
-  Result<std::uint32_t> Levels() override {
-    if (*broken_) return Broken();
-    return pins_.Levels();
-  }
-  Result<std::optional<std::chrono::nanoseconds>> NextEdge(Input input) override {
-    if (*broken_) return Broken();
-    return pins_.NextEdge(input);
-  }
-
- private:
-  static tl::unexpected<Error> Broken() {
-    return Fail(ErrorCode::kIo, "the board is broken");
-  }
-  LaserPins& pins_;
-  std::shared_ptr<bool> broken_;
-};
-
 const drivers::LaserDriverKind& LineDriver() {
   return *std::ranges::find(drivers::LaserDriverKinds(), "virtual-laser",
                             &drivers::LaserDriverKind::protocol);
 }
 
 }  // namespace
-
-struct ReferenceRig::Wire {
-  Way to_controller, to_host;
-
-  /// A new plug: nothing of the time before is in it.
-  void Renew() {
-    to_controller.Forget();
-    to_host.Forget();
-  }
-};
 
 ReferenceRig::ReferenceRig(const std::string& serial_number, ReferenceRigOptions options)
     : options_(options),
@@ -137,16 +50,9 @@ ReferenceRig::~ReferenceRig() {
   SwitchOff();
 }
 
-void ReferenceRig::CutLine(bool cut) {
-  for (Way* way : {&wire_->to_controller, &wire_->to_host}) {
-    way->cut = cut;
-    way->cut_after = UINT64_MAX;
-  }
-}
+void ReferenceRig::CutLine(bool cut) { wire_->Cut(cut); }
 
-void ReferenceRig::CutLineAfter(std::uint64_t bytes) {
-  wire_->to_controller.cut_after = wire_->to_controller.taken + bytes;
-}
+void ReferenceRig::CutLineAfter(std::uint64_t bytes) { wire_->CutAfter(bytes); }
 
 void ReferenceRig::SwitchOff() {
   controller_.reset();
@@ -224,8 +130,7 @@ void ReferenceRig::AdvanceController() {
     const auto waits = idle ? std::max(*idle, kTurn) : kTurn;
     now_ = std::max(now_, std::min(end, now_ + waits));
   }
-  // A cut is of both ways.
-  if (wire_->to_controller.cut) wire_->to_host.cut = true;
+  wire_->CutBothWays();
 }
 
 }  // namespace intaglio::reference_controller

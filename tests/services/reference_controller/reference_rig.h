@@ -13,6 +13,7 @@
 #include "services/reference_controller/simulated_pins.h"
 #include "services/virtual_engraver/lines/pty_line.h"
 #include "tests/services/drivers/laser_rig.h"
+#include "tests/services/reference_controller/wire.h"
 
 namespace intaglio::reference_controller {
 
@@ -54,8 +55,6 @@ class ReferenceRig final : public drivers::LaserRig {
   void DelayWaits(std::chrono::nanoseconds late) { waits_late_ = late; }
 
  private:
-  struct Wire;
-
   void AdvanceController() override;
   link::SteadyClock clock() {
     return [this] { return now_; };
@@ -74,7 +73,7 @@ class ReferenceRig final : public drivers::LaserRig {
   std::optional<virtual_engraver::PtyLine> line_;
   std::unique_ptr<SimulatedPins> pins_;
   std::shared_ptr<bool> board_is_broken_ = std::make_shared<bool>(false);
-  std::unique_ptr<LaserPins> board_;
+  std::unique_ptr<Pins> board_;
   std::unique_ptr<Controller> controller_;
 };
 

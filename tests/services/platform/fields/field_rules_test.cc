@@ -17,6 +17,7 @@
 #include "proto/job.pb.h"
 #include "proto/laser_board.pb.h"
 #include "proto/machine.pb.h"
+#include "proto/stage_board.pb.h"
 #include "proto/truth.pb.h"
 #include "services/platform/fields/field_defaults.h"
 
@@ -31,7 +32,8 @@ std::vector<const pb::FileDescriptor*> WrittenFiles() {
   return {JobSpec::descriptor()->file(),     Course::descriptor()->file(),
           Marks::descriptor()->file(),       Text::descriptor()->file(),
           MachineSpec::descriptor()->file(), MachineTruth::descriptor()->file(),
-          LaserBoard::descriptor()->file(),  DriveProfile::descriptor()->file()};
+          LaserBoard::descriptor()->file(),  StageBoard::descriptor()->file(),
+          DriveProfile::descriptor()->file()};
 }
 
 std::vector<const Field*> WrittenFields() {
