@@ -99,9 +99,11 @@ Result<std::optional<nanoseconds>> Controller::AwaitTick() {
   const bool due = last_sync_ && now >= next_tick_at_ - kSpin;
   const auto sync = INTAGLIO_TRY(AwaitSync(due ? next_tick_at_ + kSpin : now));
   if (sync) {
+    if (last_sync_ && *sync - *last_sync_ > Period() + Period() / kLateShare) LoseTime();
     next_tick_at_ = *sync + Period();
   } else if (time_.clock() >= next_tick_at_ + kSpin) {
     next_tick_at_ += Period();  // a flash was left out, or the lamp is cold
+    LoseTime();
   }
   return sync;
 }
@@ -115,9 +117,12 @@ Result<std::optional<nanoseconds>> Controller::AwaitOwnTick() {
   if (flashes) INTAGLIO_TRY(pins_.Set(Output::kLampTrigger, true));
   const nanoseconds began = time_.clock();
   const bool late = began - next_tick_at_ > Period() / kLateShare;
+  if (late) LoseTime();
   next_tick_at_ = (late ? began : next_tick_at_) + Period();
   if (!flashes || !pins_.Has(Input::kLampSync)) return std::optional(began);
-  return AwaitSync(began + kSyncWait);
+  const auto sync = INTAGLIO_TRY(AwaitSync(began + kSyncWait));
+  if (!sync) LoseTime();
+  return sync;
 }
 
 Result<std::optional<nanoseconds>> Controller::AwaitSync(nanoseconds until) {
@@ -129,9 +134,21 @@ Result<std::optional<nanoseconds>> Controller::AwaitSync(nanoseconds until) {
   }
 }
 
+// What the host knows of the stage's clock at the ticks is not right any more.
+void Controller::LoseTime() { lost_time_at_ = laser_.tick(); }
+
+bool Controller::StageAgrees(nanoseconds sync) {
+  if (!options_.stage) return true;
+  const StageWitness stage = options_.stage();
+  if (std::exchange(run_, stage.runs) != stage.runs) run_began_at_ = laser_.tick();
+  return sync <= stage.in_position_until &&
+         (!lost_time_at_ || run_began_at_ > *lost_time_at_ + kStaleTicks);
+}
+
 Status Controller::PassTick(nanoseconds sync) {
   if (!laser_.CountsSync()) return {};
-  const bool in_position = INTAGLIO_TRY(ReadInputs());
+  const bool stage_agrees = StageAgrees(sync);
+  const bool in_position = INTAGLIO_TRY(ReadInputs()) && stage_agrees;
   const double late_s =
       last_sync_ ? Seconds(sync - *last_sync_) - 1 / laser_.rate_hz() : 0;
   last_sync_ = sync;

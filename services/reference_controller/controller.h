@@ -12,6 +12,11 @@
 // waited for around the time at which it is due. A tick whose trigger would be later than
 // the laser takes it is withheld: its outcome is kTriggerOutside.
 //
+// A stage on the same board has a clock of its own, on which the host has placed the
+// ticks. When a tick is left out or late by a tenth of a period, all that was placed
+// before is of another point; the host sees it within 100 ticks (motion_clock.h). None
+// passes the gate before a run that begins kStaleTicks later.
+//
 // Outputs are off from before the line opens; when the board fails, a call of it is an
 // error; and when this object is gone. While Turn is called, Output::kAlive changes at
 // least every 20 ms. What a process that is killed leaves on its outputs is the kernel's:
@@ -36,6 +41,15 @@ struct ControllerTime {
   std::function<void(std::chrono::nanoseconds)> wait_until;
 };
 
+/// What a stage with a clock of its own knows.
+struct StageWitness {
+  /// So long it is in position, on the clock of the edges: one that hangs leaves its
+  /// output on.
+  std::chrono::nanoseconds in_position_until{0};
+  /// Runs that have begun.
+  std::uint32_t runs = 0;
+};
+
 struct ControllerOptions {
   virtual_engraver::LaserOptions laser;
   /// How long after the trigger a flash is seen, > 0.
@@ -43,12 +57,16 @@ struct ControllerOptions {
   /// Each tick at its lamp sync, with the rate of the lamp; short, for the trigger waits
   /// behind it. Empty: nobody is notified.
   std::function<void(const TickNotice&)> on_tick = {};
+  /// The stage of the same board; no tick passes the gate without it, whatever the input
+  /// shows. Empty: the input alone counts.
+  std::function<StageWitness()> stage = {};
 };
 
 class Controller {
  public:
   /// The longest between two calls of Turn.
   static constexpr std::chrono::nanoseconds kIdle{5'000'000};
+  static constexpr std::uint64_t kStaleTicks = 150;
   /// The processor waits so long for a tick, and does nothing else.
   static constexpr std::chrono::nanoseconds kSpin{500'000};
 
@@ -80,6 +98,8 @@ class Controller {
   Result<std::optional<Time>> AwaitTick();
   Result<std::optional<Time>> AwaitOwnTick();
   Result<std::optional<Time>> AwaitSync(Time until);
+  void LoseTime();
+  bool StageAgrees(Time sync);
   Status PassTick(Time sync);
   Status Trigger(std::uint8_t channels, Time sync);
   Result<bool> HadEdge(Input input);
@@ -92,6 +112,9 @@ class Controller {
   virtual_engraver::LaserEnd end_{laser_};
   Time next_tick_at_;
   std::optional<Time> last_sync_;
+  std::optional<std::uint64_t> lost_time_at_;  // the tick before
+  std::uint32_t run_ = 0;                      // of the stage, the newest
+  std::uint64_t run_began_at_ = 0;             // its tick
   bool alive_ = false;
 };
 

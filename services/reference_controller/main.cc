@@ -176,6 +176,11 @@ int Serve(const Options& o, const LaserBoard& board,
   options.on_tick = [&stage](const TickNotice& notice) {
     if (stage) stage->controller().ReceiveTick(notice);
   };
+  if (stage_board) {
+    options.stage = [&stage] {
+      return stage ? stage->controller().witness() : StageWitness();
+    };
+  }
   Controller controller(options, *pins, time);
   HostLine line = ValueOrThrow(HostLine::Open(
       {o.line, o.baud, "laser line"},

@@ -30,6 +30,7 @@ Result<nanoseconds> StageController::Turn() {
 }
 
 void StageController::MakeSafe() {
+  in_position_until_ = 0;
   for (int axis = 0; axis < 3; ++axis) (void)pins_.Set(StepOutput(axis), false);
   for (const Output output : {Output::kInPosition, Output::kEnable, Output::kAlive})
     (void)pins_.Set(output, false);
@@ -43,6 +44,7 @@ Result<nanoseconds> StageController::TryTurn() {
     next_poll_ = now + kPoll;
     INTAGLIO_TRY(ReadInputs());
     end_.Poll();
+    runs_ = stage_.runs_begun();
     end_.KeepSafe();
     alive_ = !alive_;
     INTAGLIO_TRY(pins_.Set(Output::kAlive, alive_));
@@ -93,7 +95,9 @@ void StageController::AdvanceTo(nanoseconds now) {
 Status StageController::WriteOutputs() {
   if (stage_.running()) enabled_ = true;
   INTAGLIO_TRY(pins_.Set(Output::kEnable, enabled_));
-  return pins_.Set(Output::kInPosition, stage_.in_position());
+  const bool in_position = stage_.in_position();
+  in_position_until_ = in_position ? (time_.clock() + kTurnIsGood).count() : 0;
+  return pins_.Set(Output::kInPosition, in_position);
 }
 
 }  // namespace intaglio::reference_controller

@@ -16,6 +16,7 @@
 //
 // Not thread-safe but for ReceiveTick. Turn waits for the length of a step.
 
+#include <atomic>
 #include <chrono>
 #include <memory>
 
@@ -36,7 +37,11 @@ struct StageControllerOptions {
 };
 
 class StageController {
+  using Time = std::chrono::nanoseconds;
+
  public:
+  /// A turn is good for so long: shorter than a tick.
+  static constexpr std::chrono::nanoseconds kTurnIsGood{500'000};
   /// Between two polls of line and inputs.
   static constexpr std::chrono::nanoseconds kPoll{1'000'000};
 
@@ -53,6 +58,8 @@ class StageController {
   bool is_plugged() const { return end_.own_line().is_plugged(); }
   /// From the laser's thread, in the order of the ticks.
   void ReceiveTick(const TickNotice& notice) { ticks_.Push(notice); }
+  /// What the laser needs beside the output; from any thread.
+  StageWitness witness() const { return {Time(in_position_until_.load()), runs_.load()}; }
   /// Line, inputs, and the steps that are due. Returns how long nothing is due. kIo when
   /// the board fails: then everything is off.
   Result<std::chrono::nanoseconds> Turn();
@@ -68,8 +75,6 @@ class StageController {
   }
 
  private:
-  using Time = std::chrono::nanoseconds;
-
   Result<Time> TryTurn();
   Status ReadInputs();
   void AdvanceTo(Time now);
@@ -86,6 +91,8 @@ class StageController {
   std::uint64_t began_ns_;  // began_at_ on the clock of the stage
   std::uint64_t now_ns_;
   bool enabled_ = false, alive_ = false;
+  std::atomic<Time::rep> in_position_until_{0};
+  std::atomic<std::uint32_t> runs_{0};
 };
 
 }  // namespace intaglio::reference_controller

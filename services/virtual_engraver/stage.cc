@@ -70,6 +70,7 @@ void Stage::Start(std::uint32_t run, std::uint64_t start_units) {
     return;
   }
   run_ = run;
+  ++runs_begun_;
   start_units_ = start_units;
   taken_ = queued_units_ = in_piece_units_ = 0;
   queue_.clear();

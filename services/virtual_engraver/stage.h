@@ -148,6 +148,8 @@ class Stage {
   std::optional<Vec3> PlaceOfCompare() const;
   /// Where it is: the actual position and what backlash, vibration and repeatability add.
   Vec3 place_mm() const;
+  /// Since power-up, modulo 2^32.
+  std::uint32_t runs_begun() const { return runs_begun_; }
   bool running() const { return phase_ != Phase::kRest; }
   link::StageFault fault() const { return fault_; }
   link::MotionStatus Report();
@@ -229,7 +231,7 @@ class Stage {
   double rate_hz_ = 1;
   double unit_s_ = 1;
   std::uint64_t now_units_ = 0;
-  std::uint32_t run_ = 0;
+  std::uint32_t run_ = 0, runs_begun_ = 0;
   std::uint64_t start_units_ = 0;
   std::uint64_t taken_ = 0;
   std::uint64_t last_end_ns_ = 0;

@@ -131,6 +131,42 @@ TEST_F(ControllerEdges, TheGateOfTheStageDecidesAtTheTick) {
   EXPECT_EQ(rig().FiredTicks(), fired);
 }
 
+// A stage that hangs leaves its output on; the next points would come at the same place.
+TEST_F(ControllerEdges, NothingPassesTheGateOfAStageThatHangs) {
+  Start({1});
+  Prepare(1);
+  rig().HoldInPosition(true);
+  const auto armed = bench->Arm(5, std::vector<bool>(20, true), true);
+  bench->PassTicks(15);
+  rig().StageHangs();
+  const auto fired = rig().FiredTicks();
+  bench->PassTicks(20);
+  EXPECT_GE(fired.size(), 9u);
+  EXPECT_LT(fired.size(), armed.size());
+  EXPECT_EQ(rig().FiredTicks(), fired);
+}
+
+// The host has placed the ticks on the clock of the stage, which would be at the next
+// point by now.
+TEST_F(ControllerEdges, NothingPassesTheGateBehindALateTickBeforeTheNextRun) {
+  Start({1});
+  Prepare(1);
+  rig().HoldInPosition(true);
+  (void)bench->Arm(5, std::vector<bool>(250, true), true);
+  bench->PassTicks(15);
+  rig().Stall(15ms);
+  const auto fired = rig().FiredTicks();
+  EXPECT_GE(fired.size(), 9u);
+  bench->PassTicks(20);
+  // Its ticks are placed as the ones before were.
+  rig().StageBeginsARun();
+  bench->PassTicks(150);
+  EXPECT_EQ(rig().FiredTicks(), fired);
+  rig().StageBeginsARun();
+  bench->PassTicks(10);
+  EXPECT_GE(rig().FiredTicks().size(), fired.size() + 9);
+}
+
 TEST_F(ControllerEdges, EachPhotosensorSpeaksForItsChannel) {
   Start({.channels = 4, .blind_channels = 0b0100});
   Prepare(0b0110);

@@ -12,6 +12,8 @@
 namespace intaglio::reference_controller {
 namespace {
 
+using namespace std::chrono_literals;
+
 constexpr char kControllerNumber[] = "R-03";
 
 const drivers::LaserDriverKind& LineDriver() {
@@ -81,6 +83,9 @@ void ReferenceRig::SwitchOn() {
   options.laser.serial_number = kControllerNumber;
   options.laser.min_energy_mj = options.laser.max_energy_mj = 30;
   options.laser.fires_at_place = options.laser.measures_energy = false;
+  options.stage = [this]() -> StageWitness {
+    return {stage_hangs_ ? now_ - 1s : now_ + 1ms, stage_runs_};
+  };
   controller_ = std::make_unique<Controller>(
       options, *board_, ControllerTime{clock(), [this](std::chrono::nanoseconds until) {
                                          now_ = std::max(now_, until) + waits_late_;

@@ -49,6 +49,11 @@ class ReferenceRig final : public drivers::LaserRig {
   /// The newest error of a turn; empty: none.
   const std::string& error() const { return error_; }
   void HoldInPosition(bool on) { pins_->Hold(Input::kInPosition, on); }
+  /// The stage of the same program agrees no longer with its in-position output.
+  void StageHangs() { stage_hangs_ = true; }
+  void StageBeginsARun() { ++stage_runs_; }
+  /// The controller is not run for so long.
+  void Stall(std::chrono::nanoseconds time) { now_ += time; }
   /// Each call of its outputs and inputs is an error from now on.
   void BreakBoard() { *board_is_broken_ = true; }
   /// Each wait of the controller ends so much later from now on.
@@ -65,6 +70,8 @@ class ReferenceRig final : public drivers::LaserRig {
   std::string path_;
   std::chrono::nanoseconds now_ = std::chrono::hours(3);
   std::chrono::nanoseconds waits_late_{0};
+  bool stage_hangs_ = false;
+  std::uint32_t stage_runs_ = 0;
   std::shared_ptr<Wire> wire_;
   std::vector<Edge> edges_;
   std::vector<std::uint64_t> fired_ticks_;

@@ -133,6 +133,25 @@ TEST_F(StageEdges, InPositionIsOnAroundMarkedPointsAndThereAlone) {
   }
 }
 
+// A controller that hangs leaves its output on, and the ticks of the next points come.
+TEST_F(StageEdges, InPositionEndsForTheLaserWhenTheControllerHangs) {
+  Make();
+  Course course = bench->CourseFromHere();
+  auto segments = course.Segments();
+  segments[9].pulse = true;
+  const std::uint64_t start = bench->Begin(1);
+  bench->Append(segments);
+  ASSERT_TRUE(rig->Until([&] { return rig->pins().is_on(Output::kInPosition); }));
+  EXPECT_GT(rig->controller().NsAt(rig->now()), rig->NsOfTick(start + 13));
+  EXPECT_GT(rig->controller().witness().in_position_until, rig->now());
+  rig->Stall(600us);
+  EXPECT_TRUE(rig->pins().is_on(Output::kInPosition));
+  EXPECT_LT(rig->controller().witness().in_position_until, rig->now());
+  bench->StepFor(5ms);
+  EXPECT_FALSE(rig->pins().is_on(Output::kInPosition));
+  EXPECT_EQ(rig->controller().witness().in_position_until.count(), 0);
+}
+
 TEST_F(StageEdges, AStopCutsTheDrivesAtOnceAndThePlaceIsLost) {
   for (const Input input : {Input::kStop, Input::kDrives}) {
     Make();
