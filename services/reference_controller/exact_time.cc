@@ -6,6 +6,15 @@
 
 namespace intaglio::reference_controller {
 
+void TurnWait::WaitFor(std::chrono::nanoseconds idle) {
+  constexpr std::chrono::nanoseconds kEvery{1'000'000};
+  constexpr timespec kSleep{0, 60'000};
+  const auto now = time_.clock();
+  if (now - slept_at_ < kEvery) return time_.wait_until(now + idle);
+  slept_at_ = now;
+  (void)clock_nanosleep(CLOCK_MONOTONIC, 0, &kSleep, nullptr);
+}
+
 // A sleep ends late by the latency of the system's timers, 50 us where it is good.
 ControllerTime ExactTime() {
   const link::SteadyClock clock = link::MonotonicClock();

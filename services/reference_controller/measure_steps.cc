@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engrave/core/try.h"
+#include "services/reference_controller/exact_time.h"
 #include "services/reference_controller/simulated_stage.h"
 
 namespace intaglio::reference_controller {
@@ -57,6 +58,7 @@ Result<StepJitter> MeasureSteps(StageControllerOptions options, double seconds,
   std::vector<double> periods_us;
   const nanoseconds end =
       time.clock() + nanoseconds(static_cast<std::int64_t>(1e9 * seconds));
+  TurnWait turns(time);
   bool to_max = true, was_late = false;
   while (time.clock() < end && !stops()) {
     if (!stage.running()) {
@@ -72,7 +74,7 @@ Result<StepJitter> MeasureSteps(StageControllerOptions options, double seconds,
     jitter.behind_mm = std::max(jitter.behind_mm, behind_mm);
     const bool is_late = behind_mm > jitter.limit_mm;
     if (!std::exchange(was_late, is_late) && is_late) ++jitter.stops;
-    if (idle.count() > 0) time.wait_until(time.clock() + idle);
+    turns.WaitFor(idle);
   }
   AddPeriods(steps, ramp_mm * steps_per_mm, periods_us);
   if (periods_us.empty())

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "services/reference_controller/exact_time.h"
+
 namespace intaglio::reference_controller {
 namespace {
 
@@ -27,6 +29,7 @@ std::string StageThread::Stop() {
 }
 
 void StageThread::Run(const std::stop_token& stop) {
+  TurnWait turns(time_);
   while (!stop.stop_requested()) {
     const auto idle = controller_.Turn();
     if (!idle) {
@@ -36,7 +39,7 @@ void StageThread::Run(const std::stop_token& stop) {
     }
     // A wait for the line ends later than a step is due.
     if (*idle < StageController::kPoll / 2) {
-      time_.wait_until(time_.clock() + *idle);
+      turns.WaitFor(*idle);
     } else {
       line_.WaitFor(*idle);
       line_.Renew();

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <time.h>
 
 #include <array>
 #include <chrono>
@@ -11,6 +12,7 @@
 #include <sstream>
 
 #include "services/drivers/motion_drivers.h"
+#include "services/reference_controller/exact_time.h"
 #include "tests/integration/run_program.h"
 #include "tests/test_folder.h"
 
@@ -174,6 +176,21 @@ TEST(StageMeasurement, PrintsTheTableOfItsSteps) {
   EXPECT_EQ(end.exit_code, 0) << end.output;
   for (const char* row : {"step period", "62.50 us are commanded, 80 mm/s"})
     EXPECT_NE(end.output.find(row), std::string::npos) << end.output;
+}
+
+// The kernel holds a real-time thread that takes more than 95 % for 50 ms.
+TEST(StageTurns, LeaveTheProcessorAloneForAPartOfEachMillisecond) {
+  const auto seconds_of = [](clockid_t clock) {
+    timespec time{};
+    clock_gettime(clock, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+  };
+  TurnWait turns(ExactTime());
+  const double busy = seconds_of(CLOCK_THREAD_CPUTIME_ID);
+  const double began = seconds_of(CLOCK_MONOTONIC);
+  while (seconds_of(CLOCK_MONOTONIC) < began + 0.2) turns.WaitFor(10us);
+  EXPECT_LT(seconds_of(CLOCK_THREAD_CPUTIME_ID) - busy,
+            0.95 * (seconds_of(CLOCK_MONOTONIC) - began));
 }
 
 TEST(StageArguments, AreRefusedWhereTheyDoNotFit) {
