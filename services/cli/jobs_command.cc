@@ -33,6 +33,8 @@ namespace {
 using namespace std::chrono_literals;
 
 using Act = std::function<int(client::JobClient&, const client::JobView&)>;
+using ActOnBus =
+    std::function<int(bus::Bus&, client::JobClient&, const client::JobView&)>;
 
 void PrintWarnings(const client::JobView& job, std::ostream& out) {
   for (const Warning& warning : job.warnings) out << client::WarningLine(warning) << "\n";
@@ -46,10 +48,12 @@ std::optional<Error> WhyEnded(const client::JobView& job) {
                client::NameOf(intaglio_ANSWER_ENDED_JOB)};
 }
 
-int CommandJob(client::JobClient& client, const client::JobView& job,
+int CommandJob(bus::Bus& bus, client::JobClient& client, const client::JobView& job,
                const client::JobOrder& order) {
   if (const auto ended = WhyEnded(job)) return Complain(*ended, client::kExitWrongInput);
   if (order.kind == intaglio_COMMAND_ARM) PrintWarnings(job, std::cerr);
+  if (order.kind == intaglio_COMMAND_ARM || order.kind == intaglio_COMMAND_RESUME)
+    WaitForController(bus, client, job.cell);
   if (auto taken = client.Command(job, order); !taken) return ComplainOf(taken.error());
   if (order.kind == intaglio_COMMAND_ARM || order.kind == intaglio_COMMAND_RESUME)
     PrintMounted(client, job.cell, std::cout);
@@ -102,25 +106,28 @@ int List(const JobsOptions& options) {
 }
 
 /// Runs `act` on the job the options name.
-int WithJobOn(const bus::BusOptions& shop, const JobsOptions& options, const Act& act) {
+int WithJobOn(const bus::BusOptions& shop, const JobsOptions& options,
+              const ActOnBus& act) {
   bus::Bus bus(shop);
   client::JobClient client(bus);
   const auto job = client::AwaitJob(client, options.uid, bus.discovery_time());
   if (!job) return ComplainOfShop(job.error());
   ReportJob(job->number);
-  return act(client, *job);
+  return act(bus, client, *job);
 }
 
 /// The same of what the job service alone answers.
 int WithJob(const JobsOptions& options, const Act& act) {
-  return WithJobOn(WithoutCells(options.bus), options, act);
+  return WithJobOn(WithoutCells(options.bus), options,
+                   [&act](bus::Bus&, client::JobClient& client,
+                          const client::JobView& job) { return act(client, job); });
 }
 
 /// The job's machine is received as well: it reports what it made before the job service
 /// has settled it.
 int FollowJob(const JobsOptions& options) {
   return WithJobOn(options.bus, options,
-                   [&](client::JobClient& client, const client::JobView& job) {
+                   [&](bus::Bus&, client::JobClient& client, const client::JobView& job) {
                      return Watch(client, job.uid, options);
                    });
 }
@@ -282,6 +289,12 @@ void AddJobsCommands(command_line::Command app) {
     command.SetAction([options, act] { return WithJob(*options, act); });
     return command;
   };
+  const auto order = [&](const char* name, const char* purpose, const ActOnBus& act) {
+    command_line::Command command = describe(name, purpose);
+    command.SetAction(
+        [options, act] { return WithJobOn(WithoutCells(options->bus), *options, act); });
+    return command;
+  };
   add("show", "show all about one job",
       [options](client::JobClient& client, const client::JobView& job) {
         return ShowJob(client, job, options->json);
@@ -291,8 +304,9 @@ void AddJobsCommands(command_line::Command app) {
   AddEventsFlag(watch, options->events);
   watch.SetAction([options] { return FollowJob(*options); });
   const auto command = [options](intaglio_JobCommandKind kind) {
-    return [kind, options](client::JobClient& client, const client::JobView& job) {
-      return CommandJob(client, job,
+    return [kind, options](bus::Bus& bus, client::JobClient& client,
+                           const client::JobView& job) {
+      return CommandJob(bus, client, job,
                         {.kind = kind,
                          .from_point = options->from_point,
                          .fire_uncertain = options->fire_uncertain,
@@ -302,23 +316,23 @@ void AddJobsCommands(command_line::Command app) {
                          .block_id = options->block_id});
     };
   };
-  command_line::Command arm =
-      add("arm", "you are at the machine, and the job's block is in it: the job may fire",
-          command(intaglio_COMMAND_ARM));
+  command_line::Command arm = order(
+      "arm", "you are at the machine, and the job's block is in it: the job may fire",
+      command(intaglio_COMMAND_ARM));
   AddAcceptFlag(arm, options->accept);
   arm.AddOption("--loaded", options->block_id,
                 "of a loader: the identity of the block that it has put in for this job; "
                 "no other job of the machine had it");
-  add("pause", "stop firing, bring the stage to rest", command(intaglio_COMMAND_PAUSE));
-  command_line::Command resume = add("resume", "continue at the first point not made",
-                                     command(intaglio_COMMAND_RESUME));
+  order("pause", "stop firing, bring the stage to rest", command(intaglio_COMMAND_PAUSE));
+  command_line::Command resume = order("resume", "continue at the first point not made",
+                                       command(intaglio_COMMAND_RESUME));
   resume.AddOption(
       "--from", options->from_point,
       "leave out permanently what is not made before this place in the order, from 0");
   resume.AddFlag("--fire-uncertain", options->fire_uncertain,
                  "you checked the block: fire again, once, the points of which nobody "
                  "knows whether they were fired");
-  add("cancel", "end the job", command(intaglio_COMMAND_CANCEL));
+  order("cancel", "end the job", command(intaglio_COMMAND_CANCEL));
 
   command_line::Command speed =
       app.AddCommand("speed", "set the speed of a job in percent");

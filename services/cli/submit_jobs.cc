@@ -105,8 +105,8 @@ int ComplainOfArm(const Error& error, const client::JobView& job,
 
 /// One after the other, each armed when it has the machine. The first that is not good
 /// ends it, and those behind it stay in the queue, not armed.
-int ArmAndWatchAll(client::JobClient& client, const std::vector<client::JobView>& jobs,
-                   const JobsOptions& options) {
+int ArmAndWatchAll(bus::Bus& bus, client::JobClient& client,
+                   const std::vector<client::JobView>& jobs, const JobsOptions& options) {
   const intaglio_ArmBasis other_basis =
       options.same_block ? intaglio_ARM_SAME_BLOCK : intaglio_ARM_BY_PROGRAM;
   const intaglio_ArmBasis first_basis =
@@ -114,6 +114,7 @@ int ArmAndWatchAll(client::JobClient& client, const std::vector<client::JobView>
   for (const client::JobView& job : jobs) {
     // The person who types it is at the machine, whose table has the first block.
     const bool is_first = job.uid == jobs.front().uid;
+    if (is_first) WaitForController(bus, client, job.cell);
     const auto armed = client::ArmWhenTaken(
         client, job, {options.accept.breakage(), is_first ? first_basis : other_basis});
     if (!armed) return ComplainOfArm(armed.error(), job, options);
@@ -142,7 +143,8 @@ int SubmitAtStations(const JobsOptions& options) {
   const auto submitted = SubmitAll(client, bus, *jobs, options);
   if (!submitted) return ComplainOfShop(submitted.error());
   turn.End();
-  return options.arm ? ArmAndWatchAll(client, *submitted, options) : client::kExitGood;
+  return options.arm ? ArmAndWatchAll(bus, client, *submitted, options)
+                     : client::kExitGood;
 }
 
 int SubmitJob(const JobSpec& spec, const JobsOptions& options) {
@@ -156,6 +158,7 @@ int SubmitJob(const JobSpec& spec, const JobsOptions& options) {
   if (!submitted) return ComplainOfShop(submitted.error());
   if (options.arm || options.watch) turn.End();
   if (options.arm) {
+    WaitForController(bus, client, submitted->cell);
     const auto basis = client::BasisFor(client, *submitted, options.same_block);
     auto armed =
         client::ArmWhenTaken(client, *submitted, {options.accept.breakage(), basis});

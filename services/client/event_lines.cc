@@ -5,11 +5,11 @@
 #include <ostream>
 
 #include "services/client/exit_codes.h"
-#include "services/client/patience.h"
 #include "services/history/job_names.h"
 #include "services/job/files/json_text.h"
 #include "services/job/verdict/outcome_counts.h"
 #include "services/job/verdict/warnings.h"
+#include "services/platform/host/process/patience.h"
 #include "services/platform/host/stage/counts_at_end.h"
 #include "services/platform/host/times/utc_time.h"
 
@@ -36,9 +36,9 @@ JobEnd EndOf(JobClient& client, const JobView& job) {
       return service.role == intaglio_ROLE_JOB_SERVICE;
     });
   };
-  Patience alone(kAlone);
-  for (Patience patience(kSettledWithin); !is_settled() && !patience.IsUp();) {
-    if (is_served()) alone = Patience(kAlone);
+  host::Patience alone(kAlone);
+  for (host::Patience patience(kSettledWithin); !is_settled() && !patience.IsUp();) {
+    if (is_served()) alone = host::Patience(kAlone);
     if (alone.IsUp()) break;
     client.Poll(50ms);
   }

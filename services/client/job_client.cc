@@ -6,13 +6,13 @@
 #include <algorithm>
 
 #include "engrave/core/try.h"
-#include "services/client/patience.h"
 #include "services/job/models/discretize_outcome.h"
 #include "services/job/mounted/mounted_sample.h"
 #include "services/job/verdict/warnings.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/peers/identity_role.h"
 #include "services/platform/host/peers/role_refusal.h"
+#include "services/platform/host/process/patience.h"
 #include "services/platform/host/stage/task_part.h"
 
 namespace intaglio::client {
@@ -294,7 +294,7 @@ Result<bool> JobClient::AwaitAnswer(const std::function<bool()>& condition,
     if (!faulty_since) faulty_since = now;
     return now - *faulty_since >= kFaultTime;
   };
-  Patience patience(timeout);
+  host::Patience patience(timeout);
   while (!is_decided() && !patience.IsUp()) Poll(50ms);
   if (condition()) return true;
   if (auto fault = JobServiceFault()) return tl::unexpected(std::move(*fault));

@@ -7,7 +7,7 @@
 
 #include "engrave/core/counted.h"
 #include "engrave/core/try.h"
-#include "services/client/patience.h"
+#include "services/platform/host/process/patience.h"
 
 namespace intaglio::client {
 namespace {
@@ -42,7 +42,7 @@ Error WhyNotKnown(const JobClient& client, double waited_s) {
 }  // namespace
 
 bool PollUntilServed(JobClient& client, std::chrono::milliseconds time) {
-  for (Patience patience(time); !IsServed(client); client.Poll(kTurn)) {
+  for (host::Patience patience(time); !IsServed(client); client.Poll(kTurn)) {
     if (patience.IsUp()) return false;
   }
   return true;
@@ -59,7 +59,7 @@ Status Await(JobClient& client, const std::function<bool()>& is_enough,
   if (!PollUntilServed(client, discovery_time)) {
     return Fail(ErrorCode::kTimedOut, kNoJobService);
   }
-  for (Patience patience(jobs_within); !is_enough() && !client.KnowsAllJobs();
+  for (host::Patience patience(jobs_within); !is_enough() && !client.KnowsAllJobs();
        client.Poll(kTurn)) {
     // A queue that was given up stays on the bus; its count may come behind the fault.
     auto fault = client.JobServiceFault();

@@ -57,6 +57,7 @@ void TakeState(const intaglio_ManualState& sample, MachineView& view) {
   view.answered_number = sample.answered_number;
   view.answer = sample.answer;
   view.message = View(sample.message);
+  view.reports_missing = sample.reports_missing;
 }
 
 intaglio_ManualCommand SampleOf(const SentOrder& sent) {

@@ -34,6 +34,9 @@ struct MachineView {
   std::uint64_t answered_number = 0;
   intaglio_ManualAnswer answer = intaglio_MANUAL_DONE;
   std::string message;
+  /// It was refused because the bridge had no report of permission, key or door: it may
+  /// be given again.
+  bool reports_missing = false;
   bool interlocks_known = false;
   bool key_on = false, door_closed = false, door_locked = false, stop_released = false,
        lamp_on = false, lamp_warm = false;

@@ -32,6 +32,7 @@ void CellDrive::Start(Place place, const std::string& job_uid,
   ++number_;
   attempts_ = 1;
   ends_at_ = now + place_.patience;
+  known_by_ = now + kReportPatience;
   next_send_ = now;
   message_ = "the motion bridge has not answered: check that it runs";
 }
@@ -43,7 +44,7 @@ void CellDrive::Stop() {
 }
 
 void CellDrive::Turn(std::chrono::nanoseconds now) {
-  states_.Take([this](const intaglio_ManualState& state) {
+  states_.Take([this, now](const intaglio_ManualState& state) {
     seen_ = state.number;
     const bool ours =
         View(state.answered_sender) == sender_ && state.answered_number == number_;
@@ -57,6 +58,10 @@ void CellDrive::Turn(std::chrono::nanoseconds now) {
     // the next attempt.
     if (state.answer == intaglio_MANUAL_STOPPED && attempts_ < kAttempts) {
       ++attempts_;
+      ++number_;
+      return;
+    }
+    if (state.reports_missing && now < known_by_) {
       ++number_;
       return;
     }

@@ -5,7 +5,10 @@
 // the motion bridge executes as motion by hand (services/cell/manual/manual_control.h):
 // within its limits, only while key, door and stops hold, and as long as this process
 // repeats it. It ends when the place is reached, when the bridge refuses it, has ended it
-// kAttempts times, or after its patience: a job never waits longer.
+// kAttempts times, or after its patience: a job never waits longer. A bridge that has
+// no report of key and door yet, because it or the laser controller has just started, is
+// asked again for kReportPatience: the arm that the drive is for holds meanwhile, or ends
+// it.
 //
 // Nothing is driven during a run; no pulse is armed meanwhile. Used from one thread.
 
@@ -24,6 +27,7 @@ class CellDrive {
   static constexpr std::chrono::seconds kPatience{60};
   static constexpr double kSpeedMmS = 30;
   static constexpr int kAttempts = 3;
+  static constexpr std::chrono::seconds kReportPatience{5};
 
   CellDrive(bus::Bus& bus, std::string cell, std::string sender);
 
@@ -58,7 +62,7 @@ class CellDrive {
   bool drives_ = false;
   int attempts_ = 0;
   std::uint64_t number_ = 0, seen_ = 0;
-  std::chrono::nanoseconds ends_at_{0}, next_send_{0};
+  std::chrono::nanoseconds ends_at_{0}, known_by_{0}, next_send_{0};
   std::string message_;
 };
 

@@ -121,10 +121,12 @@ class Shop:
         self.port = int(re.search(r":(\d+)/", address)[1])
         self.key = "Authorization: Bearer " + re.search(r"key=(\w+)", address)[1]
 
-        def sees_the_machine():
-            return b'"els-03"' in self.ask("GET", "status")[1]
+        def knows_key_and_door():
+            machines = json.loads(self.ask("GET", "status")[1]).get("machines", [])
+            return any(machine["cell"] == "els-03" and machine["laser_line_up"]
+                       for machine in machines)
 
-        eventually(sees_the_machine)
+        eventually(knows_key_and_door, 30)
 
     def ask(self, method, path, body=None, header=None):
         request = urllib.request.Request(

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <regex>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "tests/integration/teach_shop.h"
@@ -38,6 +39,13 @@ class TeachJob : public testing::TeachShop {
     EXPECT_TRUE(std::regex_search(panel, bits, std::regex("\"interlocks\": ([0-9]+)")));
     return !bits.empty() && (std::stoul(bits[1]) & kLampOn) != 0;
   }
+
+  void Signal(const std::string& program, int number) const {
+    const auto pids = testing::ProcessesWith({program, shop().string()});
+    EXPECT_EQ(pids.size(), 1u) << program;
+    for (const pid_t pid : pids) ::kill(pid, number);
+  }
+  void SetSynchronizer(int number) const { Signal("intaglio-synchronizer", number); }
 
  private:
   static constexpr unsigned long kLampOn = 1 << 3;  // docs/protocols.md, LaserStatus
@@ -200,6 +208,53 @@ TEST_F(TeachJob, APositionThatIsNotReachedIsAnAlarmAndTheJobGoesOn) {
       << Logs();
   EXPECT_THAT(Logs(), HasSubstr("the taught sample position was not reached"));
   testing::AskPanel(shop(), "unstick");
+  EXPECT_TRUE(RunsTo(job, "done")) << shown_;
+}
+
+// As just after a start, or where a busy computer gives the synchronizer no time: the
+// command waits for key and door, and moves when they are known to be closed.
+TEST_F(TeachJob, AMoveWaitsForTheReportOfKeyAndDoor) {
+  Do({"move", "5", "5", "35", "--speed", "50"});
+  SetSynchronizer(SIGSTOP);
+  std::jthread goes_on([this] {
+    std::this_thread::sleep_for(1500ms);
+    SetSynchronizer(SIGCONT);
+  });
+  const Ended moved = Teach({"move", "8", "5", "35", "--speed", "50"});
+  EXPECT_EQ(moved.exit_code, 0) << moved.output;
+  EXPECT_THAT(moved.output, HasSubstr("it is tried again for 3 s"));
+  EXPECT_TRUE(StageIsAt(Vec3(8, 5, 35))) << Panel();
+}
+
+TEST_F(TeachJob, AMoveIsRefusedWhereKeyAndDoorStayUnknown) {
+  Do({"move", "5", "5", "35", "--speed", "50"});
+  SetSynchronizer(SIGSTOP);
+  const Ended moved = Teach({"move", "8", "5", "35", "--speed", "50"});
+  SetSynchronizer(SIGCONT);
+  EXPECT_EQ(moved.exit_code, 4) << moved.output;
+  EXPECT_THAT(moved.output, HasSubstr("key and door are not known"));
+  EXPECT_FALSE(Eventually([&] { return !StageIsAt(Vec3(5, 5, 35)); }, 2s)) << Panel();
+}
+
+// An arm that came before the first answer of the laser controller would be spent by it,
+// because nobody watched key and door until then.
+TEST_F(TeachJob, AnArmWaitsForTheLaserController) {
+  const std::string job = Submit();
+  ASSERT_TRUE(RunsTo(job, "waiting for arm")) << shown_;
+  Signal("virtual-engraver", SIGSTOP);
+  ASSERT_TRUE(Eventually(
+      [&] {
+        return Type({"status"}).output.find("LASER LINE DOWN") != std::string::npos;
+      },
+      20s))
+      << Type({"status"}).output;
+  std::jthread goes_on([this] {
+    std::this_thread::sleep_for(1500ms);
+    Signal("virtual-engraver", SIGCONT);
+  });
+  const Ended armed = Type({"arm", job});
+  EXPECT_EQ(armed.exit_code, 0) << armed.output;
+  EXPECT_THAT(armed.output, HasSubstr("the laser controller does not answer"));
   EXPECT_TRUE(RunsTo(job, "done")) << shown_;
 }
 

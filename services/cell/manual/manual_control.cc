@@ -50,6 +50,12 @@ bool AreKnown(const ManualConditions& conditions, bool homes,
   return since + (homes ? 0ns : conditions.interlocks_age) <= kInterlockTime;
 }
 
+constexpr const char* kNoPermission =
+    "no job service answers for this machine: motion by hand needs its consent; start it";
+constexpr const char* kInterlocksUnknown =
+    "key and door are not known, because the laser controller does not answer: check the "
+    "synchronizer and the laser line";
+
 std::string DoneText(const ManualOrder& order, const Vec3& position) {
   if (order.kind != intaglio_TEACH_ZERO) return "";
   return fmt::format("the work zero is set: the tool is at {:.3f}, {:.3f}, {:.3f}",
@@ -65,16 +71,14 @@ std::string WhyNoMotionByHand(const ManualConditions& conditions,
   if (!state.link_up) return "the stage does not answer: " + state.message;
   if (conditions.run_active) return "a job moves the stage: pause it first";
   if (!by_cell && !conditions.permission_fresh) {
-    return "no job service answers for this machine: motion by hand needs its consent; "
-           "start it";
+    return kNoPermission;
   }
   if (!by_cell && conditions.job_armed) return kJobIsArmed;
   if (conditions.stop_pressed)
     return "the emergency stop is pressed: release it with `intaglio stop --reset`";
   if (!AreKnown(conditions, order.kind == intaglio_MANUAL_HOME, now) ||
       !conditions.laser_line_up) {
-    return "key and door are not known, because the laser controller does not answer: "
-           "check the synchronizer and the laser line";
+    return kInterlocksUnknown;
   }
   // On many machines one chain.
   if (!conditions.key_on && !conditions.door_closed && !conditions.stop_released)
@@ -118,15 +122,24 @@ bool ManualControl::RefusesEarlier(const ManualOrder& order) {
   std::uint64_t& refused = NumberOf(order.sender, earlier_);
   if (refused == order.number) return true;
   refused = order.number;
-  answer_ = {order.sender, order.number, intaglio_MANUAL_REFUSED,
-             "it began before the service of this machine was started again: let go, and "
-             "give it again"};
+  answer_ = {.sender = order.sender,
+             .number = order.number,
+             .code = intaglio_MANUAL_REFUSED,
+             .message =
+                 "it began before the service of this machine was started again: "
+                 "let go, and give it again"};
   return true;
 }
 
 void ManualControl::Answer(const ManualOrder& order, intaglio_ManualAnswer code,
                            std::string message) {
-  answer_ = {order.sender, order.number, code, std::move(message)};
+  answer_ = {.sender = order.sender,
+             .number = order.number,
+             .code = code,
+             .message = std::move(message)};
+  answer_.reports_missing =
+      code == intaglio_MANUAL_REFUSED &&
+      (answer_.message == kNoPermission || answer_.message == kInterlocksUnknown);
   if (code == intaglio_MANUAL_ACCEPTED) return;
   std::uint64_t& spent = NumberOf(order.sender, spent_);
   spent = std::max(spent, order.number);

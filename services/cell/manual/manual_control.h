@@ -103,6 +103,9 @@ struct ManualAnswer {
   std::uint64_t number = 0;
   intaglio_ManualAnswer code = intaglio_MANUAL_REFUSED;
   std::string message;
+  /// Refused because the job service's permission, or key, door and stop, were not
+  /// reported: a moment later they may be.
+  bool reports_missing = false;
 };
 
 class ManualControl {

@@ -206,6 +206,7 @@ void ManualDesk::Publish(std::chrono::nanoseconds now) {
   sample.answered_number = answer.number;
   sample.answer = answer.code;
   sample.message = Borrow(answer.message);
+  sample.reports_missing = answer.reports_missing;
   control_.NotePublished(number_, now);
   (void)states_.Write(sample);
 }

@@ -2,11 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <ostream>
+#include <iostream>
 
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/client/job_need.h"
+#include "services/client/shop/controller_wait.h"
 #include "services/history/job_names.h"
 
 namespace intaglio::cli {
@@ -36,6 +37,16 @@ bool Reached(const client::JobView& job, intaglio_JobCommandKind kind) {
 }
 
 }  // namespace
+
+void WaitForController(bus::Bus& bus, client::JobClient& client,
+                       const std::string& cell) {
+  client::AwaitController(bus, client, cell, [&cell] {
+    std::cerr << fmt::format(
+        "{}: the laser controller does not answer, so that key and door are not known; "
+        "it is waited for up to {} s\n",
+        cell, client::kControllerAnswersWithin.count());
+  });
+}
 
 int AwaitEffect(client::JobClient& client, const client::JobView& job,
                 intaglio_JobCommandKind kind, std::ostream& out) {

@@ -8,12 +8,11 @@
 
 #include "services/cli/flags/bus_flags.h"
 #include "services/cli/status/status_text.h"
+#include "services/cli/status/watched_shop.h"
 #include "services/cli/terminal/complain.h"
 #include "services/cli/terminal/interrupt.h"
 #include "services/client/exit_codes.h"
-#include "services/client/patience.h"
 #include "services/client/shop/bus_turn.h"
-#include "services/client/shop/shop_snapshot.h"
 #include "services/client/shop/shop_status.h"
 #include "services/job/files/json_text.h"
 
@@ -24,9 +23,6 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kRefreshPeriod = 1s;
-constexpr auto kStatusPollPeriod = 50ms;
-// Samples that are written once a second: of disks and of interlocks.
-constexpr auto kCompleteTime = 2s;
 
 struct StatusOptions {
   bus::BusOptions bus;
@@ -50,37 +46,14 @@ int Print(const ShopStatus& status, const StatusOptions& options) {
   return status.needs_person() ? client::kExitMachine : client::kExitGood;
 }
 
-/// A shop that is watched.
-struct Watched {
-  explicit Watched(const bus::BusOptions& options) : bus(options), shop(bus) {}
-
-  bus::Bus bus;
-  client::ShopWatcher shop;
-};
-
-/// What is not here in the end is missing; a service that runs on a busy computer is not.
-std::unique_ptr<Watched> Watch(const bus::BusOptions& options) {
-  auto watched = std::make_unique<Watched>(options);
-  const auto discovery = watched->bus.discovery_time();
-  const auto give_up = Clock::now() + discovery;
-  for (client::Patience patience(discovery + kCompleteTime);
-       Interrupts() == 0 && !watched->shop.IsComplete() && !patience.IsUp();) {
-    // A job service that is there has been discovered by then.
-    if (!options.meets_cells && Clock::now() > give_up && !watched->shop.IsServed())
-      break;
-    watched->shop.Poll(kStatusPollPeriod);
-  }
-  return watched;
-}
-
 int ShowStatus(const StatusOptions& options) {
   client::BusTurn turn;
   CatchInterrupts();
   // The machines themselves are asked where no job service answers for them.
-  auto watched = Watch(WithoutCells(options.bus));
+  auto watched = WatchShop(WithoutCells(options.bus));
   const auto meet_cells = [&] {
     watched.reset();
-    watched = Watch(options.bus);
+    watched = WatchShop(options.bus);
   };
   if (!watched->shop.IsComplete()) meet_cells();
   if (watched->shop.Take().services.empty()) {
@@ -97,7 +70,7 @@ int ShowStatus(const StatusOptions& options) {
     if (!options.watch || Interrupts() > 0 || !std::cout) return exit_code;
     for (const auto end = Clock::now() + kRefreshPeriod;
          Interrupts() == 0 && Clock::now() < end;)
-      watched->shop.Poll(kStatusPollPeriod);
+      watched->shop.Poll(kShopPollPeriod);
     if (Interrupts() > 0) return exit_code;
     if (!watched->bus.options().meets_cells && !watched->shop.IsServed()) meet_cells();
   }

@@ -41,10 +41,12 @@ int Hold(TeachClient& client, const TeachOrder& order, const LightOptions& optio
     return mask == 0 ? client.view().lamp_by_hand
                      : (client.view().shutters_by_hand & mask) != 0;
   };
-  const std::uint64_t number = client.Hold(order);
+  ReportWait wait(client);
+  std::uint64_t number = client.Hold(order);
   const auto time = std::chrono::duration<double>(options.time_s);
   std::optional<Clock::time_point> on_since;
-  while (!client.IsAnswered(number) && Interrupts() == 0) {
+  while ((!client.IsAnswered(number) || wait.GivesAgain(order, number)) &&
+         Interrupts() == 0) {
     client.Poll();
     if (!on_since && is_held() && is_on()) {
       on_since = Clock::now();

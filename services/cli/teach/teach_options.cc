@@ -42,9 +42,28 @@ int WithMachine(const TeachOptions& options,
   }
 }
 
+bool ReportWait::MayGiveAgain() {
+  if (!client_.view().reports_missing || Interrupts() > 0) return false;
+  if (!patience_) {
+    patience_.emplace(kTime);
+    std::cerr << client_.view().cell << ": " << client_.view().message
+              << "; it is tried again for " << kTime.count() << " s\n";
+  }
+  return !patience_->IsUp();
+}
+
+bool ReportWait::GivesAgain(const client::TeachOrder& order, std::uint64_t& number) {
+  if (!MayGiveAgain()) return false;
+  number = client_.Hold(order);
+  return true;
+}
+
 int ExecuteOrder(client::TeachClient& client, const client::TeachOrder& order,
                  std::chrono::milliseconds timeout) {
-  const auto done = client.Execute(order, timeout, [] { return Interrupts() > 0; });
+  ReportWait wait(client);
+  auto done = client.Execute(order, timeout, [] { return Interrupts() > 0; });
+  while (!done && wait.MayGiveAgain())
+    done = client.Execute(order, timeout, [] { return Interrupts() > 0; });
   if (!done) return Complain(done.error(), client::kExitMachine);
   if (!done->empty()) std::cout << *done << "\n";
   return client::kExitGood;

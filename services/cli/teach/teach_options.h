@@ -5,10 +5,12 @@
 #include <chrono>
 #include <functional>
 #include <iosfwd>
+#include <optional>
 #include <string>
 
 #include "services/client/teach_client.h"
 #include "services/platform/command_line/program.h"
+#include "services/platform/host/process/patience.h"
 
 namespace intaglio::cli {
 
@@ -24,6 +26,25 @@ void AddTeachFlags(command_line::Command command, TeachOptions& options);
 /// Connects, and runs `action`; its exit code, or that of the error.
 int WithMachine(const TeachOptions& options,
                 const std::function<int(client::TeachClient&)>& action);
+
+/// A machine whose services have just started has no report of key, door and permission
+/// for a moment: an order that is refused for that is given again, for kTime, while its
+/// command runs.
+class ReportWait {
+ public:
+  /// On a computer that is not busy (patience.h).
+  static constexpr std::chrono::seconds kTime{3};
+
+  explicit ReportWait(client::TeachClient& client) : client_(client) {}
+  /// The order that was answered last may be given again; the first time this is printed.
+  bool MayGiveAgain();
+  /// Gives `order` again when it may be; `number` is then that of the new one.
+  bool GivesAgain(const client::TeachOrder& order, std::uint64_t& number);
+
+ private:
+  client::TeachClient& client_;
+  std::optional<host::Patience> patience_;
+};
 
 /// Executes one order, prints the answer; the exit code. Ctrl-C lets go.
 int ExecuteOrder(client::TeachClient& client, const client::TeachOrder& order,

@@ -116,10 +116,13 @@ std::string DrawnText(const std::vector<Vec2>& corners) {
 /// Until the time is over, Ctrl-C, or an answer that ends it.
 int Draw(TeachClient& client, const std::vector<Vec2>& corners,
          const OutlineOptions& options) {
-  const std::uint64_t number = client.Hold(OrderOf(corners, options.speed_mm_s));
+  const TeachOrder order = OrderOf(corners, options.speed_mm_s);
+  ReportWait wait(client);
+  std::uint64_t number = client.Hold(order);
   const auto time = std::chrono::duration<double>(options.time_s);
   std::optional<Clock::time_point> since;
-  while (!client.IsAnswered(number) && Interrupts() == 0) {
+  while ((!client.IsAnswered(number) || wait.GivesAgain(order, number)) &&
+         Interrupts() == 0) {
     client.Poll();
     if (!since && client.IsHeld(number)) {
       since = Clock::now();

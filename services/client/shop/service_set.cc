@@ -8,7 +8,6 @@
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
-#include "services/client/patience.h"
 #include "services/client/proof/evidence/glass_search.h"
 #include "services/client/proof/marks/cut_evidence.h"
 #include "services/client/proof/marks/mark_search.h"
@@ -16,6 +15,7 @@
 #include "services/job/checks/job_check.h"
 #include "services/job/files/job_file.h"
 #include "services/platform/command_line/other_programs.h"
+#include "services/platform/host/process/patience.h"
 #include "services/virtual_engraver/truth/truth_file.h"
 
 namespace intaglio::client {
@@ -277,7 +277,7 @@ Result<std::string> ServiceSet::AwaitConsole() {
       services_.begin(), services_.end(),
       [](const auto& service) { return service->process().name() == "console"; });
   Require(console != services_.end(), "no console was started");
-  for (Patience patience(kConsoleTime);
+  for (host::Patience patience(kConsoleTime);
        ConsoleStamp(console_address_) == console_address_before_;) {
     if (!(*console)->process().running())
       return tl::unexpected(EndOf((*console)->process()));
@@ -352,7 +352,7 @@ Status ServiceSet::AwaitReady(JobClient& client) {
     }
     return missing.empty();
   };
-  for (Patience patience(kReadyTimeout); !ready(); client.Poll(50ms)) {
+  for (host::Patience patience(kReadyTimeout); !ready(); client.Poll(50ms)) {
     if (!patience.IsUp(ready_count)) continue;
     return Fail(ErrorCode::kTimedOut,
                 fmt::format("not ready, and for {:.0f} s no other service became so: {}; "

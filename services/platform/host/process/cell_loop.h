@@ -8,13 +8,15 @@
 #include <string>
 
 #include "services/platform/host/process/only_instance.h"
+#include "services/platform/host/process/patience.h"
 #include "services/platform/host/process/poll_loop.h"
 #include "services/platform/host/process/service_host.h"
 
 namespace intaglio::host {
 
 // A job that is armed before the controller answers has to be armed again, because key
-// and door were not watched. So the first jobs wait a moment for it.
+// and door were not watched. So the first jobs wait a moment for it; on a busy computer
+// longer, because whatever stands for the controller is late there, too (patience.h).
 inline constexpr std::chrono::seconds kControllerTime{2};
 // The longest time between two turns, of a cell that works and of one that rests: both
 // turn at once for a message or a frame of the controller.
@@ -33,11 +35,11 @@ int RunCellService(ServiceHost& host, const std::string& name, Cell& cell) {
   const auto now = [] { return std::chrono::steady_clock::now().time_since_epoch(); };
   PollLoop loop(host.bus());
   cell.AttachTo(loop);
-  const auto ready_at = now() + kControllerTime;
+  Patience patience(kControllerTime);
   bool ready = false;
   const auto turn = [&] {
     cell.Turn(now());
-    if (!ready && (cell.watches() || now() >= ready_at)) {
+    if (!ready && (cell.watches() || patience.IsUp())) {
       ready = true;
       host.SetHealth(intaglio_HEALTH_READY);
     }

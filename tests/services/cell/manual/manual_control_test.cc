@@ -218,6 +218,7 @@ struct Opened {
   bool ManualConditions::*condition;
   bool value;
   const char* text;
+  bool is_report = false;  ///< what is missing is a report, not a state
 };
 
 class EachInterlock : public ManualControlTest,
@@ -231,6 +232,7 @@ TEST_P(EachInterlock, RefusesAndEndsAJogForGood) {
   EXPECT_EQ(driver_.jogs, 0);
   EXPECT_EQ(control_.answer().code, intaglio_MANUAL_REFUSED);
   EXPECT_THAT(control_.answer().message, HasSubstr(GetParam().text));
+  EXPECT_EQ(control_.answer().reports_missing, GetParam().is_report);
   conditions_.*GetParam().condition = good;
   Give(Jog(1));
   EXPECT_EQ(driver_.jogs, 0) << "a refused number is spent";
@@ -242,6 +244,7 @@ TEST_P(EachInterlock, RefusesAndEndsAJogForGood) {
   conditions_.*GetParam().condition = good;
   ComeToRest();
   EXPECT_THAT(control_.answer().message, HasSubstr(GetParam().text));
+  EXPECT_FALSE(control_.answer().reports_missing) << "no program gives it again";
   for (int i = 0; i < 5; ++i) {
     Publish();
     Give(Jog(2));
@@ -254,9 +257,10 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Opened{"ArmedJob", &ManualConditions::job_armed, true, "a job is armed"},
         Opened{"Run", &ManualConditions::run_active, true, "a job moves"},
-        Opened{"NoJobService", &ManualConditions::permission_fresh, false, "job service"},
+        Opened{"NoJobService", &ManualConditions::permission_fresh, false, "job service",
+               true},
         Opened{"BusStop", &ManualConditions::stop_pressed, true, "emergency stop"},
-        Opened{"LaserLine", &ManualConditions::laser_line_up, false, "not known"},
+        Opened{"LaserLine", &ManualConditions::laser_line_up, false, "not known", true},
         Opened{"Key", &ManualConditions::key_on, false, "key"},
         Opened{"Door", &ManualConditions::door_closed, false, "door"},
         Opened{"Stop", &ManualConditions::stop_released, false, "stop button"}),

@@ -1,8 +1,8 @@
-#include "services/client/patience.h"
+#include "services/platform/host/process/patience.h"
 
 #include <gtest/gtest.h>
 
-namespace intaglio::client {
+namespace intaglio::host {
 namespace {
 
 using namespace std::chrono_literals;
@@ -82,4 +82,4 @@ TEST_F(PatienceTest, TheShareOfThisComputerIsAShare) {
 }
 
 }  // namespace
-}  // namespace intaglio::client
+}  // namespace intaglio::host

@@ -1,4 +1,4 @@
-#include "services/client/patience.h"
+#include "services/platform/host/process/patience.h"
 
 #include <algorithm>
 #include <fstream>
@@ -6,7 +6,7 @@
 #include <thread>
 #include <utility>
 
-namespace intaglio::client {
+namespace intaglio::host {
 
 // proc(5): "0.20 0.18 0.12 3/180 11206": 3 of 180 tasks can run now, one of them this
 // one.
@@ -45,4 +45,4 @@ bool Patience::IsUp(std::ptrdiff_t progress) {
   return IsUp();
 }
 
-}  // namespace intaglio::client
+}  // namespace intaglio::host

@@ -1,14 +1,14 @@
 #pragma once
 
-// How long a client waits for other processes. On a busy computer they are as late as the
-// client itself: the time that is waited passes at the share of a core that one process
-// can have.
+// How long a process waits for other processes. On a busy computer they are as late as
+// the process itself: the time that is waited passes at the share of a core that one
+// process can have.
 
 #include <chrono>
 #include <cstddef>
 #include <functional>
 
-namespace intaglio::client {
+namespace intaglio::host {
 
 /// 1 on a computer with a core to spare; with more processes that want to run than cores,
 /// cores / processes (of /proc/loadavg, at this moment). 1 where that cannot be read.
@@ -41,4 +41,4 @@ class Patience {
   Clock::time_point began_, last_;
 };
 
-}  // namespace intaglio::client
+}  // namespace intaglio::host
