@@ -30,6 +30,7 @@ struct HistoryOptions {
   bool json = false;
   bool csv = false;
   bool days = false;
+  bool workers = false;
 };
 
 constexpr std::size_t kAnySize = std::numeric_limits<std::size_t>::max();
@@ -83,12 +84,31 @@ int PrintHistory(const std::vector<JobStatistics>& jobs) {
   return PrintJson(all);
 }
 
+void PrintWorkers(const WorkerHistory& history) {
+  TextTable table({{"time (UTC)"}, {"worker"}, {"event"}, {"by"}, {"why"}});
+  for (const WorkerEvent& event : history.events()) {
+    table.AddRow({event.time_utc(), event.worker(), event.event(), event.operator_name(),
+                  event.why()});
+  }
+  std::cout << table.Text();
+  if (history.events().empty()) std::cerr << "no worker was ever left out\n";
+}
+
+int HistoryOfWorkers(const std::string& database, bool json) {
+  const auto history = history::ReadWorkerHistory(database);
+  if (!history) return Complain(history.error());
+  if (json) return PrintJson(*history);
+  PrintWorkers(*history);
+  return client::kExitGood;
+}
+
 int History(const HistoryOptions& options) {
   history::Filter filter = options.filter;
   if (options.job != 0) filter.job = options.job;
   if (auto good = history::CheckFilter(filter); !good) return Complain(good.error());
   const std::string database =
       options.database.empty() ? options.folder + "/jobs.db" : options.database;
+  if (options.workers) return HistoryOfWorkers(database, options.json);
   if (options.csv || options.days) {
     const auto rows = options.days ? history::CsvRows::kDays : history::CsvRows::kJobs;
     const auto table = history::HistoryCsv(database, filter, rows, kAnySize);
@@ -136,6 +156,9 @@ void AddHistoryCommand(command_line::Command app) {
                "for spreadsheets: a row for each day and machine, with its pieces by "
                "verdict and its times")
       .Exclude(json);
+  history.AddFlag("--workers", options->workers,
+                  "in place of the jobs: which discretizers and sorters were left out, "
+                  "why, and who admitted them again");
   history.SetFooter(
       "Example: intaglio history --since 2026-11-01 --verdict not_good\n"
       "Example: intaglio history --folder shop --csv > november.csv\n"

@@ -34,6 +34,7 @@
 #include "services/cli/teach/teach_command.h"
 #include "services/cli/terminal/command_outcome.h"
 #include "services/cli/up_command.h"
+#include "services/cli/workers_command.h"
 #include "services/platform/host/process/software_version.h"
 
 namespace intaglio::cli {
@@ -64,6 +65,7 @@ std::unique_ptr<command_line::Program> IntaglioProgram() {
   AddBatchCommand(root);
   AddStopCommand(root);
   AddStatusCommand(root);
+  AddWorkersCommand(root);
   AddTeachCommand(root, &SubmitJobFile);
   AddHistoryCommand(root);
   AddLogsCommand(root);

@@ -60,6 +60,9 @@ class JobClient {
   /// program was started with: that ends no arm when nothing changes. Errors as Command.
   Status Mount(const std::string& cell, const MountedParts& parts,
                intaglio_ArmBasis basis, std::chrono::milliseconds timeout = kAnswerTime);
+  /// A worker that was left out is given tasks again. Errors as Command.
+  Status Admit(const std::string& worker,
+               std::chrono::milliseconds timeout = kAnswerTime);
   /// As people have reported, by machine.
   const std::map<std::string, MountView>& mounts() const { return mounts_; }
   /// This client's identity allows commands: arm, mount, pause ...

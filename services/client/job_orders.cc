@@ -24,6 +24,7 @@ intaglio_JobCommand CommandOf(const std::string& sender, std::uint64_t number,
   static const std::string kEmpty;
   sample.block_id = sample.cell = sample.mounted.glass = Borrow(kEmpty);
   sample.mounted.lens = sample.mounted.piece = sample.before_job_uid = Borrow(kEmpty);
+  sample.worker = Borrow(kEmpty);
   return sample;
 }
 
@@ -100,6 +101,16 @@ Status JobClient::Mount(const std::string& cell, const MountedParts& parts,
   sample.mounted = SampleOf(parts);
   INTAGLIO_TRY(commands_->commands.Write(sample));
   return AwaitCommand(last_number_, cell, timeout);
+}
+
+Status JobClient::Admit(const std::string& worker, std::chrono::milliseconds timeout) {
+  if (!commands_) return Fail(ErrorCode::kRefused, no_commands_);
+  const std::string name = OperatorName();
+  intaglio_JobCommand sample = CommandOf(sender_, ++last_number_, {}, name);
+  sample.kind = intaglio_COMMAND_ADMIT;
+  sample.worker = Borrow(worker);
+  INTAGLIO_TRY(commands_->commands.Write(sample));
+  return AwaitCommand(last_number_, worker, timeout);
 }
 
 }  // namespace intaglio::client

@@ -108,6 +108,12 @@ const char* NameOf(intaglio_CommandAnswerCode code) {
       return "same_block";
     case intaglio_ANSWER_NOT_MOUNTED:
       return "not_mounted";
+    case intaglio_ANSWER_NOT_LEFT_OUT:
+      return "not_left_out";
+    case intaglio_ANSWER_UNDECIDED:
+      return "undecided";
+    case intaglio_ANSWER_TOO_MANY:
+      return "too_many";
   }
   return "unknown";
 }

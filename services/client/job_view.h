@@ -92,6 +92,8 @@ struct ServiceView {
   intaglio_HealthState state = intaglio_HEALTH_STARTING;
   int pid = 0;
   std::chrono::steady_clock::time_point reported_at;  ///< its newest health, received
+  /// Why the job service gives it nothing more; empty: it does, or it is not known.
+  std::string left_out = {};
 };
 
 /// From a service's own health, or from what the job service knows of it.

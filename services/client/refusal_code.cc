@@ -10,7 +10,9 @@ constexpr intaglio_CommandAnswerCode kRefusals[] = {
     intaglio_ANSWER_ENDED_JOB,    intaglio_ANSWER_NOT_YET,
     intaglio_ANSWER_SUPERSEDED,   intaglio_ANSWER_STOP_PRESSED,
     intaglio_ANSWER_OUT_OF_RANGE, intaglio_ANSWER_NEEDS_CONSENT,
-    intaglio_ANSWER_SAME_BLOCK,   intaglio_ANSWER_NOT_MOUNTED};
+    intaglio_ANSWER_SAME_BLOCK,   intaglio_ANSWER_NOT_MOUNTED,
+    intaglio_ANSWER_NOT_LEFT_OUT, intaglio_ANSWER_UNDECIDED,
+    intaglio_ANSWER_TOO_MANY};
 
 }  // namespace
 

@@ -16,7 +16,7 @@ namespace intaglio::history {
 inline constexpr int kJobApplicationId = 1229870154;
 inline constexpr int kFirstMarkedVersion = 10;
 /// Newest version; services/job_service/job_migrations.h has the steps.
-inline constexpr int kJobDatabaseVersion = 15;
+inline constexpr int kJobDatabaseVersion = 16;
 
 enum class JobDatabaseKind {
   kNone,     ///< no file, an empty one, or a database without tables: it may be made here

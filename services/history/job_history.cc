@@ -31,6 +31,8 @@ constexpr std::array kVerdicts = {"good", "good_with_warnings", "not_good", "non
 constexpr int kWarningsVersion = 9;
 // And from this one on, their first estimates and what these are compared with.
 constexpr int kEstimatesVersion = 11;
+// And from this one on, what became of workers.
+constexpr int kWorkersVersion = 16;
 
 // From this share on, the pace so far predicts the end better than the plan does: it
 // includes pauses and the speed override.
@@ -300,6 +302,26 @@ Result<std::vector<JobStatistics>> ReadHistory(const std::string& database,
   return Opened<Jobs>(database, [&filter](sql::Connection& opened) -> Result<Jobs> {
     return SelectJobs(opened, filter, std::chrono::system_clock::now());
   });
+}
+
+Result<WorkerHistory> ReadWorkerHistory(const std::string& database) {
+  return Opened<WorkerHistory>(
+      database, [](sql::Connection& opened) -> Result<WorkerHistory> {
+        WorkerHistory history;
+        if (opened.Version() < kWorkersVersion) return history;
+        const auto select = opened.Prepare(
+            "SELECT at_utc, worker, event, why, operator_name FROM worker_events "
+            "ORDER BY number");
+        while (select->Step()) {
+          WorkerEvent& event = *history.add_events();
+          event.set_time_utc(select->Text(0));
+          event.set_worker(select->Text(1));
+          event.set_event(select->Text(2));
+          event.set_why(select->Text(3));
+          event.set_operator_name(select->Text(4));
+        }
+        return history;
+      });
 }
 
 Status VisitHistory(const std::string& database, const Filter& filter,

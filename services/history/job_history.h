@@ -48,6 +48,10 @@ Result<std::vector<JobStatistics>> ReadHistory(const std::string& database,
 Status VisitHistory(const std::string& database, const Filter& filter,
                     const std::function<Status(const JobStatistics&)>& visit);
 
+/// What became of the discretizers and sorters, oldest first; nothing before
+/// kWorkersVersion of the database. Errors as of ReadHistory.
+Result<WorkerHistory> ReadWorkerHistory(const std::string& database);
+
 /// A job as it was made, every default filled in, by its uid or short number. Errors as
 /// above, and kNotFound for a job that is none of this shop's.
 Result<JobSpec> ReadJob(const std::string& database, const std::string& uid_or_number);

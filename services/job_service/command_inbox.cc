@@ -1,5 +1,7 @@
 #include "services/job_service/command_inbox.h"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "services/job/mounted/mounted_sample.h"
@@ -29,6 +31,7 @@ CommandView ViewOf(const intaglio_JobCommand& sample) {
   command.block_id = View(sample.block_id);
   command.cell = View(sample.cell);
   command.before_job_uid = View(sample.before_job_uid);
+  command.worker = View(sample.worker);
   if (auto parts = PartsOf(sample.mounted)) {
     command.mounted = std::move(*parts);
   } else {
@@ -38,6 +41,7 @@ CommandView ViewOf(const intaglio_JobCommand& sample) {
 }
 
 std::string AboutWhat(const CommandView& command) {
+  if (command.kind == intaglio_COMMAND_ADMIT) return command.worker;
   return command.job_uid.empty() ? command.cell : "job " + command.job_uid;
 }
 
@@ -65,22 +69,43 @@ CommandInbox::CommandInbox(bus::Bus& bus, JobStore& store)
       answers_(bus, bus::kJobCommandAnswer) {}
 
 void CommandInbox::Read(Nanoseconds now) {
-  commands_.TakeAll([&](const intaglio_JobCommand& sample,
-                        const bus::SampleOrigin& origin) {
-    // Its client was answered, gave up waiting, or is gone.
-    if (!origin.alive)
-      return waiting_.Withdraw(std::string(View(sample.sender)), sample.number);
-    const std::string process = origin.writer ? origin.writer->participant : "";
-    if (waiting_.Add(process, ViewOf(sample)) || now < next_drop_log_) return;
+  commands_.TakeAll(
+      [&](const intaglio_JobCommand& sample, const bus::SampleOrigin& origin) {
+        // Its client was answered, gave up waiting, or is gone.
+        if (!origin.alive)
+          return waiting_.Withdraw(std::string(View(sample.sender)), sample.number);
+        const std::string process = origin.writer ? origin.writer->participant : "";
+        if (const auto dropped = waiting_.Add(process, ViewOf(sample)))
+          Drop(process, *dropped, now);
+      });
+}
+
+void CommandInbox::Drop(const std::string& process, const CommandView& command,
+                        Nanoseconds now) {
+  flooder_ = process;
+  flooded_at_ = now;
+  const std::string why = fmt::format(
+      "more than {} commands of its process {} wait for their answers: end "
+      "that process, or send the next command when one is answered",
+      WaitingCommands::kMaxOfProcess, process);
+  if (now >= next_drop_log_) {
     next_drop_log_ = now + kLogPeriod;
-    host::LogWarning(
-        "a command of {} is dropped: more than {} commands of its process {} wait; end "
-        "that process",
-        View(sample.sender), WaitingCommands::kMaxOfProcess, process);
-  });
+    host::LogWarning("a command of {} is dropped: {}", command.sender, why);
+  }
+  if (drops_answered_ == kDropsAnswered) return;
+  ++drops_answered_;
+  Publish(command, {intaglio_ANSWER_TOO_MANY, why});
+  answered_[process].push_back({command.sender, command.number, now});
+}
+
+std::string CommandInbox::Remark(Nanoseconds now) const {
+  if (flooder_.empty() || now - flooded_at_ > kFloodStays) return "";
+  return fmt::format("the process {} sends more commands than can be answered: end it",
+                     flooder_);
 }
 
 void CommandInbox::Take(const Decide& decide, Nanoseconds now) {
+  drops_answered_ = 0;
   Read(now);
   for (const auto& [process, command] : waiting_.TakeTurn(kDecidedATurn)) {
     Publish(command, AnswerTo(command, decide, now));

@@ -14,7 +14,10 @@
 // process its share (waiting_commands.h).
 //
 // A command about a job that does not exist is answered and not kept: it changes nothing,
-// whenever it is delivered again. Used from one thread.
+// whenever it is delivered again. Of a process that sends more than are decided the
+// newest are dropped, and answered with TOO_MANY: kDropsAnswered a turn, so that a flood
+// delays nobody else; a client that is not answered ends its wait by itself
+// (JobClient::kAnswerTime). Used from one thread.
 
 #include <chrono>
 #include <cstdint>
@@ -40,11 +43,17 @@ class CommandInbox {
   static constexpr std::size_t kDecidedATurn = 32;
   /// Answers to one process that stay on the bus, the newest.
   static constexpr std::size_t kMaxAnswers = 1024;
+  static constexpr std::size_t kDropsAnswered = 64;
+  /// A flood is over when nothing was dropped for so long.
+  static constexpr std::chrono::seconds kFloodStays{10};
 
   CommandInbox(bus::Bus& bus, JobStore& store);
 
   /// Reads what has come; decides and answers what is in turn.
   void Take(const Decide& decide, Nanoseconds now);
+
+  /// What a person has to do about a process that floods; empty: nothing.
+  std::string Remark(Nanoseconds now) const;
 
   template <typename Loop>
   void AttachTo(Loop& loop) {
@@ -58,6 +67,7 @@ class CommandInbox {
     Nanoseconds at;
   };
   void Read(Nanoseconds now);
+  void Drop(const std::string& process, const CommandView& command, Nanoseconds now);
   CommandAnswer AnswerTo(const CommandView& command, const Decide& decide,
                          Nanoseconds now);
   void Log(const CommandView& command, const CommandAnswer& answer, Nanoseconds now);
@@ -71,6 +81,9 @@ class CommandInbox {
   std::map<std::string, std::deque<Answered>> answered_;  // by process, the oldest first
   // Logs of a flood are written once a second at most.
   Nanoseconds next_drop_log_{0}, next_unknown_log_{0};
+  std::size_t drops_answered_ = 0;  // in this turn
+  std::string flooder_;             // the process whose command was dropped last
+  Nanoseconds flooded_at_{0};
 };
 
 }  // namespace intaglio::job_service

@@ -226,6 +226,20 @@ CREATE TABLE left_out (
   for_good INTEGER NOT NULL,
   since_utc TEXT NOT NULL
 );
+)sql",
+    // What became of workers, for the history; and the refused commands in the order in
+    // which they came, of which the newest stay.
+    R"sql(
+CREATE TABLE worker_events (
+  number INTEGER PRIMARY KEY,
+  worker TEXT NOT NULL,
+  event TEXT NOT NULL,
+  why TEXT NOT NULL,
+  operator_name TEXT NOT NULL,
+  at_utc TEXT NOT NULL
+);
+CREATE INDEX commands_refused ON commands (taken_utc) WHERE code <> 0;
+CREATE INDEX submissions_refused ON submissions (taken_utc) WHERE refusal <> '';
 )sql"};
 
 }  // namespace intaglio::job_service

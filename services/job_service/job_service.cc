@@ -152,6 +152,8 @@ void JobService::Turn(Nanoseconds now) {
 // In the health, which `intaglio status` and the console show; each as an alarm once.
 void JobService::ReportRemarks() {
   std::vector<std::string> remarks = queue_.Remarks();
+  if (std::string flood = commands_.Remark(now_); !flood.empty())
+    remarks.push_back(std::move(flood));
   if (remarks == remarks_) return;
   for (const std::string& remark : remarks) {
     if (std::ranges::find(remarks_, remark) == remarks_.end())
@@ -170,8 +172,14 @@ void JobService::TakeManualCommands() {
 }
 
 CommandAnswer JobService::TakeCommand(const CommandView& command, Nanoseconds now) {
-  return command.kind == intaglio_COMMAND_MOUNT ? Mount(command, now)
-                                                : queue_.Receive(command, now);
+  if (command.kind == intaglio_COMMAND_MOUNT) return Mount(command, now);
+  if (command.kind == intaglio_COMMAND_ADMIT) {
+    const CommandAnswer answer = queue_.Admit(command.worker, command.operator_name, now);
+    if (answer.taken())
+      host::LogInfo("{} has admitted {} again", command.operator_name, command.worker);
+    return answer;
+  }
+  return queue_.Receive(command, now);
 }
 
 CommandAnswer JobService::Mount(const CommandView& command, Nanoseconds now) {

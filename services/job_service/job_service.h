@@ -52,6 +52,8 @@ class JobService : private JobActions {
   void Turn(Nanoseconds now);
   /// A person ends this process, and with it every arm.
   void Close(Nanoseconds now);
+  /// Living workers that are left out or slow, and why.
+  std::map<std::string, std::string> LeftOutNow() const { return queue_.LeftOutNow(); }
   /// For clients that watch the jobs: the last samples before the queue is read again.
   void PublishFault(const std::string& why);
 

@@ -199,6 +199,8 @@ void JobStore::KeepRefusal(const std::string& submission_uid,
     insert->Bind(2, reasons);
     insert->Bind(3, NowUtc());
     insert->Execute();
+    if (reasons.empty()) return;  // it was taken
+    NoteRefusal("submissions", "refusal <> ''", refused_submissions_);
   });
 }
 

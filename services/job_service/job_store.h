@@ -50,6 +50,15 @@ class StoreError : public std::runtime_error {
 /// server (sql::IsServerAddress). It is not owned yet (sql::Connection::TryOwn).
 std::unique_ptr<sql::Connection> OpenStore(const std::string& address);
 
+/// Commands and submissions that were refused, of a client or of a process that floods:
+/// so many of each stay, and each for so long at least. A command is delivered again only
+/// while its client waits for the answer, 90 s at most.
+struct RefusalLimits {
+  int max_count = 20'000;
+  std::chrono::seconds stays{120};
+  int drop_every = 1000;  ///< refusals
+};
+
 class JobStore {
  public:
   /// `owned`: TryOwn has given it to this process.
@@ -76,6 +85,7 @@ class JobStore {
 
   /// New or changed. A job's first Keep also notes its submission.
   void Keep(const JobRecord& job);
+  /// The newest refused ones stay (RefusalLimits).
   void KeepAnswer(const CommandView& command, const CommandAnswer& answer);
   /// What was answered to this command of this sender; nullopt when it is new.
   std::optional<CommandAnswer> AnswerTo(const std::string& sender, std::uint64_t number);
@@ -117,7 +127,7 @@ class JobStore {
   /// The newest of each machine.
   std::vector<MountRecord> LoadMounts();
 
-  /// Without a reason the worker is removed.
+  /// Without a reason the worker is removed. What has changed is kept for the history.
   void KeepLeftOut(const LeftOut& worker);
   std::vector<LeftOut> LoadLeftOut();
 
@@ -128,6 +138,8 @@ class JobStore {
   /// As Load, one that has ended; nullopt when it has not.
   std::optional<JobRecord> LoadEnded(const std::string& job_uid);
 
+  void Limit(const RefusalLimits& refusals) { refusals_ = refusals; }
+
   /// A line beside the queue that is not durable, of a job service that runs
   /// (last_seen.h).
   std::string Note();
@@ -136,7 +148,11 @@ class JobStore {
  private:
   void Migrate();
   void FillInHistory();
+  /// `refused`: the condition of a row of `table`.
+  void NoteRefusal(const char* table, const char* refused, int& since_drop);
   std::unique_ptr<sql::Connection> database_;
+  RefusalLimits refusals_;
+  int refused_commands_ = 0, refused_submissions_ = 0;  // since the last were dropped
 };
 
 }  // namespace intaglio::job_service

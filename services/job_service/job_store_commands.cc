@@ -1,5 +1,7 @@
 // What JobStore keeps of the commands: each with its answer.
 
+#include <fmt/format.h>
+
 #include "services/job_service/job_store.h"
 #include "services/job_service/store_guard.h"
 
@@ -21,7 +23,20 @@ void JobStore::KeepAnswer(const CommandView& command, const CommandAnswer& answe
     insert->Bind(8, static_cast<int>(command.basis));
     insert->Bind(9, NowUtc());
     insert->Execute();
+    if (!answer.taken()) NoteRefusal("commands", "code <> 0", refused_commands_);
   });
+}
+
+void JobStore::NoteRefusal(const char* table, const char* refused, int& since_drop) {
+  if (++since_drop < refusals_.drop_every) return;
+  since_drop = 0;
+  const auto drop = database_->Prepare(fmt::format(
+      "DELETE FROM {0} WHERE {1} AND taken_utc < ? AND taken_utc < (SELECT taken_utc "
+      "FROM {0} WHERE {1} ORDER BY taken_utc DESC LIMIT 1 OFFSET ?)",
+      table, refused));
+  drop->Bind(1, host::UtcText(std::chrono::system_clock::now() - refusals_.stays));
+  drop->Bind(2, refusals_.max_count - 1);
+  drop->Execute();
 }
 
 std::optional<CommandAnswer> JobStore::AnswerTo(const std::string& sender,

@@ -18,6 +18,19 @@ namespace {
 constexpr const char* kWhereTask =
     "job_uid = ?1 AND attempt = ?2 AND stage = ?3 AND part = ?4 AND part_attempt = ?5";
 
+/// In the table worker_events.
+const char* EventOf(const LeftOut& worker) {
+  if (!worker.why.empty()) return worker.for_good ? "wrong" : "suspected";
+  return worker.admitted_by.empty() ? "cleared" : "admitted";
+}
+
+/// Empty: it is not left out.
+std::string WhyLeftOut(sql::Connection& database, const std::string& worker) {
+  const auto select = database.Prepare("SELECT why FROM left_out WHERE worker = ?");
+  select->Bind(1, worker);
+  return select->Step() ? select->Text(0) : "";
+}
+
 void BindTask(sql::Statement& statement, intaglio_Stage stage, const TaskId& task) {
   statement.Bind(1, task.job_uid);
   statement.Bind(2, task.attempt);
@@ -67,19 +80,34 @@ bool JobStore::KeepTaskEnd(const TaskView& task, const std::string& outcome) {
 
 void JobStore::KeepLeftOut(const LeftOut& worker) {
   Guarded(*database_, [&] {
-    const auto statement = database_->Prepare(
-        worker.why.empty() ? "DELETE FROM left_out WHERE worker = ?"
-                           : "INSERT INTO left_out (worker, why, for_good, since_utc) "
-                             "VALUES (?, ?, ?, ?) "
-                             "ON CONFLICT (worker) DO UPDATE SET why = excluded.why, "
-                             "for_good = excluded.for_good");
-    statement->Bind(1, worker.worker);
-    if (!worker.why.empty()) {
-      statement->Bind(2, worker.why);
-      statement->Bind(3, worker.for_good ? 1 : 0);
-      statement->Bind(4, NowUtc());
+    sql::Transaction transaction(*database_);
+    if (WhyLeftOut(*database_, worker.worker) == worker.why) return;
+    if (worker.why.empty()) {
+      const auto erase = database_->Prepare("DELETE FROM left_out WHERE worker = ?");
+      erase->Bind(1, worker.worker);
+      erase->Execute();
+    } else {
+      const auto insert = database_->Prepare(
+          "INSERT INTO left_out (worker, why, for_good, since_utc) VALUES (?, ?, ?, ?) "
+          "ON CONFLICT (worker) DO UPDATE SET why = excluded.why, "
+          "for_good = excluded.for_good");
+      insert->Bind(1, worker.worker);
+      insert->Bind(2, worker.why);
+      insert->Bind(3, worker.for_good ? 1 : 0);
+      insert->Bind(4, NowUtc());
+      insert->Execute();
     }
-    statement->Execute();
+    const auto event = database_->Prepare(
+        "INSERT INTO worker_events (number, worker, event, why, operator_name, at_utc) "
+        "VALUES ((SELECT coalesce(max(number), 0) + 1 FROM worker_events), ?, ?, ?, ?, "
+        "?)");
+    event->Bind(1, worker.worker);
+    event->Bind(2, EventOf(worker));
+    event->Bind(3, worker.why);
+    event->Bind(4, worker.admitted_by);
+    event->Bind(5, NowUtc());
+    event->Execute();
+    transaction.Commit();
   });
 }
 

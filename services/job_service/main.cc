@@ -121,6 +121,7 @@ int Server::ServeQueue(job_service::JobStore store) {
     while (!host_.stopping()) {
       if (only_->MustEnd()) return only_->EndAsSecond("job service");
       service.Turn(job_service::SinceBoot());
+      published_->services.SetLeftOut(service.LeftOutNow());
       host_.KeepAlive();
       published_->Turn();
       loop.Wait({}, 20ms);

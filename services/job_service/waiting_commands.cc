@@ -17,12 +17,19 @@ bool WaitingCommands::Before::operator()(const CommandView& a,
   return std::tie(a.sender, a.number) < std::tie(b.sender, b.number);
 }
 
-bool WaitingCommands::Add(const std::string& process, CommandView command) {
+std::optional<CommandView> WaitingCommands::Add(const std::string& process,
+                                                CommandView command) {
   Queue& queue = queues_[process];
-  if (queue.size() < kMaxOfProcess) return queue.insert(std::move(command)), true;
-  if (!Stops(command) || Stops(*std::prev(queue.end()))) return false;
-  queue.erase(std::prev(queue.end()));
-  return queue.insert(std::move(command)), true;
+  if (queue.size() < kMaxOfProcess) {
+    queue.insert(std::move(command));
+    return std::nullopt;
+  }
+  if (queue.contains(command)) return std::nullopt;  // delivered again
+  const auto last = std::prev(queue.end());
+  if (!Stops(command) || Stops(*last)) return command;
+  CommandView dropped = std::move(queue.extract(last).value());
+  queue.insert(std::move(command));
+  return dropped;
 }
 
 void WaitingCommands::Withdraw(const std::string& sender, std::uint64_t number) {

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -27,9 +28,10 @@ class WaitingCommands {
     std::string process;
     CommandView command;
   };
-  /// False: too many of this process wait, and this one is dropped. `process`: as
+  /// The command that is dropped because too many of this process wait: this one, or for
+  /// one that stops the last that does not; nullopt: none. `process`: as
   /// Bus::participant_name().
-  bool Add(const std::string& process, CommandView command);
+  std::optional<CommandView> Add(const std::string& process, CommandView command);
   /// Its client was answered, gave up waiting, or is gone: what stops stays.
   void Withdraw(const std::string& sender, std::uint64_t number);
   /// At most `max`, those that stop first, then by sender and number.

@@ -77,6 +77,8 @@ constexpr Written kWritten[] = {
     {"jobs", "`intaglio list --json`", "listing", "JobList"},
     {"job", "`intaglio show --json`", "listing", "JobRecord"},
     {"history", "`intaglio history --json`", "shop", "JobHistory"},
+    {"worker_history", "`intaglio history --workers --json`", "shop", "WorkerHistory"},
+    {"workers", "`intaglio workers --json`", "shop", "WorkerList"},
     {"status", "`intaglio status --json`", "shop", "ShopStatus"},
     {"fonts", "`intaglio fonts --json`", "lists", "FontList"},
     {"logs", "`intaglio logs --json`", "lists", "LogList"},

@@ -31,6 +31,7 @@ bool Reached(const client::JobView& job, intaglio_JobCommandKind kind) {
     case intaglio_COMMAND_SPEED:
     case intaglio_COMMAND_MOUNT:
     case intaglio_COMMAND_MOVE:
+    case intaglio_COMMAND_ADMIT:
       break;
   }
   return true;

@@ -98,7 +98,9 @@ std::string AgeText(const ShopStatus& status) {
 std::string ServicesText(const ShopStatus& status) {
   std::vector<std::string> names;
   for (const ServiceStatus& service : status.services())
-    names.push_back(fmt::format("{} {}", service.role(), service.state()));
+    names.push_back(
+        fmt::format("{} {}", service.role(),
+                    service.left_out().empty() ? service.state() : "LEFT OUT"));
   return fmt::format("{}\n", fmt::join(names, ", "));
 }
 

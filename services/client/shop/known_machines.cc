@@ -33,6 +33,7 @@ void KnownMachines::Poll() {
     Known known;
     known.service =
         ServiceViewOf(sample, std::chrono::steady_clock::now() - AgeOf(sample, origin));
+    known.service.left_out = View(sample.left_out);
     for (const intaglio_MachineFacts& facts : View(sample.facts))
       Update(known.facts.emplace_back(), facts);
     known_[instance] = std::move(known);

@@ -79,6 +79,7 @@ class Builder {
       line.set_state(HealthName(service.state));
       line.set_message(service.message);
       line.set_version(service.version);
+      line.set_left_out(service.left_out);
       const bool fault = service.state == intaglio_HEALTH_FAULT;
       // The message of a console is its address.
       if (fault || (!service.message.empty() && service.role != intaglio_ROLE_CONSOLE)) {

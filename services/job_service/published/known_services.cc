@@ -27,6 +27,7 @@ void KnownServices::Update(const intaglio_ServiceHealth& health,
   service.version = View(health.version);
   service.message = View(health.message);
   service.pid = health.pid;
+  service.left_out = known.service.left_out;
   if (service == known.service) return;
   known.service = std::move(service);
   known.changed = true;
@@ -38,7 +39,18 @@ void KnownServices::Remove(const std::string& instance) {
   intaglio_KnownService sample{};
   sample.instance = Borrow(instance);
   sample.host = sample.cell = sample.version = sample.message = Borrow(empty);
+  sample.left_out = Borrow(empty);
   (void)writer_.Dispose(sample);
+}
+
+void KnownServices::SetLeftOut(const std::map<std::string, std::string>& workers) {
+  for (auto& [instance, known] : services_) {
+    const auto worker = workers.find(instance);
+    const std::string why = worker == workers.end() ? "" : worker->second;
+    if (why == known.service.left_out) continue;
+    known.service.left_out = why;
+    known.changed = true;
+  }
 }
 
 void KnownServices::TakeReports() {
@@ -85,6 +97,7 @@ bool KnownServices::Publish(const std::string& instance, const Known& known,
   sample.cell = Borrow(service.cell);
   sample.version = Borrow(service.version);
   sample.message = Borrow(service.message);
+  sample.left_out = Borrow(service.left_out);
   sample.age_ms = bus::AgeMs(now - known.reported_at);
   Borrow(sample.facts, machine);
   return writer_.Write(sample).has_value();

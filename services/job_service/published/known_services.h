@@ -23,6 +23,8 @@ class KnownServices {
   void Update(const intaglio_ServiceHealth& health, std::chrono::nanoseconds now);
   /// The service is gone; so is what was published of it, at once.
   void Remove(const std::string& instance);
+  /// The workers that are given nothing more, and why, by instance.
+  void SetLeftOut(const std::map<std::string, std::string>& workers);
   /// Takes reports of machines, and publishes what has changed or is due. `now`: any
   /// steady clock, as for Update.
   void Turn(std::chrono::nanoseconds now);
@@ -31,7 +33,7 @@ class KnownServices {
   struct Service {
     intaglio_ServiceRole role = intaglio_ROLE_JOB_SERVICE;
     intaglio_HealthState state = intaglio_HEALTH_STARTING;
-    std::string host, cell, version, message;
+    std::string host, cell, version, message, left_out;
     std::int32_t pid = 0;
     bool operator==(const Service&) const = default;
   };

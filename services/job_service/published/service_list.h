@@ -23,6 +23,10 @@ class ServiceList {
   /// missing from it, and a client would take one machine of two for the only one. `now`:
   /// any steady clock.
   void Turn(std::chrono::nanoseconds now);
+  /// As KnownServices.
+  void SetLeftOut(const std::map<std::string, std::string>& workers) {
+    known_.SetLeftOut(workers);
+  }
 
  private:
   struct Entry {

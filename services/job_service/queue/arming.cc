@@ -39,7 +39,8 @@ CommandAnswer Arming::Check(const JobRecord& job, const CommandView& command) co
     case intaglio_COMMAND_CANCEL:
       return {};
     case intaglio_COMMAND_MOUNT:
-      break;  // of a machine
+    case intaglio_COMMAND_ADMIT:
+      break;  // of a machine, of a worker
   }
   return {intaglio_ANSWER_OUT_OF_RANGE,
           fmt::format("kind {} of a command for job {} is unknown: use the same version "

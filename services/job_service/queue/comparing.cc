@@ -14,6 +14,9 @@ using namespace std::chrono_literals;
 // As long as a part that failed for want of its neighbour waits (job_queue).
 constexpr Nanoseconds kPause = 2s;
 
+constexpr const char* kDecides =
+    ": start another discretizer, which decides, or restart one of them";
+
 std::string NamesOf(const PartComparison& comparison) {
   std::vector<std::string> names;
   for (const PartComparison::Made& made : comparison.made) names.push_back(made.worker);
@@ -77,7 +80,7 @@ void Comparing::Give(JobRecord& job, Nanoseconds now) {
     }
     Reopen(job, now);  // revoked with another task of its chain
   }
-  ForgetWrong(comparison);
+  ForgetWrong(job);
   const auto candidates = Candidates(comparison);
   const bool may_be_made =
       !candidates.empty() && comparison.times < host::kMaxComparisons;
@@ -94,7 +97,8 @@ void Comparing::Give(JobRecord& job, Nanoseconds now) {
 }
 
 // What they made proves nothing. If it is the first, the job begins anew.
-void Comparing::ForgetWrong(PartComparison& comparison) {
+void Comparing::ForgetWrong(JobRecord& job) {
+  PartComparison& comparison = *job.comparison;
   const std::string maker = comparison.made.front().worker;
   const auto forgotten =
       std::erase_if(comparison.made, [&](const PartComparison::Made& made) {
@@ -102,7 +106,7 @@ void Comparing::ForgetWrong(PartComparison& comparison) {
       });
   if (forgotten == 0 || comparison.made.size() > 1) return;
   comparison.suspected_count = 0;
-  tasks_.TakeBack(maker);
+  TakeBack(job, maker);
 }
 
 void Comparing::GiveTo(JobRecord& job, const std::string& worker, bool ahead,
@@ -148,7 +152,6 @@ void Comparing::Decide(JobRecord& job) {
   for (const PartComparison::Made& made : comparison.made) {
     if (made.checksum != *right) continue;
     equal.push_back(made.worker);
-    tasks_.TakeBack(made.worker);
   }
   std::ranges::sort(equal);
   for (const PartComparison::Made& made : comparison.made) {
@@ -156,11 +159,13 @@ void Comparing::Decide(JobRecord& job) {
     wrong_.push_back(
         {made.worker,
          fmt::format("{} made {} of job {} wrong, other than {}: it is given nothing "
-                     "more until it is restarted; check its computer",
+                     "more until it is restarted or admitted again (intaglio workers "
+                     "admit {}); check its computer",
                      made.worker, job.parts.NameOf(comparison.part), job.number,
-                     fmt::join(equal, " and "))});
+                     fmt::join(equal, " and "), made.worker)});
     tasks_.LeaveOut(made.worker, wrong_.back().why);
   }
+  for (const std::string& worker : equal) TakeBack(job, worker);
   Settle(job);
 }
 
@@ -168,25 +173,52 @@ void Comparing::Suspect(JobRecord& job) {
   PartComparison& comparison = *job.comparison;
   if (comparison.suspected_count == comparison.made.size()) return;
   comparison.suspected_count = comparison.made.size();
-  const std::string why =
-      Difference(job, comparison) +
-      ": start another discretizer, which decides, or restart one of them";
+  const std::string why = Difference(job, comparison) + kDecides;
   for (const PartComparison::Made& made : comparison.made) {
     tasks_.Suspect(made.worker, why, RestartAll(job, comparison));
   }
 }
 
-// Nobody decides any more which of them is right.
+// Nobody decides any more which of them is right, unless all but one were found wrong.
 void Comparing::Drop(JobRecord& job) {
   if (!job.comparison) return;
-  const PartComparison& comparison = *job.comparison;
-  const bool explained = tasks_.workers().IsWrong(comparison.made.front().worker);
-  for (const PartComparison::Made& made : comparison.made) {
-    if (comparison.made.size() == 1 || explained) break;
-    const std::string why = RestartAll(job, comparison);
-    tasks_.Suspect(made.worker, why, why);
-  }
+  const std::string why = RestartAll(job, *job.comparison);
+  std::vector<PartComparison::Made> made = std::move(job.comparison->made);
   job.comparison.reset();
+  const bool differ = made.size() > 1;
+  std::erase_if(made, [this](const PartComparison::Made& one) {
+    return tasks_.workers().IsWrong(one.worker);
+  });
+  if (differ && made.size() == 1) return TakeBack(job, made.front().worker);
+  for (const PartComparison::Made& one : made) {
+    if (made.size() > 1) tasks_.Suspect(one.worker, why, why);
+  }
+}
+
+std::string Comparing::WhyUndecided(const std::string& worker) const {
+  for (const JobRecord* job : book_.ActiveInTurn()) {
+    if (job->comparison && IsUndecided(*job->comparison, worker))
+      return Difference(*job, *job->comparison) + kDecides;
+  }
+  return "";
+}
+
+bool Comparing::IsUndecided(const PartComparison& comparison,
+                            const std::string& worker) const {
+  const auto trusted =
+      std::ranges::count_if(comparison.made, [this](const PartComparison::Made& made) {
+        return !tasks_.workers().IsWrong(made.worker);
+      });
+  return trusted > 1 && HasMade(comparison, worker) && !tasks_.workers().IsWrong(worker);
+}
+
+// Who is suspected for another job as well stays so until that is decided.
+void Comparing::TakeBack(const JobRecord& decided, const std::string& worker) {
+  for (const JobRecord* job : book_.ActiveInTurn()) {
+    if (job != &decided && job->comparison && IsUndecided(*job->comparison, worker))
+      return;
+  }
+  tasks_.TakeBack(worker);
 }
 
 void Comparing::Settle(JobRecord& job) {

@@ -49,12 +49,19 @@ class Comparing {
   /// Disarms and names what may not be engraved yet (rule 3).
   void Hold(JobRecord& job, Nanoseconds now);
 
+  /// A comparison of what the worker has made is under way, and nobody has decided it:
+  /// which, and what to do; empty: there is none.
+  std::string WhyUndecided(const std::string& worker) const;
+
   /// Who was found wrong since the last call.
   std::vector<WrongWorker> TakeWrong() { return std::exchange(wrong_, {}); }
 
  private:
   std::vector<std::string> Candidates(const PartComparison& comparison) const;
-  void ForgetWrong(PartComparison& comparison);
+  void ForgetWrong(JobRecord& job);
+  /// The worker has made a part of it, and so have others, not one of them wrong.
+  bool IsUndecided(const PartComparison& comparison, const std::string& worker) const;
+  void TakeBack(const JobRecord& decided, const std::string& worker);
   void GiveTo(JobRecord& job, const std::string& worker, bool ahead, Nanoseconds now);
   void Reopen(JobRecord& job, Nanoseconds not_before);
   void Decide(JobRecord& job);

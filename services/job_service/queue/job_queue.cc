@@ -113,7 +113,8 @@ void JobQueue::Apply(JobRecord& job, const CommandView& command, Nanoseconds now
     case intaglio_COMMAND_MOVE:
       return book_.Move(job, command.before_job_uid);
     case intaglio_COMMAND_MOUNT:
-      break;  // of a machine, not of a job
+    case intaglio_COMMAND_ADMIT:
+      break;  // of a machine, of a worker
   }
 }
 

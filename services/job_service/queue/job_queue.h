@@ -118,6 +118,15 @@ class JobQueue {
     return take_up_.AnswersAnOldRevocation(task);
   }
   const std::map<std::string, JobRecord>& jobs() const { return book_.jobs(); }
+  /// A person has mended a worker that was left out or slow: it is given tasks again.
+  /// What it made before and is not engraved yet is made anew, for nobody has decided
+  /// about it.
+  CommandAnswer Admit(const std::string& worker, const std::string& operator_name,
+                      Nanoseconds now);
+  /// Living workers that are left out or slow, and why.
+  std::map<std::string, std::string> LeftOutNow() const {
+    return tasks_.workers().LeftOutNow();
+  }
   /// Why workers are left out of the work, a sentence each.
   std::vector<std::string> Remarks() const { return tasks_.workers().Remarks(); }
 
@@ -151,6 +160,8 @@ class JobQueue {
   /// Every job that has a part of a discretizer that was found wrong begins anew, or is
   /// paused if its machine has begun.
   void RemakeWrong(Nanoseconds now);
+  /// With a part of this worker.
+  std::vector<JobRecord*> JobsOf(const std::string& worker) const;
   void Remake(JobRecord& job, const WrongWorker& wrong, Nanoseconds now);
   /// It leaves its machine, to wait for another attempt; its arm does not wait with it.
   void Requeue(JobRecord& job, const std::string& why, Nanoseconds now);

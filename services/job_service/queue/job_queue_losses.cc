@@ -107,12 +107,36 @@ void JobQueue::RestoreLeftOut(const std::vector<LeftOut>& workers, Nanoseconds n
 // Nobody knows since when one is wrong: none of its parts is engraved.
 void JobQueue::RemakeWrong(Nanoseconds now) {
   for (const WrongWorker& wrong : discretizing_.comparing().TakeWrong()) {
-    for (JobRecord* job : book_.ActiveInTurn()) {
-      const bool has_part = std::ranges::find(job->parts, wrong.worker,
-                                              &PartRecord::worker) != job->parts.end();
-      if (has_part) Remake(*job, wrong, now);
-    }
+    for (JobRecord* job : JobsOf(wrong.worker)) Remake(*job, wrong, now);
   }
+}
+
+std::vector<JobRecord*> JobQueue::JobsOf(const std::string& worker) const {
+  std::vector<JobRecord*> jobs = book_.ActiveInTurn();
+  std::erase_if(jobs, [&](const JobRecord* job) {
+    return std::ranges::find(job->parts, worker, &PartRecord::worker) == job->parts.end();
+  });
+  return jobs;
+}
+
+CommandAnswer JobQueue::Admit(const std::string& worker, const std::string& operator_name,
+                              Nanoseconds now) {
+  const std::string undecided = discretizing_.comparing().WhyUndecided(worker);
+  if (!undecided.empty()) return {intaglio_ANSWER_UNDECIDED, undecided};
+  const bool was_suspected =
+      !tasks_.workers().WhyLeftOut(worker).empty() && !tasks_.workers().IsWrong(worker);
+  if (!tasks_.Admit(worker, operator_name)) {
+    return {intaglio_ANSWER_NOT_LEFT_OUT,
+            fmt::format("no worker {} is left out: see intaglio workers", worker)};
+  }
+  // All parts of one that was found wrong were made anew then; what is begun goes on.
+  if (!was_suspected) return {};
+  const std::string why = fmt::format("{} was suspected, and {} has admitted it again",
+                                      worker, operator_name);
+  for (JobRecord* job : JobsOf(worker)) {
+    if (!job->arm.ever_granted()) Remake(*job, {worker, why}, now);
+  }
+  return {};
 }
 
 void JobQueue::Remake(JobRecord& job, const WrongWorker& wrong, Nanoseconds now) {

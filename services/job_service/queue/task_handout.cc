@@ -99,6 +99,13 @@ void TaskHandout::TakeBack(const std::string& worker) {
   actions_.LeftOutChanged({worker, "", false});
 }
 
+bool TaskHandout::Admit(const std::string& worker, const std::string& operator_name) {
+  const bool was_left_out = !workers_.WhyLeftOut(worker).empty();
+  if (!workers_.Admit(worker)) return false;
+  if (was_left_out) actions_.LeftOutChanged({worker, "", false, operator_name});
+  return true;
+}
+
 void TaskHandout::ForgetLost(Nanoseconds now) {
   for (const std::string& instance : workers_.ForgetLost(now)) {
     actions_.WorkerForgotten(instance);

@@ -54,6 +54,8 @@ class TaskHandout {
   void Suspect(const std::string& worker, const std::string& why,
                const std::string& kept);
   void TakeBack(const std::string& worker);
+  /// By a person. False: it was neither left out nor slow.
+  bool Admit(const std::string& worker, const std::string& operator_name);
 
   /// Workers that were lost long ago leave the book.
   void ForgetLost(Nanoseconds now);

@@ -130,6 +130,17 @@ void WorkerBook::TakeBack(const std::string& instance) {
   if (found != workers_.end() && !found->second.for_good) found->second.left_out.clear();
 }
 
+bool WorkerBook::Admit(const std::string& instance) {
+  const auto found = workers_.find(instance);
+  if (found == workers_.end()) return false;
+  Worker& worker = found->second;
+  if (worker.left_out.empty() && worker.slow.empty()) return false;
+  worker.left_out.clear();
+  worker.slow.clear();
+  worker.for_good = false;
+  return true;
+}
+
 void WorkerBook::Restore(const LeftOut& left_out, Nanoseconds now) {
   Worker& worker = workers_[left_out.worker];
   worker.left_out = left_out.why;
@@ -162,13 +173,20 @@ std::string WorkerBook::WhyLeftOut(const std::string& instance) const {
   return found == workers_.end() ? std::string() : found->second.left_out;
 }
 
+std::map<std::string, std::string> WorkerBook::LeftOutNow() const {
+  std::map<std::string, std::string> left_out;
+  for (const auto& [instance, worker] : workers_) {
+    const std::string& why = worker.left_out.empty() ? worker.slow : worker.left_out;
+    if (worker.alive && !why.empty()) left_out[instance] = why;
+  }
+  return left_out;
+}
+
 // A reason that several are suspected for is reported once.
 std::vector<std::string> WorkerBook::Remarks() const {
   std::vector<std::string> remarks;
-  for (const auto& [instance, worker] : workers_) {
-    const std::string& why = worker.left_out.empty() ? worker.slow : worker.left_out;
-    const bool is_new = std::ranges::find(remarks, why) == remarks.end();
-    if (worker.alive && !why.empty() && is_new) remarks.push_back(why);
+  for (const auto& [instance, why] : LeftOutNow()) {
+    if (std::ranges::find(remarks, why) == remarks.end()) remarks.push_back(why);
   }
   return remarks;
 }

@@ -94,11 +94,13 @@ class WorkerBook {
   /// It has ended; the next one, if there is one, is worked on from now on.
   void Release(const std::string& instance, const TaskId& task, Nanoseconds now);
 
-  /// Nothing is given to it any more, as long as its process lives.
+  /// Nothing is given to it any more, until Admit or the end of its process.
   void LeaveOut(const std::string& instance, const std::string& why);
   /// The same until TakeBack.
   void Suspect(const std::string& instance, const std::string& why);
   void TakeBack(const std::string& instance);
+  /// A person has mended it: neither left out nor slow. False: it was neither.
+  bool Admit(const std::string& instance);
   /// As an earlier run of the job service has left it out; it may have gone.
   void Restore(const LeftOut& worker, Nanoseconds now);
   /// Nothing is given to it until then, while there are others of its role.
@@ -108,7 +110,9 @@ class WorkerBook {
   bool IsWrong(const std::string& instance) const;
   /// Empty: it is not, or it is unknown. Of a slow one empty, too.
   std::string WhyLeftOut(const std::string& instance) const;
-  /// Why living workers are left out, and who is slow; a sentence each.
+  /// Living workers that are left out or slow, and why.
+  std::map<std::string, std::string> LeftOutNow() const;
+  /// The same, each sentence once.
   std::vector<std::string> Remarks() const;
 
   bool IsAlive(const std::string& instance) const;

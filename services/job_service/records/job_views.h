@@ -44,6 +44,7 @@ struct CommandView {
   std::string cell;  ///< mount: the machine, and what is in it
   MountedParts mounted;
   std::string before_job_uid;  ///< move: empty: behind all that wait
+  std::string worker;          ///< admit: its instance
   std::string mount_error;     ///< why `mounted` cannot be read; empty: it can
 };
 /// Range of the speed override, % of the job's speed limits (Trochimczuk 2008, 6.4.2).

@@ -8,7 +8,8 @@ namespace intaglio::job_service {
 struct LeftOut {
   std::string worker;     ///< instance
   std::string why;        ///< for people; empty: it is not left out any more
-  bool for_good = false;  ///< as long as its process lives; else it is suspected
+  bool for_good = false;  ///< until it is restarted or admitted; else it is suspected
+  std::string admitted_by = {};  ///< who has taken it back; empty: a comparison has
 
   bool operator==(const LeftOut&) const = default;
 };

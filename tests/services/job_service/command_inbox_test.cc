@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "services/platform/bus/samples.h"
 #include "tests/services/platform/bus/private_bus.h"
@@ -168,10 +169,38 @@ TEST_F(CommandInboxTest, OneProcessThatFloodsDelaysItselfAlone) {
   EXPECT_LE(decided, kFlood + 2);
   now_ += 1s;
   Take();
-  std::size_t left = 0;
-  for (const std::string& answer : Answers())
-    left += answer.starts_with("end of") ? 0 : 1;
-  EXPECT_LE(left, CommandInbox::kMaxAnswers + 2) << "on the bus";
+  std::set<std::string> left;
+  const std::string end = "end of ";
+  for (const std::string& answer : Answers()) {
+    if (answer.starts_with(end))
+      left.erase(answer.substr(end.size()));
+    else
+      left.insert(answer);
+  }
+  EXPECT_LE(left.size(), CommandInbox::kMaxAnswers + 2) << "on the bus";
+}
+
+// Nobody waits for an answer that does not come, and no flood takes the time of others.
+TEST_F(CommandInboxTest, WhatIsDroppedIsAnsweredAndNamesTheProcess) {
+  EXPECT_EQ(inbox_->Remark(now_), "");
+  constexpr std::uint64_t kMore = WaitingCommands::kMaxOfProcess + 10;
+  for (std::uint64_t i = 0; i < kMore; ++i) Send("ann", i);
+  std::size_t decided = 0;
+  std::map<intaglio_CommandAnswerCode, std::size_t> answers;
+  std::string why;
+  for (int turn = 0; turn < 100; ++turn) {
+    decided += Take().size();
+    answers_.Take([&](const intaglio_JobCommandAnswer& answer) {
+      ++answers[answer.code];
+      if (answer.code == intaglio_ANSWER_TOO_MANY) why = bus::View(answer.message);
+    });
+  }
+  EXPECT_EQ(decided + answers[intaglio_ANSWER_TOO_MANY], kMore);
+  EXPECT_EQ(answers[intaglio_ANSWER_TAKEN], decided);
+  EXPECT_GE(answers[intaglio_ANSWER_TOO_MANY], 1u);
+  EXPECT_THAT(why, testing::HasSubstr("end that process"));
+  EXPECT_THAT(inbox_->Remark(now_), testing::HasSubstr(bus_.participant_name()));
+  EXPECT_EQ(inbox_->Remark(now_ + CommandInbox::kFloodStays + 1s), "");
 }
 
 TEST(WaitingCommands, OfManyProcessesEachHasItsTurn) {
@@ -187,7 +216,7 @@ TEST(WaitingCommands, OfManyProcessesEachHasItsTurn) {
   for (int process = 0; process < 5; ++process) {
     for (std::uint64_t i = 0; i < 3; ++i) {
       const std::string name = fmt::format("p{}", process);
-      EXPECT_TRUE(waiting.Add(name, command(name, i)));
+      EXPECT_FALSE(waiting.Add(name, command(name, i)));
     }
   }
   std::map<std::string, int> taken;
@@ -209,10 +238,15 @@ TEST(WaitingCommands, OfManyProcessesEachHasItsTurn) {
 
   // A full queue takes what stops in place of what does not, and nothing else.
   for (std::uint64_t i = 0; i < WaitingCommands::kMaxOfProcess; ++i)
-    EXPECT_TRUE(waiting.Add("p", command("x", i)));
-  EXPECT_FALSE(waiting.Add("p", command("x", 9999)));
-  EXPECT_TRUE(waiting.Add("q", command("y", 1)));
-  EXPECT_TRUE(waiting.Add("p", command("x", 9999, intaglio_COMMAND_PAUSE)));
+    EXPECT_FALSE(waiting.Add("p", command("x", i)));
+  EXPECT_FALSE(waiting.Add("p", command("x", 5))) << "delivered again, it still waits";
+  const auto newest = waiting.Add("p", command("x", 9999));
+  ASSERT_TRUE(newest);
+  EXPECT_EQ(newest->number, 9999u);
+  EXPECT_FALSE(waiting.Add("q", command("y", 1)));
+  const auto last = waiting.Add("p", command("x", 9999, intaglio_COMMAND_PAUSE));
+  ASSERT_TRUE(last) << "the one that gives its place is answered, too";
+  EXPECT_EQ(last->number, WaitingCommands::kMaxOfProcess - 1);
   const auto first = waiting.TakeTurn(1);
   ASSERT_EQ(first.size(), 1u);
   EXPECT_EQ(first[0].command.number, 9999u);

@@ -1,8 +1,10 @@
 // What JobStore keeps, in a file and on a server.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <optional>
+#include <thread>
 
 #include "services/history/job_history.h"
 #include "services/job_service/boot_clock.h"
@@ -300,6 +302,63 @@ TEST_P(JobStoreEngine, KeepsWhoIsLeftOut) {
     store.KeepLeftOut({"e", "", false});
   }
   EXPECT_THAT(JobStore(address_).LoadLeftOut(), testing::ElementsAre(wrong));
+}
+
+TEST_P(JobStoreEngine, RecordsWhatBecameOfWorkers) {
+  {
+    JobStore store(address_);
+    store.KeepLeftOut({"d", "d or e is wrong", false});
+    store.KeepLeftOut({"d", "d or e is wrong", false});  // nothing has changed
+    store.KeepLeftOut({"e", "d or e is wrong", false});
+    store.KeepLeftOut({"d", "d is wrong", true});
+    store.KeepLeftOut({"e", "", false});
+    store.KeepLeftOut({"never", "", false});
+    store.KeepLeftOut({"d", "", false, "ann@shop-1"});
+  }
+  const auto history = history::ReadWorkerHistory(address_);
+  ASSERT_TRUE(history) << history.error().message;
+  std::vector<std::string> events;
+  for (const WorkerEvent& event : history->events()) {
+    EXPECT_EQ(event.time_utc().size(), 24u) << event.time_utc();
+    events.push_back(fmt::format("{} {} {}{}", event.worker(), event.event(), event.why(),
+                                 event.operator_name()));
+  }
+  EXPECT_THAT(events, testing::ElementsAre(
+                          "d suspected d or e is wrong", "e suspected d or e is wrong",
+                          "d wrong d is wrong", "e cleared ", "d admitted ann@shop-1"));
+}
+
+// A process that floods does not fill the disk, and what was accepted stays.
+TEST_P(JobStoreEngine, KeepsTheNewestRefusals) {
+  JobStore store(address_);
+  store.Limit({.max_count = 50, .stays = std::chrono::seconds(0), .drop_every = 10});
+  CommandView command;
+  command.job_uid = "1-abc";
+  command.sender = "ann";
+  store.KeepAnswer(command, {});
+  command.sender = "flood";
+  for (command.number = 1; command.number <= 200; ++command.number) {
+    store.KeepAnswer(command, {intaglio_ANSWER_WRONG_EPOCH, "it is of another run"});
+    store.KeepRefusal(fmt::format("flood~{}", command.number), "no job");
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));  // the times differ
+  }
+  int commands = 0, submissions = 0;
+  for (std::uint64_t number = 1; number <= 200; ++number) {
+    commands += store.AnswerTo("flood", number) ? 1 : 0;
+    submissions += store.OutcomeOf(fmt::format("flood~{}", number)) ? 1 : 0;
+  }
+  EXPECT_GE(commands, 50);
+  EXPECT_LE(commands, 60);
+  EXPECT_GE(submissions, 50);
+  EXPECT_LE(submissions, 60);
+  EXPECT_TRUE(store.AnswerTo("flood", 200));
+  EXPECT_TRUE(store.AnswerTo("ann", 0)->taken());
+  // A client may still wait for these.
+  store.Limit({.max_count = 50, .stays = std::chrono::hours(1), .drop_every = 10});
+  for (command.number = 201; command.number <= 300; ++command.number)
+    store.KeepAnswer(command, {intaglio_ANSWER_WRONG_EPOCH, "it is of another run"});
+  for (std::uint64_t number = 201; number <= 300; ++number)
+    EXPECT_TRUE(store.AnswerTo("flood", number)) << number;
 }
 
 TEST_P(JobStoreEngine, FindsAKeyUnderWhichAJobWasTaken) {

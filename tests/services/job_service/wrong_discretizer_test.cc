@@ -9,6 +9,7 @@
 #include "services/platform/bus/role_names.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/stage/flow.h"
+#include "tests/integration/run_program.h"
 #include "tests/services/job/test_job.h"
 #include "tests/services/job_service/fake_shop.h"
 #include "tests/services/platform/bus/child_program.h"
@@ -18,18 +19,25 @@ namespace intaglio::job_service {
 namespace {
 
 using bus::View;
+using intaglio::testing::Ended;
+using intaglio::testing::Running;
 using test::ChildProgram;
-using testing::AllOf;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 constexpr const char* kWrong = "w";
 
-class WrongDiscretizerTest : public testing::Test {
+class WrongDiscretizerTest : public ::testing::Test {
  protected:
   WrongDiscretizerTest() : folder_(test::FreshFolder()) {
     service_.emplace(folder_, test::PrivateTag());
   }
 
+  Ended Type(std::vector<std::string> words) {
+    words.insert(words.end(), {"--tag", test::PrivateTag()});
+    Running run(intaglio::testing::Program("intaglio"), words, folder_ / "typed.txt");
+    return run.WaitForEnd(std::chrono::seconds(30));
+  }
   static std::unique_ptr<ChildProgram> Discretizer() {
     return std::make_unique<ChildProgram>(
         INTAGLIO_BIN_DIR "/intaglio-discretizer",
@@ -168,6 +176,26 @@ TEST_F(WrongDiscretizerTest, IsSuspectedThenFoundAndItsPartsAreMadeAnew) {
   ASSERT_TRUE(PlayUntil([&] { return shop_.JobServiceHealth().message.empty(); }));
   EXPECT_TRUE(PlayUntil(
       [&] { return shop_.JobServiceHealth().message.find(found) != std::string::npos; }));
+
+  // A person lists who is left out, and admits it when its computer was mended.
+  const std::string wrong_name = shop_.FullName(kWrong);
+  EXPECT_TRUE(test::Eventually([&] {
+    const Ended listed = Type({"workers"});
+    return listed.output.find("left out") != std::string::npos &&
+           listed.output.find(found) != std::string::npos;
+  }));
+  const Ended nobody = Type({"workers", "admit", "nobody"});
+  EXPECT_EQ(nobody.exit_code, 4);
+  EXPECT_THAT(nobody.output, AllOf(HasSubstr("not_left_out"), HasSubstr("nobody")));
+  const Ended admitted = Type({"workers", "admit", wrong_name});
+  EXPECT_EQ(admitted.exit_code, 0) << admitted.output;
+  EXPECT_TRUE(PlayUntil([&] { return shop_.JobServiceHealth().message.empty(); }));
+  const std::string queue = (folder_ / "jobs.db").string();
+  Running history(intaglio::testing::Program("intaglio"),
+                  {"history", "--workers", "--database", queue}, folder_ / "typed.txt");
+  EXPECT_THAT(history.WaitForEnd(std::chrono::seconds(20)).output,
+              AllOf(HasSubstr("suspected"), HasSubstr("wrong"), HasSubstr("admitted"),
+                    HasSubstr(wrong_name)));
 }
 
 }  // namespace

@@ -228,6 +228,93 @@ TEST_F(DisputeTest, ARestartForgetsNeitherWhoIsSuspectedNorWhoIsWrong) {
   EXPECT_THAT(remarks_after(), ElementsAre(HasSubstr("d made part ")));
 }
 
+// A person has mended it without a restart of its process.
+TEST_F(ComparingTest, OneThatWasWrongIsGivenTasksAgainWhenItIsAdmitted) {
+  for (const char* name : {"d", "e", "f"}) Start(name);
+  wrong_ = {"e"};
+  for (int i = 0; i < 40 && queue_.Remarks().empty(); ++i) {
+    Begin();
+    Work();
+    if (queue_.Remarks().empty()) End();
+  }
+  ASSERT_THAT(queue_.Remarks(),
+              ElementsAre(HasSubstr("admitted again (intaglio workers admit e)")));
+  EXPECT_THAT(queue_.LeftOutNow(), ElementsAre(testing::Key("e")));
+  EXPECT_EQ(queue_.Admit("d", "ann", now_).code, intaglio_ANSWER_NOT_LEFT_OUT);
+  EXPECT_EQ(queue_.Admit("nobody", "ann", now_).code, intaglio_ANSWER_NOT_LEFT_OUT);
+  wrong_.clear();
+  EXPECT_TRUE(queue_.Admit("e", "ann", now_).taken());
+  EXPECT_THAT(queue_.Remarks(), IsEmpty());
+  EXPECT_THAT(actions_.left_out, IsEmpty()) << "also after a restart";
+  EXPECT_EQ(actions_.admitted_by, "ann");
+  Rest();
+  const std::uint32_t attempt = job().attempt;
+  Work();
+  LoadPath();
+  EXPECT_EQ(job().attempt, attempt) << "what the others have made stays";
+  End();
+  Begin();
+  Work();
+  std::set<std::string> makers;
+  for (const PartRecord& part : job().parts) makers.insert(part.worker);
+  EXPECT_THAT(makers, ElementsAre("d", "e", "f"));
+  // Its work is compared as before.
+  wrong_ = {"e"};
+  for (int i = 0; i < 40 && queue_.Remarks().empty(); ++i) {
+    Begin();
+    Work();
+    if (queue_.Remarks().empty()) End();
+  }
+  EXPECT_THAT(queue_.Remarks(), ElementsAre(HasSubstr("e made part ")));
+}
+
+TEST_F(DisputeTest, NobodyIsAdmittedBeforeTheComparisonIsDecided) {
+  Dispute();
+  const CommandAnswer answer = queue_.Admit("e", "ann", now_);
+  EXPECT_EQ(answer.code, intaglio_ANSWER_UNDECIDED);
+  EXPECT_THAT(answer.message, HasSubstr("start another discretizer, which decides"));
+  ExpectHeld();
+}
+
+// Nobody decides any more which of the two was wrong: what they made for other jobs is
+// not trusted because one of them is admitted.
+TEST_F(DisputeTest, WhatOneMadeThatIsAdmittedIsMadeAnewForOtherJobs) {
+  Start("d");
+  Start("e");
+  wrong_ = {"d"};
+  // Up to some parts before the comparison.
+  for (int i = 0; i < 2; ++i) {
+    Begin();
+    Work();
+    End();
+  }
+  queue_.Receive(
+      WorkerView{"y2", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_READY, "c2", ""},
+      now_);
+  Ready("s2", intaglio_ROLE_SORTER);
+  JobRecord other;
+  other.number = 900;
+  other.uid = "other";
+  other.epoch = 1;
+  other.cell = "c2";
+  queue_.Add(other);
+  queue_.Turn(now_);
+  Work();
+  for (int i = 0; i < 40 && queue_.Remarks().empty(); ++i) {
+    Begin();
+    Work();
+    if (queue_.Remarks().empty()) End();
+  }
+  End();
+  const JobRecord& held = *queue_.Find("other");
+  ASSERT_THAT(held.suspicion, HasSubstr("restart all of them"));
+  ASSERT_TRUE(queue_.Admit("e", "ann", now_).taken());
+  EXPECT_EQ(held.attempt, 1u);
+  EXPECT_EQ(held.state, intaglio_JOB_QUEUED);
+  EXPECT_THAT(held.last_loss, HasSubstr("ann has admitted it again"));
+  EXPECT_THAT(queue_.Remarks(), SizeIs(1)) << "the other one is still suspected";
+}
+
 TEST_F(ComparingTest, ASecondOneThatIsLostIsReplacedOrNotWaitedFor) {
   for (const char* name : {"d", "e", "f"}) Start(name);
   WorkUntilCompared();

@@ -47,6 +47,7 @@ class RecordingActions : public JobActions {
     std::erase_if(left_out,
                   [&](const LeftOut& other) { return other.worker == worker.worker; });
     if (!worker.why.empty()) left_out.push_back(worker);
+    if (!worker.admitted_by.empty()) admitted_by = worker.admitted_by;
   }
   std::vector<std::string> Orders() { return std::exchange(orders, {}); }
 
@@ -55,6 +56,7 @@ class RecordingActions : public JobActions {
   std::map<std::string, PieceRecord> pieces;  // by cell
   std::vector<LoadedBlock> blocks;
   std::vector<LeftOut> left_out;  // as it is kept
+  std::string admitted_by;        // the last one
   std::vector<std::string> orders;
   std::vector<std::string> forgotten;
 };
