@@ -243,6 +243,7 @@ void StageWorker::End(std::size_t place, const Error* error) {
 
 int RunStageWorker(ServiceHost& host, bus::WaitSet& wait, StageWorker& worker) {
   wait.Attach(worker.tasks());
+  GiveWay();
   host.SetHealth(intaglio_HEALTH_READY);
   while (!host.stopping()) {
     worker.Turn(std::chrono::steady_clock::now());

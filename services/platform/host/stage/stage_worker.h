@@ -129,7 +129,8 @@ class StageWorker {
 };
 
 /// Runs the worker on the wait set until the host is to stop. The wait set has the
-/// readers of input and output attached.
+/// readers of input and output attached. The calling thread gives way (worker_threads.h),
+/// for it sends and receives what was computed; the threads of the bus do not.
 int RunStageWorker(ServiceHost& host, bus::WaitSet& wait, StageWorker& worker);
 
 }  // namespace intaglio::host
