@@ -75,7 +75,7 @@ TEST(CommandLine, TheServicesTooAreDocumentedAsTheyAre) {
   const std::set<std::string> documented =
       FlagsIn(TextIn(INTAGLIO_SOURCE_DIR "/docs/services.md"));
   std::set<std::string> known;
-  for (const char* command : {"submit", "up"}) {  // of the examples
+  for (const char* command : {"history", "submit", "up"}) {  // of the examples
     known.merge(FlagsIn(Type({command, "--help"}).output));
   }
   for (const char* program :
