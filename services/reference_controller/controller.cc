@@ -137,12 +137,17 @@ Result<std::optional<nanoseconds>> Controller::AwaitSync(nanoseconds until) {
 // What the host knows of the stage's clock at the ticks is not right any more.
 void Controller::LoseTime() { lost_time_at_ = laser_.tick(); }
 
+std::uint64_t Controller::StaleTicks() const {
+  constexpr std::uint64_t kMinSeen = 100, kOnTheWay = 50;
+  return std::max(kMinSeen, static_cast<std::uint64_t>(laser_.rate_hz())) + kOnTheWay;
+}
+
 bool Controller::StageAgrees(nanoseconds sync) {
   if (!options_.stage) return true;
   const StageWitness stage = options_.stage();
   if (std::exchange(run_, stage.runs) != stage.runs) run_began_at_ = laser_.tick();
   return sync <= stage.in_position_until &&
-         (!lost_time_at_ || run_began_at_ > *lost_time_at_ + kStaleTicks);
+         (!lost_time_at_ || run_began_at_ > *lost_time_at_ + StaleTicks());
 }
 
 Status Controller::PassTick(nanoseconds sync) {

@@ -14,8 +14,10 @@
 //
 // A stage on the same board has a clock of its own, on which the host has placed the
 // ticks. When a tick is left out or late by a tenth of a period, all that was placed
-// before is of another point; the host sees it within 100 ticks (motion_clock.h). None
-// passes the gate before a run that begins kStaleTicks later.
+// before is of another point. The host sees it within ten ticks, and on a line with a
+// jitter of half a tick within the 100 ticks or the second that its stamps' newest
+// quarter takes (motion_clock.h). None passes the gate before a run that begins
+// StaleTicks() later.
 //
 // Outputs are off from before the line opens; when the board fails, a call of it is an
 // error; and when this object is gone. While Turn is called, Output::kAlive changes at
@@ -66,7 +68,6 @@ class Controller {
  public:
   /// The longest between two calls of Turn.
   static constexpr std::chrono::nanoseconds kIdle{5'000'000};
-  static constexpr std::uint64_t kStaleTicks = 150;
   /// The processor waits so long for a tick, and does nothing else.
   static constexpr std::chrono::nanoseconds kSpin{500'000};
 
@@ -99,6 +100,7 @@ class Controller {
   Result<std::optional<Time>> AwaitOwnTick();
   Result<std::optional<Time>> AwaitSync(Time until);
   void LoseTime();
+  std::uint64_t StaleTicks() const;
   bool StageAgrees(Time sync);
   Status PassTick(Time sync);
   Status Trigger(std::uint8_t channels, Time sync);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 
 #include "engrave/core/check.h"
 
@@ -32,6 +33,10 @@ constexpr double kAheadOfLimit = 0.6;
 // The controller's clock has some resolution of its own.
 constexpr double kResolutionNs = 2000;
 constexpr std::size_t kStampsAfterStep = 64;
+// No stamp of one line is later than the jitter, and those of a shift are as scattered as
+// it.
+constexpr std::size_t kShiftStamps = 8;
+constexpr double kShiftTickRatio = 0.1, kShiftJitters = 1.5, kScatterJitters = 2;
 constexpr double kSettledNs = 16e3;
 constexpr double kSettledTickRatio = 1.0 / 300;
 
@@ -65,6 +70,11 @@ void MotionClock::Observe(std::uint64_t tick, std::uint64_t controller_ns) {
       static_cast<double>(static_cast<std::int64_t>(controller_ns - base_ns_));
   stamps_.push_back({ticks, ns - ticks * tick_ns_});
   while (stamps_.size() > window_) stamps_.pop_front();
+  if (IsShifted()) {
+    TakeStep(kShiftStamps);
+    settled_ = false;
+    return;
+  }
   if (++unfitted_ >= kFitEvery || stamps_.size() < kMinStamps) Fit();
 }
 
@@ -109,10 +119,10 @@ void MotionClock::Measure() {
   std::vector<double> sorted = above_ns_;
   const auto median = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::nth_element(sorted.begin(), median, sorted.end());
-  const double jitter_ns = 2 * *median;
+  jitter_ns_ = 2 * *median;
   const auto count = static_cast<double>(stamps_.size());
-  uncertainty_ns_ = 4 * jitter_ns / count;
-  limit_ns_ = kResolutionNs + kNeverFactor * jitter_ns * kParts / count;
+  uncertainty_ns_ = 4 * jitter_ns_ / count;
+  limit_ns_ = kResolutionNs + kNeverFactor * jitter_ns_ * kParts / count;
 }
 
 bool MotionClock::LeavesLine() const {
@@ -124,6 +134,20 @@ bool MotionClock::LeavesLine() const {
     if (*std::min_element(begin, end) > limit_ns_) return true;
   }
   return false;
+}
+
+bool MotionClock::IsShifted() const {
+  if (stamps_.size() < kMinPart + kShiftStamps) return false;
+  double min_ns = std::numeric_limits<double>::infinity(), max_ns = 0;
+  for (auto stamp = stamps_.end() - static_cast<std::ptrdiff_t>(kShiftStamps);
+       stamp != stamps_.end(); ++stamp) {
+    const double above_ns = stamp->late_ns - line_.LateNsAt(stamp->tick);
+    min_ns = std::min(min_ns, above_ns);
+    max_ns = std::max(max_ns, above_ns);
+  }
+  const double jitter_ns = jitter_ns_ + kResolutionNs;
+  return min_ns > std::max(kShiftJitters * jitter_ns, kShiftTickRatio * tick_ns_) &&
+         max_ns - min_ns <= kScatterJitters * jitter_ns;
 }
 
 bool MotionClock::RunsAhead() {
@@ -145,16 +169,18 @@ void MotionClock::KeepNewest(std::size_t count) {
   earlier_lines_.clear();
 }
 
+void MotionClock::TakeStep(std::size_t kept_stamps) {
+  ++steps_;
+  KeepNewest(kept_stamps);
+  FitLine();
+  Measure();
+}
+
 void MotionClock::Fit() {
   unfitted_ = 0;
   FitLine();
   Measure();
-  if (LeavesLine() || RunsAhead()) {
-    ++steps_;
-    KeepNewest(kStampsAfterStep);
-    FitLine();
-    Measure();
-  }
+  if (LeavesLine() || RunsAhead()) TakeStep(kStampsAfterStep);
   settled_ = stamps_.size() >= kMinStamps &&
              uncertainty_ns_ <= std::max(kSettledNs, kSettledTickRatio * tick_ns_);
 }

@@ -13,6 +13,12 @@
 // the stamps lie on two lines: the oscillator has changed its pace. From then on only the
 // newest stamps count, and steps() has grown.
 //
+// A lamp sync that is left out or late makes every later stamp late by as much: all
+// places that are on their way to the stage then belong to other ticks. So a shift of a
+// tenth of a tick that is clearly more than the jitter counts as a step after eight
+// stamps. A line that was held up shows otherwise: its stamps come together, each less
+// late than the one before.
+//
 // A delay that is always the same is not seen; it is a part of the stage's lag. Not
 // thread-safe.
 
@@ -60,6 +66,8 @@ class MotionClock {
   void FitLine();
   void Measure();
   bool LeavesLine() const;
+  bool IsShifted() const;
+  void TakeStep(std::size_t kept_stamps);
   bool RunsAhead();
   void KeepNewest(std::size_t count);
 
@@ -75,6 +83,7 @@ class MotionClock {
   std::deque<Line> earlier_lines_;  // of the last quarter of a window, one a fit
   /// What ControllerNsAt may be off by at the newest stamps.
   double uncertainty_ns_ = 0;
+  double jitter_ns_ = 0;
   double limit_ns_ = 0;  // what no chance takes a stamp or the minimum of a part beyond
   bool settled_ = false;
   std::uint32_t steps_ = 0;

@@ -23,6 +23,10 @@ class SimulatedClock {
     // What is sent first arrives first.
     received_ns_ = std::max(received_ns_, true_ns_ + late_ns);
   }
+  /// The next lamp sync comes late, and so all behind it.
+  void Shift(double seconds) { true_ns_ += 1e9 * seconds; }
+  /// What is sent from now on arrives when that has passed.
+  void HoldLine(double seconds) { received_ns_ = true_ns_ + 1e9 * seconds; }
   std::uint64_t tick() const { return tick_; }
   std::uint64_t stamp() const { return static_cast<std::uint64_t>(received_ns_); }
   /// At the newest tick, less the oscillator's own drift.
@@ -126,6 +130,67 @@ TEST(MotionClock, NoticesThatThePaceHasChangedAndFindsTheNewOne) {
     EXPECT_LT(std::abs(truth.ErrorUs(clock, 0, to_ppm)), 40) << to_ppm;
     // 20 us over the two seconds between the stamps that carry the line.
     EXPECT_NEAR(clock.drift_ppm(), to_ppm, 15);
+  }
+}
+
+TEST(MotionClock, NoticesALampSyncThatIsLateOrLeftOutWithinTenTicks) {
+  for (const double rate_hz : {50.0, 100.0, 200.0}) {
+    for (const double shift_ticks : {1.0, 2.0, 7.0}) {
+      for (const double jitter_s : {0.0, 0.0005, 0.002}) {
+        SimulatedClock truth(rate_hz, jitter_s, 8);
+        MotionClock clock;
+        clock.Reset(rate_hz);
+        clock.SetAhead(rate_hz);
+        const auto pass = [&](int ticks) {
+          for (int i = 0; i < ticks; ++i) {
+            truth.Tick(100);
+            clock.Observe(truth.tick(), truth.stamp());
+          }
+        };
+        pass(2000);
+        ASSERT_TRUE(clock.settled());
+        truth.Shift(shift_ticks / rate_hz);
+        pass(10);
+        EXPECT_EQ(clock.steps(), 1u)
+            << rate_hz << ", " << shift_ticks << ", " << jitter_s;
+        EXPECT_FALSE(clock.settled()) << "a run that began now would be elsewhere";
+        pass(static_cast<int>(8 * rate_hz));
+        EXPECT_EQ(clock.steps(), 1u);
+        EXPECT_TRUE(clock.settled());
+        EXPECT_LT(std::abs(truth.ErrorUs(clock, 0, 100)), 80);
+      }
+    }
+  }
+}
+
+TEST(MotionClock, NoticesAShiftOfATenthOfATickWhereTheLineIsExactEnough) {
+  SimulatedClock truth(100, 0.0003, 8);
+  MotionClock clock;
+  clock.Reset(100);
+  for (int i = 0; i < 1000; ++i) {
+    truth.Tick(100);
+    clock.Observe(truth.tick(), truth.stamp());
+  }
+  truth.Shift(0.0011);
+  for (int i = 0; i < 10; ++i) {
+    truth.Tick(100);
+    clock.Observe(truth.tick(), truth.stamp());
+  }
+  EXPECT_EQ(clock.steps(), 1u);
+}
+
+TEST(MotionClock, TakesALineThatWasHeldUpForNoShift) {
+  for (const double held_s : {0.03, 0.1, 0.24}) {
+    SimulatedClock truth(200, 0.002, 9);
+    MotionClock clock;
+    clock.Reset(200);
+    for (int i = 0; i < 4000; ++i) {
+      truth.Tick(80);
+      if (i > 1000 && i % 200 == 0) truth.HoldLine(held_s);
+      clock.Observe(truth.tick(), truth.stamp());
+    }
+    EXPECT_EQ(clock.steps(), 0u) << held_s;
+    EXPECT_LT(std::abs(truth.ErrorUs(clock, 0, 80)), 60) << held_s;
   }
 }
 
