@@ -14,7 +14,7 @@
 #include "services/job/machine/head_over_block.h"
 #include "services/job/machine/job_ticks_bound.h"
 #include "services/job/machine/machine_axes.h"
-#include "services/job/plan/planned_ticks.h"
+#include "services/job/plan/point_ticks.h"
 #include "services/job/plan/steady_ticks.h"
 #include "services/platform/fields/field_rules.h"
 
@@ -49,7 +49,7 @@ Result<std::uint64_t> TicksOf(const FrozenJob& job, const CloudToTime& cloud,
     points_mm.push_back(cloud.points_mm[i]);
     masks.push_back(cloud.masks[i]);
   }
-  const auto at = INTAGLIO_TRY(PlannedTicks(job, points_mm, masks, executor, progress));
+  const auto at = INTAGLIO_TRY(PointTicks(job, points_mm, masks, executor, progress));
   if (!is_sample) return at.back();
   const double ticks = SteadyTicksPerStep(at) * static_cast<double>(piece.size());
   return static_cast<std::uint64_t>(std::llround(ticks));

@@ -6,7 +6,7 @@
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
 #include "engrave/sort/local_samples.h"
-#include "services/job/plan/planned_ticks.h"
+#include "services/job/plan/point_ticks.h"
 #include "services/job/plan/steady_ticks.h"
 
 namespace intaglio {
@@ -30,7 +30,7 @@ Result<double> TicksOfMask(const FrozenJob& job, const PointList& points_mm,
     part_mm.reserve(sample.size());
     for (const std::uint32_t index : sample) part_mm.push_back(points_mm[index]);
     const std::vector<ChannelMask> masks(part_mm.size(), 1);
-    const auto at = INTAGLIO_TRY(PlannedTicks(job, part_mm, masks, executor, go_on));
+    const auto at = INTAGLIO_TRY(PointTicks(job, part_mm, masks, executor, go_on));
     const auto own_steps = static_cast<double>(at.size() - 1);
     ticks += samples.size() == 1 ? at.back() : own_steps * SteadyTicksPerStep(at);
     steps += own_steps;

@@ -19,10 +19,10 @@ namespace intaglio {
 /// used: its default number of changes is tried. `executor`: for the order. Errors: those
 /// of the order and of the axes' reach; kCancelled when `progress`, which may be empty,
 /// returns false.
-Result<std::vector<std::uint32_t>> PlannedTicks(const FrozenJob& job,
-                                                const PointList& points_mm,
-                                                std::span<const ChannelMask> masks,
-                                                const Executor& executor,
-                                                const ProgressSink& progress);
+Result<std::vector<std::uint32_t>> PointTicks(const FrozenJob& job,
+                                              const PointList& points_mm,
+                                              std::span<const ChannelMask> masks,
+                                              const Executor& executor,
+                                              const ProgressSink& progress);
 
 }  // namespace intaglio

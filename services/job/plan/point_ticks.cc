@@ -1,4 +1,4 @@
-#include "services/job/plan/planned_ticks.h"
+#include "services/job/plan/point_ticks.h"
 
 #include <utility>
 
@@ -10,11 +10,11 @@
 
 namespace intaglio {
 
-Result<std::vector<std::uint32_t>> PlannedTicks(const FrozenJob& job,
-                                                const PointList& points_mm,
-                                                std::span<const ChannelMask> masks,
-                                                const Executor& executor,
-                                                const ProgressSink& progress) {
+Result<std::vector<std::uint32_t>> PointTicks(const FrozenJob& job,
+                                              const PointList& points_mm,
+                                              std::span<const ChannelMask> masks,
+                                              const Executor& executor,
+                                              const ProgressSink& progress) {
   const ProgressSink go_on = [&](std::uint64_t done, std::uint64_t total) {
     return !progress || progress(done, total);
   };
