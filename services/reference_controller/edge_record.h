@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engrave/core/result.h"
-#include "services/reference_controller/simulated_pins.h"
+#include "services/reference_controller/recorded_outputs.h"
 
 namespace intaglio::reference_controller {
 

@@ -21,6 +21,7 @@
 #include "services/reference_controller/host_line.h"
 #include "services/reference_controller/measure.h"
 #include "services/reference_controller/measure_steps.h"
+#include "services/reference_controller/simulated_pins.h"
 #include "services/reference_controller/simulated_stage.h"
 #include "services/reference_controller/stage_board.h"
 #include "services/reference_controller/stage_thread.h"

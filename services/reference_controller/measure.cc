@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engrave/core/try.h"
+#include "services/reference_controller/simulated_pins.h"
 
 namespace intaglio::reference_controller {
 namespace {

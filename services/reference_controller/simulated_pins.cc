@@ -15,8 +15,8 @@ constexpr nanoseconds kFlashAfter{1000};
 SimulatedPins::SimulatedPins(SimulatedPinsOptions options, link::SteadyClock clock,
                              std::function<void(const Edge&)> recorded)
     : options_(options),
-      clock_(std::move(clock)),
-      recorded_(std::move(recorded)),
+      clock_(clock),
+      outputs_(std::move(clock), std::move(recorded)),
       levels_(BitOf(Input::kKey) | BitOf(Input::kDoor) | BitOf(Input::kStop) |
               BitOf(Input::kInPosition)) {}
 
@@ -40,15 +40,7 @@ bool SimulatedPins::Has(Input input) const {
 }
 
 Status SimulatedPins::Set(Output output, bool on) {
-  bool& now = on_[static_cast<std::size_t>(output)];
-  if (!Has(output) || now == on) return {};
-  now = on;
-  if (output == Output::kAlive) {
-    ++alive_count_;
-    return {};
-  }
-  recorded_({output, on, clock_()});
-  if (on) Answer(output);
+  if (Has(output) && outputs_.Change(output, on) && on) Answer(output);
   return {};
 }
 

@@ -11,15 +11,9 @@
 #include <vector>
 
 #include "services/platform/link/steady_clock.h"
-#include "services/reference_controller/pins.h"
+#include "services/reference_controller/recorded_outputs.h"
 
 namespace intaglio::reference_controller {
-
-struct Edge {
-  Output output = Output::kQSwitch;
-  bool on = false;
-  std::chrono::nanoseconds at{0};
-};
 
 struct SimulatedPinsOptions {
   int channels = 1;  ///< 1..4, each with a shutter and a photosensor
@@ -49,9 +43,9 @@ class SimulatedPins final : public Pins {
 
   /// Key, door, stop or in-position; all are on at first.
   void Hold(Input input, bool on);
-  bool is_on(Output output) const { return on_[static_cast<std::size_t>(output)]; }
+  bool is_on(Output output) const { return outputs_.is_on(output); }
   /// Changes of Output::kAlive.
-  std::uint64_t alive_count() const { return alive_count_; }
+  std::uint64_t alive_count() const { return outputs_.alive_count(); }
 
  private:
   std::deque<std::chrono::nanoseconds>& Edges(Input input) {
@@ -62,12 +56,10 @@ class SimulatedPins final : public Pins {
 
   SimulatedPinsOptions options_;
   link::SteadyClock clock_;
-  std::function<void(const Edge&)> recorded_;
-  std::array<bool, kOutputCount> on_{};
+  RecordedOutputs outputs_;
   std::array<std::deque<std::chrono::nanoseconds>, kInputCount> edges_;
   std::uint32_t levels_;
   std::chrono::nanoseconds next_flash_{0};
-  std::uint64_t alive_count_ = 0;
 };
 
 }  // namespace intaglio::reference_controller

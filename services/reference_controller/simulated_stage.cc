@@ -8,8 +8,7 @@ SimulatedStage::SimulatedStage(const SimulatedStageOptions& options,
                                link::SteadyClock clock,
                                std::function<void(const Edge&)> recorded)
     : options_(options),
-      clock_(std::move(clock)),
-      recorded_(std::move(recorded)),
+      outputs_(std::move(clock), std::move(recorded)),
       levels_(BitOf(Input::kStop) | BitOf(Input::kDrives)) {}
 
 SimulatedStage::~SimulatedStage() {
@@ -27,14 +26,7 @@ bool SimulatedStage::Has(Input input) const {
 }
 
 Status SimulatedStage::Set(Output output, bool on) {
-  bool& now = on_[static_cast<std::size_t>(output)];
-  if (!Has(output) || now == on) return {};
-  now = on;
-  if (output == Output::kAlive) {
-    ++alive_count_;
-    return {};
-  }
-  recorded_({output, on, clock_()});
+  if (!Has(output) || !outputs_.Change(output, on)) return {};
   const int axis = static_cast<int>(output) - static_cast<int>(Output::kStepX);
   if (!on || axis < 0 || axis > 2) return {};
   const bool powered = !options_.has_enable || is_on(Output::kEnable);

@@ -9,7 +9,7 @@
 
 #include "engrave/core/geometry.h"
 #include "services/platform/link/steady_clock.h"
-#include "services/reference_controller/simulated_pins.h"
+#include "services/reference_controller/recorded_outputs.h"
 #include "services/reference_controller/stage_controller.h"
 
 namespace intaglio::reference_controller {
@@ -40,10 +40,10 @@ class SimulatedStage final : public Pins {
   void Hold(Input input, bool on);
   /// A home switch is pressed where it is again.
   void Release(Input free) { StuckFree(free).reset(); }
-  bool is_on(Output output) const { return on_[static_cast<std::size_t>(output)]; }
+  bool is_on(Output output) const { return outputs_.is_on(output); }
   /// Where the stage really is, machine frame.
   Vec3 place_mm() const;
-  std::uint64_t alive_count() const { return alive_count_; }
+  std::uint64_t alive_count() const { return outputs_.alive_count(); }
 
  private:
   bool IsPressed(int axis) const;
@@ -53,13 +53,10 @@ class SimulatedStage final : public Pins {
   }
 
   SimulatedStageOptions options_;
-  link::SteadyClock clock_;
-  std::function<void(const Edge&)> recorded_;
-  std::array<bool, kOutputCount> on_{};
+  RecordedOutputs outputs_;
   std::array<std::int64_t, 3> steps_{};
   std::array<std::optional<bool>, 3> stuck_free_{};
   std::uint32_t levels_;
-  std::uint64_t alive_count_ = 0;
 };
 
 }  // namespace intaglio::reference_controller
