@@ -135,9 +135,9 @@ Status CheckRange(const char* name, double value, double min, double max) {
               fmt::format("{}", value));
 }
 
-/// What leaves fewer ticks of a stretch in the middle of the order. Where the motion
-/// keeps more than the limits of the axes, it says too little that these can make the
-/// way.
+/// The fit that leaves fewer ticks of a stretch in the middle of the order. That the axes
+/// can make the way is not enough where the motion keeps more than their limits: then
+/// steps fit their neighbours, with a reserve.
 Fit BetterFit(const PointList& points_mm, const Order& order,
               const OrderOptions& options) {
   if (options.keeps_more) return Fit::kNeighbours;

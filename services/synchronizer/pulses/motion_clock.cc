@@ -71,7 +71,7 @@ void MotionClock::Observe(std::uint64_t tick, std::uint64_t controller_ns) {
   stamps_.push_back({ticks, ns - ticks * tick_ns_});
   while (stamps_.size() > window_) stamps_.pop_front();
   if (IsShifted()) {
-    TakeStep(kShiftStamps);
+    CountStep(kShiftStamps);
     settled_ = false;
     return;
   }
@@ -169,7 +169,7 @@ void MotionClock::KeepNewest(std::size_t count) {
   earlier_lines_.clear();
 }
 
-void MotionClock::TakeStep(std::size_t kept_stamps) {
+void MotionClock::CountStep(std::size_t kept_stamps) {
   ++steps_;
   KeepNewest(kept_stamps);
   FitLine();
@@ -180,7 +180,7 @@ void MotionClock::Fit() {
   unfitted_ = 0;
   FitLine();
   Measure();
-  if (LeavesLine() || RunsAhead()) TakeStep(kStampsAfterStep);
+  if (LeavesLine() || RunsAhead()) CountStep(kStampsAfterStep);
   settled_ = stamps_.size() >= kMinStamps &&
              uncertainty_ns_ <= std::max(kSettledNs, kSettledTickRatio * tick_ns_);
 }

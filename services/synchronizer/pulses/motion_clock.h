@@ -67,7 +67,7 @@ class MotionClock {
   void Measure();
   bool LeavesLine() const;
   bool IsShifted() const;
-  void TakeStep(std::size_t kept_stamps);
+  void CountStep(std::size_t kept_stamps);
   bool RunsAhead();
   void KeepNewest(std::size_t count);
 
