@@ -14,7 +14,11 @@ namespace {
 constexpr std::size_t kNear = 8;
 constexpr std::size_t kLongestTurn = 512;
 constexpr std::size_t kLongestPiece = 256;
-constexpr int kDraws = 8;
+/// Slow places are searched for anew after this many tries.
+constexpr std::uint64_t kTriesASearch = 1024;
+/// One in this many tries begins at any place: some changes pay only where no step is
+/// slow.
+constexpr std::uint32_t kTriesAnywhere = 8;
 constexpr std::uint64_t kCoolingSteps = 32;
 
 std::vector<Scaled> ScaleAll(std::span<const Vec3> points_mm, const TickCost& cost) {
@@ -100,6 +104,7 @@ void Stretch::Anneal(std::uint64_t tries, double hot, double cold, std::uint64_t
       const double share = static_cast<double>(i) / static_cast<double>(tries);
       temperature = hot * std::pow(cold / hot, share);
     }
+    if (i % kTriesASearch == 0) FindSlow();
     Change change;
     if (!Propose(change) || !EndsStayInTube(change)) continue;
     const double chance = (static_cast<double>(random_() >> 11) + 1) * 0x1p-53;
@@ -183,12 +188,23 @@ std::size_t Stretch::PieceLength(std::size_t place, bool forwards) {
   return length;
 }
 
-bool Stretch::Propose(Change& change) {
-  std::size_t here = 0;
-  for (int draws = 0; draws < kDraws; ++draws) {
-    here = kFixed + Below(static_cast<std::uint32_t>(at_.size() - 2 * kFixed));
-    if (places_[here].ticks > 1 || places_[here + 1].ticks > 1) break;
+void Stretch::FindSlow() {
+  slow_.clear();
+  for (std::size_t i = kFixed; i < at_.size() - kFixed; ++i) {
+    if (places_[i].ticks > 1 || places_[i + 1].ticks > 1)
+      slow_.push_back(static_cast<std::uint32_t>(i));
   }
+}
+
+/// Where ticks can be saved, mostly: in a good order few steps are slow.
+std::size_t Stretch::PlaceToImprove() {
+  if (slow_.empty() || Below(kTriesAnywhere) == 0)
+    return kFixed + Below(static_cast<std::uint32_t>(at_.size() - 2 * kFixed));
+  return slow_[Below(static_cast<std::uint32_t>(slow_.size()))];
+}
+
+bool Stretch::Propose(Change& change) {
+  const std::size_t here = PlaceToImprove();
   const auto near = near_.Of(at_[here]);
   if (near.empty()) return false;
   const std::size_t there = place_[near[Below(static_cast<std::uint32_t>(near.size()))]];

@@ -102,6 +102,8 @@ class Stretch {
   void ChooseTicks();
   void ChooseTicksOfWay();
   void ChooseTicksOfNeighbours();
+  void FindSlow();
+  std::size_t PlaceToImprove();
   bool Propose(Change& change);
   std::size_t PieceLength(std::size_t place, bool forwards);
   std::size_t OldPlace(const Change& change, std::size_t place) const;
@@ -139,6 +141,9 @@ class Stretch {
   Precedence precedence_;
   NearPoints near_;
   QuickRandom random_;
+  /// Places that a step of more than one tick leads to or leaves, as they were at most
+  /// kTriesASearch tries ago.
+  std::vector<std::uint32_t> slow_;
   Window new_windows_[3];
   std::size_t new_window_count_ = 0;
   float old_cost_ = 0;  ///< of the windows that a change leaves
