@@ -10,6 +10,7 @@
 
 #include "engrave/core/counted.h"
 #include "engrave/core/try.h"
+#include "engrave/post/lathe_reach.h"
 #include "engrave/post/tab_parts.h"
 #include "engrave/post/written_arc.h"
 
@@ -21,6 +22,7 @@ constexpr double kDefaultChordMm = 0.001;
 constexpr std::size_t kMaxParts = 10'000;
 
 constexpr std::array<std::string_view, 2> kPlace = {"X", "Y"};
+constexpr std::array<std::string_view, 1> kSpeed = {"SPEED"};
 constexpr std::array<std::string_view, 3> kPlaceZ = {"X", "Y", "Z"};
 constexpr std::array<std::string_view, 9> kArc = {"X", "Y", "AX", "AY", "I",
                                                   "J", "R", "CR", "P"};
@@ -31,6 +33,8 @@ constexpr FragmentRule kMillFragments[] = {{"start", false, kCommonVariables},
                                            {"approach", true, kPlaceVariables, kPlace},
                                            {"line", true, kPlaceVariables, kPlace},
                                            {"line-z", false, kPlaceZVariables, kPlaceZ},
+                                           {"speed", false, kCommonVariables, kSpeed},
+                                           {"rest", false, kCommonVariables},
                                            {"arc-clockwise", false, kArcVariables},
                                            {"arc-counterclockwise", false, kArcVariables},
                                            {"retract", true, kPlaceVariables},
@@ -50,6 +54,8 @@ enum {
   kMillApproach,
   kMillLine,
   kMillLineZ,
+  kMillSpeed,
+  kMillRest,
   kMillClockwise,
   kMillCounterClockwise,
   kMillRetract,
@@ -65,6 +71,14 @@ bool Determines(const Template& program, std::size_t fragment) {
   const bool center = uses("I") && uses("J");
   return (end && (center || uses("CR") || (uses("AX") && uses("AY")))) ||
          (uses("P") && (center || (end && uses("R"))));
+}
+
+constexpr auto kSpeedPlace = static_cast<std::size_t>(
+    std::ranges::find(kCommonVariables, "SPEED") - kCommonVariables.begin());
+
+bool HasOwnSpeeds(const ToolPath& path) {
+  return std::ranges::any_of(
+      path.moves, [](const WorkMove& move) { return move.speed_mm_s.has_value(); });
 }
 
 /// What the arcs of this template write; both directions determine the same.
@@ -95,20 +109,21 @@ class MillWriter {
 
   Status Add(const ToolPath& path, double depth_mm) {
     depth_mm_ = depth_mm;
+    rests_ = HasOwnSpeeds(path);
     if (max_bytes_ && !fresh_ && !FitsWhole(path)) INTAGLIO_TRY(EndPart());
     INTAGLIO_TRY(Approach(path));
     Vec2 at_mm = path.begin_mm;
     for (const WorkMove& move : path.moves) {
       if (!Fits(move)) {
-        Write(kMillRetract, at_mm);
+        AppendEnd(*expander_, at_mm, text_);
         INTAGLIO_TRY(EndPart());
-        Write(kMillApproach, at_mm);
+        speed_mm_s_ = AppendBegin(*expander_, at_mm, text_);
         if (!Fits(move)) return TooSmall(path);
       }
-      Write(move);
+      speed_mm_s_ = AppendMove(*expander_, move, speed_mm_s_, text_);
       at_mm = move.end_mm;
     }
-    Write(kMillRetract, at_mm);
+    AppendEnd(*expander_, at_mm, text_);
     fresh_ = false;
     return {};
   }
@@ -142,7 +157,7 @@ class MillWriter {
   }
 
   Status Approach(const ToolPath& path) {
-    Write(kMillApproach, path.begin_mm);
+    speed_mm_s_ = AppendBegin(*expander_, path.begin_mm, text_);
     if (path.moves.empty() || Fits(path.moves.front())) return {};
     return TooSmall(path);
   }
@@ -161,6 +176,7 @@ class MillWriter {
     const double z_mm = depth_mm_ + (heights_ == nullptr ? 0 : heights_->At(end));
     std::vector<Value> values =
         CommonValues(cutting_, part_name_, fragment == kMillApproach ? z_mm : depth_mm_);
+    values[kSpeedPlace] = SpeedOf(move);
     if (fragment == kMillLineZ) {
       for (const double number : {end.x(), end.y(), z_mm}) values.emplace_back(number);
       return expander.Append(fragment, values, text);
@@ -177,10 +193,15 @@ class MillWriter {
     expander.Append(fragment, values, text);
   }
 
-  void Write(std::size_t fragment, const Vec2& at_mm = Vec2::Zero()) {
+  void AppendAt(Expander& expander, std::size_t fragment, const Vec2& at_mm,
+                std::string& text) const {
     WorkMove place;
     place.end_mm = at_mm;
-    Append(*expander_, fragment, place, text_);
+    Append(expander, fragment, place, text);
+  }
+
+  void Write(std::size_t fragment) {
+    AppendAt(*expander_, fragment, Vec2::Zero(), text_);
   }
 
   std::size_t FragmentOf(const WorkMove& move) const {
@@ -188,7 +209,29 @@ class MillWriter {
     return move.kind == WorkKind::kClockwise ? kMillClockwise : kMillCounterClockwise;
   }
 
-  void Write(const WorkMove& move) { Append(*expander_, FragmentOf(move), move, text_); }
+  double SpeedOf(const WorkMove& move) const {
+    return move.speed_mm_s.value_or(cutting_.speed_mm_s);
+  }
+
+  /// Behind moves at speed_mm_s; returns the speed then.
+  double AppendMove(Expander& expander, const WorkMove& move, double speed_mm_s,
+                    std::string& text) const {
+    if (SpeedOf(move) != speed_mm_s) Append(expander, kMillSpeed, move, text);
+    Append(expander, FragmentOf(move), move, text);
+    return SpeedOf(move);
+  }
+
+  /// Down to the begin of a contour; returns the speed then.
+  double AppendBegin(Expander& expander, const Vec2& at_mm, std::string& text) const {
+    AppendAt(expander, kMillApproach, at_mm, text);
+    if (rests_) AppendAt(expander, kMillRest, at_mm, text);
+    return cutting_.speed_mm_s;
+  }
+
+  void AppendEnd(Expander& expander, const Vec2& at_mm, std::string& text) const {
+    if (rests_) AppendAt(expander, kMillRest, at_mm, text);
+    AppendAt(expander, kMillRetract, at_mm, text);
+  }
 
   /// With a retract and the end of the program behind them.
   template <typename Moves>
@@ -196,29 +239,28 @@ class MillWriter {
     if (!max_bytes_) return true;
     Expander expander(*expander_);
     std::string text;
-    const WorkMove& last = add_moves(expander, text);
-    Append(expander, kMillRetract, last, text);
-    Append(expander, kMillEnd, last, text);
+    const Vec2 end_mm = add_moves(expander, text);
+    AppendEnd(expander, end_mm, text);
+    AppendAt(expander, kMillEnd, end_mm, text);
     return text_.size() + text.size() <= *max_bytes_;
   }
 
   bool Fits(const WorkMove& move) const {
-    return FitsWith([&](Expander& expander, std::string& text) -> const WorkMove& {
-      Append(expander, FragmentOf(move), move, text);
-      return move;
+    return FitsWith([&](Expander& expander, std::string& text) {
+      AppendMove(expander, move, speed_mm_s_, text);
+      return move.end_mm;
     });
   }
 
   bool FitsWhole(const ToolPath& path) const {
-    WorkMove last;
-    last.end_mm = path.begin_mm;
-    return FitsWith([&](Expander& expander, std::string& text) -> const WorkMove& {
-      Append(expander, kMillApproach, last, text);
+    return FitsWith([&](Expander& expander, std::string& text) {
+      Vec2 end_mm = path.begin_mm;
+      double speed_mm_s = AppendBegin(expander, end_mm, text);
       for (const WorkMove& move : path.moves) {
-        Append(expander, FragmentOf(move), move, text);
-        last.end_mm = move.end_mm;
+        speed_mm_s = AppendMove(expander, move, speed_mm_s, text);
+        end_mm = move.end_mm;
       }
-      return last;
+      return end_mm;
     });
   }
 
@@ -232,7 +274,9 @@ class MillWriter {
   std::string text_;
   ProgramTexts parts_;
   double depth_mm_ = 0;
-  bool fresh_ = true;  ///< no contour is in this part
+  double speed_mm_s_ = 0;  ///< of the move before
+  bool rests_ = false;     ///< before and behind the contour
+  bool fresh_ = true;      ///< no contour is in this part
 };
 
 Status CheckLathe(const Template& program, std::span<const ToolPath> paths,
@@ -283,6 +327,11 @@ Result<Template> ParseMillTemplate(std::string_view text, std::string_view file,
   return program;
 }
 
+bool HasSpeeds(const Template& program) {
+  return !program.fragments[kMillSpeed].pieces.empty() &&
+         !program.fragments[kMillRest].pieces.empty();
+}
+
 Result<ProgramTexts> MillPrograms(const Template& program,
                                   std::span<const ToolPath> paths, const Cutting& cutting,
                                   const MillOptions& options) {
@@ -301,6 +350,14 @@ Result<ProgramTexts> MillPrograms(const Template& program,
   }
   const HeightMap* const heights = options.heights;
   if (heights != nullptr) INTAGLIO_TRY(RequireLineZ(program));
+  if (std::ranges::any_of(paths, HasOwnSpeeds) && !HasSpeeds(program)) {
+    return Fail(ErrorCode::kUnsupported,
+                program.file +
+                    ": has no fragments 'speed' and 'rest', with which moves "
+                    "have speeds of their own; choose a template with them "
+                    "(grbl, grbl-laser), or add them",
+                "speed");
+  }
   const bool chords = options.chords || heights != nullptr ||
                       program.fragments[kMillClockwise].pieces.empty();
   const double tolerance_mm =
@@ -322,29 +379,6 @@ Result<ProgramTexts> MillPrograms(const Template& program,
   ProgramTexts texts = writer.Take();
   INTAGLIO_TRY(RequireName(program, ProgramName(cutting.name), texts.size()));
   return texts;
-}
-
-Status RequireReachableOnLathe(std::span<const ToolPath> paths, const Vec2& axis_mm,
-                               double speed_mm_s, double limit_deg_s) {
-  for (const ToolPath& path : paths) {
-    for (contour::Edge edge : EdgesOf(path)) {
-      for (Vec2* place : {&edge.begin_mm, &edge.end_mm, &edge.center_mm}) {
-        *place -= axis_mm;
-      }
-      const double needed = AxisSpeed_rad_s(edge, speed_mm_s) * kDegrees;
-      if (needed <= limit_deg_s) continue;
-      const double near_mm = contour::DistanceTo(edge, Vec2::Zero());
-      return Fail(
-          ErrorCode::kUnsupported,
-          fmt::format("{} passes the turning axis at {:.4g} mm, which needs {:.4g} deg/s "
-                      "at {:.4g} mm/s, and the axis has {:.4g}; reduce the speed to "
-                      "{:.3g} mm/s, or move the work away from the axis",
-                      path.name, near_mm, needed, speed_mm_s, limit_deg_s,
-                      speed_mm_s * limit_deg_s / needed),
-          fmt::format("{:.6g}", needed));
-    }
-  }
-  return {};
 }
 
 }  // namespace intaglio::post

@@ -11,6 +11,9 @@
 //   line-z                 a line on a surface that was probed (height_map.h)
 //   arc-clockwise          with the next one, or neither: without them arcs become chords
 //   arc-counterclockwise
+//   speed                  before a move with another speed than the one before
+//   rest                   of contours whose moves have speeds: the tool comes to rest
+//                          behind the approach and before the retract
 //   retract                required: up from the end of a contour
 //   end
 // Variables beside the common ones (cutting.h):
@@ -54,21 +57,19 @@ struct MillOptions {
   Vec2 origin_mm = Vec2::Zero();             ///< subtracted, beside the template's
 };
 
+/// Whether programs can have a speed of each move: both fragments, `speed` and `rest`.
+bool HasSpeeds(const Template& program);
+
 /// Each path once for each depth, the first paths first; over its tabs as tab_parts.h has
 /// it. A program longer than its
 /// maximum size is divided between paths, and within one that is longer itself: the tool
 /// is retracted there, and the next part goes on at the same place.
 ///
-/// kUnsupported: the template does not suit (RequireSuited, or heights without line-z),
-/// or a contour that the turning axis of a lathe cannot follow, by name. kInvalidValue: a
-/// maximum size that not even one move fits in.
+/// kUnsupported: the template does not suit (RequireSuited, heights without line-z, or
+/// moves with speeds without HasSpeeds), or a contour that the turning axis of a lathe
+/// cannot follow, by name. kInvalidValue: a maximum size that not even one move fits in.
 Result<ProgramTexts> MillPrograms(const Template& program,
                                   std::span<const ToolPath> paths, const Cutting& cutting,
                                   const MillOptions& options = {});
-
-/// Names the path for which an axis at axis_mm has to turn faster than the limit: near
-/// the axis TRANSMIT needs w = v / rho (Siwiec 2016 had to leave such a contour out).
-Status RequireReachableOnLathe(std::span<const ToolPath> paths, const Vec2& axis_mm,
-                               double speed_mm_s, double limit_deg_s);
 
 }  // namespace intaglio::post

@@ -89,9 +89,17 @@ ToolPath PathOf(const contour::Edges& edges, std::string name, double chord_tole
 }
 
 ToolPath Chorded(const ToolPath& path, double chord_tolerance_mm) {
-  std::vector<bool> tabs;
-  for (const WorkMove& move : path.moves) tabs.push_back(move.tab);
-  return PathOf(EdgesOf(path), path.name, chord_tolerance_mm, tabs);
+  const contour::Edges edges = EdgesOf(path);
+  ToolPath chorded{path.name, path.begin_mm, {}};
+  for (std::size_t k = 0; k < edges.size(); ++k) {
+    const std::size_t first = chorded.moves.size();
+    AddEdge(edges[k], chord_tolerance_mm, chorded);
+    for (std::size_t i = first; i < chorded.moves.size(); ++i) {
+      chorded.moves[i].tab = path.moves[k].tab;
+      chorded.moves[i].speed_mm_s = path.moves[k].speed_mm_s;
+    }
+  }
+  return chorded;
 }
 
 contour::Edges EdgesOf(const ToolPath& path) {

@@ -3,6 +3,7 @@
 // Contours as a controller makes them: an approach, then lines and arcs from the end of
 // one to that of the next. Frame: drawing, mm, x to the right, y up.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,8 @@ struct WorkMove {
   double radius_mm = 0;
   double sweep_rad = 0;  ///< 0..2 pi, whatever the direction
   bool tab = false;      ///< over a tab, which stays (tab_parts.h)
+  /// At most, in place of the speed of the whole work, mm/s.
+  std::optional<double> speed_mm_s = {};
 };
 
 inline WorkMove LineTo(const Vec2& end_mm) {
@@ -44,7 +47,7 @@ struct ToolPath {
 ToolPath PathOf(const contour::Edges& edges, std::string name,
                 double chord_tolerance_mm = 0, const std::vector<bool>& tabs = {});
 
-/// As PathOf of edges with a tolerance above 0, but for an arc of the path.
+/// As PathOf of edges with a tolerance above 0. Chords keep what their arc has besides.
 ToolPath Chorded(const ToolPath& path, double chord_tolerance_mm);
 
 /// The edges again, e.g. for a length, a picture or a proof.

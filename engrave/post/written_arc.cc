@@ -41,6 +41,7 @@ class ArcWriter {
       if (Place(begin_mm) == Place(move.end_mm)) return;
       WorkMove line = LineTo(move.end_mm);
       line.tab = move.tab;
+      line.speed_mm_s = move.speed_mm_s;
       moves.push_back(line);
       return;
     }

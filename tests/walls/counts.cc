@@ -32,7 +32,7 @@ struct Exception {
 
 constexpr Exception kExceptions[] = {
     {"engrave/galvo/grid_sense.cc", "{} runs", "a verb: an axis runs against another"},
-    {"engrave/post/mill_program.cc", "{} passes", "a verb: a tool passes an axis"},
+    {"engrave/post/lathe_reach.cc", "{} passes", "a verb: a tool passes an axis"},
     {"engrave/render/web/mark_close_up.cc", "{} times", "a magnification"},
     {"engrave/render/web/mark_overview.cc", "{} times", "a magnification"},
     {"services/cli/schemas/json_schema.cc", "{} times", "a factor of another field"},

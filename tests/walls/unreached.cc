@@ -34,7 +34,6 @@ const std::map<std::string, std::string> kStay = {
     {"beast_close_socket", "Beast"},
     // What tests compare with what a program uses.
     {"Ct5OfHead", "makes published files of a lens again"},
-    {"EvaluateLaw", "the published law beside ours: docs/measurements.md"},
     {"FociOf", "the foci whose middle a program aims at"},
     {"MeltingBound", "the bound that docs/materials.md names"},
     {"ObliquePeakRatio", "what the table ObliqueLoss is made of"},

@@ -90,7 +90,8 @@ Result<post::HeightMap> ReadHeightMap(const ContourOptions& options) {
 }
 
 Status WritePrograms(const ContourOptions& options, const ContourWork& work,
-                     const Course& whole, const Course& typed) {
+                     const Course& whole, const Course& typed,
+                     const std::optional<MachineSpec>& machine) {
   if (options.out.empty()) return {};
   ContourProgramOptions program;
   program.mill_template = options.mill_template;
@@ -111,6 +112,7 @@ Status WritePrograms(const ContourOptions& options, const ContourWork& work,
                heights->x_mm().size(), heights->y_mm().size(), heights->min_mm(),
                heights->max_mm());
   }
+  if (machine) program.machine = &*machine;
   Warnings warnings;
   const auto files =
       INTAGLIO_TRY(WriteContourPrograms(work, whole, typed, program, warnings));
@@ -120,16 +122,16 @@ Status WritePrograms(const ContourOptions& options, const ContourWork& work,
   return {};
 }
 
+Result<std::optional<MachineSpec>> ReadMachine(const ContourOptions& options) {
+  if (options.machine.empty()) return std::nullopt;
+  const fs::path profile = INTAGLIO_TRY(FindMachineFile(options.machine));
+  return INTAGLIO_TRY(ReadMachineFile(profile));
+}
+
 /// The motion in time, when it is asked for.
 Status Simulate(const ContourOptions& options, const ContourWork& work,
-                const Course& whole) {
-  if (options.frames.empty() && options.page.empty() && options.machine.empty())
-    return {};
-  std::optional<MachineSpec> machine;
-  if (!options.machine.empty()) {
-    const fs::path profile = INTAGLIO_TRY(FindMachineFile(options.machine));
-    machine = INTAGLIO_TRY(ReadMachineFile(profile));
-  }
+                const Course& whole, const std::optional<MachineSpec>& machine) {
+  if (options.frames.empty() && options.page.empty() && !machine) return {};
   const ContourMotion motion = INTAGLIO_TRY(
       MotionOf(work, whole, machine ? &*machine : nullptr, PlaceOf(options.start_mm)));
   if (machine) {
@@ -184,8 +186,9 @@ Status MakeContours(const ContourOptions& options) {
     INTAGLIO_TRY(io::WriteFileAtomically(
         options.picture, SvgOf(work, start_mm, whole.tool_diameter_mm())));
   }
-  INTAGLIO_TRY(Simulate(options, work, whole));
-  return WritePrograms(options, work, whole, typed);
+  const auto machine = INTAGLIO_TRY(ReadMachine(options));
+  INTAGLIO_TRY(Simulate(options, work, whole, machine));
+  return WritePrograms(options, work, whole, typed, machine);
 }
 
 }  // namespace

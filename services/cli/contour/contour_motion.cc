@@ -6,20 +6,11 @@
 #include "engrave/core/try.h"
 #include "engrave/post/tab_parts.h"
 #include "services/cli/contour/contour_programs.h"
+#include "services/cli/contour/planned_feeds.h"
 #include "services/cli/course/course_job.h"
 
 namespace intaglio::cli {
 namespace {
-
-/// The path of a planner along edges, at the feed.
-Result<course::Path> PlannedPathOf(const contour::Edges& edges, double feed_mm_s) {
-  std::vector<course::Piece> pieces;
-  for (const contour::Edge& edge : edges) {
-    if (edge.length_mm < course::kMinSegmentMm) continue;
-    pieces.push_back({edge.end_mm, feed_mm_s, edge.sweep_rad});
-  }
-  return course::Path::Make(edges.front().begin_mm, pieces);
-}
 
 class MotionBuilder {
  public:

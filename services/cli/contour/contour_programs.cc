@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numbers>
 #include <utility>
 
 #include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
 #include "engrave/io/whole_file.h"
+#include "services/cli/contour/planned_feeds.h"
 
 namespace intaglio::cli {
 namespace {
@@ -81,6 +83,36 @@ void NoteOwnDepth(const post::Template& program, const Course& whole,
                   program.file, whole.drill_depth_mm())));
 }
 
+/// The contours, with planned feeds on a machine.
+Result<std::vector<post::ToolPath>> PathsFor(const MachineSpec* machine,
+                                             const post::Template& program,
+                                             const ContourWork& work, const Course& whole,
+                                             Warnings& warnings) {
+  if (machine == nullptr) return work.paths;
+  if (!post::HasSpeeds(program)) {
+    warnings.push_back(MakeWarning(
+        WarningCode::kChosen,
+        fmt::format("{}: has no fragments 'speed' and 'rest', so the program has one "
+                    "speed, and corners are passed as its controller does, not as "
+                    "planned for {}",
+                    program.file, machine->name())));
+    return work.paths;
+  }
+  PlannedFeeds feeds = INTAGLIO_TRY(PlanFeeds(work.paths, whole.speed_mm_s(), *machine));
+  // Grbl's limit is that of each axis; along a diagonal both have it.
+  const double axis_mm_s2 = feeds.acceleration_mm_s2 / std::numbers::sqrt2;
+  warnings.push_back(MakeWarning(
+      WarningCode::kChosen,
+      fmt::format(
+          "the program has the speeds planned for {}: {:.1f} s at work, {:.1f} um off at "
+          "most. The controller has to keep to {:.0f} mm/s^2 along the path (grbl: $120 "
+          "and $121 at most {:.0f}), and needs a junction deviation of {:.3f} mm ($11), "
+          "with which corners of programs without such speeds are passed too fast",
+          machine->name(), feeds.work_s, 1e3 * feeds.worst_mm, feeds.acceleration_mm_s2,
+          axis_mm_s2, feeds.junction_deviation_mm)));
+  return std::move(feeds.paths);
+}
+
 Status WriteParts(const fs::path& first, const post::ProgramTexts& texts,
                   std::vector<fs::path>& files) {
   for (std::size_t part = 0; part < texts.size(); ++part) {
@@ -152,8 +184,9 @@ Result<std::vector<fs::path>> WriteContourPrograms(const ContourWork& work,
     used.push_back(program);
     post::Cutting cutting = MillingOf(whole, typed);
     cutting.name = out.stem().string();
-    auto texts =
-        INTAGLIO_TRY(post::MillPrograms(program, work.paths, cutting, options.mill));
+    const auto paths =
+        INTAGLIO_TRY(PathsFor(options.machine, program, work, whole, warnings));
+    auto texts = INTAGLIO_TRY(post::MillPrograms(program, paths, cutting, options.mill));
     mill_texts = std::move(texts);
   }
   if (!work.rounds.empty()) {

@@ -10,6 +10,7 @@
 #include "engrave/core/warning.h"
 #include "engrave/post/cutting.h"
 #include "engrave/post/mill_program.h"
+#include "proto/machine.pb.h"
 #include "services/job/course/course_work.h"
 #include "services/platform/command_line/supplied_files.h"
 
@@ -33,6 +34,9 @@ struct ContourProgramOptions {
   post::Parameters parameters;  ///< of the templates, by name
   post::MillOptions mill;
   std::optional<double> probe_step_mm;  ///< also a program that probes
+  /// Contours have feeds with which this machine keeps its tolerance (planned_feeds.h),
+  /// where the template has speeds; null: one speed.
+  const MachineSpec* machine = nullptr;
 };
 
 Result<post::Template> ReadMillTemplate(const std::string& name_or_file,
@@ -43,8 +47,9 @@ Result<post::Template> ReadMillTemplate(const std::string& name_or_file,
 /// NAME is that of its file. What there is none of gets no file; holes alone are `out`.
 /// What probes the surface is in board_probe.ngc, by the supplied template of the mill
 /// template's name.
-/// `warnings`: a note where a template has another depth of holes than the course may
-/// have. kInvalidValue: a parameter that none of the templates has.
+/// `warnings`: notes where a template has another depth of holes than the course may
+/// have, of what the controller needs for planned feeds, and that a template has no
+/// speeds. kInvalidValue: a parameter that none of the templates has.
 Result<std::vector<std::filesystem::path>> WriteContourPrograms(
     const ContourWork& work, const Course& whole, const Course& typed,
     const ContourProgramOptions& options, Warnings& warnings);

@@ -8,6 +8,7 @@
 #include <random>
 #include <set>
 
+#include "engrave/post/lathe_reach.h"
 #include "tests/engrave/post/supplied_templates.h"
 
 namespace intaglio::post {
@@ -45,6 +46,40 @@ TEST(MillProgram, ExpandsAContour) {
   EXPECT_THAT(*texts, ElementsAre("start my_board_1 1\nto 0.0 0.0 2\nline 10.0 0.0 3\n"
                                   "line 0.0 10.0 4\nline 0.0 0.0 5\nup 0.0 0.0 6\n"
                                   "end 7\n"));
+}
+
+// A speed is written where it changes, the tool rests at both ends, and a part that goes
+// on begins with the speed of the work.
+TEST(MillProgram, WritesTheSpeedsOfMoves) {
+  const std::string slow =
+      "#number SPEED decimals=0\n#fragment speed\nF@SPEED@\n#fragment rest\nrest\n" +
+      std::string(kPlain);
+  ToolPath path = Triangle();
+  path.moves[1].speed_mm_s = 3;
+  path.moves[2].speed_mm_s = 3;
+  const auto texts = MillPrograms(MillFrom(slow), std::vector{path, Triangle()},
+                                  {.name = "a", .speed_mm_s = 5});
+  ASSERT_TRUE(texts) << texts.error().message;
+  EXPECT_THAT(*texts, ElementsAre("start a 1\nto 0.0 0.0 2\nrest\nline 10.0 0.0 3\nF3\n"
+                                  "line 0.0 10.0 4\nline 0.0 0.0 5\nrest\nup 0.0 0.0 6\n"
+                                  "to 0.0 0.0 7\nline 10.0 0.0 8\nline 0.0 10.0 9\n"
+                                  "line 0.0 0.0 10\nup 0.0 0.0 11\nend 12\n"));
+  const auto refused = MillPrograms(MillFrom(kPlain), std::vector{path}, {});
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("'speed' and 'rest'"));
+
+  MillOptions parts;
+  parts.max_bytes = 200;
+  ToolPath longer = path;
+  for (int i = 0; i < 4; ++i)
+    longer.moves.insert(longer.moves.end(), path.moves.begin() + 1, path.moves.end());
+  const auto divided = MillPrograms(MillFrom(slow), std::vector{longer}, {}, parts);
+  ASSERT_TRUE(divided) << divided.error().message;
+  ASSERT_GT(divided->size(), 1U);
+  for (const std::string& text : *divided) {
+    EXPECT_LE(text.size(), 200U);
+    EXPECT_THAT(text, HasSubstr("F3\n"));
+  }
 }
 
 TEST(MillProgram, RefusesNamesThatTheControllerDoesNotTake) {

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <numbers>
 #include <regex>
+#include <set>
 
 #include "engrave/contour/files/project_file.h"
 #include "services/cli/contour/contour_figures.h"
@@ -468,6 +469,37 @@ TEST_F(ContourCommand, OtherCommandsRefuseAJobOfContours) {
   EXPECT_THAT(fields,
               testing::UnorderedElementsAre("course.depth_mm", "course.repeat_count",
                                             "course.files[1]", "models"));
+}
+
+// The program has what the printed time says, or a note that it has not.
+TEST_F(ContourCommand, AMachineGivesAProgramThePlannedSpeeds) {
+  const std::string profile = folder_ / "soft.textproto";
+  std::string text =
+      test::ContentOf(INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto");
+  text = std::regex_replace(
+      text, std::regex("\nstage_lag_s[^\n]*"),
+      "\nsecond_order { natural_frequency_hz: 35 damping_ratio: 0.3 }");
+  std::ofstream(profile) << text;
+  const auto contour = [&](const std::string& name) {
+    const std::string out = folder_ / (name + ".ngc");
+    EXPECT_EQ(Type({"contour", gerber_, "--speed", "60", "--template", Mill(name),
+                    "--out", out, "--machine", profile}),
+              client::kExitGood)
+        << errors_;
+    return test::ContentOf(out);
+  };
+  const std::string grbl = contour("grbl");
+  EXPECT_THAT(errors_, HasSubstr("has the speeds planned for els-03"));
+  EXPECT_THAT(errors_, HasSubstr("$120"));
+  EXPECT_THAT(grbl, HasSubstr("G4 P0\n"));
+  const std::regex speed("\nF[0-9.]+");
+  std::set<std::string> speeds;
+  for (std::sregex_iterator it(grbl.begin(), grbl.end(), speed), end; it != end; ++it)
+    speeds.insert(it->str());
+  EXPECT_GT(speeds.size(), 3U);
+  const std::string linuxcnc = contour("linuxcnc");
+  EXPECT_THAT(errors_, HasSubstr("the program has one speed"));
+  EXPECT_THAT(linuxcnc, Not(HasSubstr("G4 P0")));
 }
 
 }  // namespace
