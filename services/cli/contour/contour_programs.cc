@@ -1,8 +1,10 @@
 #include "services/cli/contour/contour_programs.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <iostream>
 #include <numbers>
 #include <utility>
 
@@ -10,6 +12,7 @@
 #include "engrave/io/atomic_file.h"
 #include "engrave/io/whole_file.h"
 #include "services/cli/contour/planned_feeds.h"
+#include "services/cli/progress/background_meter.h"
 
 namespace intaglio::cli {
 namespace {
@@ -98,6 +101,8 @@ Result<std::vector<post::ToolPath>> PathsFor(const MachineSpec* machine,
                     program.file, machine->name())));
     return work.paths;
   }
+  BackgroundMeter meter(std::cerr, isatty(STDERR_FILENO) != 0);
+  meter.Begin("speeds");
   PlannedFeeds feeds = INTAGLIO_TRY(PlanFeeds(work.paths, whole.speed_mm_s(), *machine));
   // Grbl's limit is that of each axis; along a diagonal both have it.
   const double axis_mm_s2 = feeds.acceleration_mm_s2 / std::numbers::sqrt2;
