@@ -21,6 +21,7 @@
 #include "services/reference_controller/host_line.h"
 #include "services/reference_controller/measure.h"
 #include "services/reference_controller/measure_steps.h"
+#include "services/reference_controller/simulated_panel.h"
 #include "services/reference_controller/simulated_pins.h"
 #include "services/reference_controller/simulated_stage.h"
 #include "services/reference_controller/stage_board.h"
@@ -35,7 +36,7 @@ using std::chrono::nanoseconds;
 volatile sig_atomic_t stop_asked = 0;
 
 struct Options {
-  std::string board_file, line, stage_board_file, stage_line, edges;
+  std::string board_file, line, stage_board_file, stage_line, edges, panel;
   std::uint32_t baud = 115200;
   double measure_s = 0, rate_hz = 100;
 };
@@ -55,6 +56,8 @@ void AddOptions(command_line::Command app, Options& o) {
   app.AddOption("--simulate", o.edges,
                 "no line of a chip is touched: the edges of simulated outputs are "
                 "recorded in this file");
+  app.AddOption("--panel", o.panel,
+                "with --simulate: Unix socket for its key, door, stop button and drives");
   app.AddOption("--measure", o.measure_s,
                 "in place of a line: fire simulated outputs for so many seconds, or with "
                 "--stage-board step them, and print how exact the times of their edges "
@@ -129,6 +132,7 @@ class ServedStage {
               SharedRecord* record)
       : options_(OptionsOf(board, PowerUp())),
         pins_(MakePins(board, time, record)),
+        simulated_(dynamic_cast<SimulatedStage*>(pins_.get())),
         controller_(options_, *pins_, time),
         line_(ValueOrThrow(HostLine::Open(
             {o.stage_line, o.baud, "motion line"},
@@ -138,6 +142,8 @@ class ServedStage {
 
   StageController& controller() { return controller_; }
   StageThread& thread() { return thread_; }
+  /// Null: the stage is a real one.
+  SimulatedStage* simulated() { return simulated_; }
   std::string device() const { return line_.device(); }
 
  private:
@@ -152,10 +158,27 @@ class ServedStage {
 
   StageControllerOptions options_;
   std::unique_ptr<Pins> pins_;
+  SimulatedStage* simulated_;  // pins_
   StageController controller_;
   HostLine line_;
   StageThread thread_;
 };
+
+std::unique_ptr<Pins> MakeLaserPins(const LaserBoard& board, bool has_stage,
+                                    const ControllerTime& time, SharedRecord* record) {
+  if (record == nullptr) return ValueOrThrow(OpenGpioPins(BoardLines(board)));
+  SimulatedPinsOptions simulated = SimulatedPinsOf(board);
+  if (has_stage) simulated.in_position = &record->in_position;
+  return std::make_unique<SimulatedPins>(
+      simulated, time.clock, [record](const Edge& edge) { record->Add(edge); });
+}
+
+std::optional<SimulatedPanel> OpenPanel(const Options& o, Pins& laser,
+                                        std::optional<ServedStage>& stage) {
+  if (o.panel.empty()) return std::nullopt;
+  return ValueOrThrow(SimulatedPanel::Open(o.panel, dynamic_cast<SimulatedPins&>(laser),
+                                           stage ? stage->simulated() : nullptr));
+}
 
 int Serve(const Options& o, const LaserBoard& board,
           const std::optional<StageBoard>& stage_board) {
@@ -163,15 +186,8 @@ int Serve(const Options& o, const LaserBoard& board,
   AskForTime();
   std::unique_ptr<SharedRecord> record;
   if (!o.edges.empty()) record = std::make_unique<SharedRecord>(o.edges);
-  std::unique_ptr<Pins> pins;
-  if (record) {
-    SimulatedPinsOptions simulated = SimulatedPinsOf(board);
-    if (stage_board) simulated.in_position = &record->in_position;
-    pins = std::make_unique<SimulatedPins>(
-        simulated, time.clock, [&record](const Edge& edge) { record->Add(edge); });
-  } else {
-    pins = ValueOrThrow(OpenGpioPins(BoardLines(board)));
-  }
+  const std::unique_ptr<Pins> pins =
+      MakeLaserPins(board, stage_board.has_value(), time, record.get());
   std::optional<ServedStage> stage;
   ControllerOptions options = OptionsOf(board, PowerUp());
   options.on_tick = [&stage](const TickNotice& notice) {
@@ -188,11 +204,13 @@ int Serve(const Options& o, const LaserBoard& board,
       [&controller](auto end) { controller.Plug(std::move(end)); },
       [&controller] { return controller.is_plugged(); }));
   if (stage_board) stage.emplace(o, *stage_board, time, record.get());
+  std::optional<SimulatedPanel> panel = OpenPanel(o, *pins, stage);
   std::cout << "ready line=" << line.device();
   if (stage) std::cout << " stage=" << stage->device();
   std::cout << std::endl;
   while (stop_asked == 0 && !(stage && stage->thread().has_failed())) {
     line.Renew();
+    if (panel) panel->Poll();
     const nanoseconds idle = ValueOrThrow(controller.Turn());
     if (idle.count() > 0) line.WaitFor(idle);
   }
@@ -238,6 +256,10 @@ int main(int argc, char** argv) {
       (options.stage_board_file.empty() || options.measure_s > 0)) {
     std::cerr << "intaglio-reference-controller: give --stage-board and --stage-line "
                  "together; to measure, --stage-board alone\n";
+    return 2;
+  }
+  if (!options.panel.empty() && (options.edges.empty() || options.line.empty())) {
+    std::cerr << "intaglio-reference-controller: --panel is of --simulate, with a line\n";
     return 2;
   }
   struct sigaction action = {};

@@ -61,7 +61,7 @@ Result<std::uint32_t> SimulatedStage::Levels() {
 
 void SimulatedStage::Hold(Input input, bool on) {
   if (input == Input::kStop || input == Input::kDrives) {
-    levels_ = on ? levels_ | BitOf(input) : levels_ & ~BitOf(input);
+    on ? levels_ |= BitOf(input) : levels_ &= ~BitOf(input);
   } else if (input >= Input::kFreeX && input <= Input::kFreeZ) {
     StuckFree(input) = on;
   }

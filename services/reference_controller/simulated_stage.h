@@ -5,6 +5,7 @@
 // home switches are pressed where they are, and drives that are off do not move.
 
 #include <array>
+#include <atomic>
 #include <functional>
 
 #include "engrave/core/geometry.h"
@@ -36,7 +37,8 @@ class SimulatedStage final : public Pins {
     return std::optional<std::chrono::nanoseconds>();
   }
 
-  /// Stop or drives; both are on at first. A home switch: it is stuck there.
+  /// Stop or drives, from any thread; both are on at first. A home switch: it is stuck
+  /// there.
   void Hold(Input input, bool on);
   /// A home switch is pressed where it is again.
   void Release(Input free) { StuckFree(free).reset(); }
@@ -56,7 +58,7 @@ class SimulatedStage final : public Pins {
   RecordedOutputs outputs_;
   std::array<std::int64_t, 3> steps_{};
   std::array<std::optional<bool>, 3> stuck_free_{};
-  std::uint32_t levels_;
+  std::atomic<std::uint32_t> levels_;
 };
 
 }  // namespace intaglio::reference_controller

@@ -1,0 +1,50 @@
+#include "services/reference_controller/simulated_panel.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "engrave/core/try.h"
+
+namespace intaglio::reference_controller {
+namespace {
+
+struct Act {
+  const char* command;
+  Input input;
+  bool on;
+  bool of_laser, of_stage;
+};
+
+constexpr Act kActs[] = {
+    {"key on", Input::kKey, true, true, false},
+    {"key off", Input::kKey, false, true, false},
+    {"door close", Input::kDoor, true, true, false},
+    {"door open", Input::kDoor, false, true, false},
+    {"estop release", Input::kStop, true, true, true},
+    {"estop press", Input::kStop, false, true, true},
+    {"drives ok", Input::kDrives, true, false, true},
+    {"drives fault", Input::kDrives, false, false, true},
+};
+
+}  // namespace
+
+Result<SimulatedPanel> SimulatedPanel::Open(const std::filesystem::path& socket,
+                                            SimulatedPins& laser, SimulatedStage* stage) {
+  auto panel = INTAGLIO_TRY(virtual_engraver::Panel::Open(socket));
+  return SimulatedPanel(std::move(panel), laser, stage);
+}
+
+std::string SimulatedPanel::Do(const std::string& command) {
+  const auto* const act =
+      std::ranges::find_if(kActs, [&](const Act& one) { return command == one.command; });
+  if (act == std::end(kActs)) {
+    return "error unknown command '" + command +
+           "': key on|off, door open|close, estop press|release, drives fault|ok";
+  }
+  if (!act->of_laser && stage_ == nullptr) return "error there is no --stage-board";
+  if (act->of_laser) laser_.Hold(act->input, act->on);
+  if (act->of_stage && stage_ != nullptr) stage_->Hold(act->input, act->on);
+  return "ok";
+}
+
+}  // namespace intaglio::reference_controller
