@@ -373,4 +373,15 @@ link::StageTolerance Stage::Tolerance() const {
   return {static_cast<std::uint32_t>(ToNm(options_.position_tolerance_mm))};
 }
 
+std::optional<link::StageSpeed> Stage::MaxSpeed() const {
+  const Vec3& max_mm_s = options_.max_speed_mm_s;
+  if (!(max_mm_s.minCoeff() < std::numeric_limits<double>::infinity())) return {};
+  const auto counts = [&](int axis) {
+    constexpr double kMax = std::numeric_limits<std::uint32_t>::max();
+    const double exact = 1e6 * max_mm_s[axis] / options_.velocity_unit_nm_s;
+    return static_cast<std::uint32_t>(std::clamp(std::floor(exact), 1.0, kMax));
+  };
+  return link::StageSpeed{counts(0), counts(1), counts(2)};
+}
+
 }  // namespace intaglio::virtual_engraver

@@ -155,6 +155,8 @@ class Stage {
   link::MotionStatus Report();
   link::MotionIdentity Identity() const;
   link::StageTolerance Tolerance() const;
+  /// None: every speed that the line carries is taken.
+  std::optional<link::StageSpeed> MaxSpeed() const;
   /// Positions latched since the last call.
   std::vector<link::Positions> TakePositions() { return std::exchange(latched_, {}); }
   std::vector<link::TimedPositions> TakeTimedPositions() {

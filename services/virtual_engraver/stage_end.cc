@@ -14,6 +14,8 @@ void StageEnd::Poll() {
 
 void StageEnd::Greet() {
   line().Send(MotionFrame::kMotionIdentity, Encode(stage_.Identity()));
+  if (const auto speed = stage_.MaxSpeed())
+    line().Send(MotionFrame::kStageSpeed, Encode(*speed));
   line().Send(MotionFrame::kStageTolerance, Encode(stage_.Tolerance()));
   if (const OwnClock* own = stage_.own_clock()) {
     line().Send(MotionFrame::kControllerClock,

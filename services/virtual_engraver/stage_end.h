@@ -40,7 +40,7 @@ class StageEnd {
   /// Obeys what has come on its own line.
   void Poll();
   void Obey(link::MotionFrame type, std::span<const std::byte> payload);
-  /// Identity, tolerance and clock, first in a session.
+  /// Identity, speed, tolerance and clock, first in a session.
   void Greet();
   /// A stage that moves without a host is stopped.
   void KeepSafe();

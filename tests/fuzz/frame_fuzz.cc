@@ -50,6 +50,7 @@ void TryAll(std::span<const std::byte> payload) {
   Try<TimedPositions>(payload);
   Try<ControllerClock>(payload);
   Try<StageTolerance>(payload);
+  Try<StageSpeed>(payload);
   Try<JogMove>(payload);
   Try<MoveBlock>(payload);
   Try<HeadPermit>(payload);

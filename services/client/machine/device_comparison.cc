@@ -11,6 +11,7 @@
 
 #include "services/drivers/laser_drivers.h"
 #include "services/drivers/profile_check.h"
+#include "services/job/checks/stage_speed_check.h"
 #include "services/job/machine/laser_setting.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/machine/position_tolerance.h"
@@ -75,6 +76,7 @@ void CompareMotionLine(const MachineSpec& machine, const link::SteadyClock& cloc
                        DeviceComparison& comparison) {
   std::optional<link::MotionIdentity> identity;
   std::optional<link::StageTolerance> tolerance;
+  std::optional<link::StageSpeed> speed;
   bool reported = false;
   comparison.not_compared = ReadLine(
       machine.motion_line(), clock,
@@ -83,6 +85,8 @@ void CompareMotionLine(const MachineSpec& machine, const link::SteadyClock& cloc
         const auto frame = static_cast<MotionFrame>(type);
         if (frame == MotionFrame::kMotionIdentity) {
           if (auto read = link::Decode<link::MotionIdentity>(payload)) identity = *read;
+        } else if (frame == MotionFrame::kStageSpeed) {
+          if (auto read = link::Decode<link::StageSpeed>(payload)) speed = *read;
         } else if (frame == MotionFrame::kStageTolerance) {
           if (auto read = link::Decode<link::StageTolerance>(payload)) tolerance = *read;
         } else if (identity) {
@@ -93,7 +97,7 @@ void CompareMotionLine(const MachineSpec& machine, const link::SteadyClock& cloc
       [&] { return identity && (tolerance || reported); });
   if (!identity) return;
   comparison.not_compared.clear();
-  comparison.differences = CompareStage(machine, *identity, tolerance);
+  comparison.differences = CompareStage(machine, *identity, tolerance, speed);
 }
 
 void CompareByDriver(const MachineSpec& machine, const link::SteadyClock& clock,
@@ -155,7 +159,8 @@ std::vector<Error> CompareLaser(const MachineSpec& machine,
 
 std::vector<Error> CompareStage(const MachineSpec& machine,
                                 const link::MotionIdentity& reported,
-                                const std::optional<link::StageTolerance>& tolerance) {
+                                const std::optional<link::StageTolerance>& tolerance,
+                                const std::optional<link::StageSpeed>& speed) {
   std::vector<Error> found;
   CompareSerial(machine.motion_line(), "motion_line", reported.serial_number, found);
   const Box3 travel = AxisLimitsOf(machine).travel_mm;
@@ -175,6 +180,12 @@ std::vector<Error> CompareStage(const MachineSpec& machine,
   const std::string tolerances = ToleranceMismatch(
       tolerance ? tolerance->position_nm / 1000.0 : 0, machine.position_tolerance_um());
   if (!tolerances.empty()) Differs(found, "position_tolerance_um", tolerances);
+  if (speed) {
+    const double unit = reported.velocity_unit_nm_s / kNmPerMm;
+    for (const Error& faster : CompareStageSpeed(
+             machine, unit * Vec3(speed->x_counts, speed->y_counts, speed->z_counts)))
+      found.push_back(faster);
+  }
   if (machine.pulse_trigger() == PULSE_TRIGGER_AT_PLACE && !reported.compares_place) {
     Differs(found, "pulse_trigger",
             "PULSE_TRIGGER_AT_PLACE is not offered by the motion controller; remove the "

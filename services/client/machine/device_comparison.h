@@ -20,10 +20,11 @@ namespace intaglio::client {
 /// `machine` passes CheckMachine.
 std::vector<Error> CompareLaser(const MachineSpec& machine,
                                 const link::LaserIdentity& reported);
-/// Without a tolerance the controller is one that does not report it.
+/// Without a tolerance or a speed the controller is one that does not report it.
 std::vector<Error> CompareStage(const MachineSpec& machine,
                                 const link::MotionIdentity& reported,
-                                const std::optional<link::StageTolerance>& tolerance);
+                                const std::optional<link::StageTolerance>& tolerance,
+                                const std::optional<link::StageSpeed>& speed = {});
 
 struct DeviceComparison {
   std::string line;          ///< "laser_line" or "motion_line"

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "services/drivers/virtual/stage_wire.h"
+#include "services/job/checks/stage_speed_check.h"
 #include "services/platform/link/expected_device.h"
 
 namespace intaglio::drivers {
@@ -26,8 +27,7 @@ class VirtualStageDriver final : public MotionDriver {
   VirtualStageDriver(link::FramePort port, link::ExpectedDevice expected,
                      const MachineSpec& machine)
       : expected_(std::move(expected)),
-        needs_compare_(machine.pulse_trigger() == PULSE_TRIGGER_AT_PLACE),
-        needs_air_(machine.compressed_air()),
+        machine_(machine),
         needs_block_(machine.head_over_block().has_block_stage()),
         session_(std::move(port)) {}
 
@@ -211,6 +211,8 @@ class VirtualStageDriver final : public MotionDriver {
     } else if (type == MotionFrame::kControllerClock) {
       const auto clock = link::Decode<link::ControllerClock>(payload);
       if (clock) state_.clock = clock->power_up;
+    } else if (type == MotionFrame::kStageSpeed) {
+      if (const auto speed = link::Decode<link::StageSpeed>(payload)) Compare(*speed);
     } else if (type == MotionFrame::kStageTolerance) {
       const auto tolerance = link::Decode<link::StageTolerance>(payload);
       if (tolerance) state_.position_tolerance_um = tolerance->position_nm / 1e3;
@@ -240,12 +242,12 @@ class VirtualStageDriver final : public MotionDriver {
       return Refuse(identity.error().message + ": " + expected_.VersionHint());
     if (auto why = link::RefusalOf(expected_, identity->serial_number); !why.empty())
       return Refuse(std::move(why));
-    if (needs_compare_ && !identity->compares_place) {
+    if (machine_.pulse_trigger() == PULSE_TRIGGER_AT_PLACE && !identity->compares_place) {
       return Refuse(
           "the stage controller has no compare output: set pulse_trigger in the machine "
           "profile to PULSE_TRIGGER_AT_TICK");
     }
-    if (needs_air_ && !identity->watches_air) {
+    if (machine_.compressed_air() && !identity->watches_air) {
       return Refuse(
           "the stage controller watches no compressed air: connect its pressure switch, "
           "or remove compressed_air from the machine profile");
@@ -266,10 +268,18 @@ class VirtualStageDriver final : public MotionDriver {
     state_.clock = 0;  // it will announce one when it has one
     (void)SendFrame(MotionFrame::kMotionStatusRequest, {});
   }
+  void Compare(const link::StageSpeed& speed) {
+    const Vec3 max = velocity_unit_nm_s_ / wire::kNmPerMm *
+                     Vec3(speed.x_counts, speed.y_counts, speed.z_counts);
+    std::string faster;
+    for (const Error& error : CompareStageSpeed(machine_, max))
+      faster += (faster.empty() ? "" : "; ") + error.message;
+    if (!faster.empty()) Refuse(std::move(faster));
+  }
   void Refuse(std::string why) {
     state_.refusal = std::move(why);
     refused_now_ = true;
-    identified_ = false;
+    identified_ = identified_now_ = false;
     positions_.clear();
     (void)session_.Send(static_cast<std::uint8_t>(MotionFrame::kAbortRun), {});
   }
@@ -298,7 +308,8 @@ class VirtualStageDriver final : public MotionDriver {
   }
 
   link::ExpectedDevice expected_;
-  bool needs_compare_, needs_air_, needs_block_;
+  MachineSpec machine_;
+  bool needs_block_;
   link::FramePort session_;
   DriverState state_;
   link::MotionStatus status_;

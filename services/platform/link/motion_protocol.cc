@@ -172,6 +172,17 @@ struct Layout<StageTolerance> : OnMotionLine {
 };
 
 template <>
+struct Layout<StageSpeed> : OnMotionLine {
+  static constexpr const char* kName = "StageSpeed";
+  static void Fields(auto& io, auto& m) {
+    io.Number(m.x_counts);
+    io.Number(m.y_counts);
+    io.Number(m.z_counts);
+    io.Require(m.x_counts > 0 && m.y_counts > 0 && m.z_counts > 0);
+  }
+};
+
+template <>
 struct Layout<JogMove> : OnMotionLine {
   static constexpr const char* kName = "JogMove";
   static void Fields(auto& io, auto& m) {
@@ -202,6 +213,7 @@ template Bytes Encode(const TimedSegments&);
 template Bytes Encode(const TimedPositions&);
 template Bytes Encode(const ControllerClock&);
 template Bytes Encode(const StageTolerance&);
+template Bytes Encode(const StageSpeed&);
 template Bytes Encode(const JogMove&);
 template Bytes Encode(const MoveBlock&);
 template Result<BeginRun> Decode(std::span<const std::byte>);
@@ -214,6 +226,7 @@ template Result<TimedSegments> Decode(std::span<const std::byte>);
 template Result<TimedPositions> Decode(std::span<const std::byte>);
 template Result<ControllerClock> Decode(std::span<const std::byte>);
 template Result<StageTolerance> Decode(std::span<const std::byte>);
+template Result<StageSpeed> Decode(std::span<const std::byte>);
 template Result<JogMove> Decode(std::span<const std::byte>);
 template Result<MoveBlock> Decode(std::span<const std::byte>);
 

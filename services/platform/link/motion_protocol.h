@@ -42,6 +42,7 @@ enum class MotionFrame : std::uint8_t {
   kTimedPositions = 0x43,   ///< in place of kPositions from a clock of its own
   kControllerClock = 0x44,  ///< after the identity: this controller has its own clock
   kStageTolerance = 0x45,   ///< after the identity: this controller reports its tolerance
+  kStageSpeed = 0x46,       ///< after the identity, before the tolerance
 };
 
 /// Refused (status with fault kRunRefused) unless the stage is at rest without a fault,
@@ -196,6 +197,13 @@ inline constexpr std::size_t kMaxTimedPositions = 48;
 struct ControllerClock {
   std::uint32_t power_up = 0;  ///< random number, not 0: another one is another clock
   std::uint64_t now_ns = 0;    ///< since power-up
+};
+
+/// Sent once between the identity and the tolerance, by a controller that ends a run of
+/// faster segments with kTooFast: its motors are stepped.
+struct StageSpeed {
+  /// No axis goes faster, > 0; counts as of velocities.
+  std::uint32_t x_counts = 0, y_counts = 0, z_counts = 0;
 };
 
 /// Sent once after the identity. A controller that does not send it has an in-position

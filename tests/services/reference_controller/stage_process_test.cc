@@ -66,16 +66,18 @@ class StageProgram : public ::testing::Test {
     return host->state().link_up && host->state().at_rest &&
            host->state().fault == intaglio_MOTION_OK;
   }
-  void ConnectAndHome() {
+  void Connect(MachineSpec machine) {
     ASSERT_TRUE(Until([&] {
       return program->Output().find("ready ") != std::string::npos;
     })) << program->Output();
-    MachineSpec machine;
     machine.set_name("els-03");
     machine.mutable_motion_line()->set_protocol("virtual-stage");
     machine.mutable_motion_line()->set_device(folder / "motion");
     machine.mutable_motion_line()->set_baud(115200);
     host = drivers::MakeMotionDriver(machine).value();
+  }
+  void ConnectAndHome() {
+    ASSERT_NO_FATAL_FAILURE(Connect({}));
     ASSERT_TRUE(Until([&] { return IsAtRest(); })) << host->state().message;
     EXPECT_FALSE(host->state().homed);
     // A host that a busy computer kept waiting for 250 ms has lost its motion.
@@ -145,6 +147,21 @@ TEST_F(StageProgram, HomesAndStepsToItsPlaceAndBrakesWhenItIsEnded) {
   EXPECT_FALSE(Edges().enabled);
   EXPECT_FALSE(Edges().step_on);
   EXPECT_LT(Edges().steps[0] - home.steps[0], 8900);
+}
+
+TEST_F(StageProgram, IsRefusedByAProfileWithAFasterAxisBeforeAnythingMoves) {
+  MachineSpec machine;
+  machine.mutable_x()->set_max_speed_mm_s(50);
+  machine.mutable_z()->set_max_speed_mm_s(50.5);
+  ASSERT_NO_FATAL_FAILURE(Connect(machine));
+  ASSERT_TRUE(Until([&] {
+    return host->state().fault == intaglio_MOTION_WRONG_CONTROLLER;
+  })) << host->state().message;
+  EXPECT_EQ(host->state().message,
+            "z.max_speed_mm_s: 50.5 mm/s is faster than the stage controller can step "
+            "this axis; reduce it to at most 50 mm/s in the machine profile");
+  EXPECT_FALSE(host->Home().has_value());
+  EXPECT_EQ(Edges().edges, 0U);
 }
 
 TEST_F(StageProgram, KilledItStepsNoMore) {

@@ -56,6 +56,17 @@ TEST(DeviceComparison, WhatAgreesIsNoDifference) {
   EXPECT_THAT(CompareStage(machine, GoodStage(), std::nullopt), IsEmpty());
 }
 
+TEST(DeviceComparison, NamesAnAxisThatIsFasterThanItsSteps) {
+  MachineSpec machine = Els03();
+  const link::StageTolerance tolerance{30000};
+  link::StageSpeed speed{80000000, 80000000, 80000000};
+  EXPECT_THAT(CompareStage(machine, GoodStage(), tolerance, speed), IsEmpty());
+  speed.y_counts = 75000000;
+  EXPECT_THAT(TextOf(CompareStage(machine, GoodStage(), tolerance, speed)),
+              HasSubstr("y.max_speed_mm_s: 80 mm/s is faster than the stage controller "
+                        "can step this axis; reduce it to at most 75 mm/s"));
+}
+
 TEST(DeviceComparison, EachDifferenceNamesItsField) {
   MachineSpec machine = Els03();
   machine.mutable_laser_line()->set_serial_number("L-2");

@@ -96,6 +96,28 @@ TEST_F(VirtualStageDriver, KnowsTheToleranceOfAControllerThatReportsIt) {
   EXPECT_TRUE(Until([&] { return driver->state().position_tolerance_um == 10.5; }));
 }
 
+// Otherwise a segment of a run ends it, with a piece half made.
+TEST_F(VirtualStageDriver, RefusesAControllerThatStepsAnAxisMoreSlowlyThanTheProfile) {
+  MachineSpec machine = MachineAt(device);
+  machine.mutable_x()->set_max_speed_mm_s(80);
+  machine.mutable_y()->set_max_speed_mm_s(40);
+  driver = MakeMotionDriver(machine).value();
+  ASSERT_TRUE(Connect());
+  const link::StageSpeed enough{80000000, 80000000, 40000000};
+  stage.Send(link::MotionFrame::kStageSpeed, Encode(enough));
+  Settle(50ms);
+  EXPECT_TRUE(driver->state().link_up);
+  const link::StageSpeed less{79500000, 80000000, 40000000};
+  stage.Send(link::MotionFrame::kStageSpeed, Encode(less));
+  ASSERT_TRUE(Until([&] { return !driver->state().link_up; }));
+  EXPECT_EQ(driver->state().fault, intaglio_MOTION_WRONG_CONTROLLER);
+  EXPECT_EQ(driver->state().message,
+            "x.max_speed_mm_s: 80 mm/s is faster than the stage controller can step this "
+            "axis; reduce it to at most 79.5 mm/s in the machine profile");
+  EXPECT_FALSE(driver->BeginRun(1, 10, 0).has_value());
+  EXPECT_FALSE(driver->Jog(Vec3(1, 0, 0), 5).has_value());
+}
+
 TEST_F(VirtualStageDriver, SendsTimesToAClockOfItsOwnAndCountsTicksItself) {
   stage.clock = 4711;
   ASSERT_TRUE(Connect());

@@ -52,6 +52,7 @@ const std::map<std::string, Taker> kTakers = {{"LampCommand", Taken<LampCommand>
                                               {"TimedPositions", Taken<TimedPositions>},
                                               {"ControllerClock", Taken<ControllerClock>},
                                               {"StageTolerance", Taken<StageTolerance>},
+                                              {"StageSpeed", Taken<StageSpeed>},
                                               {"JogMove", Taken<JogMove>},
                                               {"MoveBlock", Taken<MoveBlock>},
                                               {"HeadPermit", Taken<HeadPermit>},
@@ -171,6 +172,7 @@ TEST(Protocols, ValuesOutOfRangeAreRefused) {
   EXPECT_FALSE(Taken<TimedPositions>(Encode(TimedPositions{1, 1, {}})));
   EXPECT_FALSE(Taken<ControllerClock>(Encode(ControllerClock{0, 1})));
   EXPECT_FALSE(Taken<StageTolerance>(Encode(StageTolerance{0})));
+  EXPECT_FALSE(Taken<StageSpeed>(Encode(StageSpeed{1, 1, 0})));
   TimedSegments two{
       1, 0, {{1, 2, 3, 4, 5, 6, 7, false, false}, {1, 2, 3, 4, 5, 6, 8, false, false}}};
   EXPECT_TRUE(Taken<TimedSegments>(Encode(two)));
@@ -325,6 +327,9 @@ TEST(Protocols, AFileOfGoldenBytesIsReadAsTheMessagesItHolds) {
   const auto tolerance = Decode<StageTolerance>(PayloadOf("StageTolerance"));
   ASSERT_TRUE(tolerance);
   EXPECT_EQ(tolerance->position_nm, 30000u);
+  const auto speed = Decode<StageSpeed>(PayloadOf("StageSpeed"));
+  ASSERT_TRUE(speed);
+  EXPECT_EQ(speed->z_counts, 40000000u);
   const auto status = Decode<LaserStatus>(PayloadOf("LaserStatus"));
   ASSERT_TRUE(status);
   EXPECT_EQ(status->machine_us, 47200000u);

@@ -108,6 +108,8 @@ inline std::vector<SampleFrame> SampleFrames() {
        Encode(ControllerClock{0xC10C, 1700000001})},
       {"StageTolerance", motion(MotionFrame::kStageTolerance),
        Encode(StageTolerance{30000})},
+      {"StageSpeed", motion(MotionFrame::kStageSpeed),
+       Encode(StageSpeed{80000000, 80000000, 40000000})},
       {"JogMove", motion(MotionFrame::kJogMove),
        Encode(JogMove{1000000, -2000000, 3000000, 20000000})},
       {"MoveBlock", motion(MotionFrame::kMoveBlock),
