@@ -61,8 +61,8 @@ enum class PointOutcome : std::uint8_t {
   kMade = 1,
   kMissed = 2,     ///< fired, and no crack was seen
   kSkipped = 3,    ///< not fired; may be tried again
-  kUncertain = 4,  ///< unknown whether it was fired; fired again only with a person's
-                   ///< consent
+  kUncertain = 4,  ///< unknown whether or where it was fired; fired again only with a
+                   ///< person's consent
   kLeftOut =
       5,  ///< not fired, and never will be: by the operator's choice, or as MarkSkip
 };

@@ -109,6 +109,7 @@ void Engraving::Turn(const EngravingInputs& inputs) {
   motion_message_ = inputs.motion.message;
   horizon_.Observe(inputs.now);
   settling_.TakeDisarmed();
+  run_.PlacePulses(inputs);
   const Missing unseen = TurnChain(LinksNow(inputs), inputs.now);
   if (unseen != Missing::kNothing) Halt({unseen, TextFor(unseen), true}, inputs);
   const std::string other_device = OtherDevice(inputs.motion, laser_);
@@ -262,7 +263,8 @@ bool Engraving::JournalIsWritten() {
 
 void Engraving::BeginRun(const EngravingInputs& inputs) {
   if (!shutters_.Open(run_.NextMask(), inputs.now)) return;
-  if (!started() || record_.power_up() != laser_.identity().power_up) {
+  if (!started() || record_.power_up() != laser_.identity().power_up ||
+      record_.leaves_out_pulses()) {
     record_.TakeCounters(laser_);
   }
   record_.AcceptOpenings(laser_, chain_.counters().openings);

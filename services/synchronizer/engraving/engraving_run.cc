@@ -54,7 +54,16 @@ void EngravingRun::Begin(const EngravingInputs& inputs) {
   feed_.Begin(job_.uid, record_.run(), ticks_.decided() + lead_ticks,
               inputs.motion.position_mm, job_.plan, job_.machine_limits,
               inputs.motion_clock);
-  if (horizon_.has_own_clock()) clock_steps_ = inputs.motion_clock->steps();
+  if (!horizon_.has_own_clock()) return;
+  clock_steps_ = inputs.motion_clock->steps();
+  inputs.motion_clock->BeginRun();
+  PlacePulses(inputs);
+}
+
+void EngravingRun::PlacePulses(const EngravingInputs& inputs) {
+  if (count_ == 0 || !horizon_.has_own_clock() || inputs.motion_clock == nullptr) return;
+  ticks_.SetCertain(inputs.motion_clock->certain_through());
+  if (inputs.motion_clock->lost_run()) ticks_.LosePlaces();
 }
 
 std::optional<HaltReason> EngravingRun::Turn(const EngravingInputs& inputs) {
@@ -91,7 +100,10 @@ std::optional<HaltReason> EngravingRun::WhyHalt(const EngravingInputs& inputs) {
       (inputs.motion_clock == nullptr || inputs.motion_clock->steps() != clock_steps_)) {
     return HaltReason{
         Missing::kNothing,
-        "the clock of the stage controller has changed its rate: the run starts again",
+        inputs.motion_clock != nullptr && inputs.motion_clock->lost_run()
+            ? "a lamp sync was left out, late or too many: the run starts again"
+            : "the clock of the stage controller has changed its rate: the run starts "
+              "again",
         false};
   }
   return std::nullopt;
@@ -215,7 +227,9 @@ std::uint64_t EngravingRun::ArmLimit(const EngravingInputs& inputs) {
     return std::min(limit, now + horizon_.WindowTicks());
   }
   // By a clock of its own the stage may come to rest a little after its last tick.
-  if (horizon_.has_own_clock() && executed && feed_.sent_all()) limit += kTicksToRest;
+  // The stamp that makes its last pulse certain may need more.
+  if (horizon_.has_own_clock() && executed && feed_.sent_all())
+    limit = ticks_.awaits_places() ? UINT64_MAX : limit + kTicksToRest;
   return std::min(
       limit, ticks_.reported_through() + kUnreportedWindows * horizon_.WindowTicks());
 }
@@ -247,7 +261,7 @@ void EngravingRun::Note(const PulseResult& result) {
 
 bool EngravingRun::is_finished(const EngravingInputs& inputs) const {
   return is_executed(inputs.motion) && feed_.sent_all() && ticks_.schedule().empty() &&
-         inputs.motion.at_rest && !ticks_.holds_windows();
+         inputs.motion.at_rest && !ticks_.holds_windows() && !ticks_.awaits_places();
 }
 
 void EngravingRun::Finish() {

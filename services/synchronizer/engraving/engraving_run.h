@@ -46,6 +46,9 @@ class EngravingRun {
   ChannelMask NextMask();
   /// After NextMask, with the stage at rest and the shutters commanded.
   void Begin(const EngravingInputs& inputs);
+  /// Once a turn, always: what was fired has its result when the clock of the stage shows
+  /// that it was at its place.
+  void PlacePulses(const EngravingInputs& inputs);
   /// Plans, arms and sends what this turn has time for. A reason when the run has to be
   /// halted.
   std::optional<HaltReason> Turn(const EngravingInputs& inputs);

@@ -70,6 +70,8 @@ std::optional<std::string> Settling::Turn(std::chrono::nanoseconds now, bool gra
                                           bool no_run_yet) {
   if (!began_at_) began_at_ = now;
   if (!disarm_sent_ || disarm_session_ != laser_.session()) (void)RequestDisarm();
+  // The stage has not reported where it was at those ticks, and will not.
+  if (is_late(now)) ticks_.LosePlaces();
   if (!disarmed()) return std::nullopt;
   return SettleByMemory(now, grant_known, no_run_yet);
 }
@@ -88,6 +90,7 @@ std::optional<std::string> Settling::SettleByMemory(std::chrono::nanoseconds now
   PulseSchedule& schedule = ticks_.schedule();
   if (laser_.identity().power_up != record_.power_up()) {
     SettleAs(schedule.ArmedWithin(0, UINT64_MAX), PointOutcome::kUncertain);
+    ticks_.LosePlaces();
     record_.TakeCounters(laser_);
     return std::nullopt;
   }
@@ -101,7 +104,7 @@ std::optional<std::string> Settling::SettleByMemory(std::chrono::nanoseconds now
     return std::nullopt;
   }
   // What it finds spends a grant: there is none before one was received.
-  if (!lost || !grant_known) return std::nullopt;
+  if (!lost || !grant_known || ticks_.awaits_places()) return std::nullopt;
   return CompareCounters(no_run_yet);
 }
 

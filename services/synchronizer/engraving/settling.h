@@ -67,7 +67,9 @@ class Settling {
   /// The controller has confirmed that nothing is armed, and its line is up.
   bool disarmed() const { return laser_.up() && disarm_seen_; }
   /// No armed point is without its result.
-  bool all_settled() const { return ticks_.schedule().empty() && unmarked_count_ == 0; }
+  bool all_settled() const {
+    return ticks_.schedule().empty() && !ticks_.awaits_places() && unmarked_count_ == 0;
+  }
   bool is_late(std::chrono::nanoseconds now) const {
     return began_at_ && now - *began_at_ > kTimeout;
   }

@@ -1,6 +1,7 @@
 #include "services/synchronizer/pulses/motion_clock.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <limits>
 
@@ -45,8 +46,11 @@ constexpr double kSettledTickRatio = 1.0 / 300;
 void MotionClock::Reset(double rate_hz) {
   Require(rate_hz > 0, "rate_hz has to be positive, is {}", rate_hz);
   const std::uint32_t steps = steps_;
+  const std::uint64_t certain_through = certain_through_;
   *this = MotionClock();
   steps_ = steps;
+  certain_through_ = certain_through;
+  lost_run_ = true;
   tick_ns_ = 1e9 / rate_hz;
   SetAhead(kWindowSeconds * rate_hz / kWindowPerAhead);
 }
@@ -70,12 +74,27 @@ void MotionClock::Observe(std::uint64_t tick, std::uint64_t controller_ns) {
       static_cast<double>(static_cast<std::int64_t>(controller_ns - base_ns_));
   stamps_.push_back({ticks, ns - ticks * tick_ns_});
   while (stamps_.size() > window_) stamps_.pop_front();
-  if (IsShifted()) {
-    CountStep(kShiftStamps);
+  CountCertain(stamps_.back());
+  const bool early = IsEarly();
+  if (early || IsShifted()) {
+    lost_run_ = true;
+    CountStep(early ? 1 : kShiftStamps, line_);
     settled_ = false;
     return;
   }
   if (++unfitted_ >= kFitEvery || stamps_.size() < kMinStamps) Fit();
+}
+
+void MotionClock::BeginRun() {
+  certain_through_ = newest_tick_;
+  lost_run_ = false;
+  run_line_.reset();
+}
+
+void MotionClock::CountCertain(const Stamp& stamp) {
+  const double beside_ns = stamp.late_ns - run_line_.value_or(line_).LateNsAt(stamp.tick);
+  if (!lost_run_ && std::abs(beside_ns) < kShiftTickRatio * tick_ns_)
+    certain_through_ = newest_tick_;
 }
 
 double MotionClock::ControllerNsAt(double tick) const {
@@ -136,8 +155,14 @@ bool MotionClock::LeavesLine() const {
   return false;
 }
 
+bool MotionClock::IsEarly() const {
+  const Stamp& newest = stamps_.back();
+  return settled_ &&
+         newest.late_ns - line_.LateNsAt(newest.tick) < -kShiftTickRatio * tick_ns_;
+}
+
 bool MotionClock::IsShifted() const {
-  if (stamps_.size() < kMinPart + kShiftStamps) return false;
+  if (stamps_.size() < kMinStamps + kShiftStamps) return false;
   double min_ns = std::numeric_limits<double>::infinity(), max_ns = 0;
   for (auto stamp = stamps_.end() - static_cast<std::ptrdiff_t>(kShiftStamps);
        stamp != stamps_.end(); ++stamp) {
@@ -169,8 +194,9 @@ void MotionClock::KeepNewest(std::size_t count) {
   earlier_lines_.clear();
 }
 
-void MotionClock::CountStep(std::size_t kept_stamps) {
+void MotionClock::CountStep(std::size_t kept_stamps, const Line& before) {
   ++steps_;
+  if (!run_line_) run_line_ = before;
   KeepNewest(kept_stamps);
   FitLine();
   Measure();
@@ -178,9 +204,10 @@ void MotionClock::CountStep(std::size_t kept_stamps) {
 
 void MotionClock::Fit() {
   unfitted_ = 0;
+  const Line before = line_;
   FitLine();
   Measure();
-  if (LeavesLine() || RunsAhead()) CountStep(kStampsAfterStep);
+  if (LeavesLine() || RunsAhead()) CountStep(kStampsAfterStep, before);
   settled_ = stamps_.size() >= kMinStamps &&
              uncertainty_ns_ <= std::max(kSettledNs, kSettledTickRatio * tick_ns_);
 }

@@ -17,7 +17,13 @@
 // places that are on their way to the stage then belong to other ticks. So a shift of a
 // tenth of a tick that is clearly more than the jitter counts as a step after eight
 // stamps. A line that was held up shows otherwise: its stamps come together, each less
-// late than the one before.
+// late than the one before. No stamp is early by a tenth of a tick: a lamp sync came that
+// is none.
+//
+// What was fired until then was fired at places that are not those of its points. A stamp
+// that is less than a tenth of a tick beside its line proves that no lamp sync up to it
+// was left out or late by more, unless by less than the jitter: such a tick is certain,
+// and all before it.
 //
 // A delay that is always the same is not seen; it is a part of the stage's lag. Not
 // thread-safe.
@@ -25,6 +31,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <vector>
 
 namespace intaglio::synchronizer {
@@ -43,6 +50,14 @@ class MotionClock {
 
   /// Controller's time at a tick, also one to come, ns. Needs a stamp.
   double ControllerNsAt(double tick) const;
+  /// The places of a run are laid by this clock from now on: ticks are certain, or not,
+  /// for its line of now, whatever line follows.
+  void BeginRun();
+  /// Newest tick of the run that is certain; before its first one, the newest tick.
+  std::uint64_t certain_through() const { return certain_through_; }
+  /// Since BeginRun a lamp sync was left out, late or too many, or it became another
+  /// clock: no tick becomes certain any more.
+  bool lost_run() const { return lost_run_; }
   /// Good enough to move by: 16 us, or a three-hundredth of a tick.
   bool settled() const { return settled_; }
   /// The controller's clock against the lamp's; above 0: it is fast.
@@ -62,12 +77,14 @@ class MotionClock {
     double offset_ns = 0, slope_ns = 0;
     double LateNsAt(double tick) const { return offset_ns + slope_ns * tick; }
   };
+  void CountCertain(const Stamp& stamp);
   void Fit();
   void FitLine();
   void Measure();
   bool LeavesLine() const;
   bool IsShifted() const;
-  void CountStep(std::size_t kept_stamps);
+  bool IsEarly() const;
+  void CountStep(std::size_t kept_stamps, const Line& before);
   bool RunsAhead();
   void KeepNewest(std::size_t count);
 
@@ -87,6 +104,9 @@ class MotionClock {
   double limit_ns_ = 0;  // what no chance takes a stamp or the minimum of a part beyond
   bool settled_ = false;
   std::uint32_t steps_ = 0;
+  std::uint64_t certain_through_ = 0;
+  bool lost_run_ = false;
+  std::optional<Line> run_line_;  // before the first step of the run; none: line_
 };
 
 }  // namespace intaglio::synchronizer

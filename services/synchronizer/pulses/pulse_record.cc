@@ -62,6 +62,8 @@ void PulseRecord::Resolve(PulseResult result) {
     if (first_fired_tick_ == 0) first_fired_tick_ = result.tick;
     last_fired_tick_ = result.tick;
   }
+  leaves_out_pulses_ |= result.outcome == PointOutcome::kUncertain &&
+                        result.reason == SkipReason::kPosition;
   ledger_.Resolve(result.point, result.outcome);
   journal_.Append({JournalKind::kOutcome, result.outcome,
                    static_cast<std::uint8_t>(result.reason), run_, result.tick,
@@ -112,6 +114,7 @@ bool PulseRecord::Reopen(std::uint32_t point, std::uint64_t grant_number) {
 }
 
 void PulseRecord::TakeCounters(const drivers::LaserController& laser) {
+  leaves_out_pulses_ = false;
   const std::uint32_t before =
       static_cast<std::uint32_t>(laser.status().pulse_count) - fired_count_;
   const bool same_power_up = power_up_ == laser.identity().power_up;

@@ -62,7 +62,8 @@ class PulseRecord final : public cell::UncertainPoints {
   /// Its intent. False: the ring is full; the ledger has it armed all the same, and it
   /// must not be sent.
   bool Arm(std::uint64_t tick, std::uint32_t point);
-  /// What became of an armed point.
+  /// What became of an armed point. kUncertain with SkipReason::kPosition: it was fired
+  /// at a place that is not known.
   void Resolve(PulseResult result);
   /// An open point that the controller may have fired for a life whose records are lost.
   bool MarkUncertain(std::uint32_t point);
@@ -84,6 +85,10 @@ class PulseRecord final : public cell::UncertainPoints {
   /// Openings of interlocks that a run is begun in spite of: what later lives need not
   /// ask about.
   void AcceptOpenings(const drivers::LaserController& laser, std::uint32_t openings);
+
+  /// The controller has counted pulses that known_pulse_count leaves out: TakeCounters is
+  /// due when nothing is armed.
+  bool leaves_out_pulses() const { return leaves_out_pulses_; }
 
   std::uint64_t first_fired_tick() const { return first_fired_tick_; }
   std::uint64_t last_fired_tick() const { return last_fired_tick_; }
@@ -112,6 +117,7 @@ class PulseRecord final : public cell::UncertainPoints {
   std::uint32_t power_up_ = 0;
   std::uint32_t pulses_before_job_ = 0;
   std::uint32_t fired_count_ = 0;
+  bool leaves_out_pulses_ = false;
   std::uint32_t openings_accepted_ = 0;
   std::uint64_t first_fired_tick_ = 0;
   std::uint64_t last_fired_tick_ = 0;

@@ -10,6 +10,7 @@ void TickWindows::Begin(std::uint64_t tick, bool lockstep) {
   decided_ = std::max({tick, laser_.status().decided_through, lockstep ? decided_ : 0});
   sent_through_ = reported_through_ = decided_;
   held_.clear();
+  lost_places_ = false;
 }
 
 bool TickWindows::Arm(std::uint64_t last,
@@ -71,11 +72,30 @@ void TickWindows::Receive(const link::PulseReport& report) {
   if (report.outcome.empty()) return;
   reported_through_ =
       std::max(reported_through_, report.first_tick + report.outcome.size() - 1);
-  schedule_.Apply(report, [this](const PulseResult& r) { record_.Resolve(r); });
+  schedule_.Apply(report, [this](const PulseResult& r) { Resolve(r); });
 }
 
 void TickWindows::Receive(const link::PastReport& report) {
-  schedule_.Apply(report, [this](const PulseResult& r) { record_.Resolve(r); });
+  schedule_.Apply(report, [this](const PulseResult& r) { Resolve(r); });
+}
+
+void TickWindows::Resolve(const PulseResult& result) {
+  if (!formats::IsFired(result.outcome) || result.tick <= certain_through_)
+    return record_.Resolve(result);
+  unplaced_.push_back(result);
+  if (lost_places_) LosePlaces();
+}
+
+void TickWindows::SetCertain(std::uint64_t through) {
+  certain_through_ = through;
+  for (PulseResult& result : std::exchange(unplaced_, {})) Resolve(result);
+}
+
+void TickWindows::LosePlaces() {
+  lost_places_ = true;
+  for (const PulseResult& result : std::exchange(unplaced_, {}))
+    record_.Resolve({result.tick, result.point, formats::PointOutcome::kUncertain,
+                     SkipReason::kPosition});
 }
 
 std::vector<PulseResult> TickWindows::DropUnsent() {

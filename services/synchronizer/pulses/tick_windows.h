@@ -10,8 +10,12 @@
 //   schedule     a point is armed)               +--DropUnsent: never sent, never fires
 //
 // Ticks are decided once, in order. What was decided holds for one session of the line:
-// after a Disarm or in another session it begins again (TakeDisarmed, Begin). Used from
-// one thread; nothing waits.
+// after a Disarm or in another session it begins again (TakeDisarmed, Begin).
+//
+// A pulse that was fired has its result when the place of the stage at its tick is known
+// to be the planned one. Until then its point stays armed; where it never becomes known,
+// the point is uncertain. What was not fired has its result at once. Used from one
+// thread; nothing waits.
 
 #include <algorithm>
 #include <cstdint>
@@ -63,6 +67,13 @@ class TickWindows {
   void Receive(const link::PulseReport& report);
   void Receive(const link::PastReport& report);
 
+  /// Through which tick the places of this run are known; UINT64_MAX, as at first: all.
+  void SetCertain(std::uint64_t through);
+  /// No other tick of this run becomes certain.
+  void LosePlaces();
+  /// Fired points wait for SetCertain or LosePlaces.
+  bool awaits_places() const { return !unplaced_.empty(); }
+
   /// Forgets what is planned and what is held; returns the armed points of windows that
   /// were never sent.
   std::vector<PulseResult> DropUnsent();
@@ -81,6 +92,8 @@ class TickWindows {
               const std::function<void(std::uint32_t point)>& late,
               const PulseTrigger& trigger);
 
+  void Resolve(const PulseResult& result);
+
   struct HeldWindow {
     std::uint64_t journal_number = 0;  // sent once this many records are durable
     link::ArmWindow arm;
@@ -95,6 +108,9 @@ class TickWindows {
   std::uint64_t reported_through_ = 0;
   std::uint64_t session_ = 0;
   std::uint16_t pulses_per_point_ = 0;
+  std::uint64_t certain_through_ = UINT64_MAX;
+  bool lost_places_ = false;
+  std::deque<PulseResult> unplaced_;  // fired, in the order of their reports
 };
 
 }  // namespace intaglio::synchronizer

@@ -221,10 +221,8 @@ void FakeCell::LosePermission(bool is_renewed) {
 }
 
 void FakeCell::PassTicks() {
-  const auto period =
-      std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / FakeLaser::kRateHz));
   if (powered_again_at_.count() >= 0) {
-    next_tick_ = now + period;
+    next_tick_ = now + kPeriod;
     return;
   }
   for (int i = 0; i < lockstep_ticks_a_step; ++i) {
@@ -232,9 +230,10 @@ void FakeCell::PassTicks() {
                          ? laser.MayPassTick() && stage.MayPassTick(laser.tick() + 1)
                          : now >= next_tick_;
     if (!may) return;
-    next_tick_ += period;
+    next_tick_ += kPeriod;
     stage.AdvanceTick(laser.tick() + 1);
     laser.AdvanceTick(stage.in_position(), stage.at_mm());
+    on_tick(laser.tick());
   }
 }
 
@@ -250,6 +249,7 @@ EngravingInputs FakeCell::Inputs() {
   inputs.fire_uncertain = fire_uncertain;
   inputs.motion = stage.view();
   if (!stage.silent) view_at_ = now;
+  inputs.motion_clock = motion_clock;
   inputs.motion.fresh = now - view_at_ < kMotionLease;
   inputs.motion.answers = !bridge_ended;
   inputs.motion.has_block_stage = reports_block && options_.block_stage_mm.has_value();
@@ -284,6 +284,11 @@ void FakeCell::CutLineOverForgottenPulses() {
   CutLine(false);
   StepUntil([this] { return Count(PointState::kArmed) == 0; });
   laser.forgets = false;
+}
+
+void FakeCell::LeaveOutSyncs(std::uint32_t count) {
+  next_tick_ += count * kPeriod;
+  stage.MoveOn(count);
 }
 
 void FakeCell::CutLine(bool cut) { to_laser->cut = to_host->cut = cut; }

@@ -85,6 +85,8 @@ class FakeCell {
   /// whose laser answers (or is given up on).
   void GrantAnew();
 
+  /// So many lamp syncs do not come.
+  void LeaveOutSyncs(std::uint32_t count);
   void CutLine(bool cut);
   /// A second without a line, and a controller that no longer knows what it fired in it:
   /// until everything that was armed is settled, as uncertain.
@@ -128,6 +130,8 @@ class FakeCell {
   std::shared_ptr<link::FaultyPipe> to_laser, to_host;
   FakeLaser laser;
   FakeStage stage;
+  MotionClock* motion_clock = nullptr;  ///< of a stage that has one
+  std::function<void(std::uint64_t tick)> on_tick = [](std::uint64_t) {};  ///< behind it
   std::filesystem::path journal_file;
   std::unique_ptr<JournalWriter> journal;
   std::unique_ptr<drivers::LaserController> controller;
@@ -160,6 +164,8 @@ class FakeCell {
   int renewals_ = 0;  // since the grant, or since a point was made
   std::uint64_t made_at_loss_ = 0;
   std::shared_ptr<std::mt19937_64> random_ = std::make_shared<std::mt19937_64>(1);
+  static constexpr std::chrono::nanoseconds kPeriod{
+      static_cast<std::int64_t>(1e9 / FakeLaser::kRateHz)};
   std::chrono::nanoseconds next_tick_;
   std::chrono::nanoseconds view_at_{0};
   std::chrono::nanoseconds powered_again_at_{-1};

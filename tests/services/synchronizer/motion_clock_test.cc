@@ -163,6 +163,80 @@ TEST(MotionClock, NoticesALampSyncThatIsLateOrLeftOutWithinTenTicks) {
   }
 }
 
+// By jitters of a half tick and more, too, where the shift itself is seen much later.
+TEST(MotionClock, NoTickBehindALampSyncThatIsLeftOutIsCertain) {
+  for (const double jitter_s : {0.0, 0.0005, 0.003, 0.008, 0.02}) {
+    for (const int before : {40, 100, 1500}) {
+      for (const double shift_ticks : {0.15, 1.0, 3.0}) {
+        // Less than the jitter is followed and not reported.
+        if (0.01 * shift_ticks < jitter_s && shift_ticks < 1) continue;
+        SimulatedClock truth(100, jitter_s, 11);
+        MotionClock clock;
+        clock.Reset(100);
+        const auto pass = [&] {
+          truth.Tick(20);
+          clock.Observe(truth.tick(), truth.stamp());
+        };
+        for (int i = 0; i < 4000 && (i < before || !clock.settled()); ++i) pass();
+        clock.BeginRun();
+        EXPECT_EQ(clock.certain_through(), truth.tick());
+        for (int i = 0; i < 100; ++i) pass();
+        const std::uint64_t last = truth.tick();
+        EXPECT_GT(clock.certain_through() + 60, last) << jitter_s;
+        truth.Shift(shift_ticks / 100);
+        for (int i = 0; i < 600; ++i) {
+          pass();
+          ASSERT_LE(clock.certain_through(), last)
+              << jitter_s << ", " << before << ", " << shift_ticks << ", " << i;
+        }
+      }
+    }
+  }
+}
+
+TEST(MotionClock, EveryTickBecomesCertainThoughTheLineIsHeldUp) {
+  SimulatedClock truth(200, 0.002, 9);
+  MotionClock clock;
+  clock.Reset(200);
+  const auto pass = [&] {
+    truth.Tick(80);
+    clock.Observe(truth.tick(), truth.stamp());
+  };
+  for (int i = 0; i < 1000; ++i) pass();
+  clock.BeginRun();
+  for (int i = 0; i < 3000; ++i) {
+    if (i % 200 == 0) truth.HoldLine(0.2);
+    pass();
+    EXPECT_FALSE(clock.lost_run());
+    EXPECT_GE(clock.certain_through() + 60, truth.tick());
+  }
+}
+
+TEST(MotionClock, ALampSyncTooManyAndAnotherClockLoseTheRun) {
+  for (const bool is_reset : {false, true}) {
+    SimulatedClock truth(100, 0.0005, 8);
+    MotionClock clock;
+    clock.Reset(100);
+    const auto pass = [&] {
+      truth.Tick(20);
+      clock.Observe(truth.tick(), truth.stamp());
+    };
+    for (int i = 0; i < 500; ++i) pass();
+    clock.BeginRun();
+    const std::uint64_t last = truth.tick();
+    EXPECT_FALSE(clock.lost_run());
+    is_reset ? clock.Reset(100) : truth.Shift(-0.01);
+    pass();
+    EXPECT_EQ(clock.lost_run(), true);
+    for (int i = 0; i < 500; ++i) pass();
+    EXPECT_EQ(clock.certain_through(), last);
+    clock.BeginRun();
+    EXPECT_FALSE(clock.lost_run());
+    for (int i = 0; i < 10; ++i) pass();
+    EXPECT_EQ(clock.certain_through(), truth.tick());
+  }
+}
+
 TEST(MotionClock, NoticesAShiftOfATenthOfATickWhereTheLineIsExactEnough) {
   SimulatedClock truth(100, 0.0003, 8);
   MotionClock clock;
