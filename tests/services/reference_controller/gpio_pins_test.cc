@@ -14,6 +14,9 @@
 #include <vector>
 
 #include "services/reference_controller/board_file.h"
+#include "services/reference_controller/stage_board.h"
+#include "services/reference_controller/stage_controller.h"
+#include "services/reference_controller/step_axes.h"
 
 struct gpiod_line {
   unsigned number = 0;
@@ -173,6 +176,121 @@ TEST_F(GpioPins, ErrorsNameTheSignalAndItsLine) {
   chip_is_there = false;
   EXPECT_THAT(OpenGpioPins(BoardLines(board)).error().message,
               HasSubstr("cannot open the chip"));
+}
+
+/// The stage of the supplied board.
+class GpioStage : public GpioPins {
+ protected:
+  GpioStage() {
+    stage =
+        ReadStageBoardFile(INTAGLIO_SOURCE_DIR "/deploy/boards/els-03-stage.textproto")
+            .value();
+    for (const unsigned line : {34U, 35U, 36U, 40U, 41U}) fake_chip.lines[line].value = 1;
+  }
+  ControllerTime Time() {
+    return {[this] { return now; }, [this](auto until) { now = std::max(now, until); }};
+  }
+
+  StageBoard stage;
+  std::chrono::nanoseconds now{1'000'000'000};
+};
+
+TEST_F(GpioStage, OutputsAreRequestedOffAndBeforeAnyInput) {
+  const auto pins = OpenGpioPins(BoardLines(stage));
+  ASSERT_TRUE(pins.has_value()) << pins.error().message;
+  EXPECT_THAT(calls, ElementsAre("output 28=0", "output 29=0", "output 30=0",
+                                 "output 31=0", "output 32=0", "output 33=0",
+                                 "output 37=0", "output 38=0", "output 39=0", "input 34",
+                                 "input 35", "input 36", "input 40", "input 41"));
+  // A cable that is off is a switch that is pressed, a stop, a fault of a drive.
+  for (const unsigned line : {34U, 35U, 36U, 40U, 41U}) {
+    EXPECT_EQ(fake_chip.lines[line].flags,
+              GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW | GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_UP)
+        << line;
+    EXPECT_FALSE(fake_chip.lines[line].has_edges) << line;
+  }
+  EXPECT_FALSE((*pins)->Has(Output::kQSwitch));
+  EXPECT_FALSE((*pins)->Has(Input::kKey));
+}
+
+TEST_F(GpioStage, EachInputIsReadFromItsLine) {
+  const auto pins = OpenGpioPins(BoardLines(stage)).value();
+  const std::pair<unsigned, Input> inputs[] = {{34, Input::kFreeX},
+                                               {35, Input::kFreeY},
+                                               {36, Input::kFreeZ},
+                                               {40, Input::kStop},
+                                               {41, Input::kDrives}};
+  std::uint32_t all = 0;
+  for (const auto& [line, input] : inputs) all |= BitOf(input);
+  EXPECT_EQ(*pins->Levels(), all);
+  for (const auto& [line, input] : inputs) {
+    fake_chip.lines[line].value = 0;
+    EXPECT_EQ(*pins->Levels(), all & ~BitOf(input)) << line;
+    fake_chip.lines[line].value = 1;
+  }
+}
+
+TEST_F(GpioStage, AxesAreSteppedByTheirLinesTheDirectionFirst) {
+  stage.mutable_z()->set_reversed(true);
+  auto pins = OpenGpioPins(BoardLines(stage)).value();
+  StepAxes axes(OptionsOf(stage, 1).steps, Vec3::Zero(), *pins, Time());
+  const auto step_to = [&](const Vec3& to_mm) {
+    calls.clear();
+    axes.Follow({to_mm, Vec3::Zero(), Vec3::Zero(), Vec3::Zero()}, 0, 0);
+    now += std::chrono::milliseconds(1);
+    EXPECT_TRUE(axes.Step().has_value());
+    EXPECT_TRUE(axes.settled());
+  };
+  step_to(Vec3(0.005, -0.005, 0.005));
+  EXPECT_THAT(calls, ElementsAre("set 29=1", "set 28=1", "set 30=1", "set 32=1",
+                                 "set 28=0", "set 30=0", "set 32=0"));
+  step_to(Vec3(0.01, 0, 0));
+  EXPECT_THAT(calls, ElementsAre("set 31=1", "set 33=1", "set 28=1", "set 30=1",
+                                 "set 32=1", "set 28=0", "set 30=0", "set 32=0"));
+  step_to(Vec3(0.005, 0, 0));
+  EXPECT_THAT(calls, ElementsAre("set 29=0", "set 28=1", "set 28=0"));
+}
+
+TEST_F(GpioStage, TheControllerObeysItsInputsAndIsOffWhenTheBoardFails) {
+  auto pins = OpenGpioPins(BoardLines(stage)).value();
+  auto controller = std::make_unique<StageController>(OptionsOf(stage, 1), *pins, Time());
+  const auto turn = [&] {
+    now += StageController::kPoll;
+    return controller->Turn().has_value();
+  };
+  ASSERT_TRUE(turn());
+  EXPECT_EQ(fake_chip.lines[39].value, 1);
+  ASSERT_TRUE(turn());
+  EXPECT_EQ(fake_chip.lines[39].value, 0) << "the gate is held open by changes";
+  EXPECT_EQ(fake_chip.lines[37].value, 0) << "nobody has homed it";
+  EXPECT_EQ(controller->stage().fault(), link::StageFault::kNone);
+  fake_chip.lines[41].value = 0;
+  ASSERT_TRUE(turn());
+  EXPECT_EQ(controller->stage().fault(), link::StageFault::kDriveFault);
+  fake_chip.lines[41].value = 1;
+  fake_chip.lines[40].value = 0;
+  ASSERT_TRUE(turn());
+  EXPECT_EQ(controller->stage().fault(), link::StageFault::kStopPressed);
+  fake_chip.lines[40].value = 1;
+  lines_fail = true;
+  EXPECT_FALSE(turn());
+  lines_fail = false;
+  const std::size_t before = calls.size();
+  controller.reset();
+  pins.reset();
+  for (std::size_t i = before; i < calls.size(); ++i)
+    EXPECT_TRUE(calls[i].ends_with("=0") || calls[i] == "close") << calls[i];
+  for (const auto& [number, line] : fake_chip.lines) {
+    if (!line.is_output) continue;
+    EXPECT_EQ(line.value, 0) << number;
+  }
+}
+
+TEST_F(GpioStage, ErrorsNameTheSignalAndItsLine) {
+  fake_chip.lines[30].requested = true;
+  EXPECT_THAT(OpenGpioPins(BoardLines(stage)).error().message,
+              HasSubstr("y.step, line 30 of /dev/gpiochip0: cannot request the line: "
+                        "Device or resource busy"));
 }
 
 }  // namespace
