@@ -31,7 +31,8 @@ std::string KnotOf(double height_mm, double spacing_mm) {
 }
 
 PointShop::PointShop(const Options& options)
-    : folder_(test::FreshFolder()),
+    : options_(options),
+      folder_(test::FreshFolder()),
       tag_(options.controller + std::to_string(getpid())),
       socket_("/tmp/" + tag_) {
   std::string device = StartController(options);
@@ -65,7 +66,15 @@ PointShop::~PointShop() {
   fs::remove_all(socket_, ignored);
 }
 
+std::string PointShop::InFolder(std::string text) const {
+  constexpr std::string_view kFolder = "FOLDER";
+  for (auto at = text.find(kFolder); at != std::string::npos; at = text.find(kFolder))
+    text.replace(at, kFolder.size(), folder_.string());
+  return text;
+}
+
 std::string PointShop::StartController(const Options& options) {
+  for (const auto& [name, text] : options.files) std::ofstream(folder_ / name) << text;
   std::vector<std::string> words = {
       "--line", options.line.empty() ? (folder_ / "line").string() : options.line,
       "--record", record().string()};
@@ -73,9 +82,15 @@ std::string PointShop::StartController(const Options& options) {
                options.controller_options.end());
   if (options.has_panel)
     words.insert(words.end(), {"--panel", (folder_ / "panel").string()});
-  controller_ = std::make_unique<Running>(
-      fs::path(INTAGLIO_BIN_DIR).parent_path() / ("tests/virtual-" + options.controller),
-      words, folder_ / "controller.log");
+  fs::path program =
+      fs::path(INTAGLIO_BIN_DIR).parent_path() / ("tests/virtual-" + options.controller);
+  if (!options.program.empty()) {
+    program = Program(options.program);
+    words.clear();
+    for (const std::string& word : options.controller_options)
+      words.push_back(InFolder(word));
+  }
+  controller_ = std::make_unique<Running>(program, words, folder_ / "controller.log");
   Eventually([this] { return controller_->Output().find('\n') != std::string::npos; },
              10s);
   std::istringstream ready(controller_->Output());
@@ -103,7 +118,7 @@ void PointShop::WriteProfile(const Options& options, const std::string& device) 
       line = "  warm_up_s: 0";
     }
     for (const auto& [begin, other] : options.other_lines) {
-      if (line.starts_with(begin)) line = other;
+      if (line.starts_with(begin)) line = InFolder(other);
     }
     out << line << '\n';
   }
@@ -137,14 +152,27 @@ std::unique_ptr<Running> PointShop::Start(std::vector<std::string> words) const 
 
 bool PointShop::Open() {
   shop_.reset();
-  shop_ = std::make_unique<Running>(
-      Program("intaglio"),
-      std::vector<std::string>{"up", "--real-machine", "--machine", profile().string(),
-                               "--folder", (folder_ / "shop").string(), "--materials",
-                               (folder_ / "materials.db").string(), "--block", "50", "50",
-                               "30", "--block-glass", "N-BK7", "--domain", kPointDomain,
-                               "--tag", tag_},
-      folder_ / fmt::format("shop{}.log", ++opened_));
+  std::vector<std::string> words = {"up",
+                                    "--real-machine",
+                                    "--machine",
+                                    profile().string(),
+                                    "--folder",
+                                    (folder_ / "shop").string(),
+                                    "--materials",
+                                    (folder_ / "materials.db").string(),
+                                    "--block",
+                                    "50",
+                                    "50",
+                                    "30",
+                                    "--block-glass",
+                                    "N-BK7",
+                                    "--domain",
+                                    kPointDomain,
+                                    "--tag",
+                                    tag_};
+  words.insert(words.end(), options_.up_options.begin(), options_.up_options.end());
+  shop_ = std::make_unique<Running>(Program("intaglio"), words,
+                                    folder_ / fmt::format("shop{}.log", ++opened_));
   const auto is_open = [this] {
     return shop_->Output().find("the shop is open") != std::string::npos;
   };
@@ -170,6 +198,11 @@ bool PointShop::AwaitDone(std::chrono::seconds bound, bool resuming) {
         return shown_.find("state      done") != std::string::npos;
       },
       bound);
+}
+
+void PointShop::KillController() {
+  controller_->Signal(SIGKILL);
+  controller_->WaitForEnd(10s);
 }
 
 int PointShop::Kill(const std::string& service) const {

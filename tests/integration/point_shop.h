@@ -25,6 +25,13 @@ class PointShop {
     std::string more_of_motion_line = {};  ///< fields behind the protocol and the device
     std::string line = {};  ///< of the controller; empty: a pseudo-terminal
     std::vector<std::string> controller_options = {};
+    /// A program of the product in place of virtual-CONTROLLER, with these options alone.
+    /// In them and in other_lines "FOLDER" is folder().
+    std::string program = {};
+    /// More options of `intaglio up`.
+    std::vector<std::string> up_options = {};
+    /// Files that the program reads, written into folder() first: names and texts.
+    std::vector<std::pair<std::string, std::string>> files = {};
     /// More options of `intaglio machine new`, which makes the profile then; other_lines
     /// are not used.
     std::vector<std::string> new_options = {};
@@ -51,6 +58,10 @@ class PointShop {
   bool Submit() const;
   /// `resuming`: a paused job is resumed, a closed shop opened again.
   bool AwaitDone(std::chrono::seconds bound, bool resuming);
+  /// By SIGKILL.
+  void KillController();
+  /// Once more with the same options; it replaces record().
+  void RestartController() { StartController(options_); }
   /// With SIGKILL; how many there were.
   int Kill(const std::string& service) const;
 
@@ -73,9 +84,11 @@ class PointShop {
  private:
   /// The device that a host opens.
   std::string StartController(const Options& options);
+  std::string InFolder(std::string text) const;
   void WriteProfile(const Options& options, const std::string& device) const;
   void MakeProfile(const Options& options, const std::string& device) const;
 
+  Options options_;
   std::filesystem::path folder_;
   std::string tag_, shown_;
   // Its path is short: that of a socket has 107 bytes.
