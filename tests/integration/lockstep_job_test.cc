@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "engrave/formats/journal_file.h"
 #include "tests/integration/run_job.h"
 
 namespace intaglio {
@@ -212,6 +213,27 @@ TEST_F(RunJob, AClockThatChangesItsPaceMakesNoCrackInTheWrongPlace) {
   EXPECT_GE(report.points().made() + 20, report.points().planned());
   EXPECT_EQ(report.points().made() + report.points().skipped(),
             report.points().planned());
+}
+
+// What is fired until it is known is at the places of later points, and each of them is
+// uncertain as the points that are not made instead: none is made twice.
+TEST_F(RunJob, ALampSyncThatIsLeftOutDoublesNoPoint) {
+  const Ended run = Run({"--lockstep", "--warm-up", "0", "--clock-drift", "35", "--fault",
+                         "9000 lamp-sync miss 2"});
+  ASSERT_TRUE(run.in_time);
+  EXPECT_EQ(run.exit_code, 3) << run.output;
+  EXPECT_THAT(run.output, HasSubstr("a lamp sync was left out, late or too many"));
+  const auto& points = Report().points();
+  EXPECT_EQ(points.doubled() + points.stray(), 0u);
+  EXPECT_EQ(points.planned() - points.made(), 2u) << run.output;
+  const auto journal = formats::ReadJournal(folder_ / "out/journal.bin");
+  ASSERT_TRUE(journal.has_value());
+  std::size_t uncertain = 0;
+  for (const formats::PointHistory& point : formats::HistoryOf(*journal))
+    uncertain += point.outcome == formats::PointOutcome::kUncertain;
+  EXPECT_GE(uncertain, 3u);
+  // In lockstep the laser does not wait for the stamps.
+  EXPECT_LE(uncertain, 500u);
 }
 
 TEST_F(RunJob, MissedPulsesAreReportedAndTheVerdictIsNotGood) {

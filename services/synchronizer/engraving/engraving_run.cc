@@ -61,9 +61,11 @@ void EngravingRun::Begin(const EngravingInputs& inputs) {
 }
 
 void EngravingRun::PlacePulses(const EngravingInputs& inputs) {
-  if (count_ == 0 || !horizon_.has_own_clock() || inputs.motion_clock == nullptr) return;
-  ticks_.SetCertain(inputs.motion_clock->certain_through());
-  if (inputs.motion_clock->lost_run()) ticks_.LosePlaces();
+  if (count_ == 0 || !horizon_.has_own_clock()) return;
+  const MotionClock* const clock = inputs.motion_clock;
+  if (clock != nullptr) ticks_.SetCertain(clock->certain_through(), clock->LateTicks());
+  if (ticks_.has_lost_places() || (clock != nullptr && clock->lost_run()))
+    ticks_.LosePlaces();
 }
 
 std::optional<HaltReason> EngravingRun::Turn(const EngravingInputs& inputs) {

@@ -91,6 +91,12 @@ void MotionClock::BeginRun() {
   run_line_.reset();
 }
 
+double MotionClock::LateTicks() const {
+  if (!run_line_ || stamps_.empty()) return 0;
+  const double tick = stamps_.back().tick;
+  return std::max(0.0, line_.LateNsAt(tick) - run_line_->LateNsAt(tick)) / tick_ns_;
+}
+
 void MotionClock::CountCertain(const Stamp& stamp) {
   const double beside_ns = stamp.late_ns - run_line_.value_or(line_).LateNsAt(stamp.tick);
   if (!lost_run_ && std::abs(beside_ns) < kShiftTickRatio * tick_ns_)

@@ -58,6 +58,9 @@ class MotionClock {
   /// Since BeginRun a lamp sync was left out, late or too many, or it became another
   /// clock: no tick becomes certain any more.
   bool lost_run() const { return lost_run_; }
+  /// How much later its ticks come than where the run was planned, ticks, as far as it is
+  /// known; 0 or more.
+  double LateTicks() const;
   /// Good enough to move by: 16 us, or a three-hundredth of a tick.
   bool settled() const { return settled_; }
   /// The controller's clock against the lamp's; above 0: it is fast.

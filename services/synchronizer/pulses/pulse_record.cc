@@ -72,15 +72,15 @@ void PulseRecord::Resolve(PulseResult result) {
   results_(result);
 }
 
-bool PulseRecord::MarkUncertain(std::uint32_t point) {
+bool PulseRecord::MarkUncertain(std::uint32_t point, SkipReason reason) {
   if (!journal_.Append({JournalKind::kOutcome, PointOutcome::kUncertain,
-                        static_cast<std::uint8_t>(SkipReason::kLink), run_, 0, point,
+                        static_cast<std::uint8_t>(reason), run_, 0, point,
                         known_pulse_count()})) {
     return false;
   }
   ledger_.Arm(point);
   ledger_.Resolve(point, PointOutcome::kUncertain);
-  results_({0, point, PointOutcome::kUncertain, SkipReason::kLink});
+  results_({0, point, PointOutcome::kUncertain, reason});
   return true;
 }
 

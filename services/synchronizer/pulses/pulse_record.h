@@ -65,8 +65,9 @@ class PulseRecord final : public cell::UncertainPoints {
   /// What became of an armed point. kUncertain with SkipReason::kPosition: it was fired
   /// at a place that is not known.
   void Resolve(PulseResult result);
-  /// An open point that the controller may have fired for a life whose records are lost.
-  bool MarkUncertain(std::uint32_t point);
+  /// An open point that the controller may have fired: for a life whose records are lost
+  /// (kLink), or in place of another (kPosition).
+  bool MarkUncertain(std::uint32_t point, SkipReason reason = SkipReason::kLink);
   /// Every open point before `point`, for good: each later life reads it in the journal.
   bool LeaveOutBefore(std::uint32_t point);
   /// A person's consent to fire uncertain points again, by the number of its grant.

@@ -161,6 +161,13 @@ std::vector<PulseResult> PulseSchedule::ArmedWithin(std::uint64_t first,
   return found;
 }
 
+std::vector<PulseResult> PulseSchedule::OpenAfter(std::uint64_t tick) const {
+  std::vector<PulseResult> found;
+  for (const Entry& entry : entries_)
+    if (!entry.settled && entry.tick > tick) found.push_back({entry.tick, entry.point});
+  return found;
+}
+
 void PulseSchedule::Settle(const std::vector<PulseResult>& results,
                            const ResultSink& sink) {
   for (const PulseResult& result : results) {

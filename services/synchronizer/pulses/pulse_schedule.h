@@ -74,6 +74,8 @@ class PulseSchedule {
 
   /// Armed points without a result whose tick is within first..last.
   std::vector<PulseResult> ArmedWithin(std::uint64_t first, std::uint64_t last) const;
+  /// Points without a result, armed or not, whose tick is after this one.
+  std::vector<PulseResult> OpenAfter(std::uint64_t tick) const;
   /// Gives them a result of the caller's.
   void Settle(const std::vector<PulseResult>& results, const ResultSink& sink);
 

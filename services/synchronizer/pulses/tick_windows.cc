@@ -1,6 +1,7 @@
 #include "services/synchronizer/pulses/tick_windows.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace intaglio::synchronizer {
@@ -10,7 +11,9 @@ void TickWindows::Begin(std::uint64_t tick, bool lockstep) {
   decided_ = std::max({tick, laser_.status().decided_through, lockstep ? decided_ : 0});
   sent_through_ = reported_through_ = decided_;
   held_.clear();
-  lost_places_ = false;
+  lost_places_ = marks_owed_ = false;
+  last_unplaced_ = 0;
+  others_.clear();
 }
 
 bool TickWindows::Arm(std::uint64_t last,
@@ -80,25 +83,53 @@ void TickWindows::Receive(const link::PastReport& report) {
 }
 
 void TickWindows::Resolve(const PulseResult& result) {
-  if (!formats::IsFired(result.outcome) || result.tick <= certain_through_)
-    return record_.Resolve(result);
-  unplaced_.push_back(result);
-  if (lost_places_) LosePlaces();
+  if (result.tick <= certain_through_) return record_.Resolve(result);
+  if (formats::IsFired(result.outcome)) {
+    unplaced_.push_back(result);
+    if (lost_places_) LosePlaces();
+  } else {
+    others_.push_back(result);
+    record_.Resolve(result);
+  }
 }
 
-void TickWindows::SetCertain(std::uint64_t through) {
+void TickWindows::SetCertain(std::uint64_t through, double late_ticks) {
   certain_through_ = through;
-  for (PulseResult& result : std::exchange(unplaced_, {})) Resolve(result);
+  late_ticks_ = late_ticks;
+  std::erase_if(others_, [&](const auto& other) { return other.tick <= through; });
+  for (const PulseResult& result : std::exchange(unplaced_, {})) Resolve(result);
 }
 
 void TickWindows::LosePlaces() {
   lost_places_ = true;
-  for (const PulseResult& result : std::exchange(unplaced_, {}))
+  for (const PulseResult& result : std::exchange(unplaced_, {})) {
+    last_unplaced_ = std::max(last_unplaced_, result.tick);
     record_.Resolve({result.tick, result.point, formats::PointOutcome::kUncertain,
                      SkipReason::kPosition});
+  }
+  MarkHit();
+}
+
+// In position is on for a quarter of a tick around that of a point.
+void TickWindows::MarkHit() {
+  constexpr double kInPositionTicks = 0.25;
+  const auto hit_later =
+      static_cast<std::uint64_t>(std::ceil(late_ticks_ + kInPositionTicks));
+  marks_owed_ = false;
+  for (const PulseResult& other : others_) {
+    const PointState state = record_.ledger().state(other.point);
+    const bool open = state == PointState::kPlanned || state == PointState::kSkipped;
+    const bool hit = last_unplaced_ > 0 && other.tick <= last_unplaced_ + hit_later;
+    if (!open || !hit) continue;
+    marks_owed_ |= !record_.MarkUncertain(other.point, SkipReason::kPosition);
+  }
+  // What is opened again by consent is not marked again.
+  if (schedule_.empty() && !marks_owed_) others_.clear();
 }
 
 std::vector<PulseResult> TickWindows::DropUnsent() {
+  const auto open = schedule_.OpenAfter(certain_through_);
+  others_.insert(others_.end(), open.begin(), open.end());
   schedule_.DropUnarmed();
   held_.clear();
   return schedule_.ArmedWithin(sent_through_ + 1, UINT64_MAX);

@@ -14,8 +14,9 @@
 //
 // A pulse that was fired has its result when the place of the stage at its tick is known
 // to be the planned one. Until then its point stays armed; where it never becomes known,
-// the point is uncertain. What was not fired has its result at once. Used from one
-// thread; nothing waits.
+// the point is uncertain, and so is each that its pulse may have hit instead: a stage
+// that is late by some ticks is at the places of so many ticks later. What was not fired
+// has its result at once. Used from one thread; nothing waits.
 
 #include <algorithm>
 #include <cstdint>
@@ -68,11 +69,14 @@ class TickWindows {
   void Receive(const link::PastReport& report);
 
   /// Through which tick the places of this run are known; UINT64_MAX, as at first: all.
-  void SetCertain(std::uint64_t through);
-  /// No other tick of this run becomes certain.
+  /// `late_ticks`: how much later the stage is at the places of the others, as far as it
+  /// is known.
+  void SetCertain(std::uint64_t through, double late_ticks);
+  /// No other tick of this run becomes certain. Once a turn from then on.
   void LosePlaces();
+  bool has_lost_places() const { return lost_places_; }
   /// Fired points wait for SetCertain or LosePlaces.
-  bool awaits_places() const { return !unplaced_.empty(); }
+  bool awaits_places() const { return !unplaced_.empty() || marks_owed_; }
 
   /// Forgets what is planned and what is held; returns the armed points of windows that
   /// were never sent.
@@ -93,6 +97,7 @@ class TickWindows {
               const PulseTrigger& trigger);
 
   void Resolve(const PulseResult& result);
+  void MarkHit();
 
   struct HeldWindow {
     std::uint64_t journal_number = 0;  // sent once this many records are durable
@@ -110,7 +115,11 @@ class TickWindows {
   std::uint16_t pulses_per_point_ = 0;
   std::uint64_t certain_through_ = UINT64_MAX;
   bool lost_places_ = false;
+  double late_ticks_ = 0;
   std::deque<PulseResult> unplaced_;  // fired, in the order of their reports
+  std::uint64_t last_unplaced_ = 0;   // tick that was fired at an unknown place
+  std::vector<PulseResult> others_;   // of ticks that are not certain, not fired
+  bool marks_owed_ = false;           // the journal's ring was full
 };
 
 }  // namespace intaglio::synchronizer
