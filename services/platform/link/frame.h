@@ -42,8 +42,9 @@ void AppendFrame(const FrameHeader& header, std::span<const std::byte> payload,
                  std::vector<std::byte>& out);
 
 /// Finds frames in a stream of bytes. After garbage it goes on at the next sync bytes; a
-/// whole frame is delivered with its last byte, whatever precedes it. Holds no more than
-/// one unfinished frame between two calls.
+/// whole frame is delivered with its last byte, whatever precedes it, unless its first
+/// bytes are those that an unfinished frame lacks. Holds no more than one unfinished
+/// frame between two calls.
 class FrameParser {
  public:
   using Sink = std::function<void(const FrameHeader&, std::span<const std::byte>)>;
