@@ -92,8 +92,8 @@ class GrblDriver final : public LockstepDriver {
   bool IsGivenOut() const override;
   bool IsSetUp() const { return line_.takes_lines() || line_.needs_recovery(); }
   bool HasRecovered() const override;
-  bool chain_is_open() const override { return line_.door_is_open(); }
-  std::uint32_t openings() const override { return line_.door_openings(); }
+  bool chain_is_open() const override { return line_.chain_is_open(); }
+  std::uint32_t openings() const override { return line_.chain_openings(); }
   bool shutter_is_open() const override { return open_ && wanted_open_; }
   std::uint64_t LimitedByPulses(std::uint64_t tick) const override;
   void BeginProgram(std::uint64_t start_tick) override;

@@ -18,6 +18,8 @@ constexpr auto kHomeTimeout = 300s;
 // A step of a coarse controller, and the decimals of its status.
 constexpr double kPlaceTolerance_mm = 0.02;
 constexpr double kAtZero_mm = 0.0005;  // decimals of a status
+// The emergency stop's input of grblHAL, and the reset's.
+constexpr const char* kStopPins = "ER";
 
 bool IsWithin(const Box3& box, const Vec3& place) {
   return (place.array() >= box.min_mm.array() - kPlaceTolerance_mm).all() &&
@@ -172,19 +174,22 @@ void GrblLine::TakeAcknowledgement(bool good, int code, std::vector<Event>& even
 }
 
 // Door:0 is latched: it was open, and may have been while nobody listened.
-void GrblLine::WatchDoor(const GrblStatus& status) {
+void GrblLine::WatchChain(const GrblStatus& status) {
   const bool door = status.state == GrblState::kDoor;
   const bool open =
       (door && status.substate != 0) || status.pins.find('D') != std::string::npos;
-  if ((open && !door_open_) || (door && !open && !door_latched_)) ++door_openings_;
+  const bool stop = status.pins.find_first_of(kStopPins) != std::string::npos;
+  const bool opens = (open && !door_open_) || (stop && !stop_pressed_);
+  if (opens || (door && !open && !door_latched_)) ++chain_openings_;
   door_open_ = open;
   door_latched_ = door;
+  stop_pressed_ = stop;
 }
 
 // The offset comes with some statuses only.
 void GrblLine::TakeStatus(GrblStatus status, std::vector<Event>& events) {
   alarm_ = status.state == GrblState::kAlarm;
-  WatchDoor(status);
+  WatchChain(status);
   if (status.work_offset_mm) work_offset_mm_ = *status.work_offset_mm;
   if (!status.work_mm)
     status.work_mm = *status.machine_mm - work_offset_mm_.value_or(Vec3::Zero());

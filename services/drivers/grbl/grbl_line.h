@@ -97,9 +97,12 @@ class GrblLine final : public ControllerLine {
   /// A reset was sent, and its answer has not come.
   bool resetting() const { return phase_ == Phase::kResetting; }
   const GrblTraits& traits() const { return traits_; }
-  /// How often the safety door's input was seen to open.
-  std::uint32_t door_openings() const { return door_openings_; }
+  /// How often an input of the chain was seen to open: the safety door's, the emergency
+  /// stop's of grblHAL, or the reset's, where a contact of the emergency stop may be.
+  std::uint32_t chain_openings() const { return chain_openings_; }
   bool door_is_open() const { return door_open_; }
+  bool stop_is_pressed() const { return stop_pressed_; }
+  bool chain_is_open() const { return door_open_ || stop_pressed_; }
   /// The controller may not know where its tool is.
   bool place_is_lost() const { return lost_axes_ != std::array<bool, 3>{}; }
   /// A person has set the zero of these axes where the tool is.
@@ -146,7 +149,7 @@ class GrblLine final : public ControllerLine {
   void TakeBanner(std::vector<Event>& events);
   void TakeAcknowledgement(bool good, int code, std::vector<Event>& events);
   void TakeStatus(GrblStatus status, std::vector<Event>& events);
-  void WatchDoor(const GrblStatus& status);
+  void WatchChain(const GrblStatus& status);
   void TakeSetting(const GrblSetting& setting);
   void Lose(std::string why, std::vector<Event>& events);
   void CheckSilence(std::vector<Event>& events);
@@ -177,8 +180,8 @@ class GrblLine final : public ControllerLine {
   bool alarm_ = false;
   bool homing_ = false;
   bool home_failed_ = false;  // it resets itself behind the alarm
-  bool door_open_ = false, door_latched_ = false;
-  std::uint32_t door_openings_ = 0;
+  bool door_open_ = false, door_latched_ = false, stop_pressed_ = false;
+  std::uint32_t chain_openings_ = 0;
   std::optional<Vec3> work_offset_mm_;  // the newest that was reported
   std::optional<Box3> reach_;
   bool was_set_up_ = false;  // when the line was lost

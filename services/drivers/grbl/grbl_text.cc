@@ -162,17 +162,19 @@ GrblAnswer ParseGrblAnswer(std::string_view line) {
 }
 
 std::string TextOfGrblError(int code) {
-  constexpr std::array<std::pair<int, const char*>, 10> kTexts = {{
+  constexpr std::array<std::pair<int, const char*>, 12> kTexts = {{
       {1, "a line without a letter"},
       {2, "a number that cannot be read"},
       {5, "homing is not enabled ($22)"},
       {8, "a '$' command while it is not idle"},
       {9, "it is locked by an alarm or a jog"},
       {11, "a line that is too long"},
+      {13, "the safety door is open: close it"},
       {15, "a jog beyond the travel"},
       {20, "a command that it does not know"},
       {22, "no feed rate"},
       {24, "two commands in one line"},
+      {50, "the emergency stop is pressed: release it"},
   }};
   for (const auto& [known, text] : kTexts) {
     if (known == code) return fmt::format("error:{} ({})", code, text);

@@ -381,7 +381,8 @@ void VirtualGrbl::Report() {
     text += fmt::format("|Ln:{}", motion_.line());
   }
   text += fmt::format("|FS:{:.0f},{:.0f}", motion_.speed_mm_s() * 60, power_);
-  if (door_open_) text += "|Pn:D";
+  const std::string pins = std::string(door_open_ ? "D" : "") + stop_pin();
+  if (!pins.empty()) text += "|Pn:" + pins;
   if (--reports_to_offset_ <= 0) {
     reports_to_offset_ = kReportsPerOffset;
     text += fmt::format("|WCO:{:.3f},{:.3f},{:.3f}", work_offset_mm_.x(),

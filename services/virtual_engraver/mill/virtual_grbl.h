@@ -69,7 +69,9 @@ class VirtualGrbl {
   void HitLimit();
   /// The button at the reset input: as 0x18, and whatever moves loses steps.
   void PressReset();
-  /// Emergency stop of grblHAL: ALARM:10 and no motion; after its release it is locked.
+  /// Emergency stop of grblHAL: ALARM:10, no motion, and neither $X nor $H while it is
+  /// pressed; after its release it is locked. grbl 1.1 has a contact of it at the reset
+  /// input alone, which it reports and does not obey any more.
   void SetEmergencyStop(bool pressed);
   /// A drive's alarm that stops it at once.
   void FailDrive();
@@ -127,6 +129,9 @@ class VirtualGrbl {
   bool TakeRealtime(unsigned char byte);
   void TakeLines();
   bool suspended() const { return state_ == State::kHold || state_ == State::kDoor; }
+  const char* stop_pin() const {
+    return !emergency_stop_ ? "" : options_.hal ? "E" : "R";
+  }
   void Execute(const std::string& line);
   void ExecuteSystem(const std::string& line);
   void PrintSettings();

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kExpectedLetter = 1, kBadNumber = 2, kUnknownSystem = 3, kNotIdle = 8,
               kLocked = 9, kTooLong = 11, kTravelExceeded = 15, kUnsupported = 20,
-              kNoFeed = 22, kBadArc = 33;
+              kNoFeed = 22, kBadArc = 33, kStopIsPressed = 50;
 constexpr std::size_t kMaxLineBytes = 79;
 // Any dwell lasts at least this long.
 constexpr double kMinDwell_us = 50000;
@@ -110,6 +110,8 @@ void VirtualGrbl::PrintSettings() {
 }
 
 void VirtualGrbl::ExecuteSystem(const std::string& line) {
+  if (options_.hal && emergency_stop_ && (line == "$X" || line == "$H"))
+    return Answer(kStopIsPressed);
   if (line == "$X") {
     if (state_ == State::kAlarm) Send("[MSG:Caution: Unlocked]\r\n");
     locked_ = false;

@@ -182,6 +182,8 @@ Status GrblCourseDriver::Stop() {
 Status GrblCourseDriver::Reset() {
   if (!state_.link_up) return RefuseCourse("the line to the controller is down");
   if (line_.door_is_open()) return RefuseCourse("the door is open: close it");
+  if (line_.stop_is_pressed())
+    return RefuseCourse("the emergency stop is pressed: release it");
   if (run_ && !stopping_) return RefuseCourse("a run is under way: stop it before");
   recovers_ = true;
   return {};
@@ -199,13 +201,13 @@ void GrblCourseDriver::AddEvent(std::uint32_t mark, MarkFate fate) {
 }
 
 void GrblCourseDriver::Report() {
-  const bool open = line_.door_is_open();
   state_.link_up = line_.up() && has_status_;
   state_.message = line_.message();
   state_.refusal = line_.refusal();
   state_.session = line_.sessions();
-  state_.key_on = state_.door_closed = state_.stop_released = state_.link_up && !open;
-  state_.openings = line_.door_openings() + own_stops_;
+  state_.key_on = state_.door_closed = state_.link_up && !line_.door_is_open();
+  state_.stop_released = state_.link_up && !line_.chain_is_open();
+  state_.openings = line_.chain_openings() + own_stops_;
   if (power_ups_ != line_.power_ups()) {
     power_ups_ = line_.power_ups();
     state_.power_up = fmt::format("grbl-{:08x}", DrawPowerUp());

@@ -32,7 +32,8 @@
 //  - K6: it remembers no mark. What this object has seen is answered, else kUncertain:
 //    one mark at most.
 //  - K7: key, door and stop button are one chain on the door's input; of openings without
-//    a host one is seen.
+//    a host one is seen. The inputs of the reset and of grblHAL's emergency stop are the
+//    stop button as well.
 // shutter_open is that it is permitted: there is no shutter.
 //
 // What the controller reports of itself is a stop of its own (openings), never a lost

@@ -85,6 +85,8 @@ void GrblCourseDriver::TakeStatus(const GrblStatus& status) {
   if (!state_.fault.empty()) return;
   if (door || line_.door_is_open()) {
     Fault("the safety door opened: close it, check the work, then resume");
+  } else if (line_.stop_is_pressed()) {
+    StopItself("the emergency stop is pressed: release it, check the work, then resume");
   } else if (hold) {
     StopItself("the controller is on hold: check the work, then resume");
   } else if (status.state == GrblState::kAlarm) {

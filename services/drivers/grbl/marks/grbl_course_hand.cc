@@ -19,6 +19,8 @@ Status RefuseByHand(std::string why) { return Fail(ErrorCode::kRefused, std::mov
 
 Status GrblCourseHand::Begin(What what) {
   if (!state_.link_up) return RefuseByHand("the line to the controller is down");
+  if (line_.stop_is_pressed())
+    return RefuseByHand("the emergency stop is pressed: release it");
   if (state_.fault != intaglio_MOTION_OK) return RefuseByHand(state_.message);
   if (!state_.at_rest || active()) return RefuseByHand("the tool is not at rest");
   if (what != What::kHome && !line_.takes_lines()) {

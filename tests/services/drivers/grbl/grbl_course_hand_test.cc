@@ -95,6 +95,41 @@ TEST_P(GrblCourseByHand, AHoldAtTheControllerEndsAJogUntilTheFaultIsCleared) {
   }
 }
 
+// The reset's input of grbl 1.1 is obeyed once, when it closes, and no more while it is
+// held: what the host sends would move the tool under the pressed button.
+TEST_P(GrblCourseByHand, NothingMovesOrIsUnlockedWhileTheEmergencyStopIsPressed) {
+  const CourseRig::Change is_hal = [](auto& options) { options.hal = true; };
+  for (const CourseRig::Change change : {is_hal, CourseRig::Change(nullptr)}) {
+    CourseRig rig(GetParam(), "", change);
+    HandMotion& hand = *rig.driver->hand();
+    ASSERT_TRUE(rig.Ready());
+    ASSERT_TRUE(rig.StepUntil([&] { return hand.state().at_rest; }));
+    const std::uint32_t openings = rig.driver->state().openings;
+    rig.machine.grbl.SetEmergencyStop(true);
+    rig.StepFor(500ms);
+    EXPECT_TRUE(rig.driver->state().key_on && rig.driver->state().door_closed);
+    EXPECT_FALSE(rig.driver->state().stop_released);
+    EXPECT_GT(rig.driver->state().openings, openings);
+    const auto steps = rig.machine.grbl.motion().steps_made();
+    EXPECT_FALSE(rig.driver->Reset());
+    EXPECT_FALSE(hand.ClearFault());
+    EXPECT_THAT(hand.Jog({5, 0, 0}, 20).error().message, HasSubstr("emergency stop"));
+    rig.StepFor(500ms);
+    EXPECT_EQ(rig.machine.grbl.motion().steps_made(), steps);
+    EXPECT_FALSE(rig.driver->Begin(1, std::vector{pen()}));
+
+    rig.machine.grbl.SetEmergencyStop(false);
+    rig.StepFor(500ms);
+    EXPECT_TRUE(rig.driver->state().stop_released);
+    EXPECT_EQ(rig.machine.grbl.motion().steps_made(), steps) << "it went on by itself";
+    ASSERT_TRUE(hand.ClearFault());
+    rig.StepFor(500ms);
+    ASSERT_TRUE(hand.Jog({5, 0, 0}, 20)) << hand.state().message;
+    ASSERT_TRUE(rig.StepUntil([&] { return hand.state().at_rest; }));
+    EXPECT_LT((rig.machine.grbl.motion().Position_mm() - Vec3(5, 0, 0)).norm(), 1e-3);
+  }
+}
+
 TEST_P(GrblCourseByHand, ALostLineLeavesWhatWasSentAhead) {
   ASSERT_TRUE(rig_.Ready());
   ASSERT_TRUE(Rests());
