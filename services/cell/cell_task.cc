@@ -18,10 +18,6 @@ namespace {
 using bus::View;
 using Activity = WorkStates::Activity;
 
-double SecondsOf(std::chrono::nanoseconds duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 }  // namespace
 
 CellTask::CellTask(host::ServiceHost& host, const std::string& cell, Maker& maker)
@@ -95,7 +91,8 @@ void CellTask::Begin(const intaglio_StageTask& task) {
   attempt_ = task.attempt;
   takes_up_ = task.take_up;
   cancelled_ = progress_alarmed_ = false;
-  worked_ = {};
+  clock_ = {};
+  earlier_run_count_ = 0;
   chain_.BeginJob();
   host_.SetHealth(intaglio_HEALTH_BUSY, job_->job_uid());
   if (auto begun = maker_.Begin(*job_, task); !begun) return Fail(begun.error());
@@ -115,8 +112,9 @@ void CellTask::BeginWork(const EarlierWork& earlier, const MachineCounters& sess
   }
   // What an earlier process left is compared with the machine as it is now.
   if (std::exchange(takes_up_, false)) chain_.TakeUp(session);
+  earlier_run_count_ = earlier.run_count;
   logged_message_.clear();
-  turned_at_ = now_;
+  clock_.Begin(now_);
 }
 
 void CellTask::Turn() {
@@ -144,8 +142,7 @@ void CellTask::WatchMachine() {
 }
 
 void CellTask::TurnWork() {
-  if (maker_.work()->activity() == Activity::kRuns) worked_ += now_ - turned_at_;
-  turned_at_ = now_;
+  clock_.Turn(now_, maker_.work()->activity() == Activity::kRuns, DoneCount());
   maker_.TurnWork(Inputs());
   const bool done = maker_.work()->activity() == Activity::kDone;
   if (!done || !EndWork()) PublishWork(done);
@@ -174,9 +171,9 @@ void CellTask::PublishWork(bool done) {
   TaskReport report{.job_uid = job_->job_uid(), .attempt = attempt_};
   report.state = waits ? intaglio_TASK_PAUSED : intaglio_TASK_RUNNING;
   report.counts = CountsOf(work.ledger());
-  report.done_count = report.counts.made + report.counts.missed;
+  report.done_count = DoneCount();
   report.total_count = work.ledger().size();
-  report.elapsed_s = SecondsOf(worked_);
+  report.elapsed_s = clock_.ElapsedSeconds(DoneCount());
   report.estimate_ticks = maker_.estimate_ticks();
   if (waits) {
     report.pause_reason = PauseReasonOf({.faulted = work.faulted(),
@@ -202,6 +199,12 @@ void CellTask::RaiseNoProgress(const std::string& alarm) {
   progress_alarmed_ = !alarm.empty();
 }
 
+std::uint64_t CellTask::DoneCount() {
+  if (maker_.work() == nullptr) return 0;
+  const intaglio_PointCounts counts = CountsOf(maker_.work()->ledger());
+  return counts.made + counts.missed;
+}
+
 EngraveOutcome CellTask::Outcome() {
   EngraveOutcome outcome;
   const WorkStates& work = *maker_.work();
@@ -211,7 +214,7 @@ EngraveOutcome CellTask::Outcome() {
   outcome.set_missed_count(counts.missed);
   outcome.set_skipped_count(counts.skipped);
   outcome.set_uncertain_count(counts.uncertain);
-  outcome.set_run_count(work.run_count());
+  outcome.set_run_count(earlier_run_count_ + work.run_count());
   outcome.set_settled_by_memory_count(work.settled_by_memory_count());
   maker_.AddTo(outcome);
   return outcome;
@@ -224,7 +227,7 @@ void CellTask::Fail(const Error& error) {
 void CellTask::End(intaglio_TaskState state, intaglio_ErrorCode code,
                    const std::string& message) {
   TaskReport report{.job_uid = job_->job_uid(), .attempt = attempt_, .state = state};
-  report.elapsed_s = SecondsOf(worked_);
+  report.elapsed_s = clock_.ElapsedSeconds(DoneCount());
   report.estimate_ticks = maker_.estimate_ticks();
   report.error_code = code;
   report.message = message;
@@ -234,7 +237,7 @@ void CellTask::End(intaglio_TaskState state, intaglio_ErrorCode code,
     *outcome.mutable_engrave() = Outcome();
     report.counts = AtEnd(CountsOf(work->ledger()));
     report.total_count = work->ledger().size();
-    report.done_count = report.counts.made + report.counts.missed;
+    report.done_count = DoneCount();
   }
   report.outcome = outcome.SerializeAsString();
   Drop();

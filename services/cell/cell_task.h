@@ -22,6 +22,7 @@
 #include "services/cell/maker.h"
 #include "services/cell/permission_intake.h"
 #include "services/cell/task_publisher.h"
+#include "services/cell/work_clock.h"
 #include "services/platform/bus/bus.h"
 #include "services/platform/host/process/service_host.h"
 
@@ -75,6 +76,8 @@ class CellTask {
   void PublishWork(bool done);
   void RaiseNoProgress(const std::string& alarm);
   EngraveOutcome Outcome();
+  /// Made or missed so far, by any process.
+  std::uint64_t DoneCount();
   void End(intaglio_TaskState state, intaglio_ErrorCode code, const std::string& message);
   void Drop();
 
@@ -89,8 +92,9 @@ class CellTask {
   std::uint32_t attempt_ = 0;
   bool takes_up_ = false;  ///< begun by another process
   bool cancelled_ = false, leaves_ = false, progress_alarmed_ = false;
-  std::chrono::nanoseconds now_{0}, turned_at_{0};
-  std::chrono::nanoseconds worked_{0};  ///< at the job, without what it waited for
+  std::chrono::nanoseconds now_{0};
+  WorkClock clock_;
+  std::uint32_t earlier_run_count_ = 0;
   std::string logged_message_, alarmed_refusal_;
 };
 

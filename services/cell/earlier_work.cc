@@ -31,6 +31,7 @@ EarlierWork EarlierWorkOf(const formats::Journal& journal) {
   EarlierWork earlier;
   earlier.damaged_records = journal.damaged_records;
   bool begun = false;
+  std::uint32_t armed_run = 0;
   for (const formats::JournalRecord& record : journal.records) {
     // Nothing is armed before the session is: behind it records may have been lost.
     begun |= record.kind == JournalKind::kSession || formats::IsOfPoint(record.kind);
@@ -38,6 +39,8 @@ EarlierWork EarlierWorkOf(const formats::Journal& journal) {
     switch (record.kind) {
       case JournalKind::kIntent:
         earlier.uncertain_unanswered = false;
+        if (record.run > armed_run) ++earlier.run_count;
+        armed_run = std::max(armed_run, record.run);
         break;
       case JournalKind::kOutcome:
         earlier.uncertain_unanswered |=

@@ -20,6 +20,7 @@ struct EarlierWork {
   std::uint32_t pulses_before_job = 0;  ///< that it had counted by then, modulo 2^32
   std::uint32_t openings = 0;           ///< of interlocks, that had been seen by then
   std::uint32_t highest_run = 0;
+  std::uint32_t run_count = 0;  ///< runs of which something was armed
   /// Points became uncertain, and no run has begun since.
   bool uncertain_unanswered = false;
   /// Greatest grant whose consent to fire uncertain points was taken: it counts once.

@@ -96,8 +96,7 @@ class Engraving final : public WorkStates {
   std::uint32_t run_count() const override { return run_.count(); }
   /// A grant has switched the lamp on, or has found it on.
   bool has_lamp() const { return preparation_.has_lamp(); }
-  std::uint64_t first_fired_tick() const { return record_.first_fired_tick(); }
-  std::uint64_t last_fired_tick() const { return record_.last_fired_tick(); }
+  const FiredTicks& fired_ticks() const { return record_.fired_ticks(); }
   /// Speed overrides that motion was planned with, and how often they changed.
   std::uint32_t min_speed_percent() const { return run_.min_speed_percent(); }
   std::uint32_t max_speed_percent() const { return run_.max_speed_percent(); }

@@ -201,12 +201,9 @@ void Synchronizer::NoteDone() {
 
 void Synchronizer::AddTo(EngraveOutcome& outcome) const {
   outcome.set_estimate_ticks(plan_.ticks);
-  outcome.set_first_tick(engraving_->first_fired_tick());
-  outcome.set_last_tick(engraving_->last_fired_tick());
-  if (engraving_->first_fired_tick() != 0) {
-    outcome.set_used_ticks(engraving_->last_fired_tick() -
-                           engraving_->first_fired_tick() + 1);
-  }
+  outcome.set_first_tick(engraving_->fired_ticks().first());
+  outcome.set_last_tick(engraving_->fired_ticks().last());
+  outcome.set_used_ticks(engraving_->fired_ticks().count());
   outcome.set_controller_pulse_count(laser_.status().pulse_count);
   outcome.set_plan_checksum(plan_.checksum);
   outcome.set_planned_max_move_um(1e3 * plan_.moves.max_mm);

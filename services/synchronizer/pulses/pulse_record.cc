@@ -21,6 +21,7 @@ std::vector<PulseResult> PulseRecord::TakeUp(const EarlierWork& earlier) {
   power_up_ = earlier.power_up;
   pulses_before_job_ = earlier.pulses_before_job;
   openings_accepted_ = earlier.openings;
+  fired_ticks_.TakeUp(earlier.points, earlier.power_up);
   std::vector<PulseResult> armed;
   for (std::uint32_t point = 0; point < earlier.points.size(); ++point) {
     const formats::PointHistory& history = earlier.points[point];
@@ -59,8 +60,7 @@ void PulseRecord::Resolve(PulseResult result) {
   }
   if (formats::IsFired(result.outcome)) {
     ++fired_count_;
-    if (first_fired_tick_ == 0) first_fired_tick_ = result.tick;
-    last_fired_tick_ = result.tick;
+    fired_ticks_.Add(result.tick);
   }
   leaves_out_pulses_ |= result.outcome == PointOutcome::kUncertain &&
                         result.reason == SkipReason::kPosition;
@@ -119,7 +119,10 @@ void PulseRecord::TakeCounters(const drivers::LaserController& laser) {
       static_cast<std::uint32_t>(laser.status().pulse_count) - fired_count_;
   const bool same_power_up = power_up_ == laser.identity().power_up;
   if (same_power_up && pulses_before_job_ == before && session_journaled_) return;
-  if (!same_power_up) openings_accepted_ = 0;
+  if (!same_power_up) {
+    openings_accepted_ = 0;
+    fired_ticks_.BeginPowerUp();
+  }
   power_up_ = laser.identity().power_up;
   pulses_before_job_ = before;
   JournalSession(laser);

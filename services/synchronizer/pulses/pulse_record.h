@@ -29,6 +29,7 @@
 #include "services/cell/point_ledger.h"
 #include "services/drivers/interface/laser_controller.h"
 #include "services/synchronizer/pulses/cell_names.h"
+#include "services/synchronizer/pulses/fired_ticks.h"
 #include "services/synchronizer/pulses/pulse_schedule.h"
 
 namespace intaglio::synchronizer {
@@ -91,8 +92,8 @@ class PulseRecord final : public cell::UncertainPoints {
   /// due when nothing is armed.
   bool leaves_out_pulses() const { return leaves_out_pulses_; }
 
-  std::uint64_t first_fired_tick() const { return first_fired_tick_; }
-  std::uint64_t last_fired_tick() const { return last_fired_tick_; }
+  /// The ticks that all lives fired at.
+  const FiredTicks& fired_ticks() const { return fired_ticks_; }
 
   /// Everything appended so far is on disk.
   bool is_durable() const { return journal_.durable() == journal_.appended(); }
@@ -120,8 +121,7 @@ class PulseRecord final : public cell::UncertainPoints {
   std::uint32_t fired_count_ = 0;
   bool leaves_out_pulses_ = false;
   std::uint32_t openings_accepted_ = 0;
-  std::uint64_t first_fired_tick_ = 0;
-  std::uint64_t last_fired_tick_ = 0;
+  FiredTicks fired_ticks_;
   std::uint64_t flushed_ = 0;
 };
 

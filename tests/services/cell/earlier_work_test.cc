@@ -58,6 +58,7 @@ TEST_F(OpenJournalTest, GoesOnWithWhatIsThere) {
   EXPECT_EQ(earlier.power_up, 0xfeedu);
   EXPECT_EQ(earlier.pulses_before_job, 17u);
   EXPECT_EQ(earlier.highest_run, 4u);
+  EXPECT_EQ(earlier.run_count, 1u);
 }
 
 TEST_F(OpenJournalTest, ATornRecordIsCutAndTheNextOneReadable) {

@@ -88,8 +88,9 @@ TEST_F(PulseRecordTest, LedgerJournalAndListenerAgreeOnEveryKindOfChange) {
                                      std::pair(5, PointOutcome::kUncertain),
                                      std::pair(6, PointOutcome::kUncertain)));
   EXPECT_EQ(results_.front().reason, SkipReason::kLeftOut);
-  EXPECT_EQ(record.first_fired_tick(), 10u);
-  EXPECT_EQ(record.last_fired_tick(), 20u);
+  EXPECT_EQ(record.fired_ticks().first(), 10u);
+  EXPECT_EQ(record.fired_ticks().last(), 20u);
+  EXPECT_EQ(record.fired_ticks().count(), 11u);
   EXPECT_EQ(record.fired_point_count(), 2u);
 }
 
@@ -109,6 +110,40 @@ TEST_F(PulseRecordTest, TheNextLifeBeginsWithTheSameLedger) {
   next.BeginRun();
   EXPECT_EQ(next.run(), 3u) << "2 may be on its way, without a record";
   EXPECT_EQ(next.ledger().unknown_count(), 1u) << "it was reopened and is not fired yet";
+}
+
+// The history compares the estimate with these.
+TEST_F(PulseRecordTest, TheTicksOfAllLivesAndPowerUpsCount) {
+  EarlierWork earlier;
+  earlier.power_up = 2;
+  earlier.points.resize(kRecordPoints);
+  for (const auto& [point, power_up, tick] :
+       {std::tuple(0, 1, 1000), {3, 1, 1099}, {1, 2, 40}, {2, 2, 49}}) {
+    earlier.points[point].outcome = PointOutcome::kMade;
+    earlier.points[point].fired_count = 1;
+    earlier.points[point].power_up = power_up;
+    earlier.points[point].tick = tick;
+  }
+  PulseRecord record = NewRecord();
+  record.TakeUp(earlier);
+  EXPECT_EQ(record.fired_ticks().count(), 110u);
+  record.BeginRun();
+  ASSERT_TRUE(record.Arm(59, 4));
+  record.Resolve({59, 4, PointOutcome::kMade, SkipReason::kNone});
+  EXPECT_EQ(record.fired_ticks().first(), 40u);
+  EXPECT_EQ(record.fired_ticks().count(), 120u);
+}
+
+TEST(FiredTicks, BehindAPowerCycleTicksCountAnew) {
+  FiredTicks ticks;
+  EXPECT_EQ(ticks.count(), 0u);
+  ticks.Add(900);
+  ticks.Add(999);
+  ticks.BeginPowerUp();
+  EXPECT_EQ(ticks.count(), 100u);
+  ticks.Add(7);
+  EXPECT_EQ(ticks.count(), 101u);
+  EXPECT_EQ(ticks.last(), 7u);
 }
 
 TEST_F(PulseRecordTest, OpenIntentsComeInTheOrderOfTheirTicks) {
