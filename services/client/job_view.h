@@ -94,6 +94,11 @@ struct ServiceView {
   std::chrono::steady_clock::time_point reported_at;  ///< its newest health, received
   /// Why the job service gives it nothing more; empty: it does, or it is not known.
   std::string left_out = {};
+  /// It has the role of a synchronizer, and makes marks or contours by one line to one
+  /// controller: its machine has neither a motion bridge nor a lamp.
+  bool is_marker() const {
+    return role == intaglio_ROLE_SYNCHRONIZER && instance.starts_with("marker-");
+  }
 };
 
 /// From a service's own health, or from what the job service knows of it.

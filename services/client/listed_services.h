@@ -12,6 +12,10 @@
 
 namespace intaglio::client {
 
+/// The roles of the services that only a machine has.
+inline const std::set<intaglio_ServiceRole> kMachineRoles = {intaglio_ROLE_SYNCHRONIZER,
+                                                             intaglio_ROLE_MOTION_BRIDGE};
+
 struct ListedService {
   std::string instance;
   intaglio_ServiceRole role;

@@ -85,10 +85,10 @@ Result<std::string> TeachClient::FindMachine(bus::Bus& bus, const std::string& c
   bus::Reader<intaglio_ManualState> states(bus, bus::kManualState);
   ListedServices listed(bus);
   std::set<std::string> cells;
-  const std::set<intaglio_ServiceRole> bridges = {intaglio_ROLE_MOTION_BRIDGE};
-  // Without a list a machine may be on its way until the time is up.
+  // Without a list a machine may be on its way until the time is up. A mill or a cutter
+  // has no motion bridge, and is moved by hand as well.
   for (const auto end = Clock::now() + bus.discovery_time() + 600ms;
-       Clock::now() < end && !listed.AreAllIn(cells, bridges);) {
+       Clock::now() < end && !listed.AreAllIn(cells, kMachineRoles);) {
     states.Take([&](const intaglio_ManualState& state) {
       cells.insert(std::string(View(state.cell)));
     });
@@ -98,7 +98,8 @@ Result<std::string> TeachClient::FindMachine(bus::Bus& bus, const std::string& c
   if (cells.size() == 1) return *cells.begin();
   if (cells.empty()) {
     return Fail(ErrorCode::kNotFound,
-                "no machine found: check that its motion bridge runs (intaglio up), and "
+                "no machine found: check that its motion bridge or marker runs (intaglio "
+                "up), and "
                 "--domain, --interface, --tag and --security");
   }
   return Fail(ErrorCode::kInvalidValue,

@@ -1,6 +1,6 @@
 // Parts of the console's page that need no browser: the decoder of a plan, what of a cloud a
 // frame draws, the budget of a frame, the numbers that a graphics card gets, and the lines of the
-// queues.
+// queues and the machines.
 //   esbuild --bundle --platform=node --alias:three=MODULE console_page_test.mjs |
 //     node - REPOSITORY
 import { readFileSync } from 'fs';
@@ -176,7 +176,29 @@ async function checkQueueLines() {
   expect(unknown.join() === 'right: the time of 2 jobs is not known yet', unknown.join());
 }
 
-checkQueueLines().then(() => {
-  console.log(failed ? `${failed} failed` : 'decoder, cells, budget and queues are right');
+// What is not known is not shown as if it were: a stop that nobody reads is not released.
+async function checkMachineStates() {
+  const { machineState } = await import('../../services/console/page/machine_state');
+  const good = { laser_line_up: true, motion_line_up: true, lamp: 'warm', key_on: true,
+    door_closed: true, stop_released: true, stops_held: [] };
+  const shows = (change, line) => {
+    const shown = machineState({ ...good, ...change });
+    expect(shown === line, `machine: ${shown}`);
+  };
+  shows({}, 'lamp warm, key on, door closed, stop released');
+  shows({ stop_released: false },
+        'lamp warm, key on, door closed, STOP of the machine pressed or latched');
+  shows({ stops_held: ['a'] }, 'lamp warm, key on, door closed, STOP PRESSED');
+  shows({ laser_line_up: false, key_on: false, door_closed: false, stop_released: false },
+        'LASER LINE DOWN');
+  shows({ motion_line_up: false },
+        'lamp warm, key on, door closed, stop released, MOTION LINE DOWN');
+  shows({ one_line: true, lamp: 'none' }, 'key on, door closed, stop released');
+  shows({ one_line: true, laser_line_up: false, motion_line_up: false }, 'LINE DOWN');
+}
+
+checkQueueLines().then(checkMachineStates).then(() => {
+  console.log(failed ? `${failed} failed`
+    : 'decoder, cells, budget, queues and machines are right');
   process.exit(failed ? 1 : 0);
 });

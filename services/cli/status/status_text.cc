@@ -37,15 +37,15 @@ std::string LineOf(const MachineStatus& machine) {
   if (machine.age_s() > client::kStaleAge_s)
     parts.push_back(fmt::format("AS IT WAS {:.0f} s AGO", machine.age_s()));
   if (machine.laser_line_up()) {
-    for (const std::string& part :
-         {LampText(machine), std::string(machine.key_on() ? "key on" : "KEY OFF"),
-          DoorText(machine), StopText(machine)})
+    if (!machine.one_line()) parts.push_back(LampText(machine));
+    for (const std::string& part : {std::string(machine.key_on() ? "key on" : "KEY OFF"),
+                                    DoorText(machine), StopText(machine)})
       parts.push_back(part);
     if (machine.safe_state()) parts.emplace_back("safe state");
   } else {
-    parts.emplace_back("LASER LINE DOWN");
+    parts.emplace_back(machine.one_line() ? "LINE DOWN" : "LASER LINE DOWN");
   }
-  if (!machine.motion_line_up()) {
+  if (!machine.motion_line_up() && !machine.one_line()) {
     parts.emplace_back("MOTION LINE DOWN");
   } else if (!machine.motion_message().empty()) {
     parts.push_back("stage: " + machine.motion_message());

@@ -89,7 +89,9 @@ bool ShopWatcher::IsComplete() const {
     return std::ranges::find(found, role, &ServiceView::role) != found.end();
   };
   return has(intaglio_ROLE_DISCRETIZER) && has(intaglio_ROLE_SORTER) &&
-         has(intaglio_ROLE_SYNCHRONIZER) && has(intaglio_ROLE_MOTION_BRIDGE);
+         has(intaglio_ROLE_SYNCHRONIZER) &&
+         (has(intaglio_ROLE_MOTION_BRIDGE) ||
+          std::ranges::any_of(found, &ServiceView::is_marker));
 }
 
 ShopSnapshot ShopWatcher::Take() const {

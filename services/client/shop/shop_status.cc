@@ -25,6 +25,10 @@ const char* RoleName(intaglio_ServiceRole role) {
   return index < kNames.size() ? kNames.at(index) : "unknown";
 }
 
+const char* ServiceNameOf(const ServiceView& service) {
+  return service.is_marker() ? "marker" : RoleName(service.role);
+}
+
 const char* HealthName(intaglio_HealthState state) {
   constexpr std::array kNames = {"starting", "ready", "busy", "fault", "stopping"};
   const auto index = static_cast<std::size_t>(state);
@@ -69,10 +73,11 @@ class Builder {
       roles.insert(service.role);
       NoteAge(service);
       if (service.role == intaglio_ROLE_SYNCHRONIZER) synchronizers_.insert(service.cell);
+      if (service.is_marker()) markers_.insert(service.cell);
       if (service.role == intaglio_ROLE_MOTION_BRIDGE) bridges_.insert(service.cell);
       ServiceStatus& line = *status_.add_services();
       line.set_instance(service.instance);
-      line.set_role(RoleName(service.role));
+      line.set_role(ServiceNameOf(service));
       line.set_cell(service.cell);
       line.set_host(service.host);
       line.set_pid(service.pid);
@@ -86,7 +91,7 @@ class Builder {
         const bool has_cell = service.role == intaglio_ROLE_SYNCHRONIZER ||
                               service.role == intaglio_ROLE_MOTION_BRIDGE;
         const std::string of_cell = has_cell ? " of " + service.cell : "";
-        Alarm(RoleName(service.role) + of_cell, 0,
+        Alarm(ServiceNameOf(service) + of_cell, 0,
               service.message.empty() ? "reports a fault" : service.message);
       }
     }
@@ -168,7 +173,8 @@ class Builder {
     names.insert(bridges_.begin(), bridges_.end());
     for (const std::string& name : names) {
       if (!synchronizers_.contains(name)) Need(name + ": no synchronizer runs");
-      if (!bridges_.contains(name)) Need(name + ": no motion-bridge runs");
+      if (!bridges_.contains(name) && !markers_.contains(name))
+        Need(name + ": no motion-bridge runs");
       const auto found = shop_.cells.find(name);
       AddMachine(name, found == shop_.cells.end() ? CellSnapshot{} : found->second);
     }
@@ -178,7 +184,8 @@ class Builder {
     MachineStatus& line = *status_.add_machines();
     line.set_cell(name);
     line.set_age_s(age_of_[name]);
-    line.set_lamp(LampName(cell));
+    line.set_one_line(markers_.contains(name));
+    line.set_lamp(line.one_line() ? "none" : LampName(cell));
     line.set_lamp_warm_ratio(cell.warm_ratio);
     line.set_rate_hz(cell.rate_hz);
     line.set_laser_line_up(cell.has_interlock && cell.laser_line_up);
@@ -190,9 +197,10 @@ class Builder {
     line.set_shutters_open(cell.shutters_open);
     for (const host::StopPress& press : cell.stops_held)
       line.add_stops_held(TextOf({press.source, press.number}));
-    line.set_motion_line_up(cell.has_motion &&
-                            cell.motion_fault != intaglio_MOTION_LINK_LOST &&
-                            cell.motion_fault != intaglio_MOTION_WRONG_CONTROLLER);
+    const bool stage_answers = cell.has_motion &&
+                               cell.motion_fault != intaglio_MOTION_LINK_LOST &&
+                               cell.motion_fault != intaglio_MOTION_WRONG_CONTROLLER;
+    line.set_motion_line_up(line.one_line() ? line.laser_line_up() : stage_answers);
     line.set_motion_message(cell.motion_message);
     if (line.motion_line_up() && cell.has_block_stage) {
       line.mutable_block_stage()->set_x_mm(cell.block_x_mm);
@@ -222,8 +230,10 @@ class Builder {
                       "intaglio stop {0} --reset",
                       name, fmt::join(line.stops_held(), ", ")));
     }
-    if (synchronizers_.contains(name) && !line.laser_line_up())
-      Need(name + ": the laser does not answer: check its cable and its power");
+    if (synchronizers_.contains(name) && !line.laser_line_up()) {
+      Need(fmt::format("{}: the {} does not answer: check its cable and its power", name,
+                       line.one_line() ? "controller" : "laser"));
+    }
     if (bridges_.contains(name) && !line.motion_line_up())
       Need(name + ": the stage does not answer: check its cable and its power");
     if (!line.laser_line_up() || line.job() == 0) return;
@@ -251,6 +261,7 @@ class Builder {
   const std::chrono::system_clock::time_point now_;
   ShopStatus status_;
   std::set<std::string> synchronizers_, bridges_;  // cells
+  std::set<std::string> markers_;                  // cells, among those of synchronizers_
   std::map<std::string, std::uint32_t> job_of_;    // by cell
   std::map<std::string, double> age_of_;           // s, by cell; of its oldest report
 };

@@ -16,9 +16,6 @@ namespace {
 using bus::Borrow;
 using bus::View;
 
-const std::set<intaglio_ServiceRole> kMachineRoles = {intaglio_ROLE_SYNCHRONIZER,
-                                                      intaglio_ROLE_MOTION_BRIDGE};
-
 std::string SourceName(const std::string& program) {
   char host[256] = "localhost";
   gethostname(host, sizeof host - 1);

@@ -1,5 +1,6 @@
 // The machines of the shop, with what holds them; an operator releases the stops that are shown.
 import { Dict, askTwice, make, post } from './dom';
+import { machineState } from './machine_state';
 import { fill, text } from './text';
 
 /** It stays the same element while its machine is there. */
@@ -35,12 +36,7 @@ class MachineLine {
     const place = stage
       ? [stage.x_mm, stage.y_mm, stage.z_mm].map((mm: number) => mm.toFixed(2)).join(' ')
       : '-';
-    this.state.textContent = [
-      fill(text.lamp, { lamp: machine.lamp }),
-      machine.key_on ? text.keyOn : text.keyOff,
-      machine.door_closed ? text.doorClosed : text.doorOpen,
-      this.presses.length ? text.stopPressed : text.stopReleased,
-    ].join(', ');
+    this.state.textContent = machineState(machine);
     this.place.textContent = fill(text.stagePlace, { place, block: machine.mounted || '-' });
   }
 }

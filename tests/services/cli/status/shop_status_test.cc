@@ -154,6 +154,37 @@ TEST(ShopStatus, UncertainPointsAreNamedWithBothCommandsBeforeAnybodyResumes) {
       "are, or intaglio resume 3 --fire-uncertain to fire them again");
 }
 
+/// With a mill in place of the machine: a marker, one line, no bridge and no lamp.
+ShopSnapshot MillShop() {
+  ShopSnapshot shop = GoodShop();
+  shop.services.resize(3);
+  client::ServiceView marker = Service(intaglio_ROLE_SYNCHRONIZER, "mill");
+  marker.instance = "marker-host-7-0110";
+  shop.services.push_back(marker);
+  CellSnapshot cell = shop.cells["left"];
+  cell.lamp_on = cell.lamp_warm = cell.has_motion = false;
+  shop.cells = {{"mill", cell}};
+  return shop;
+}
+
+TEST(ShopStatus, AMachineOfOneLineNeedsNeitherABridgeNorALamp) {
+  const ShopStatus status = Status(MillShop());
+  EXPECT_FALSE(status.needs_person()) << TextOf(status);
+  EXPECT_EQ(status.services(3).role(), "marker");
+  EXPECT_TRUE(status.machines(0).one_line());
+  EXPECT_TRUE(status.machines(0).motion_line_up()) << "it is idle, and not unknown";
+  EXPECT_EQ(status.machines(0).lamp(), "none");
+  EXPECT_THAT(TextOf(status),
+              HasSubstr("mill       key on, door closed, stop released, no job"));
+}
+
+TEST(ShopStatus, AMachineOfOneLineThatDoesNotAnswerIsNamedOnce) {
+  ShopSnapshot shop = MillShop();
+  shop.cells["mill"].laser_line_up = false;
+  ExpectNeed(shop, "mill: the controller does not answer: check its cable");
+  EXPECT_THAT(TextOf(Status(shop)), HasSubstr("mill       LINE DOWN, no job"));
+}
+
 // Somebody changes the block.
 TEST(ShopStatus, AnOpenDoorNeedsAPersonOnlyWhileTheMachineHasAJob) {
   ShopSnapshot shop = GoodShop();

@@ -104,6 +104,20 @@ TEST_F(Listed, AMachineThatIsListedIsWaitedForBeforeAnotherOneIsTheOnlyOne) {
   EXPECT_THAT(found.error().message, HasSubstr("several machines found (els-03, mill)"));
 }
 
+// A mill is moved by its marker, which has the role of a synchronizer.
+TEST_F(Listed, AListedMillIsWaitedForBeforeAnEngraverIsTheOnlyMachine) {
+  List({{"marker-1", intaglio_ROLE_SYNCHRONIZER, "mill"},
+        {"bridge-2", intaglio_ROLE_MOTION_BRIDGE, "els-03"}});
+  State("els-03");
+  std::jthread late([&] {
+    std::this_thread::sleep_for(400ms);
+    State("mill");
+  });
+  const auto found = TeachClient::FindMachine(bus_, "");
+  ASSERT_FALSE(found) << *found << " would have been moved";
+  EXPECT_THAT(found.error().message, HasSubstr("several machines found (els-03, mill)"));
+}
+
 TEST_F(Listed, MachinesToResetAreKnownWhenEachOfTheListHasCome) {
   MachineReports reports(bus_, "");
   List({{"bridge-1", intaglio_ROLE_MOTION_BRIDGE, "mill"},
