@@ -159,9 +159,9 @@ Status ReportMounted(const UpOptions& options, client::JobClient& client,
 }
 
 void Welcome(client::ShopCells& shop, const MountedParts& mounted,
-             const client::ServiceSetOptions& set) {
+             const MachineSpec& machine, const client::ServiceSetOptions& set) {
   for (const std::string& process : shop.Processes()) std::cout << process << "\n";
-  std::cout << MountedText(mounted) << "\n";
+  std::cout << MountedText(mounted, machine) << "\n";
   for (const fs::path& file : shop.machine_files()) {
     std::cout << "machine profile for jobs: " << file.string() << "\n";
   }
@@ -280,7 +280,7 @@ int Up(const UpOptions& options) {
   auto shop = client::ShopCells::Start(*cells);
   if (!shop) return Complain(shop.error(), client::kExitInternal);
   if (const auto failed = Open(options, *shop, client, *cells, *mounted)) return *failed;
-  Welcome(*shop, *mounted, set);
+  Welcome(*shop, *mounted, *machine, set);
   std::vector<client::ShopProofs> proofs;
   for (const client::ShopCells::Cell& cell : *cells) {
     if (cell.options.without.contains("synchronizer")) continue;

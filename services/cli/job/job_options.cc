@@ -13,6 +13,7 @@
 #include "services/cli/job/job_limits.h"
 #include "services/job/checks/course_check.h"
 #include "services/job/checks/job_check.h"
+#include "services/job/checks/mark_job_check.h"
 #include "services/job/convert/job_defaults.h"
 #include "services/job/convert/mark_defaults.h"
 #include "services/job/convert/model_kind.h"
@@ -280,8 +281,8 @@ Result<JobAndMachine> Build(const JobFlags& flags, JobSpec read,
   INTAGLIO_TRY(Apply(flags, job));
   if (job.glass().empty() && flags.job_file.empty()) job.set_glass("N-BK7");
   INTAGLIO_TRY(SetMachineFile(flags, job));
-  auto machine = INTAGLIO_TRY(ReadMachineFile(job.machine_file()));
-  built.machine = std::move(machine);
+  built.machine = INTAGLIO_TRY(ReadMachineFile(job.machine_file()));
+  INTAGLIO_TRY(CheckMakesPoints(built.machine));
   if (flags.job_file.empty() && !job.discretization().has_min_spacing_mm()) {
     job.mutable_discretization()->set_min_spacing_mm(0.1);
   }

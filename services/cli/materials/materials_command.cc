@@ -23,6 +23,7 @@
 #include "services/cli/materials/glass_text.h"
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
+#include "services/job/checks/mark_job_check.h"
 #include "services/job/files/job_file.h"
 #include "services/job/files/material_record.h"
 #include "services/job/machine/focus_offset.h"
@@ -74,6 +75,7 @@ Result<Beam> BeamOf(const Flags& flags) {
   }
   const auto file = INTAGLIO_TRY(FindMachineFile(flags.machine));
   const auto machine = INTAGLIO_TRY(ReadMachineFile(file.string()));
+  INTAGLIO_TRY(CheckMakesPoints(machine));
   const MachineLens* lens =
       flags.focal_mm ? FindLens(machine, *flags.focal_mm) : MountedLensOf(machine);
   if (lens == nullptr) {

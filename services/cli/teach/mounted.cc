@@ -50,9 +50,19 @@ Status MountGlass(const std::string& name, const MachineSpec& machine,
   return {};
 }
 
-}  // namespace
-
-namespace {
+/// A machine that marks, mills or cuts has neither a block of glass nor a lens over it.
+Status CheckPieceAlone(const MountFlags& flags, const MachineSpec& machine) {
+  const char* given = !flags.block_mm.empty()      ? "--block"
+                      : !flags.lens.empty()        ? "--lens"
+                      : !flags.glass.empty()       ? "the glass"
+                      : flags.refractive_index > 0 ? "--index"
+                                                   : nullptr;
+  if (given == nullptr) return {};
+  return Fail(ErrorCode::kInvalidValue,
+              fmt::format("{} is not mounted in {}, which marks, mills or cuts a piece: "
+                          "name the piece with --piece",
+                          given, machine.name()));
+}
 
 void AddFlagsWith(command_line::Command command, const char* glass_option,
                   const char* default_text, MountFlags& flags) {
@@ -101,6 +111,7 @@ void AddNamedMountFlags(command_line::Command command, MountFlags& flags) {
 
 Result<MountedParts> NamedParts(const MountFlags& flags, const MachineSpec& machine,
                                 const fs::path& materials_db) {
+  if (machine.has_mark_line()) INTAGLIO_TRY(CheckPieceAlone(flags, machine));
   MountedParts mounted;
   mounted.piece = flags.piece;
   if (!flags.block_mm.empty())
@@ -122,6 +133,7 @@ Result<MountedParts> MountedOf(const MountFlags& given, bool is_virtual,
                                const MachineSpec& machine, const fs::path& materials_db) {
   MountFlags flags = given;
   if (machine.has_mark_line()) {
+    INTAGLIO_TRY(CheckPieceAlone(flags, machine));
     if (flags.piece.empty() && is_virtual) flags.piece = "virtual piece";
     return MountedParts{.piece = flags.piece};
   }
@@ -135,8 +147,9 @@ Result<MountedParts> MountedOf(const MountFlags& given, bool is_virtual,
   return NamedParts(flags, machine, materials_db);
 }
 
-std::string MountedText(const MountedParts& known) {
+std::string MountedText(const MountedParts& known, const MachineSpec& machine) {
   if (!known.piece.empty()) return "piece in the machine: " + known.piece;
+  if (machine.has_mark_line()) return "piece in the machine: it is not known (--piece)";
   std::string text = "block in the machine: ";
   if (known.block_mm) {
     const Vec3& mm = *known.block_mm;

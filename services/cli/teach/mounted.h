@@ -43,6 +43,6 @@ Result<MountedParts> MountedOf(const MountFlags& flags, bool is_virtual,
 
 /// For people, e.g. "block in the machine: 50 x 50 x 30 mm (--block), N-BK7 of index
 /// 1.51947 (--block-glass); lens f43: f 43 mm, NA 0.2 (--lens)".
-std::string MountedText(const MountedParts& mounted);
+std::string MountedText(const MountedParts& mounted, const MachineSpec& machine);
 
 }  // namespace intaglio::cli

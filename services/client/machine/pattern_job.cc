@@ -8,6 +8,7 @@
 #include "engrave/calibrate/test_pattern.h"
 #include "engrave/core/try.h"
 #include "engrave/formats/point_file.h"
+#include "services/job/checks/mark_job_check.h"
 #include "services/job/files/job_file.h"
 #include "services/job/machine/machine_axes.h"
 
@@ -58,6 +59,7 @@ JobSpec JobOf(const PatternJob& asked, const calibrate::TestPatternOptions& opti
 
 Result<fs::path> WritePatternJob(const PatternJob& asked, const fs::path& folder) {
   const MachineSpec machine = INTAGLIO_TRY(ReadMachineFile(asked.machine_file));
+  INTAGLIO_TRY(CheckMakesPoints(machine));
   if (machine.has_head_over_block()) {
     return Fail(ErrorCode::kUnsupported,
                 machine.name() +

@@ -1,5 +1,7 @@
 #include "services/job/checks/mark_job_check.h"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -28,6 +30,16 @@ void RefuseFieldsOfPoints(const JobSpec& job, Findings& findings) {
 }
 
 }  // namespace
+
+Status CheckMakesPoints(const MachineSpec& machine) {
+  if (!machine.has_mark_line()) return {};
+  return Fail(ErrorCode::kUnsupported,
+              fmt::format("machine {}: it makes marks or contours (its profile has a "
+                          "mark_line), and these are points in a block: give marks or a "
+                          "course in their place, or name a machine that engraves",
+                          machine.name()),
+              machine.name());
+}
 
 std::vector<Finding> CheckMarkJob(const JobSpec& job, const MachineSpec& machine) {
   Findings findings;

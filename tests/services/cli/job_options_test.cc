@@ -52,6 +52,18 @@ std::string RefusalOf(const std::vector<std::string>& words) {
   return built ? "" : built.error().message;
 }
 
+// Before a block is chosen for it: no scale of the model would help.
+TEST(JobFlags, AMachineThatMarksIsRefusedForPointsAtOnce) {
+  for (const char* machine : {"galvo", "mill", "laser-cutter", "bjjcz"}) {
+    EXPECT_THAT(RefusalOf({kModel, "--height", "22", "--machine", machine}),
+                HasSubstr("it makes marks or contours"))
+        << machine;
+    const auto points = BuildJobOfPoints(Typed({"--machine", machine}), {Vec3(1, 1, 1)});
+    ASSERT_FALSE(points) << machine;
+    EXPECT_THAT(points.error().message, HasSubstr("a machine that engraves"));
+  }
+}
+
 // As `preview` takes them: what is named without an option is the job, or its models.
 TEST(JobFlags, AJobFileOrModelsNeedNoOption) {
   EXPECT_EQ(Built({kModel, "--height", "22"})->job.SerializeAsString(),

@@ -11,10 +11,12 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
+MachineSpec Engraver() {
+  return ReadMachineFile(INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto").value();
+}
+
 Result<MountedParts> MountedIn(bool is_virtual, const MountFlags& flags) {
-  const auto machine =
-      ReadMachineFile(INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto");
-  return MountedOf(flags, is_virtual, machine.value(), ":memory:");
+  return MountedOf(flags, is_virtual, Engraver(), ":memory:");
 }
 
 TEST(Mounted, OfAVirtualMachineEverythingIsKnown) {
@@ -23,7 +25,7 @@ TEST(Mounted, OfAVirtualMachineEverythingIsKnown) {
   EXPECT_EQ(*mounted->block_mm, Vec3(50, 50, 30));
   EXPECT_NEAR(*mounted->refractive_index, 1.51947, 1e-5);
   EXPECT_EQ(mounted->lens->focal_length_mm, 43);
-  EXPECT_THAT(MountedText(*mounted),
+  EXPECT_THAT(MountedText(*mounted, Engraver()),
               AllOf(HasSubstr("50 x 50 x 30 mm"), HasSubstr("N-BK7 of index 1.51947"),
                     HasSubstr("lens f43: f 43 mm, NA 0.0581")));
 }
@@ -34,7 +36,8 @@ TEST(Mounted, OfARealMachineOnlyWhatWasGiven) {
   EXPECT_FALSE(nothing->block_mm);
   EXPECT_FALSE(nothing->refractive_index);
   EXPECT_FALSE(nothing->lens);
-  EXPECT_THAT(MountedText(*nothing), HasSubstr("its lens is not known (--lens)"));
+  EXPECT_THAT(MountedText(*nothing, Engraver()),
+              HasSubstr("its lens is not known (--lens)"));
   const auto lens = MountedIn(false, {{}, "", 0, "f70", ""});
   ASSERT_TRUE(lens);
   EXPECT_EQ(lens->lens->numerical_aperture, 5.0 / 140);
@@ -46,7 +49,7 @@ TEST(Mounted, AGlassIsGivenByItsNameOrItsIndex) {
               1e-3);
   const auto mounted = MountedIn(true, {{}, "", 1.7, "", ""});
   EXPECT_EQ(*mounted->refractive_index, 1.7);
-  EXPECT_THAT(MountedText(*mounted), HasSubstr("glass of index 1.7"));
+  EXPECT_THAT(MountedText(*mounted, Engraver()), HasSubstr("glass of index 1.7"));
 }
 
 TEST(Mounted, WhatThereIsNotIsRefusedWithWhatThereIs) {
@@ -65,6 +68,23 @@ TEST(Mounted, OfAMachineThatMarksThePieceByItsDescription) {
   EXPECT_TRUE(MountedOf({}, false, galvo, ":memory:")->empty());
   EXPECT_EQ(MountedOf({{}, "", 0, "", "brass"}, false, galvo, ":memory:")->piece,
             "brass");
+  EXPECT_EQ(MountedText({}, galvo), "piece in the machine: it is not known (--piece)");
+}
+
+// It has no lens, whose aperture the index of a glass would be computed with.
+TEST(Mounted, AMachineThatMarksIsGivenNoGlassInPlaceOfItsPiece) {
+  const auto galvo =
+      ReadMachineFile(INTAGLIO_SOURCE_DIR "/deploy/machines/galvo.textproto").value();
+  const std::array given = {
+      MountFlags{{50, 50, 30}, "", 0, "", ""}, MountFlags{{}, "N-BK7", 0, "", ""},
+      MountFlags{{}, "", 1.5, "", "brass"}, MountFlags{{}, "", 0, "f43", ""}};
+  for (const MountFlags& flags : given) {
+    for (const auto& mounted : {MountedOf(flags, true, galvo, ":memory:"),
+                                NamedParts(flags, galvo, ":memory:")}) {
+      ASSERT_FALSE(mounted);
+      EXPECT_THAT(mounted.error().message, HasSubstr("name the piece with --piece"));
+    }
+  }
 }
 
 // A person names what is new; the rest stays as it was reported.
