@@ -4,12 +4,13 @@
 #include "services/cli/intaglio_program.h"
 #include "services/client/exit_codes.h"
 #include "services/platform/bus/bus_option_error.h"
+#include "services/platform/command_line/standard_streams.h"
 
-int main(int argc, char** argv) {
-  const auto program = intaglio::cli::IntaglioProgram();
-  if (const auto exit_code = program->Parse(argc, argv)) return *exit_code;
+namespace {
+
+int Run(const intaglio::command_line::Program& program) {
   try {
-    return program->Run();
+    return program.Run();
   } catch (const intaglio::bus::BusOptionError& error) {
     std::cerr << "intaglio: " << error.what() << "\n";
     return intaglio::client::kExitWrongInput;
@@ -20,4 +21,16 @@ int main(int argc, char** argv) {
     std::cerr << "intaglio: " << error.what() << "\n";
     return intaglio::client::kExitInternal;
   }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const auto program = intaglio::cli::IntaglioProgram();
+  const auto refused = program->Parse(argc, argv);
+  const int exit_code = refused ? *refused : Run(*program);
+  const auto written = intaglio::command_line::FlushOutput();
+  if (written) return exit_code;
+  std::cerr << "intaglio: " << written.error().message << "\n";
+  return exit_code == 0 ? intaglio::client::kExitWrongInput : exit_code;
 }

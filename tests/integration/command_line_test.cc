@@ -158,6 +158,29 @@ TEST(CommandLine, AFolderThatCannotBeWrittenIsNamed) {
 }
 
 // The table of docs/cli.md against the enumeration, so that neither changes alone.
+Ended TypeInShell(const std::string& line) {
+  const fs::path folder = test::FreshFolder();
+  setenv("INTAGLIO_MATERIALS_DB", (folder / "materials.db").c_str(), 1);
+  Running run("/bin/sh", {"-c", "cd " + folder.string() + " && " + line},
+              folder / "output.txt");
+  return run.WaitForEnd(30s);
+}
+
+// A table on a disk that is full is not a table.
+TEST(CommandLine, ResultsThatCannotBeWrittenAreNoSuccess) {
+  const std::string intaglio = Program("intaglio").string();
+  for (const char* command :
+       {" materials list", " materials list --json", " help discretize", " --help"}) {
+    const Ended full = TypeInShell(intaglio + command + " > /dev/full");
+    EXPECT_EQ(full.exit_code, client::kExitWrongInput) << command;
+    EXPECT_THAT(full.output, HasSubstr("standard output cannot be written")) << command;
+  }
+  EXPECT_EQ(TypeInShell(intaglio + " materials list > list.txt").exit_code, 0);
+  const Ended closed = TypeInShell(intaglio + " materials list >&-");
+  EXPECT_EQ(closed.exit_code, client::kExitWrongInput);
+  EXPECT_THAT(closed.output, HasSubstr("standard output cannot be written"));
+}
+
 TEST(CommandLine, ExitCodesAreAsDocumented) {
   const std::string document = TextIn(INTAGLIO_SOURCE_DIR "/docs/cli.md");
   for (const auto& [code, word] : std::vector<std::pair<int, std::string>>{

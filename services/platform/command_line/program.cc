@@ -16,6 +16,7 @@
 #include "services/platform/command_line/line_parse.h"
 #include "services/platform/command_line/open_files.h"
 #include "services/platform/command_line/shell_files.h"
+#include "services/platform/command_line/standard_streams.h"
 #include "services/platform/command_line/state.h"
 
 namespace intaglio::command_line {
@@ -292,6 +293,7 @@ int Program::Refuse(const std::vector<std::string>& words, const Error& error,
 }
 
 std::optional<int> Program::Parse(int argc, char** argv) {
+  KeepStandardStreams();
   if (argc == 3 && std::string_view(argv[1]) == kWriteShellFiles) {
     const Status written = WriteShellFiles(app_->get_name(), Describe(), argv[2]);
     if (written) return 0;
