@@ -87,7 +87,8 @@ class HpglReader {
   }
 
   void LeaveOut(std::string_view what) {
-    pen_.builder().LeaveOut(what, EffectOfHpgl(what), fmt::format("byte {}", begin_));
+    pen_.builder().LeaveOut(what, EffectOfHpgl(what, text_, begin_),
+                            fmt::format("byte {}", begin_));
   }
 
   /// ESC . letter [numbers :], or ESC % digits letter.
@@ -176,7 +177,7 @@ class HpglReader {
       return true;
     }
     // Without numbers they bring the plotter's own back.
-    if (has_numbers || EffectOfHpgl(name_) != Effect::kChanged) LeaveOut(name_);
+    if (has_numbers || EffectOfHpgl(name_, "", 0) != Effect::kChanged) LeaveOut(name_);
     if (name_ == "SM" && at_ < text_.size() && text_[at_] != ';') ++at_;  // a symbol
     // HP-GL/2 needs no semicolon before the next letters; a text in quotes has letters.
     while (at_ < text_.size() && !io::IsLetter(text_[at_]) && text_[at_] != kEscape &&
@@ -384,8 +385,7 @@ class HpglReader {
   HpglPen pen_;
   std::size_t at_ = 0, begin_ = 0;
   std::string name_;
-  bool any_ = false;
-  bool relative_ = false;
+  bool any_ = false, relative_ = false;
   char end_of_text_ = kEndOfText;
 };
 

@@ -17,6 +17,7 @@
 #include "engrave/io/atomic_file.h"
 #include "engrave/io/dxf_unit.h"
 #include "engrave/io/number_text.h"
+#include "engrave/io/text_behind.h"
 
 namespace intaglio::formats {
 namespace {
@@ -56,6 +57,7 @@ class Pairs {
   }
 
   std::size_t line_number() const { return line_number_; }  ///< of the last line taken
+  std::string_view rest() const { return rest_; }
 
  private:
   std::string_view TakeLine() {
@@ -194,6 +196,12 @@ Result<PointTable> PointReader::Read() {
                               pairs_.line_number()));
     }
     if (Status status = Receive(*pair); !status) return tl::unexpected(status.error());
+  }
+  if (!io::TextBehind(pairs_.rest(), 0).empty()) {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("there is more behind its EOF (line {}), of which nothing "
+                            "would be read; divide the file, or delete it",
+                            pairs_.line_number()));
   }
   if (table_.points_mm.empty()) {
     return Fail(ErrorCode::kMissing,

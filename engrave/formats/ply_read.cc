@@ -34,6 +34,13 @@ tl::unexpected<Error> CutOff(const PlyElement& element, std::uint64_t row) {
                   row + 1, element.count, element.name));
 }
 
+tl::unexpected<Error> GoesOn() {
+  return Fail(
+      ErrorCode::kUnreadable,
+      "the file goes on behind its last vertex: its header declares fewer rows "
+      "than it has, or its rows have more values than properties; write it again");
+}
+
 /// Reads one row; gives each scalar value to `keep` with the property's index.
 template <typename Keep>
 bool ReadRow(const PlyElement& element, PlyValues& values, Keep keep) {
@@ -220,9 +227,12 @@ class PlyPieces {
   Status Receive(std::span<const std::byte> piece, std::uint64_t size) {
     begun_.append(reinterpret_cast<const char*>(piece.data()), piece.size());
     if (!vertices_) {
+      const PlyElement& element = header_.elements.front();
+      const std::uint64_t rest_size = size - header_.size;
+      const bool is_alone = header_.elements.size() == 1;
+      if (is_alone && rest_size / row_size_ > element.count) return GoesOn();
       begun_.erase(0, header_.size);
-      auto vertices = INTAGLIO_TRY(
-          PlyVertices::Begin(header_.elements.front(), size - header_.size, limits_));
+      auto vertices = INTAGLIO_TRY(PlyVertices::Begin(element, rest_size, limits_));
       vertices_ = std::move(vertices);
     }
     const std::uint64_t rows = begun_.size() / row_size_;
@@ -254,6 +264,8 @@ Result<PointTable> ParsePly(std::string_view bytes, const PointFileLimits& limit
   for (const PlyElement& element : header.elements) {
     if (element.name == "vertex") {
       Result<PointTable> table = ReadVertices(element, rest.size(), *values, limits);
+      if (&element == &header.elements.back() && table && values->has_more())
+        return GoesOn();
       if (table) AddComments(header, *table);
       return table;
     }

@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "engrave/io/number_text.h"
+#include "engrave/io/text_behind.h"
 
 namespace intaglio::io {
 namespace {
@@ -49,6 +50,7 @@ class BinaryValues final : public PlyValues {
   std::optional<double> Next(PlyType type) override {
     return TakeAs(type, [this](auto kind) { return Take<decltype(kind)>(); });
   }
+  bool has_more() const override { return !TextBehind(rest_, 0).empty(); }
 
  private:
   template <typename T>
@@ -78,6 +80,7 @@ class AsciiValues final : public PlyValues {
       }
     });
   }
+  bool has_more() const override { return !TextBehind(rest_, 0).empty(); }
 
  private:
   template <typename T>

@@ -14,6 +14,9 @@ class PlyValues {
   virtual ~PlyValues() = default;
   /// Nothing at the end of the bytes or where there is no value of that type.
   virtual std::optional<double> Next(PlyType type) = 0;
+  /// Whether something but blanks has not been taken: more rows than the header declares,
+  /// or rows with more values than it has properties, which were taken for others.
+  virtual bool has_more() const = 0;
 };
 
 /// `rest`: the file behind its header, which must outlive the values.

@@ -12,6 +12,7 @@
 #include "engrave/contour/files/excellon_terms.h"
 #include "engrave/core/try.h"
 #include "engrave/io/number_text.h"
+#include "engrave/io/text_behind.h"
 
 namespace intaglio::contour {
 namespace {
@@ -47,6 +48,8 @@ class ExcellonReader {
       if (end + 1 < text_.size() && text_[end] == '\r' && text_[end + 1] != '\n')
         ++line_number_;
       at = end + 1;
+      if (ended_ && !io::TextBehind(text_, at).empty())
+        (void)LeaveOut("text behind M30", "delete it, or divide the file");
     }
     if (pattern_.IsOpen())
       return Wrong(ErrorCode::kInvalidValue,
@@ -375,9 +378,7 @@ class ExcellonReader {
   ExcellonNumbers numbers_;
   ExcellonPattern pattern_;
   std::size_t line_number_ = 1;
-  bool known_ = false;
-  bool in_header_ = false;
-  bool ended_ = false;
+  bool known_ = false, in_header_ = false, ended_ = false;
   bool incremental_ = false;
   bool routing_ = false;
   bool down_ = false;

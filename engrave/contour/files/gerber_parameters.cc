@@ -112,4 +112,13 @@ bool HasNoEffect(std::string_view block) {
   return false;
 }
 
+bool DrawsBackOfBoard(std::string_view text) {
+  constexpr std::string_view kFunction = "TF.FileFunction,";
+  const std::size_t found = text.find(kFunction);
+  if (found == std::string_view::npos) return false;
+  const std::string_view rest = text.substr(found + kFunction.size());
+  const std::string_view function = rest.substr(0, rest.find('*'));
+  return function.starts_with("Copper,") && function.find(",Bot") != function.npos;
+}
+
 }  // namespace intaglio::contour

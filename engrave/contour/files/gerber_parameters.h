@@ -42,4 +42,8 @@ Result<std::pair<int, GerberAperture>> ParseGerberAperture(std::string_view bloc
 /// Attributes, names, and rotations by 0 and the like.
 bool HasNoEffect(std::string_view block);
 
+/// Whether the file declares to be the copper of the back, as an attribute or as a
+/// comment of older programs: %TF.FileFunction,Copper,L2,Bot*% (Ucamco 2022, ch. 5.6.3).
+bool DrawsBackOfBoard(std::string_view text);
+
 }  // namespace intaglio::contour

@@ -13,6 +13,7 @@
 #include "engrave/contour/files/gerber_region.h"
 #include "engrave/core/try.h"
 #include "engrave/io/number_text.h"
+#include "engrave/io/text_behind.h"
 
 namespace intaglio::contour {
 namespace {
@@ -173,12 +174,19 @@ class GerberReader {
     if (pin) std::replace(name_of_element_.begin(), name_of_element_.end(), ',', '-');
   }
 
+  /// Layers that were joined into one file; a comment may stand there.
+  Status CheckBehindEnd() const {
+    if (io::TextBehind(text_, at_).find_first_of("XY%") == text_.npos) return {};
+    return Wrong(ErrorCode::kUnsupported,
+                 "there is more behind the end (M02); divide the file, or delete it");
+  }
+
   Status ReadCommand(std::string_view block) {
     if (block.empty() || block.starts_with("G04") || block.starts_with("G4 ")) return {};
     if (block == "M02" || block == "M2" || block == "M00") {
       ended_ = true;
-      return region_ ? Wrong(ErrorCode::kInvalidValue, "a region does not end (G37)")
-                     : Status{};
+      if (region_) return Wrong(ErrorCode::kInvalidValue, "a region does not end (G37)");
+      return CheckBehindEnd();
     }
     Vec2 offset = Vec2::Zero();
     Vec2 to = place_;
@@ -386,15 +394,6 @@ class GerberReader {
 Result<std::vector<Element>> ReadGerber(std::string_view text, std::string_view name,
                                         const GerberLimits& limits) {
   return GerberReader(text, name, limits).Read();
-}
-
-bool DrawsBackOfBoard(std::string_view text) {
-  constexpr std::string_view kFunction = "TF.FileFunction,";
-  const std::size_t found = text.find(kFunction);
-  if (found == std::string_view::npos) return false;
-  const std::string_view rest = text.substr(found + kFunction.size());
-  const std::string_view function = rest.substr(0, rest.find('*'));
-  return function.starts_with("Copper,") && function.find(",Bot") != function.npos;
 }
 
 }  // namespace intaglio::contour

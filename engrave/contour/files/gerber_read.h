@@ -36,8 +36,4 @@ struct GerberLimits {
 Result<std::vector<Element>> ReadGerber(std::string_view text, std::string_view name,
                                         const GerberLimits& limits = {});
 
-/// Whether the file declares to be the copper of the back, as an attribute or as a
-/// comment of older programs: %TF.FileFunction,Copper,L2,Bot*% (Ucamco 2022, ch. 5.6.3).
-bool DrawsBackOfBoard(std::string_view text);
-
 }  // namespace intaglio::contour

@@ -20,6 +20,7 @@
 #include "engrave/drawing/pieces.h"
 #include "engrave/io/dxf_unit.h"
 #include "engrave/io/lower_case.h"
+#include "engrave/io/text_behind.h"
 
 namespace intaglio::drawing {
 namespace {
@@ -94,7 +95,10 @@ class DxfReader {
     bool any = false;
     while (groups.Next(group)) {
       if (group.code != 0) continue;
-      if (group.value == "EOF") break;
+      if (group.value == "EOF") {
+        NoteBehindEnd(groups);
+        break;
+      }
       if (group.value != "SECTION") continue;
       any = true;
       if (!groups.Next(group)) {
@@ -107,6 +111,13 @@ class DxfReader {
     if (!groups.good()) return false;
     return any || builder_.Refuse(ErrorCode::kUnreadable, "",
                                   "the file has no SECTION; it is not DXF");
+  }
+
+  void NoteBehindEnd(DxfGroups& groups) {
+    if (io::TextBehind(text_, groups.position()).empty()) return;
+    builder_.LeaveOut("text behind EOF", Effect::kLost,
+                      fmt::format("line {}", groups.line()), 0,
+                      "delete it, or divide the file");
   }
 
   bool ReadSection(std::string_view section, DxfGroups& groups) {

@@ -67,6 +67,12 @@ class PlyReader {
         INTAGLIO_TRY(ReadRow(element, row));
       }
     }
+    if (values_->has_more()) {
+      return source_.RefuseAsUnreadable(
+          "it goes on behind its last row: its header declares fewer rows than it has, "
+          "or "
+          "its rows have more values than properties");
+    }
     if (mesh_.triangles.empty()) return source_.RefuseEmptyModel();
     mesh_.vertices = welder_.TakePoints();
     AddUnusedVertices(welded_, mesh_.findings);

@@ -10,6 +10,7 @@
 
 #include "engrave/contour/files/drawing_loops.h"
 #include "engrave/contour/files/excellon_read.h"
+#include "engrave/contour/files/gerber_parameters.h"
 #include "engrave/contour/files/gerber_read.h"
 #include "engrave/contour/files/kicad_read.h"
 #include "engrave/contour/files/project_file.h"

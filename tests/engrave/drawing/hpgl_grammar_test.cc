@@ -116,6 +116,22 @@ TEST(HpglGrammar, EveryInstructionIsObeyedOrFoundAndNoneHidesTheNext) {
   }
 }
 
+// Drawn over the sheet before it, as if it were the same one.
+TEST(HpglGrammar, ASecondSheetChangesThePieceAndAnEmptyOneDoesNot) {
+  for (const char* sheet : {"PG;", "AF;", "FR;"}) {
+    const std::string line = "PU0,0;PD400,0;PU;";
+    const auto second = ReadHpgl("IN;SP1;" + line + sheet + line);
+    ASSERT_TRUE(second && second->findings.size() == 1) << sheet;
+    EXPECT_EQ(second->findings.begin()->effect, Effect::kChanged) << sheet;
+    for (const std::string& text :
+         {"IN;SP1;" + line + sheet, std::string("IN;SP1;") + sheet + line}) {
+      const auto first = ReadHpgl(text);
+      ASSERT_TRUE(first && first->findings.size() == 1) << text;
+      EXPECT_EQ(first->findings.begin()->effect, Effect::kNothingSeen) << text;
+    }
+  }
+}
+
 // As plotter drivers write HP-GL/2: nothing between the instructions but polylines (PE),
 // whose end alone is marked.
 TEST(HpglGrammar, PolylinesBehindOtherInstructionsAreDrawn) {

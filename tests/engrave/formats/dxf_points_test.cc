@@ -99,6 +99,8 @@ TEST(DxfPoints, ReportsWhatIsWrong) {
   EXPECT_EQ(none.error().code, ErrorCode::kMissing);
   EXPECT_THAT(none.error().message, HasSubstr("no POINT, only LINE 1"));
   EXPECT_EQ(ParseDxf(Drawing("", "")).error().code, ErrorCode::kMissing);
+  EXPECT_THAT(ParseDxf(whole + whole).error().message, HasSubstr("more behind its EOF"));
+  EXPECT_TRUE(ParseDxf(whole + "\r\n\x1a"));
   PointFileLimits limits;
   limits.max_points = 1;
   EXPECT_EQ(ParseDxf(Drawing("", std::string(kPoint) + kPoint), limits).error().code,

@@ -197,6 +197,27 @@ ErrorCode CodeOf(std::string_view bytes, const PointFileLimits& limits = {}) {
 
 std::string AsciiPly(const std::string& rest) { return "ply\nformat ascii 1.0\n" + rest; }
 
+// More rows than declared, or more values in a row, which would be taken for the next
+// point.
+TEST(PlyFile, WhatGoesOnBehindItsLastRowIsRefused) {
+  const std::string header =
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+      "property float z\nend_header\n";
+  EXPECT_TRUE(ParsePly(header + "1 1 1\n2 2 2\n \r\n"));
+  for (const char* rows : {"1 1 1\n2 2 2\n3 3 3\n", "1 1 1 255 0 0\n2 2 2 255 0 0\n"}) {
+    const auto table = ParsePly(header + rows);
+    ASSERT_FALSE(table) << rows;
+    EXPECT_THAT(table.error().message, HasSubstr("goes on behind its last vertex"));
+  }
+  const fs::path file = test::FreshFolder() / "more.ply";
+  PointTable table;
+  table.points_mm = {Vec3(1, 2, 3), Vec3(4, 5, 6)};
+  ASSERT_TRUE(WritePly(file, table));
+  ASSERT_TRUE(ReadPly(file));
+  std::ofstream(file, std::ios::app | std::ios::binary) << std::string(24, '\1');
+  EXPECT_EQ(ReadPly(file).error().code, ErrorCode::kUnreadable);
+}
+
 TEST(PlyFile, RefusesWhatIsNoPointFile) {
   const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
   EXPECT_EQ(CodeOf(""), ErrorCode::kUnreadable);

@@ -46,6 +46,12 @@ TEST(PlyCheck, RowsThatTheFileHasNoBytesForAreRefused) {
   }
 }
 
+TEST(PlyCheck, RowsBehindTheDeclaredOnesAreRefused) {
+  const std::string box = Ply(BoxMesh(Vec3(1, 2, 3)));
+  ASSERT_TRUE(Import(box + "\n \r\n"));
+  ExpectRefused(box + "3 0 1 2\n", "", "goes on behind its last row");
+}
+
 // The library takes each of these for the end of a line, and what follows for another.
 TEST(PlyCheck, DeclarationsThatOnlyTheLibrarySeesAreRefused) {
   for (const std::string& lines :

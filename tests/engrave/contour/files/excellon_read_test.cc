@@ -30,6 +30,15 @@ void ExpectHole(const DrillFile& file, std::size_t k, double x, double y, double
 }
 
 // As KiCad writes it: decimal points, a slot by G85.
+TEST(Excellon, WhatLiesBehindTheEndIsMissingInThePieceAndNamed) {
+  const std::string one = "M48\nMETRIC,TZ\nT1C0.8\n%\nT1\nX1.0Y1.0\nM30\n";
+  const DrillFile joined = FileOf(one + one);
+  EXPECT_EQ(joined.holes.size(), 1U);
+  ASSERT_EQ(joined.findings.size(), 1U);
+  EXPECT_EQ(joined.findings.begin()->effect, Effect::kLost);
+  EXPECT_TRUE(FileOf(one + "\r\n\x1a").findings.empty());
+}
+
 TEST(Excellon, ReadsHolesAndSlotsWithPoints) {
   const DrillFile file = FileOf(
       "M48\r\n; DRILL file\r\n; FORMAT={-:-/ absolute / metric / decimal}\r\nFMAT,2\r\n"

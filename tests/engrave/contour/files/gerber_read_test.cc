@@ -40,6 +40,16 @@ std::string RefusalOfLayer(const std::string& text, const GerberLimits& limits =
 
 const char kFlash[] = "D10*\nX5000000Y-2000000D03*\n";
 
+// Two layers that were joined into one file are not the first of them.
+TEST(Gerber, RefusesWhatLiesBehindTheEnd) {
+  const std::string one = Layer(std::string("%ADD10C,2*%\n") + kFlash);
+  EXPECT_THAT(RefusalOfLayer(one + one), ::testing::HasSubstr("more behind the end"));
+  EXPECT_THAT(RefusalOfLayer(one + "X0Y0D03*\n"), ::testing::HasSubstr("line 9"));
+  for (const std::string& behind :
+       {std::string("\r\n\r\n\x1a"), std::string(100, '\0'), std::string("G04 end*\n")})
+    EXPECT_EQ(RefusalOfLayer(one + behind), "no error");
+}
+
 // Areas by hand; coordinates are rounded to 1 nm.
 TEST(Gerber, FlashesStandardApertures) {
   const auto area = [](const std::string& aperture) {

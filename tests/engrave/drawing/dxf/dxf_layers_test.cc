@@ -29,6 +29,15 @@ std::string Drawn(const Drawing& drawing) {
   return drawn;
 }
 
+// Two drawings that were joined into one file are not the first of them.
+TEST(DxfLayers, WhatLiesBehindTheEndOfTheFileIsFound) {
+  const std::string one = Entities("0 POINT|10 1");
+  const Drawing joined = DrawingOf(one + one);
+  EXPECT_EQ(Drawn(joined), "1 ");
+  EXPECT_EQ(joined.findings.CountOf("text behind EOF"), 1U);
+  EXPECT_TRUE(DrawingOf(one + "\r\n\x1a").findings.empty());
+}
+
 TEST(DxfLayers, OffAndFrozenLayersAreNotDrawnButCounted) {
   const Drawing drawing =
       DrawingOf(Tables() + Entities("0 POINT|8 on|10 1|0 POINT|8 off|10 2|"
