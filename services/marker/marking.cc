@@ -15,6 +15,10 @@ using namespace std::chrono_literals;
 
 namespace {
 
+constexpr const char* kFinishesMark =
+    "THE MACHINE IS STILL AT WORK until the mark in hand is made to its end: keep away; "
+    "its stop button ends it at once";
+
 constexpr auto kStopPeriod = 500ms;
 
 double LongestMarkS(const mark::MarkSet& set) {
@@ -287,7 +291,7 @@ void Marking::Run(const GrantInputs& inputs) {
     return Halt(missing, TextFor(missing), missing != Missing::kPermission, inputs.now);
   }
   if (withdrawn) {
-    message_ = TextOf(Missing::kPermission);
+    message_ = kFinishesMark;
     run_.End();
     phase_ = Phase::kPausing;
     return Pause(inputs);
@@ -320,6 +324,7 @@ void Marking::Pause(const GrantInputs& inputs) {
   if (!pause_sent_) pause_sent_ = driver_.Pause().has_value();
   const drivers::MarkDeviceState& state = driver_.state();
   if (!pause_sent_ || !state.at_rest || !state.settled) return;
+  message_ = TextOf(Missing::kPermission);
   phase_ = Phase::kHalting;
 }
 

@@ -77,8 +77,9 @@ class Marking final : public cell::WorkStates {
   Activity activity() const override;
   const cell::PointLedger& ledger() const override { return record_.ledger(); }
   bool waits() const override {
-    return (started() || faulted()) && phase_ != Phase::kRunning &&
-           phase_ != Phase::kOpening && !message_.empty();
+    const bool works = phase_ == Phase::kRunning || phase_ == Phase::kOpening ||
+                       phase_ == Phase::kPausing;
+    return (started() || faulted()) && !works && !message_.empty();
   }
   std::uint32_t run_count() const override { return run_.count(); }
   std::uint64_t settled_by_memory_count() const override {

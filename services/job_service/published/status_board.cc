@@ -73,7 +73,9 @@ void StatusBoard::Write(const JobRecord& job, const intaglio_PointCounts& counts
   Borrow(sample.progress, progress);
   sample.estimate_ticks = job.estimate_ticks;
   sample.rate_hz = job.rate_hz;
-  sample.message = Borrow(job.message);
+  const std::string message =
+      job.at_work.empty() ? job.message : job.at_work + "; " + job.message;
+  sample.message = Borrow(message);
   sample.result_directory = Borrow(job.result_directory);
   sample.cell = Borrow(job.cell);
   sample.revision = job.revision;

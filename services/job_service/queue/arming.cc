@@ -150,6 +150,10 @@ void Arming::Pause(JobRecord& job, const CommandView& command, Nanoseconds now) 
   if (job.state != intaglio_JOB_ENGRAVING && job.state != intaglio_JOB_PAUSED) {
     return book_.Change(job, job.state, job.message);
   }
+  if (job.makes == "marks" && job.counts.armed > 0) {
+    job.at_work =
+        "the machine makes the mark in hand to its end: keep away until it rests";
+  }
   book_.ChangeToPaused(
       job, intaglio_PAUSE_OPERATOR,
       fmt::format("paused by {}; resume it to continue", command.operator_name));

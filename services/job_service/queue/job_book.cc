@@ -151,6 +151,7 @@ void JobBook::Change(JobRecord& job, intaglio_JobState state,
   if (state != intaglio_JOB_PAUSED) job.pause_reason = intaglio_PAUSE_NONE;
   if (state != intaglio_JOB_QUEUED) job.queue_place = 0;
   job.message = message;
+  if (state != intaglio_JOB_PAUSED) job.at_work.clear();
   if (state != intaglio_JOB_ENGRAVING && state != intaglio_JOB_PAUSED) job.alarm.clear();
   ++job.revision;
   actions_.Changed(job);

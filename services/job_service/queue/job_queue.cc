@@ -247,6 +247,7 @@ void JobQueue::Receive(const TaskView& task, Nanoseconds now) {
   if (task.stage == intaglio_STAGE_ENGRAVE) {
     job->counts = task.counts;
     job->alarm = task.alarm;
+    job->at_work.clear();
   }
   if (task.state == intaglio_TASK_FAILED) return StageFailed(*job, task, now);
   if (task.state == intaglio_TASK_DONE) return StageDone(*job, task, now);
@@ -305,6 +306,9 @@ void JobQueue::EngraveStatus(JobRecord& job, const TaskView& task, Nanoseconds n
   if (task.state == intaglio_TASK_PAUSED) return arming_.TakePaused(job, task, now);
   const bool loaded = task.state == intaglio_TASK_RUNNING && task.total_count > 0;
   const bool held = job.state == intaglio_JOB_PAUSED && !job.arm.armed();
+  // A mark, or a contour that a mill follows, is not broken off by a pause.
+  const bool is_at_work = task.counts.armed > 0;
+  if (held && is_at_work) job.at_work = task.message;
   if (!loaded || held) return book_.PublishProgress(job);
   // The whole path is there: no part is needed any more. The sorter's report, with the
   // warnings about the path, may still be on its way.
@@ -312,12 +316,13 @@ void JobQueue::EngraveStatus(JobRecord& job, const TaskView& task, Nanoseconds n
   const Warning* consent = job.open_consent();
   const std::string unsettled = job.WhyNotSettled();
   const std::string misfit = job.arm.armed() ? "" : arming_.MountMisfitOf(job);
-  book_.Publish(
-      job, task.done_count > 0 ? intaglio_JOB_ENGRAVING : intaglio_JOB_WAITING_FOR_ARM,
-      !unsettled.empty()   ? unsettled
-      : consent != nullptr ? Arming::ConsentMessage(job, *consent)
-      : misfit.empty()     ? task.message
-                           : misfit);
+  book_.Publish(job,
+                task.done_count > 0 || is_at_work ? intaglio_JOB_ENGRAVING
+                                                  : intaglio_JOB_WAITING_FOR_ARM,
+                !unsettled.empty()   ? unsettled
+                : consent != nullptr ? Arming::ConsentMessage(job, *consent)
+                : misfit.empty()     ? task.message
+                                     : misfit);
 }
 
 }  // namespace intaglio::job_service

@@ -73,7 +73,8 @@ struct JobRecord {
   std::uint64_t revision = 0;
 
   // Not kept over a restart.
-  JobPlace place;                     ///< made of the frozen job
+  std::string at_work;  ///< what the machine of a paused job still does; empty: it rests
+  JobPlace place;       ///< made of the frozen job
   std::uint32_t queue_place = 0;      ///< queued: 1 is the next one of its machine
   bool awaits_block = false;          ///< no program arms it: piece_book.h
   std::string mount_misfit;           ///< of what is mounted, as of

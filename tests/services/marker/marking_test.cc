@@ -158,7 +158,12 @@ TEST_F(MarkingTest, WaitsForTheArm) {
 TEST_F(MarkingTest, PausesAtTheEndOfTheMarkInHand) {
   ASSERT_TRUE(TillMade(3));
   inputs_.permission_granted = false;
+  Turn();
+  ASSERT_TRUE(head_.at_work());
+  EXPECT_FALSE(marking_->waits()) << "a person who reads that it waits reaches into it";
+  EXPECT_THAT(marking_->message(), HasSubstr("STILL AT WORK"));
   ASSERT_TRUE(TurnUntil([&] { return marking_->waits() && !head_.at_work(); }));
+  EXPECT_THAT(marking_->message(), HasSubstr("permission"));
   EXPECT_EQ(head_.made.size(), 4u);
   EXPECT_EQ(marking_->ledger().count(PointState::kUncertain), 0u);
   EXPECT_FALSE(TurnUntil([&] { return head_.made.size() > 4; }, 100));

@@ -59,6 +59,33 @@ class JobDisarmTest : public JobQueueTest {
   }
 };
 
+// A mill follows its first contour for minutes with nothing made yet, and to its end
+// behind a pause: what is shown meanwhile is not that it waits for a block.
+TEST_F(JobDisarmTest, AJobWhoseMachineIsAtWorkIsNotShownAsWaitingOrAtRest) {
+  ReadyAll();
+  Add(1, "c", 0, "marks");
+  LoadPath();
+  EXPECT_TRUE(Send(Order(intaglio_COMMAND_ARM)).taken());
+  TaskView task = StatusOf(job(), intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING);
+  task.done_count = 0;
+  task.counts.armed = 1;
+  Report(task);
+  EXPECT_EQ(job().state, intaglio_JOB_ENGRAVING);
+  EXPECT_TRUE(Send(Order(intaglio_COMMAND_PAUSE)).taken());
+  EXPECT_THAT(job().at_work, HasSubstr("keep away"));
+  task.message = "the machine is still at work";
+  Report(task);
+  EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
+  EXPECT_THAT(job().message, HasSubstr("paused by"));
+  EXPECT_EQ(job().at_work, task.message);
+  task.state = intaglio_TASK_PAUSED;
+  task.counts.armed = 0;
+  task.message = "waits for the permission of the job service";
+  Report(task);
+  EXPECT_EQ(job().at_work, "");
+  EXPECT_THAT(job().message, HasSubstr("paused by"));
+}
+
 // Whichever is taken first, the job is not armed afterwards.
 TEST_F(JobDisarmTest, PauseWinsOverAnArmThatWasSentAtTheSameTime) {
   ReadyAll();
