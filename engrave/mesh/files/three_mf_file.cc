@@ -173,8 +173,13 @@ class ThreeMfReader {
                                         path));
     }
     for (const pugi::xml_node object : Child(part->model, "resources").children()) {
-      if (Local(object.name()) == "object")
-        part->objects.try_emplace(object.attribute("id").value(), object);
+      if (Local(object.name()) != "object") continue;
+      const char* id = object.attribute("id").value();
+      if (!part->objects.try_emplace(id, object).second) {
+        return Unreadable(fmt::format(
+            "{:.80} has two objects {:.40}; which of them is meant is not known", path,
+            id));
+      }
     }
     return parts_.emplace(path, std::move(part)).first->second.get();
   }

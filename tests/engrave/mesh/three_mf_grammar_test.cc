@@ -59,6 +59,13 @@ TEST(ThreeMfGrammar, AnItemThatIsNotPrintableIsMadeAndWarnedOf) {
   }
 }
 
+TEST(ThreeMfGrammar, TwoObjectsOfOneIdAreRefused) {
+  const std::string object = Object("<mesh>" + kThreeVertices + kOneTriangle + "</mesh>");
+  const auto mesh = ReadPackage(object + object, "<item objectid='1'/>");
+  ASSERT_FALSE(mesh);
+  EXPECT_THAT(mesh.error().message, HasSubstr("two objects 1"));
+}
+
 TEST(ThreeMfGrammar, NumbersMayHaveSpacesAroundThem) {
   const auto mesh =
       ReadPackage(Object("<mesh>" + kThreeVertices + kOneTriangle + "</mesh>"),
