@@ -30,9 +30,9 @@ struct PlannedFeeds {
   double work_s = 0;
 };
 
-/// Plans contours that start and end at rest, each with its tabs as one way. Errors as of AxesOf and
-/// PlanCourse; kUnsupported: a contour, by its name, that is outside of the tolerance
-/// however slowly its corners are passed.
+/// Plans contours that start and end at rest, each with its tabs as one way. Errors as of
+/// AxesOf and PlanCourse; kUnsupported: a contour, by its name, that is outside of the
+/// tolerance however slowly its corners are passed.
 Result<PlannedFeeds> PlanFeeds(const std::vector<post::ToolPath>& paths,
                                double speed_mm_s, const MachineSpec& machine);
 
