@@ -22,6 +22,17 @@ using testing::RunJob;
 using testing::Running;
 using testing::SampleJob;
 
+/// The points of which the journal does not know whether or where they were fired.
+std::size_t UncertainIn(const fs::path& file) {
+  const auto journal = formats::ReadJournal(file);
+  EXPECT_TRUE(journal.has_value());
+  std::size_t count = 0;
+  if (!journal) return count;
+  for (const formats::PointHistory& point : formats::HistoryOf(*journal))
+    count += point.outcome == formats::PointOutcome::kUncertain;
+  return count;
+}
+
 // Every rate a lamp may have, and the machine follows as well as its limits allow.
 class Rate : public RunJob, public ::testing::WithParamInterface<int> {};
 
@@ -211,8 +222,10 @@ TEST_F(RunJob, AClockThatChangesItsPaceMakesNoCrackInTheWrongPlace) {
   EXPECT_LT(report.position_errors().max_um(), 30) << "the machine's tolerance";
   // What came to lie under a crack before it could be made is left out and reported.
   EXPECT_GE(report.points().made() + 20, report.points().planned());
-  EXPECT_EQ(report.points().made() + report.points().skipped(),
-            report.points().planned());
+  // A point that a pulse beside its place may have hit is uncertain, and not made again.
+  const std::uint64_t open =
+      report.points().planned() - report.points().made() - report.points().skipped();
+  EXPECT_LE(open, UncertainIn(folder_ / "out/journal.bin")) << run.output;
 }
 
 // What is fired until it is known is at the places of later points, and each of them is
@@ -226,11 +239,7 @@ TEST_F(RunJob, ALampSyncThatIsLeftOutDoublesNoPoint) {
   const auto& points = Report().points();
   EXPECT_EQ(points.doubled() + points.stray(), 0u);
   EXPECT_EQ(points.planned() - points.made(), 2u) << run.output;
-  const auto journal = formats::ReadJournal(folder_ / "out/journal.bin");
-  ASSERT_TRUE(journal.has_value());
-  std::size_t uncertain = 0;
-  for (const formats::PointHistory& point : formats::HistoryOf(*journal))
-    uncertain += point.outcome == formats::PointOutcome::kUncertain;
+  const std::size_t uncertain = UncertainIn(folder_ / "out/journal.bin");
   EXPECT_GE(uncertain, 3u);
   // In lockstep the laser does not wait for the stamps.
   EXPECT_LE(uncertain, 500u);
