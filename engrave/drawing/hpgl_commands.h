@@ -8,22 +8,31 @@
 
 namespace intaglio::drawing {
 
-/// Whether the pen may draw something in this part of a file.
-inline bool MayDrawHpgl(std::string_view part) {
-  return part.find("PD") != part.npos || part.find("PE") != part.npos;
-}
+/// From where to where the pen may draw something in a file. It is searched once, since a
+/// file may have a new sheet in every third byte.
+class HpglDrawn {
+ public:
+  explicit HpglDrawn(std::string_view file) {
+    for (const std::string_view name : {"PD", "PE"}) {
+      first_ = std::min(first_, file.find(name));
+      if (const std::size_t last = file.rfind(name); last != file.npos)
+        end_ = std::max(end_, last + name.size());
+    }
+  }
+  /// Before this byte, and behind it.
+  bool IsAround(std::size_t at) const { return first_ < at && at < end_; }
+
+ private:
+  std::size_t first_ = std::string_view::npos, end_ = 0;
+};
 
 /// What it means for the piece that the reader does not obey an instruction of HP-GL or
-/// HP-GL/2, which begins at this byte of the file. One that is in no list is missing in
-/// the piece.
-inline Effect EffectOfHpgl(std::string_view name, std::string_view file,
-                           std::size_t begin) {
+/// HP-GL/2. One that is in no list is missing in the piece. `drawn_around`: the pen may
+/// draw something before and behind it.
+inline Effect EffectOfHpgl(std::string_view name, bool drawn_around) {
   // A new sheet: what comes behind it is drawn over what is on the sheet before.
-  if (name == "PG" || name == "AF" || name == "AH" || name == "FR") {
-    const bool covers =
-        MayDrawHpgl(file.substr(0, begin)) && MayDrawHpgl(file.substr(begin));
-    return covers ? Effect::kChanged : Effect::kNothingSeen;
-  }
+  if (name == "PG" || name == "AF" || name == "AH" || name == "FR")
+    return drawn_around ? Effect::kChanged : Effect::kNothingSeen;
   // Speed, force, width, colours; the look of letters, which are reported themselves;
   // questions to the plotter; paper.
   constexpr std::array<std::string_view, 59> kNoLines = {

@@ -21,8 +21,7 @@ namespace {
 
 using std::numbers::pi;
 constexpr double kPlotterUnit_mm = 0.025;
-constexpr char kEndOfText = '\x03';
-constexpr char kEscape = '\x1B';
+constexpr char kEndOfText = '\x03', kEscape = '\x1B';
 bool IsNumberPart(char c) {
   return (c >= '0' && c <= '9') || c == '+' || c == '-' || c == '.';
 }
@@ -87,7 +86,7 @@ class HpglReader {
   }
 
   void LeaveOut(std::string_view what) {
-    pen_.builder().LeaveOut(what, EffectOfHpgl(what, text_, begin_),
+    pen_.builder().LeaveOut(what, EffectOfHpgl(what, drawn_.IsAround(begin_)),
                             fmt::format("byte {}", begin_));
   }
 
@@ -177,7 +176,7 @@ class HpglReader {
       return true;
     }
     // Without numbers they bring the plotter's own back.
-    if (has_numbers || EffectOfHpgl(name_, "", 0) != Effect::kChanged) LeaveOut(name_);
+    if (has_numbers || EffectOfHpgl(name_, false) != Effect::kChanged) LeaveOut(name_);
     if (name_ == "SM" && at_ < text_.size() && text_[at_] != ';') ++at_;  // a symbol
     // HP-GL/2 needs no semicolon before the next letters; a text in quotes has letters.
     while (at_ < text_.size() && !io::IsLetter(text_[at_]) && text_[at_] != kEscape &&
@@ -381,6 +380,7 @@ class HpglReader {
   }
 
   std::string_view text_;
+  HpglDrawn drawn_{text_};
   DrawingLimits limits_;
   HpglPen pen_;
   std::size_t at_ = 0, begin_ = 0;

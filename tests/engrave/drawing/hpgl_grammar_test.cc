@@ -132,6 +132,17 @@ TEST(HpglGrammar, ASecondSheetChangesThePieceAndAnEmptyOneDoesNot) {
   }
 }
 
+// Each new sheet was looked for in the whole file: a megabyte took minutes.
+TEST(HpglGrammar, AFileOfSheetsAloneIsReadInOnePass) {
+  constexpr std::size_t kSheets = 300'000;
+  std::string text = "IN;";
+  for (std::size_t i = 0; i < kSheets; ++i) text += "PG;";
+  const auto drawing = ReadHpgl(text);
+  ASSERT_TRUE(drawing) << drawing.error().message;
+  EXPECT_EQ(drawing->findings.CountOf("PG"), kSheets);
+  EXPECT_TRUE(drawing->curves.empty());
+}
+
 // As plotter drivers write HP-GL/2: nothing between the instructions but polylines (PE),
 // whose end alone is marked.
 TEST(HpglGrammar, PolylinesBehindOtherInstructionsAreDrawn) {
