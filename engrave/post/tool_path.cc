@@ -94,10 +94,8 @@ ToolPath Chorded(const ToolPath& path, double chord_tolerance_mm) {
   for (std::size_t k = 0; k < edges.size(); ++k) {
     const std::size_t first = chorded.moves.size();
     AddEdge(edges[k], chord_tolerance_mm, chorded);
-    for (std::size_t i = first; i < chorded.moves.size(); ++i) {
-      chorded.moves[i].tab = path.moves[k].tab;
-      chorded.moves[i].speed_mm_s = path.moves[k].speed_mm_s;
-    }
+    for (std::size_t i = first; i < chorded.moves.size(); ++i)
+      KeepTabAndSpeed(path.moves[k], chorded.moves[i]);
   }
   return chorded;
 }

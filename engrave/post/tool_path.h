@@ -27,6 +27,12 @@ struct WorkMove {
   std::optional<double> speed_mm_s = {};
 };
 
+/// What a move has besides its way: a tab and a speed of its own.
+inline void KeepTabAndSpeed(const WorkMove& of, WorkMove& move) {
+  move.tab = of.tab;
+  move.speed_mm_s = of.speed_mm_s;
+}
+
 inline WorkMove LineTo(const Vec2& end_mm) {
   WorkMove move;
   move.end_mm = end_mm;

@@ -40,8 +40,7 @@ class ArcWriter {
     if (IsFlat(move) || divisions == kMaxDivisions) {
       if (Place(begin_mm) == Place(move.end_mm)) return;
       WorkMove line = LineTo(move.end_mm);
-      line.tab = move.tab;
-      line.speed_mm_s = move.speed_mm_s;
+      KeepTabAndSpeed(move, line);
       moves.push_back(line);
       return;
     }

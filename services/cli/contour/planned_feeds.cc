@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -18,12 +17,12 @@ namespace {
 constexpr double kBesideCornerS = 0.005;
 /// No part is shorter: steps of a few micrometres, and four decimals in a program.
 constexpr double kMinPartMm = 0.01;
-/// A corner at rest would have no feed.
-constexpr double kMinFeedMmS = course::kMinFeedMmS;
-/// How often the nodes of a contour get slower, and all contours less acceleration; and
-/// how much less.
-constexpr int kMaxRounds = 20, kMaxAccelerations = 10;
+/// How often the speeds of a contour are corrected, by how much at most each time, and
+/// the share of the tolerance that is aimed for.
+constexpr int kMaxRounds = 20;
 constexpr double kMaxSlower = 0.8, kMaxFaster = 1.2, kAimedShare = 0.97;
+/// How many accelerations are tried, each smaller than the one before.
+constexpr int kMaxAccelerations = 10;
 constexpr double kLessAcceleration = 0.7;
 /// Above, the first acceleration within the tolerance is taken, not the fastest.
 constexpr std::size_t kFewMoves = 5000;
@@ -47,7 +46,7 @@ class FeedParts {
 
  private:
   double LimitAt(std::size_t node, double feed_mm_s) const {
-    return std::clamp(nodes_mm_s_[node], kMinFeedMmS, feed_mm_s);
+    return std::clamp(nodes_mm_s_[node], course::kMinFeedMmS, feed_mm_s);
   }
 
   void AddSegment(std::size_t k) {
@@ -129,7 +128,7 @@ post::ToolPath PathWithFeeds(const post::ToolPath& path, const DividedPath& divi
   post::ToolPath with_feeds{path.name, path.begin_mm, {}};
   for (std::size_t i = 0; i < divided.edges.size(); ++i) {
     for (post::WorkMove move : post::PathOf({divided.edges[i]}, path.name).moves) {
-      move.tab = path.moves[divided.move_of[i]].tab;
+      post::KeepTabAndSpeed(path.moves[divided.move_of[i]], move);
       move.speed_mm_s = divided.feeds_mm_s[i];
       with_feeds.moves.push_back(move);
     }
@@ -137,13 +136,15 @@ post::ToolPath PathWithFeeds(const post::ToolPath& path, const DividedPath& divi
   return with_feeds;
 }
 
-Result<course::Path> ProgramPathOf(const DividedPath& divided) {
+/// The path of a planner along edges. feed_of(i): that of edge i, mm/s.
+template <typename FeedOf>
+Result<course::Path> PathAlong(const contour::Edges& edges, const FeedOf& feed_of) {
   std::vector<course::Piece> pieces;
-  for (std::size_t i = 0; i < divided.edges.size(); ++i) {
-    const contour::Edge& edge = divided.edges[i];
-    pieces.push_back({edge.end_mm, divided.feeds_mm_s[i], edge.sweep_rad});
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (edges[i].length_mm < course::kMinSegmentMm) continue;
+    pieces.push_back({edges[i].end_mm, feed_of(i), edges[i].sweep_rad});
   }
-  return course::Path::Make(divided.edges.front().begin_mm, pieces);
+  return course::Path::Make(edges.front().begin_mm, pieces);
 }
 
 /// What the axes make of a program: each node is passed at the smaller feed beside it.
@@ -196,7 +197,7 @@ std::vector<double> ErrorsAt(const course::Path& planned, const course::CoursePl
 /// One contour as it is planned: the fastest program within the tolerance so far.
 struct FastestProgram {
   post::ToolPath path;
-  double work_s = std::numeric_limits<double>::infinity();
+  double work_s = 0;
   double worst_mm = 0, junction_deviation_mm = 0;
 };
 
@@ -215,7 +216,8 @@ Result<std::optional<FastestProgram>> PlanPath(const post::ToolPath& path,
   std::optional<FastestProgram> fastest;
   for (int round = 0; round < kMaxRounds; ++round) {
     const DividedPath divided(edges, FeedParts(planned, nodes_mm_s).all());
-    const auto program = INTAGLIO_TRY(ProgramPathOf(divided));
+    const auto program = INTAGLIO_TRY(
+        PathAlong(divided.edges, [&](std::size_t i) { return divided.feeds_mm_s[i]; }));
     const auto made = MadeOf(program, axes, options);
     if (made.worst_mm() <= options.tolerance_mm &&
         (!fastest || made.law.duration_s < fastest->work_s)) {
@@ -227,7 +229,7 @@ Result<std::optional<FastestProgram>> PlanPath(const post::ToolPath& path,
       const double ratio = kAimedShare * options.tolerance_mm / errors_mm[node];
       nodes_mm_s[node] = std::clamp(
           nodes_mm_s[node] * std::clamp(std::sqrt(ratio), kMaxSlower, kMaxFaster),
-          kMinFeedMmS, speed_mm_s);
+          course::kMinFeedMmS, speed_mm_s);
     }
   }
   return fastest;
@@ -267,12 +269,7 @@ Result<const post::ToolPath*> AddPaths(const std::vector<post::ToolPath>& paths,
 }  // namespace
 
 Result<course::Path> PlannedPathOf(const contour::Edges& edges, double feed_mm_s) {
-  std::vector<course::Piece> pieces;
-  for (const contour::Edge& edge : edges) {
-    if (edge.length_mm < course::kMinSegmentMm) continue;
-    pieces.push_back({edge.end_mm, feed_mm_s, edge.sweep_rad});
-  }
-  return course::Path::Make(edges.front().begin_mm, pieces);
+  return PathAlong(edges, [&](std::size_t) { return feed_mm_s; });
 }
 
 Result<PlannedFeeds> PlanFeeds(const std::vector<post::ToolPath>& paths,

@@ -4,8 +4,8 @@
 // the grbl family passes a corner no faster than the feeds of the two moves that meet
 // there, and accelerates between: so moves are divided beside each corner that has a
 // limit, and the parts there have the corner's speed. What a machine makes of such a
-// program is predicted with the law of the controller, and the plan is made for less
-// until that keeps the tolerance.
+// program is predicted with the law of the controller, and the speed of each corner is
+// raised or lowered until the error near it is the tolerance.
 //
 // Frame: that of the files, mm.
 
