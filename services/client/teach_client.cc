@@ -99,8 +99,7 @@ Result<std::string> TeachClient::FindMachine(bus::Bus& bus, const std::string& c
   if (cells.empty()) {
     return Fail(ErrorCode::kNotFound,
                 "no machine found: check that its motion bridge or marker runs (intaglio "
-                "up), and "
-                "--domain, --interface, --tag and --security");
+                "up), and --domain, --interface, --tag and --security");
   }
   return Fail(ErrorCode::kInvalidValue,
               fmt::format("several machines found ({}): name one with --cell",

@@ -70,8 +70,7 @@ class PlyReader {
     if (values_->has_more()) {
       return source_.RefuseAsUnreadable(
           "it goes on behind its last row: its header declares fewer rows than it has, "
-          "or "
-          "its rows have more values than properties");
+          "or its rows have more values than properties");
     }
     if (mesh_.triangles.empty()) return source_.RefuseEmptyModel();
     mesh_.vertices = welder_.TakePoints();

@@ -242,8 +242,7 @@ class Builder {
     if (!cell.stop_released && !cell.stop_pressed)
       Need(name +
            ": the machine's own emergency stop is pressed or latched: release it, then "
-           "arm "
-           "or resume the job, which resets it");
+           "arm or resume the job, which resets it");
   }
 
   void AddDisks() {

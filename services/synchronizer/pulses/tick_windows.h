@@ -116,10 +116,10 @@ class TickWindows {
   std::uint64_t certain_through_ = UINT64_MAX;
   bool lost_places_ = false;
   double late_ticks_ = 0;
-  std::deque<PulseResult> unplaced_;  // fired, in the order of their reports
-  std::uint64_t last_unplaced_ = 0;   // tick that was fired at an unknown place
-  std::vector<PulseResult> others_;   // of ticks that are not certain, not fired
-  bool marks_owed_ = false;           // the journal's ring was full
+  std::vector<PulseResult> unplaced_;  // fired, in the order of their reports
+  std::uint64_t last_unplaced_ = 0;    // tick that was fired at an unknown place
+  std::vector<PulseResult> others_;    // of ticks that are not certain, not fired
+  bool marks_owed_ = false;            // the journal's ring was full
 };
 
 }  // namespace intaglio::synchronizer
