@@ -208,8 +208,8 @@ def reset(driver, say, cracks):
     assert "STOP PRESSED" in list_.text and "release its stop?" in button.text
     button.click()
     # The controller keeps its own latch until the next arm.
-    eventually(lambda: "STOP PRESSED" not in list_.text and
-               ("stop released" in list_.text or "pressed or latched" in list_.text), 10)
+    eventually(lambda: "STOP of the machine pressed or latched" in list_.text, 10)
+    assert "STOP PRESSED" not in list_.text
     time.sleep(2)
     assert cracks() == made, "nothing starts by a reset"
     say("the stop is released on the page")
