@@ -46,7 +46,8 @@
 // Interlocks: the stop on the bus always; key, door and the machine's stop as the line
 // reports them: kClear is not reached while the line is down. The machine keeps its stop
 // latched until it is reset, which is allowed in kResetting, and, for a safe state, in
-// kClear: an arm includes the consent to this reset.
+// kClear: an arm includes the consent to this reset. So does the release of a stop on the
+// bus by a person, which grants nothing (services/synchronizer/laser_stop.h).
 
 #include <chrono>
 #include <compare>

@@ -140,7 +140,7 @@ Result<std::string> MachineToReset(MachineReports& reports, const StopOptions& o
 int ReportReset(const std::string& cell, const MachineStops& stops) {
   if (const auto held = client::WhyStillHeld(cell, stops); !held.empty())
     return ComplainWith(held, client::kExitMachine);
-  std::cout << cell << ": reset; " << client::AfterReset(stops) << "\n";
+  std::cout << cell << ": reset; arm or resume the job to continue\n";
   return client::kExitGood;
 }
 
@@ -156,10 +156,16 @@ int Reset(bus::Bus& bus, const StopOptions& options) {
             *cell, kAnswerTime.count()),
         client::kExitMachine);
   }
-  client::StopReset reset(bus, kProgram, *cell, reports.Of(*cell).held);
-  if (auto sent = reset.Send("reset on the command line"); !sent)
-    return Complain(sent.error(), client::kExitMachine);
-  if (!Until([&] { return reset.IsConfirmed(reports.Of(*cell)); }, kAnswerTime)) {
+  client::StopReset reset(bus, kProgram, *cell, reports.Of(*cell).held,
+                          "reset on the command line");
+  Status sent;
+  const auto is_over = [&] {
+    sent = reset.Turn(reports.Of(*cell), std::chrono::steady_clock::now());
+    return !sent || reset.is_over();
+  };
+  const bool confirmed = Until(is_over, kAnswerTime);
+  if (!sent) return Complain(sent.error(), client::kExitMachine);
+  if (!confirmed) {
     return ComplainWith(
         fmt::format("{} has not confirmed the reset within {} s: check that its "
                     "synchronizer, its motion bridge and the job service run",
@@ -193,7 +199,8 @@ void AddStopCommand(command_line::Command app) {
   command.AddOption("machine", options->cell,
                     "name of the machine; default every machine");
   command.AddFlag("--reset", options->reset,
-                  "release the stop; nothing starts before an arm or a resume");
+                  "release the stop, and the one that the machine keeps latched; nothing "
+                  "starts before an arm or a resume");
   command.AddOption("--reason", options->reason, "reason for the log").ShowDefault();
   command.SetFooter(
       "It depends on the network and on programs: at a machine, use its button.\n"

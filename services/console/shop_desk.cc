@@ -253,14 +253,17 @@ void ShopDesk::Reset(const std::string& cell, const std::set<std::string>& press
                        [&](const client::HeldPress& press) {
                          return presses.contains(client::TextOf(press));
                        });
-  if (seen.empty()) {
+  const bool is_latched = machine->second.laser_line_up &&
+                          !machine->second.own_stop_released && presses.empty();
+  if (seen.empty() && !is_latched) {
     return refuse(409, ErrorCode::kRefused,
                   fmt::format("{} holds none of these presses any more: read again what "
                               "it holds",
                               cell));
   }
-  auto reset = std::make_unique<client::StopReset>(bus_, "intaglio-console", cell, seen);
-  if (const auto sent = reset->Send("reset in the console by " + person); !sent)
+  auto reset = std::make_unique<client::StopReset>(bus_, "intaglio-console", cell, seen,
+                                                   "reset in the console by " + person);
+  if (const auto sent = reset->Turn(machine->second, Clock::now()); !sent)
     return refuse(503, sent.error().code, sent.error().message);
   resets_.push_back({cell, std::move(reset),
                      Clock::now() + client::JobClient::kAnswerTime, std::move(answer)});
@@ -271,8 +274,9 @@ void ShopDesk::AnswerResets() {
   const auto& machines = reports_.Poll();
   std::erase_if(resets_, [&](const PendingReset& pending) {
     const auto machine = machines.find(pending.cell);
-    const bool is_done =
-        machine != machines.end() && pending.reset->IsConfirmed(machine->second);
+    if (machine != machines.end())
+      (void)pending.reset->Turn(machine->second, Clock::now());
+    const bool is_done = pending.reset->is_over();
     if (!is_done && Clock::now() < pending.end) return false;
     CommandAnswer answer;
     answer.set_taken(is_done);

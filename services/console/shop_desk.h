@@ -63,7 +63,8 @@ class ShopDesk {
   void Fire(const std::string& job, const std::string& token, client::JobOrder order,
             Answer answer);
   /// Releases those of `presses`, texts of MachineStatus.stops_held, that the machine
-  /// holds. Answers as Command; 409 also when it is still held by something.
+  /// holds; none: the stop that its own controller keeps latched. Answers as Command; 409
+  /// also when it holds none of them.
   void Reset(const std::string& cell, const std::set<std::string>& presses,
              const std::string& person, Answer answer);
   /// `answer` gets the confirmations of the press when every machine has confirmed it, or

@@ -46,8 +46,7 @@ bool LightByHand::IsDisarmed() {
   }
   if (!laser_.disarmed()) return false;
   if (!laser_.Has(link::kSafeState)) return true;
-  (void)laser_.Reset();
-  (void)laser_.RequestStatus();
+  laser_.SendReset();
   return false;
 }
 

@@ -51,6 +51,7 @@ Synchronizer::Synchronizer(host::ServiceHost& host, const MachineSpec& machine,
       laser_(*laser_driver_),
       light_(laser_, LowestRate(machine_)),
       lamp_hold_(laser_, machine_.laser().lamp_hold_s(), LowestRate(machine_)),
+      laser_stop_(laser_),
       feed_([this](const intaglio_MotionSegmentBatch& b) { return segments_.Write(b); },
             [this](const std::string& stream) { return credit_.Find(stream); }),
       drive_(host.bus(), cell_, host.instance()),
@@ -69,7 +70,7 @@ void Synchronizer::Turn(std::chrono::nanoseconds now) {
   credit_.Poll();
   task_.Receive(now);
   motion_.Receive(task_.permission(), laser_, now);
-  SendStop();
+  laser_stop_.Turn(task_.permission().stop().pressed(), IsIdle(), now);
   task_.ReceiveTasks();
   CheckZeros();
   TurnDrive();
@@ -85,14 +86,9 @@ void Synchronizer::Turn(std::chrono::nanoseconds now) {
   publisher_.Flush(now, false);
 }
 
-// The controller keeps it latched by itself, over the end of this process, too.
-void Synchronizer::SendStop() {
-  if (!task_.permission().stop().pressed()) {
-    stop_sent_session_ = 0;
-  } else if (stop_sent_session_ != laser_.session() && laser_.CanSend() &&
-             laser_.Stop()) {
-    stop_sent_session_ = laser_.session();
-  }
+bool Synchronizer::IsIdle() const {
+  const bool works = engraving_ && engraving_->activity() != WorkStates::Activity::kIdle;
+  return !works && !light_.holds();
 }
 
 void Synchronizer::Stop() {

@@ -20,6 +20,7 @@
 #include "services/synchronizer/engraving.h"
 #include "services/synchronizer/job_planner.h"
 #include "services/synchronizer/lamp_hold.h"
+#include "services/synchronizer/laser_stop.h"
 #include "services/synchronizer/light_by_hand.h"
 #include "services/synchronizer/motion_intake.h"
 #include "services/synchronizer/publisher.h"
@@ -75,8 +76,9 @@ class Synchronizer final : private Maker {
   void Drop() override;
   void NoteEnd(const std::string& job_uid, bool done) override;
 
+  /// Nothing is armed or settled, and nothing is lit by hand.
+  bool IsIdle() const;
   Status ReadTaught();
-  void SendStop();
   void ReceivePath();
   /// `path`: none when it is in the job's folder already.
   void Prepare(std::optional<PointCloud> path);
@@ -111,6 +113,7 @@ class Synchronizer final : private Maker {
   drivers::LaserController& laser_;
   LightByHand light_;
   LampHold lamp_hold_;
+  LaserStop laser_stop_;
   MotionFeed feed_;
   CellDrive drive_;
   std::unique_ptr<JournalWriter> journal_;
@@ -130,7 +133,6 @@ class Synchronizer final : private Maker {
   Grant zeros_checked_;       ///< the newest grant whose zeros were compared
   std::string zero_refusal_;  ///< why they refuse it; empty: they do not
   std::chrono::nanoseconds now_{0};
-  std::uint64_t stop_sent_session_ = 0;  ///< to the laser; 0: not
 };
 
 }  // namespace intaglio::synchronizer

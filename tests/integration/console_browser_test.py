@@ -207,8 +207,7 @@ def reset(driver, say, cracks):
     time.sleep(1)
     assert "STOP PRESSED" in list_.text and "release its stop?" in button.text
     button.click()
-    # The controller keeps its own latch until the next arm.
-    eventually(lambda: "STOP of the machine pressed or latched" in list_.text, 10)
+    eventually(lambda: "stop released" in list_.text, 10)
     assert "STOP PRESSED" not in list_.text
     time.sleep(2)
     assert cracks() == made, "nothing starts by a reset"

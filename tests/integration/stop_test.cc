@@ -66,6 +66,18 @@ class Machine {
     key_on_ = key_on;
     door_closed_ = door_closed;
   }
+  /// Its own stop is latched, as after a press of its button; a reset of a press that
+  /// held the machine takes it back, unless the button `is_pressed`.
+  void LatchOwnStop(bool is_pressed) {
+    const std::lock_guard lock(mutex_);
+    own_stop_latched_ = true;
+    own_button_pressed_ = is_pressed;
+    changed_ = true;
+  }
+  bool own_stop_latched() const {
+    const std::lock_guard lock(mutex_);
+    return own_stop_latched_;
+  }
   /// Another source presses at the moment when a reset is taken.
   void PressAtTheNextReset(const std::string& source) {
     const std::lock_guard lock(mutex_);
@@ -79,7 +91,9 @@ class Machine {
       std::this_thread::sleep_for(1ms);
       const std::lock_guard lock(mutex_);
       stops_.Take([this](const intaglio_EmergencyStop& sample) { Receive(sample); });
-      if (reported == latch_.revision() && Clock::now() - reported_at < 1s) continue;
+      const bool changed = std::exchange(changed_, false);
+      if (!changed && reported == latch_.revision() && Clock::now() - reported_at < 1s)
+        continue;
       reported = latch_.revision();
       reported_at = Clock::now();
       Report();
@@ -88,7 +102,10 @@ class Machine {
   void Receive(const intaglio_EmergencyStop& sample) {
     if (!sample.pressed && !press_at_reset_.empty())
       latch_.TakePress(std::exchange(press_at_reset_, {}), 1);
+    const bool was_pressed = latch_.pressed();
     latch_.Receive(sample);
+    const bool is_reset = was_pressed && !latch_.pressed() && !own_button_pressed_;
+    if (is_reset) own_stop_latched_ = false;
     if (latch_.pressed() && !pressed_at_) pressed_at_ = Clock::now();
   }
   void Report() {
@@ -97,7 +114,8 @@ class Machine {
     sample.cell = bus::Borrow(cell_);
     sample.message = bus::Borrow(message);
     const auto held = host::WireOf(latch_.held());
-    sample.laser_link_up = sample.emergency_stop_released = true;
+    sample.laser_link_up = true;
+    sample.emergency_stop_released = !own_stop_latched_;
     sample.key_on = key_on_;
     sample.door_closed = door_closed_;
     if (answers_ == Answers::kAll) {
@@ -116,6 +134,7 @@ class Machine {
   std::optional<Clock::time_point> pressed_at_;
   std::string press_at_reset_;
   bool key_on_ = true, door_closed_ = true;
+  bool own_stop_latched_ = false, own_button_pressed_ = false, changed_ = false;
   std::jthread thread_;
 };
 
@@ -218,6 +237,37 @@ TEST_F(Stop, AResetReportsWhatStillHoldsTheMachine) {
   machine.SetInterlocks(true, true);
   ASSERT_EQ(Type({}).exit_code, 0);  // its report has the interlocks as they are now
   EXPECT_EQ(Type({"els-03", "--reset"}).exit_code, 0);
+}
+
+// Its button was pressed and released again: no press is on the bus.
+TEST_F(Stop, AResetTakesTheStopBackThatTheMachineKeepsLatched) {
+  bus::Bus bus(Options());
+  Machine machine(bus, "els-03");
+  machine.LatchOwnStop(false);
+  const Ended reset = Type({"els-03", "--reset"});
+  EXPECT_EQ(reset.exit_code, 0) << reset.output;
+  EXPECT_FALSE(machine.own_stop_latched());
+  EXPECT_FALSE(machine.pressed());
+}
+
+TEST_F(Stop, AResetNamesTheButtonThatIsStillPressed) {
+  bus::Bus bus(Options());
+  Machine machine(bus, "els-03");
+  machine.LatchOwnStop(true);
+  const Ended reset = Type({"els-03", "--reset"});
+  EXPECT_EQ(reset.exit_code, 4) << reset.output;
+  EXPECT_THAT(reset.output, AllOf(HasSubstr("its own stop button is pressed"),
+                                  HasSubstr("release the button and reset it again")));
+  EXPECT_TRUE(machine.own_stop_latched());
+  EXPECT_FALSE(machine.pressed());
+}
+
+// A machine that nothing stops is not stopped by a reset.
+TEST_F(Stop, AResetOfAMachineThatIsNotStoppedPressesNothing) {
+  bus::Bus bus(Options());
+  Machine machine(bus, "els-03");
+  EXPECT_EQ(Type({"els-03", "--reset"}).exit_code, 0);
+  EXPECT_FALSE(machine.pressed_at().has_value());
 }
 
 TEST_F(Stop, AResetOfOneOfSeveralMachinesHasToNameIt) {

@@ -92,6 +92,28 @@ TEST_F(TeachFocus, TheLampStaysOnAfterAJobUntilAStop) {
   EXPECT_EQ(Type({"stop", "els-03", "--reset"}).exit_code, 0);
 }
 
+// The laser's controller keeps each stop latched, also of its own button.
+TEST_F(TeachFocus, AMachineWithoutAJobIsMovedByHandBehindTheResetOfItsStop) {
+  Do({"move", "12", "17", "20", "--speed", "50"});
+  EXPECT_EQ(Type({"stop", "els-03"}).exit_code, 0);
+  EXPECT_NE(Teach({"move", "13", "17", "20", "--speed", "50"}).exit_code, 0);
+  EXPECT_EQ(Type({"stop", "els-03", "--reset"}).exit_code, 0);
+  Do({"move", "13", "17", "20", "--speed", "50"});
+  testing::AskPanel(shop(), "estop press");
+  EXPECT_TRUE(Eventually([&] { return !StatusNow().stop_released(); }, 10s));
+  const Ended held = Type({"stop", "els-03", "--reset"});
+  EXPECT_EQ(held.exit_code, 4) << held.output;
+  EXPECT_THAT(held.output, HasSubstr("its own stop button is pressed"));
+  testing::AskPanel(shop(), "estop release");
+  const Ended latched = Teach({"move", "14", "17", "20", "--speed", "50"});
+  EXPECT_THAT(latched.output, HasSubstr("then `intaglio stop --reset`"));
+  const Ended reset = Type({"stop", "els-03", "--reset"});
+  EXPECT_EQ(reset.exit_code, 0) << reset.output;
+  Do({"move", "14", "17", "20", "--speed", "50"});
+  EXPECT_EQ(StatusNow().shutters_open_size(), 0);
+  EXPECT_TRUE(Cracks().empty());
+}
+
 // The zero is 0.5 mm too high. What the series teaches moves the next job's cracks by
 // exactly that, and they are within half a step of where they belong.
 TEST_F(TeachFocus, AFocusSeriesTeachesTheZeroInZ) {

@@ -87,7 +87,7 @@ std::string WhyNoMotionByHand(const ManualConditions& conditions,
   if (!conditions.door_closed) return "the door is open: close it";
   if (!conditions.stop_released)
     return "the machine's stop button is pressed, or its stop is latched: release it, "
-           "then arm or resume a job, which resets it";
+           "then `intaglio stop --reset`";
   return "";
 }
 

@@ -240,9 +240,10 @@ class Builder {
     if (!cell.key_on) Need(name + ": the key is off");
     if (!cell.door_closed) Need(name + ": the door is open");
     if (!cell.stop_released && !cell.stop_pressed)
-      Need(name +
-           ": the machine's own emergency stop is pressed or latched: release it, then "
-           "arm or resume the job, which resets it");
+      Need(
+          fmt::format("{0}: the machine's own emergency stop is pressed or latched: "
+                      "release its button, then intaglio stop {0} --reset",
+                      name));
   }
 
   void AddDisks() {

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "engrave/core/try.h"
+
 namespace intaglio::client {
 namespace {
 
@@ -16,12 +18,52 @@ std::vector<std::string> OpenInterlocks(const MachineStops& stops) {
   std::vector<std::string> open;
   if (!stops.key_on) open.emplace_back("the key is off");
   if (!stops.door_closed) open.emplace_back("the door is open");
+  if (!stops.own_stop_released) open.emplace_back("its own stop button is pressed");
   return open;
+}
+
+bool HoldsOwnStop(const MachineStops& stops) {
+  return stops.laser_line_up && !stops.own_stop_released;
 }
 
 }  // namespace
 
-bool StopReset::IsConfirmed(const MachineStops& stops) const {
+Status StopReset::Turn(const MachineStops& stops, Clock::time_point now) {
+  switch (phase_) {
+    case Phase::kBegins:
+      return Begin(stops);
+    case Phase::kPresses:
+      if (Names(stops.held, seen_.front().source, seen_.front().number)) return Release();
+      return {};
+    case Phase::kReleases:
+      if (!IsReleased(stops)) return {};
+      own_stop_ends_ = now + kOwnStopTime;
+      phase_ = Phase::kOwnStop;
+      [[fallthrough]];
+    case Phase::kOwnStop:
+      if (!HoldsOwnStop(stops) || now >= own_stop_ends_) phase_ = Phase::kOver;
+      return {};
+    case Phase::kOver:
+      break;
+  }
+  return {};
+}
+
+Status StopReset::Begin(const MachineStops& stops) {
+  if (!seen_.empty() || !HoldsOwnStop(stops)) return Release();
+  const std::uint64_t number = INTAGLIO_TRY(source_->Press(reason_));
+  seen_ = {{source_->name(), number}};
+  phase_ = Phase::kPresses;
+  return {};
+}
+
+Status StopReset::Release() {
+  INTAGLIO_TRY(source_->Release(seen_, reason_));
+  phase_ = Phase::kReleases;
+  return {};
+}
+
+bool StopReset::IsReleased(const MachineStops& stops) const {
   return std::ranges::none_of(stops.held, [this](const HeldPress& press) {
     return Names(seen_, press.source, press.number);
   });
@@ -49,17 +91,10 @@ std::string WhyStillHeld(const std::string& cell, const MachineStops& stops) {
         cell, fmt::join(held, ", "), also);
   }
   if (open.empty()) return "";
-  return fmt::format(
-      "{}: the stop is reset, but the machine is still held: {}; then arm "
-      "or resume the job",
-      cell, fmt::join(open, ", "));
-}
-
-std::string AfterReset(const MachineStops& stops) {
-  return fmt::format("{}arm or resume the job to continue",
-                     stops.own_stop_released
-                         ? ""
-                         : "its own stop is pressed, or latched until the next arm; ");
+  return fmt::format("{}: the stop is reset, but the machine is still held: {}; then {}",
+                     cell, fmt::join(open, ", "),
+                     HoldsOwnStop(stops) ? "release the button and reset it again"
+                                         : "arm or resume the job");
 }
 
 }  // namespace intaglio::client

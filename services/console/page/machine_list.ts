@@ -11,7 +11,8 @@ class MachineLine {
   private held = make('div');
   private answer = make('div', '', 'need');
   private presses: string[] = [];
-  private shown: string[] = [];  // when the button was first pressed
+  // When the button was first pressed; none: the stop that the machine itself keeps latched.
+  private shown: string[] = [];
 
   constructor(private cell: string) {
     const reset = make('button', text.reset);
@@ -32,7 +33,8 @@ class MachineLine {
 
   update(machine: Dict, stage: Dict | undefined) {
     this.presses = machine.stops_held ?? [];
-    this.held.hidden = !this.presses.length;
+    this.held.hidden = !this.presses.length &&
+      (!machine.laser_line_up || machine.stop_released);
     const place = stage
       ? [stage.x_mm, stage.y_mm, stage.z_mm].map((mm: number) => mm.toFixed(2)).join(' ')
       : '-';

@@ -112,6 +112,14 @@ class LaserController {
   /// Emergency stop, which the controller keeps latched until Reset.
   virtual Status Stop() = 0;
   virtual Status RequestStatus() = 0;
+  /// Its stop is pressed or latched, or it has closed its shutters by itself.
+  bool is_latched() const { return Has(link::kSafeState) || !Has(link::kStopReleased); }
+  /// A Reset that is lost, or refused while the stop is pressed, is sent again by the
+  /// caller as long as the controller is_latched().
+  void SendReset() {
+    (void)Reset();
+    (void)RequestStatus();
+  }
   /// Asks what came of `count` ticks (1..link::kMaxPastTicks), whichever session armed
   /// them. False: the line takes nothing now. A new session loses what was asked before.
   virtual bool RequestPast(std::uint64_t first_tick, std::uint16_t count) = 0;

@@ -69,10 +69,7 @@ void MachinePreparation::LightLamp(std::chrono::nanoseconds now) {
 }
 
 void MachinePreparation::LeaveSafeState(bool may_reset, std::chrono::nanoseconds now) {
-  const bool latched = laser_.Has(link::kSafeState) || !laser_.Has(link::kStopReleased);
-  if (!latched || !may_reset || !MaySend(now)) return;
-  (void)laser_.Reset();
-  (void)laser_.RequestStatus();
+  if (laser_.is_latched() && may_reset && MaySend(now)) laser_.SendReset();
 }
 
 bool MachinePreparation::LampIsReady() const {
