@@ -36,6 +36,9 @@ struct CubicBezier {
   std::array<Vec3, 4> control_mm;
 };
 
+/// Of drawings of other programs: CAD writes 3, rarely 5.
+inline constexpr int kMaxSplineDegree = 15;
+
 /// From knots[degree] to knots[control count]. Knots ascend, one more than the control
 /// points and the degree together; the weights are positive, none: all are 1.
 struct Nurbs {

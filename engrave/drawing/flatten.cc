@@ -9,6 +9,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/core/segment.h"
+#include "engrave/drawing/control_polygon.h"
 #include "engrave/drawing/pieces.h"
 
 namespace intaglio::drawing {
@@ -70,10 +71,10 @@ class Flattener {
   void Add(const EllipticArc& arc) {
     const double eighths = std::abs(arc.sweep_rad) / (std::numbers::pi / 4);
     Follow([&](double t) { return PointAt(arc, t); }, 0, 1,
-           std::clamp(static_cast<int>(std::ceil(eighths)), 1, 8));
+           std::clamp(static_cast<int>(std::ceil(eighths)), 1, 8), ArcPart(arc, 0, 1));
   }
   void Add(const CubicBezier& bezier) {
-    Follow([&](double t) { return PointAt(bezier, t); }, 0, 1, 4);
+    Follow([&](double t) { return PointAt(bezier, t); }, 0, 1, 4, ControlPolygon(bezier));
   }
   void Add(const Nurbs& nurbs) {
     const auto degree = static_cast<std::size_t>(nurbs.degree);
@@ -85,45 +86,52 @@ class Flattener {
       // The span's last value belongs to the next span, whose curve may begin elsewhere
       // only when a knot is as manifold as the degree plus one.
       Follow(at, nurbs.knots[i], nurbs.knots[i + 1],
-             nurbs.degree == 1 ? 1 : nurbs.degree + 1);
+             nurbs.degree == 1 ? 1 : nurbs.degree + 1, ControlPolygon(nurbs, i));
     }
   }
 
   /// From t = begin to end in `parts` equal parts, each halved until it is straight
-  /// enough. There are several parts so that the midpoint of each represents its shape.
-  template <typename At>
-  void Follow(const At& at, double begin, double end, int parts) {
+  /// enough. `rest`: the control of the whole, ControlPolygon or ArcPart.
+  template <typename At, typename Control>
+  void Follow(const At& at, double begin, double end, int parts, Control rest) {
     Vec3 from = at(begin);
     Push(from, kSameEnd_mm);
     double low = begin;
     for (int i = 1; i <= parts; ++i) {
       const double high = i == parts ? end : begin + (end - begin) * i / parts;
       const Vec3 to = at(high);
-      Halve(at, low, from, high, to, 0);
+      const auto [part, others] = rest.SplitAt(1.0 / (parts - i + 1));
+      Halve(at, low, from, high, to, part, 0);
+      rest = others;
       low = high;
       from = to;
     }
   }
 
-  template <typename At>
+  template <typename At, typename Control>
   void Halve(const At& at, double low, const Vec3& from, double high, const Vec3& to,
-             int halvings) {
+             const Control& control, int halvings) {
     const double middle = 0.5 * (low + high);
     const Vec3 between = at(middle);
     const Vec3 first = between - from, second = to - between;
-    // At a cusp the turn never becomes small: there the tolerance alone decides.
+    // At a cusp the turn never becomes small: there the tolerance alone decides. A bend
+    // that is narrow shows in the control alone: the middle can lie on the chord of a
+    // part that goes beyond its end and comes back.
+    const double tolerance_mm = options_.chord_tolerance_mm;
     const bool straight =
-        first.norm() + second.norm() <= options_.chord_tolerance_mm ||
-        (std::sqrt(SquaredDistanceFromSegment(between, from, to)) <=
-             options_.chord_tolerance_mm &&
-         TurnsAtMost(first, second, options_.max_turn_rad, max_tangent_));
+        (first.norm() + second.norm() <= tolerance_mm &&
+         control.IsWithin(tolerance_mm)) ||
+        (std::sqrt(SquaredDistanceFromSegment(between, from, to)) <= tolerance_mm &&
+         TurnsAtMost(first, second, options_.max_turn_rad, max_tangent_) &&
+         control.FollowsChord(tolerance_mm));
     if (straight || halvings == kMaxHalvings || too_many()) {
       Push(between);
       Push(to);
       return;
     }
-    Halve(at, low, from, middle, between, halvings + 1);
-    Halve(at, middle, between, high, to, halvings + 1);
+    const auto [left, right] = control.SplitAt(0.5);
+    Halve(at, low, from, middle, between, left, halvings + 1);
+    Halve(at, middle, between, high, to, right, halvings + 1);
   }
 
   FlattenOptions options_;

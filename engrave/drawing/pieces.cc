@@ -45,9 +45,9 @@ Vec3 PointAt(const CubicBezier& bezier, double t) {
 }
 
 // De Boor's algorithm on homogeneous coordinates (de Boor 1978, ch. X).
-Vec3 PointAtKnot(const Nurbs& nurbs, double u) {
+Eigen::Vector4d BlossomOf(const Nurbs& nurbs, std::size_t span,
+                          std::span<const double> arguments) {
   const auto degree = static_cast<std::size_t>(nurbs.degree);
-  const std::size_t span = SpanOf(nurbs, u);
   std::vector<Eigen::Vector4d> d(degree + 1);
   for (std::size_t j = 0; j <= degree; ++j) {
     const std::size_t i = span - degree + j;
@@ -59,11 +59,17 @@ Vec3 PointAtKnot(const Nurbs& nurbs, double u) {
       const std::size_t i = span - degree + j;
       const double low = nurbs.knots[i];
       const double width = nurbs.knots[i + degree + 1 - level] - low;
-      const double share = width > 0 ? (u - low) / width : 0;
+      const double share = width > 0 ? (arguments[level - 1] - low) / width : 0;
       d[j] = (1 - share) * d[j - 1] + share * d[j];
     }
   }
-  return d[degree].head<3>() / d[degree].w();
+  return d[degree];
+}
+
+Vec3 PointAtKnot(const Nurbs& nurbs, double u) {
+  const std::vector<double> arguments(static_cast<std::size_t>(nurbs.degree), u);
+  const Eigen::Vector4d point = BlossomOf(nurbs, SpanOf(nurbs, u), arguments);
+  return point.head<3>() / point.w();
 }
 
 Vec3 BeginOf(const Piece& piece) {

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <span>
+
 #include "engrave/drawing/drawing.h"
 
 namespace intaglio::drawing {
@@ -10,6 +13,10 @@ Vec3 PointAt(const EllipticArc& arc, double t);
 Vec3 PointAt(const CubicBezier& bezier, double t);
 /// At a knot value u within the range of knots.
 Vec3 PointAtKnot(const Nurbs& nurbs, double u);
+/// The blossom of the polynomial between knots[span] and knots[span + 1], in homogeneous
+/// coordinates, of `degree` arguments: its point at u where all are u.
+Eigen::Vector4d BlossomOf(const Nurbs& nurbs, std::size_t span,
+                          std::span<const double> arguments);
 
 Vec3 BeginOf(const Piece& piece);
 Vec3 EndOf(const Piece& piece);

@@ -11,11 +11,9 @@
 namespace intaglio::drawing {
 namespace {
 
-constexpr int kMaxDegree = 15;
-
 bool CheckNurbs(const DxfEntity& entity, DrawingBuilder& builder, const Nurbs& nurbs,
                 double degree) {
-  if (!(degree >= 1 && degree <= kMaxDegree) || degree != std::floor(degree)) {
+  if (!(degree >= 1 && degree <= kMaxSplineDegree) || degree != std::floor(degree)) {
     return Refuse(entity, builder, "the degree of a spline must be 1 to 15", degree);
   }
   const std::size_t controls = nurbs.control_mm.size();
