@@ -13,6 +13,7 @@ constexpr intaglio_PauseReason PauseReasonOf(Missing spent_by) {
   switch (spent_by) {
     case Missing::kEmergencyStop:
       return intaglio_PAUSE_EMERGENCY_STOP;
+    case Missing::kChain:
     case Missing::kKey:
     case Missing::kDoor:
     case Missing::kOpenedUnseen:

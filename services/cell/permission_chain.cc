@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "services/platform/bus/open_chain.h"
 #include "services/platform/host/safety/absence_limit.h"
 
 namespace intaglio::cell {
@@ -13,11 +14,16 @@ namespace {
 
 constexpr std::uint64_t kEveryRenewal = std::numeric_limits<std::uint64_t>::max();
 
+bool IsChainOpen(const ChainLinks& links) {
+  return bus::IsChainOpen(links.key_on, links.door_closed, links.stop_released);
+}
+
 // Who lets go of one gives a new permission. What a line that is down reported last is
 // not known to hold or not.
 Missing OpenInterlock(const ChainLinks& links) {
   if (!links.stop_not_pressed) return Missing::kEmergencyStop;
   if (!links.laser_line_up) return Missing::kNothing;
+  if (IsChainOpen(links)) return Missing::kChain;
   if (!links.key_on) return Missing::kKey;
   if (!links.door_closed) return Missing::kDoor;
   if (!links.stop_released) return Missing::kEmergencyStop;
@@ -60,6 +66,7 @@ Missing FirstMissing(const ChainLinks& links, bool with_shutters) {
   if (!links.permission_fresh || !links.permission_granted) return Missing::kPermission;
   if (!links.stop_not_pressed) return Missing::kEmergencyStop;
   if (!links.laser_line_up) return Missing::kLaserLine;
+  if (IsChainOpen(links)) return Missing::kChain;
   if (!links.key_on) return Missing::kKey;
   if (!links.door_closed) return Missing::kDoor;
   if (!links.stop_released) return Missing::kEmergencyStop;
@@ -84,6 +91,8 @@ std::string TextOf(Missing missing) {
       return "emergency stop is pressed: release and reset it, then resume";
     case Missing::kLaserLine:
       return "the laser line is down: check the cable and the controller, then resume";
+    case Missing::kChain:
+      return fmt::format("{}: close them, then resume", bus::kChainIsOpen);
     case Missing::kKey:
       return "the key switch is off: turn it on, then resume";
     case Missing::kDoor:
@@ -111,24 +120,24 @@ std::string TextOf(Missing missing) {
              "magnet, then resume";
     case Missing::kOpenedUnseen:
       return "key, door or stop button was opened, or the controller stopped by itself "
-             "(hold, alarm, limit, error): check the machine and the block, then resume "
-             "or cancel";
+             "(hold, alarm, limit, error): check the machine and what is in it, then "
+             "resume or cancel";
     case Missing::kPowerCycle:
       return "the controller was switched off and on, or reset, or is watched anew: "
-             "check its zero, and that the right block is in the machine, then resume or "
-             "cancel";
+             "check its zero, and that the right block or piece is in the machine, then "
+             "resume or cancel";
     case Missing::kNotWatched:
-      return "key and door were not supervised until now: check that the right block is "
-             "in the machine, then resume or cancel";
+      return "key and door were not supervised until now: check that the right block or "
+             "piece is in the machine, then resume or cancel";
     case Missing::kLaserAway:
       return fmt::format(
           "the laser controller was silent for more than {} s: check that the right "
-          "block is in the machine, then resume or cancel",
+          "block or piece is in the machine, then resume or cancel",
           host::kMaxAbsence.count());
     case Missing::kMotionAway:
       return fmt::format(
           "the motion controller was silent for more than {} s: check that the right "
-          "block is in the machine, then resume or cancel",
+          "block or piece is in the machine, then resume or cancel",
           host::kMaxAbsence.count());
   }
   return "";

@@ -98,6 +98,7 @@ enum class Missing : std::uint8_t {
   kPermission,
   kEmergencyStop,
   kLaserLine,
+  kChain,  ///< key, door and stop, which are one input of the machine
   kKey,
   kDoor,
   kSafeState,

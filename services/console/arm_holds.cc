@@ -6,6 +6,7 @@
 
 #include "services/job/machine/block_fit.h"
 #include "services/platform/access/new_key.h"
+#include "services/platform/bus/open_chain.h"
 #include "services/platform/web/request_rules.h"
 
 namespace intaglio::console {
@@ -52,12 +53,15 @@ Obstacle ObstacleOf(const client::ShopSnapshot& shop, const std::string& cell) {
                         "intaglio stop {0} --reset",
                         cell)};
   }
+  if (bus::IsChainOpen(machine.key_on, machine.door_closed, machine.stop_released)) {
+    return {"door_open", fmt::format("{}: {}: close them", cell, bus::kChainIsOpen)};
+  }
   if (!machine.key_on) return {"key_off", cell + ": the key is off: turn it on"};
   if (!machine.door_closed) return {"door_open", cell + ": the door is open: close it"};
   if (BlockIn(shop, cell).empty()) {
     return {"not_mounted",
             fmt::format("{}: nobody has reported what is mounted: {} --block X Y Z "
-                        "--glass NAME",
+                        "--glass NAME, or --piece TEXT",
                         cell, MountCommand(cell))};
   }
   return {};

@@ -25,6 +25,7 @@ SkipReason ReasonOf(Missing missing) {
     case Missing::kBlockPlace:
       return SkipReason::kPosition;
     case Missing::kEmergencyStop:
+    case Missing::kChain:
     case Missing::kKey:
     case Missing::kDoor:
     case Missing::kDoorLock:

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "services/platform/bus/manual_orders.h"
+#include "services/platform/bus/open_chain.h"
 
 namespace intaglio::cell {
 namespace {
@@ -80,9 +81,10 @@ std::string WhyNoMotionByHand(const ManualConditions& conditions,
       !conditions.laser_line_up) {
     return kInterlocksUnknown;
   }
-  // On many machines one chain.
-  if (!conditions.key_on && !conditions.door_closed && !conditions.stop_released)
-    return "key, door and stop button are open: close them";
+  if (bus::IsChainOpen(conditions.key_on, conditions.door_closed,
+                       conditions.stop_released)) {
+    return fmt::format("{}: close them", bus::kChainIsOpen);
+  }
   if (!conditions.key_on) return "the key is off: turn it on";
   if (!conditions.door_closed) return "the door is open: close it";
   if (!conditions.stop_released)

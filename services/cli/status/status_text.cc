@@ -10,6 +10,7 @@
 #include "services/client/figure_text.h"
 #include "services/client/job_view.h"
 #include "services/client/shop/shop_status.h"
+#include "services/platform/bus/open_chain.h"
 
 namespace intaglio::cli {
 namespace {
@@ -32,15 +33,25 @@ std::string DoorText(const MachineStatus& machine) {
   return machine.door_locked() ? "door locked" : "door closed";
 }
 
+void AddInterlocks(const MachineStatus& machine, std::vector<std::string>& parts) {
+  if (bus::IsChainOpen(machine.key_on(), machine.door_closed(),
+                       machine.stop_released())) {
+    parts.emplace_back("KEY, DOOR OR STOP OPEN");
+    if (!machine.stops_held().empty()) parts.push_back(StopText(machine));
+    return;
+  }
+  parts.emplace_back(machine.key_on() ? "key on" : "KEY OFF");
+  parts.push_back(DoorText(machine));
+  parts.push_back(StopText(machine));
+}
+
 std::string LineOf(const MachineStatus& machine) {
   std::vector<std::string> parts;
   if (machine.age_s() > client::kStaleAge_s)
     parts.push_back(fmt::format("AS IT WAS {:.0f} s AGO", machine.age_s()));
   if (machine.laser_line_up()) {
     if (!machine.one_line()) parts.push_back(LampText(machine));
-    for (const std::string& part : {std::string(machine.key_on() ? "key on" : "KEY OFF"),
-                                    DoorText(machine), StopText(machine)})
-      parts.push_back(part);
+    AddInterlocks(machine, parts);
     if (machine.safe_state()) parts.emplace_back("safe state");
   } else {
     parts.emplace_back(machine.one_line() ? "LINE DOWN" : "LASER LINE DOWN");

@@ -12,6 +12,7 @@
 #include "services/client/shop/stop_reset.h"
 #include "services/client/shop/work_left.h"
 #include "services/history/job_names.h"
+#include "services/platform/bus/open_chain.h"
 #include "services/platform/host/times/utc_time.h"
 
 namespace intaglio::client {
@@ -237,6 +238,8 @@ class Builder {
     if (bridges_.contains(name) && !line.motion_line_up())
       Need(name + ": the stage does not answer: check its cable and its power");
     if (!line.laser_line_up() || line.job() == 0) return;
+    if (bus::IsChainOpen(cell.key_on, cell.door_closed, cell.stop_released))
+      return Need(fmt::format("{}: {}", name, bus::kChainIsOpen));
     if (!cell.key_on) Need(name + ": the key is off");
     if (!cell.door_closed) Need(name + ": the door is open");
     if (!cell.stop_released && !cell.stop_pressed)

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engrave/core/try.h"
+#include "services/platform/bus/open_chain.h"
 
 namespace intaglio::client {
 namespace {
@@ -15,6 +16,8 @@ namespace {
 std::vector<std::string> OpenInterlocks(const MachineStops& stops) {
   if (!stops.laser_line_up)
     return {"its laser does not answer, so that key and door are not known"};
+  if (bus::IsChainOpen(stops.key_on, stops.door_closed, stops.own_stop_released))
+    return {std::string(bus::kChainIsOpen)};
   std::vector<std::string> open;
   if (!stops.key_on) open.emplace_back("the key is off");
   if (!stops.door_closed) open.emplace_back("the door is open");

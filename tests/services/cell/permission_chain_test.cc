@@ -61,6 +61,17 @@ TEST(PermissionLinks, EveryMissingLinkNamesTheRemedy) {
   EXPECT_TRUE(TextOf(Missing::kNothing).empty());
 }
 
+// Machines with one input for key, door and stop report all three open.
+TEST(PermissionLinks, OfAnOpenChainNoSingleContactIsNamed) {
+  const unsigned chain = kAll & ~(1u << 4 | 1u << 5 | 1u << 6);
+  EXPECT_EQ(FirstMissing(LinksOfBits(chain), true), Missing::kChain);
+  EXPECT_EQ(TextOf(Missing::kChain),
+            "key, door or stop button is open: close them, then resume");
+  PermissionChain permission;
+  permission.Turn(LinksOfBits(kAll, {1, 0}), 1s);
+  EXPECT_EQ(permission.Turn(LinksOfBits(chain, {1, 0}), 2s), Missing::kChain);
+}
+
 // Who has to arm is not known here: the permission of an armed job comes later.
 TEST(PermissionLinks, AMissingPermissionAsksNobodyForAnArm) {
   EXPECT_EQ(TextOf(Missing::kPermission), "waits for the permission of the job service");

@@ -94,7 +94,9 @@ TEST_F(ObstacleAt, WhatIsOpenOrNotKnownIsOne) {
   machine.door_closed = false;
   EXPECT_EQ(Code(), "door_open");
   EXPECT_THAT(ObstacleOf(shop_, "els-03").message, HasSubstr("the door is open"));
-  machine.key_on = false;
+  machine.stop_released = machine.key_on = false;
+  EXPECT_THAT(ObstacleOf(shop_, "els-03").message, HasSubstr("key, door or stop"));
+  machine.stop_released = true;
   EXPECT_EQ(Code(), "key_off");
   machine.stop_pressed = true;
   EXPECT_EQ(Code(), "stop_pressed");

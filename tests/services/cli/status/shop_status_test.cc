@@ -101,6 +101,17 @@ TEST(ShopStatus, AStopNeedsAPersonAndIsNamed) {
   EXPECT_THAT(TextOf(Status(shop)), HasSubstr("STOP PRESSED by ann (number 1)"));
 }
 
+// Which of the three is open is known only where they are three inputs.
+TEST(ShopStatus, AnOpenChainNamesNoSingleContact) {
+  ShopSnapshot shop = GoodShop();
+  CellSnapshot& cell = shop.cells["left"];
+  cell.key_on = cell.door_closed = cell.stop_released = false;
+  EXPECT_THAT(TextOf(Status(shop)),
+              AllOf(HasSubstr("KEY, DOOR OR STOP OPEN"), Not(HasSubstr("KEY OFF"))));
+  cell.key_on = true;
+  EXPECT_THAT(TextOf(Status(shop)), AllOf(HasSubstr("key on"), HasSubstr("DOOR OPEN")));
+}
+
 TEST(ShopStatus, StatesItsAgeAndAServiceThatIsSilentNeedsAPerson) {
   ShopSnapshot shop = GoodShop();
   shop.taken_at += 700ms;  // since all services have reported
