@@ -19,6 +19,12 @@ std::string PausedNeed(const JobView& job) {
       why, GroupedDigits(job.counts.uncertain), job.makes, job.number);
 }
 
+/// The job service has a reason to refuse an arm, as what is mounted, and its sentence
+/// names the command that comes before it.
+bool NamesCommand(const std::string& message) {
+  return message.find("intaglio ") != std::string::npos;
+}
+
 }  // namespace
 
 std::string NeedOf(const JobView& job) {
@@ -29,14 +35,17 @@ std::string NeedOf(const JobView& job) {
   }
   if (job.state == intaglio_JOB_PAUSED) return PausedNeed(job);
   if (job.state != intaglio_JOB_WAITING_FOR_ARM) return "";
+  if (NamesCommand(job.message))
+    return fmt::format("job {} waits for its arm: {}", job.number, job.message);
+  const char* const piece = job.workpiece();
   if (job.awaits_block) {
     return fmt::format(
-        "job {} waits for its block: neither key nor door of {} was opened and closed "
-        "since the piece before it; change the block ({}, if it is in)",
-        job.number, job.cell, ArmCommandOf(job));
+        "job {0} waits for its {3}: neither key nor door of {1} was opened and closed "
+        "since the piece before it; change the {3} ({2}, if it is in)",
+        job.number, job.cell, ArmCommandOf(job), piece);
   }
-  return fmt::format("job {} waits for its arm: put its block into {}, then {}",
-                     job.number, job.cell, ArmCommandOf(job));
+  return fmt::format("job {} waits for its arm: put its {} into {}, then {}", job.number,
+                     piece, job.cell, ArmCommandOf(job));
 }
 
 std::string StateAndNextOf(const JobView& job) {

@@ -55,6 +55,8 @@ struct JobView {
 
   /// Done, failed or cancelled.
   bool ended() const;
+  /// What a person puts into the machine for it.
+  const char* workpiece() const { return WorkpieceOf(makes); }
   /// The warning that a person has to accept before the arm; nullptr: none.
   const Warning* open_consent() const {
     return breakage_accepted_by.empty() ? FindConsent(warnings) : nullptr;

@@ -57,7 +57,7 @@ int ShowMounted(client::JobClient& client, const std::string& cell) {
       others += (others.empty() ? "" : ", ") + name;
     std::cout << cell << ": nobody has reported what is mounted"
               << (others.empty()
-                      ? "; say it with --block, --glass and --lens\n"
+                      ? "; say it with --block, --glass and --lens, or with --piece\n"
                       : "; it is known of " + others + ": name its profile, --machine\n");
   } else {
     std::cout << MountText(cell, mount->second) << "\n";

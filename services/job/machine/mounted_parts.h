@@ -8,6 +8,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engrave/core/geometry.h"
@@ -39,6 +40,12 @@ MountedParts PartsOf(const FrozenJob& job);
 /// "intaglio mount --machine els-03 --block 60 30 20 --glass N-BK7 --lens f70": what a
 /// person types when the job's own parts are mounted.
 std::string MountCommandFor(const FrozenJob& job);
+
+/// What a person puts into the machine for a job: "block", or "piece" where it makes
+/// marks or contours. `makes`: what its counts count, "points" or "marks".
+constexpr const char* WorkpieceOf(std::string_view makes) {
+  return makes == "points" ? "block" : "piece";
+}
 
 /// The machine has real controllers, as far as its profile says.
 bool IsRealMachine(const MachineSpec& machine);

@@ -64,20 +64,20 @@ std::string PieceBook::WhyNot(const JobRecord& job) const {
   if (!piece.opened) {
     return fmt::format(
         "no program arms job {0}: neither the key nor the door of {1} was opened since "
-        "job {2} was made, so its block may still be in the machine: open the door, "
-        "change the block and close it; or, if the right block is in, intaglio arm {0}",
-        job.number, job.cell, piece.job_number);
+        "job {2} was made, so its {3} may still be in the machine: open the door, "
+        "change the {3} and close it; or, if the right {3} is in, intaglio arm {0}",
+        job.number, job.cell, piece.job_number, job.workpiece());
   }
   if (DoorOf(job.cell) == DoorState::kOpen) {
     return fmt::format(
-        "no program arms job {} while the key or the door of {} is open: put its block "
-        "in and close it",
-        job.number, job.cell);
+        "no program arms job {} while the key or the door of {} is open: put its {} in "
+        "and close it",
+        job.number, job.cell, job.workpiece());
   }
   return fmt::format(
       "no program arms job {0}: it is not known whether key and door of {1} are closed: "
-      "check the line to its controller; or, if the right block is in, intaglio arm {0}",
-      job.number, job.cell);
+      "check the line to its controller; or, if the right {2} is in, intaglio arm {0}",
+      job.number, job.cell, job.workpiece());
 }
 
 CommandAnswer PieceBook::CheckLoader(const JobRecord& job,

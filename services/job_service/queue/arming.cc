@@ -54,10 +54,10 @@ CommandAnswer Arming::CheckArm(const JobRecord& job, const CommandView& command)
     return {
         intaglio_ANSWER_NOT_YET,
         fmt::format("job {} cannot be armed yet: {}; arm it (intaglio arm {}) when it "
-                    "is discretizing, with its block in the machine",
+                    "is discretizing, with its {} in the machine",
                     job.number,
                     job.message.empty() ? "it waits for " + job.cell : job.message,
-                    job.number)};
+                    job.number, job.workpiece())};
   }
   if (IsStopped(job.cell)) {
     return {intaglio_ANSWER_STOP_PRESSED,
@@ -238,8 +238,8 @@ void Arming::EndArm(JobRecord& job, intaglio_PauseReason reason, const std::stri
                     Nanoseconds now) {
   job.arm.Disarm(why, now);
   const std::string message =
-      fmt::format("{}: check that the right block is in the machine, then {} the job",
-                  why, job.arm.ever_granted() ? "resume" : "arm");
+      fmt::format("{}: check that the right {} is in the machine, then {} the job", why,
+                  job.workpiece(), job.arm.ever_granted() ? "resume" : "arm");
   const bool pauses =
       job.state == intaglio_JOB_ENGRAVING || job.state == intaglio_JOB_PAUSED;
   if (pauses) return book_.ChangeToPaused(job, reason, message);

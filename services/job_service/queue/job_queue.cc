@@ -172,8 +172,8 @@ void JobQueue::StartFirst(JobRecord& job, Nanoseconds now) {
 }
 
 void JobQueue::WaitForTurn(JobRecord& job) {
-  WaitFor(job, fmt::format("its turn on {}; arm it then, with its block in the machine",
-                           job.cell));
+  WaitFor(job, fmt::format("its turn on {}; arm it then, with its {} in the machine",
+                           job.cell, job.workpiece()));
 }
 
 void JobQueue::HandOut(JobRecord& job, Nanoseconds now) {

@@ -10,6 +10,7 @@
 
 #include "engrave/core/warning.h"
 #include "idl/job.h"
+#include "services/job/machine/mounted_parts.h"
 #include "services/job_service/records/job_arm.h"
 #include "services/job_service/records/job_parts.h"
 #include "services/job_service/records/part_comparison.h"
@@ -123,6 +124,8 @@ struct JobRecord {
   }
   /// The service of its machine, as people are told.
   std::string_view maker() const { return makes == "marks" ? "marker" : "synchronizer"; }
+  /// What a person puts into its machine.
+  const char* workpiece() const { return WorkpieceOf(makes); }
   /// The warning that a person has to accept before the arm; nullptr: none.
   const Warning* open_consent() const {
     return arm.kept().breakage_accepted_by.empty() ? FindConsent(warnings) : nullptr;

@@ -101,6 +101,24 @@ TEST(JobText, AListNamesTheCommandToGiveAndNotWhatTheMachineWaitsFor) {
   EXPECT_THAT(ListText({job}), AllOf(HasSubstr("permission"), Not(HasSubstr("to do"))));
 }
 
+TEST(JobText, WhatComesBeforeAnArmIsInTheListInItsPlace) {
+  client::JobView job = ShownJob(7, intaglio_JOB_WAITING_FOR_ARM);
+  job.message =
+      "nobody has reported what is mounted in left (piece): check it and report it "
+      "(intaglio mount --machine left --piece TEXT), then intaglio arm 7";
+  EXPECT_THAT(ListText({job}), AllOf(HasSubstr("to do: job 7 waits for its arm: nobody "
+                                               "has reported what is mounted"),
+                                     Not(HasSubstr("put its"))));
+}
+
+TEST(JobText, AMachineThatTakesNoBlockIsGivenAPiece) {
+  client::JobView job = ShownJob(7, intaglio_JOB_WAITING_FOR_ARM);
+  job.makes = "marks";
+  EXPECT_THAT(ListText({job}), HasSubstr("put its piece into left, then intaglio arm 7"));
+  job.awaits_block = true;
+  EXPECT_THAT(ListText({job}), HasSubstr("waits for its piece: neither key nor door"));
+}
+
 TEST(JobText, TheSpeedThatWasSetIsInTheList) {
   client::JobView job = ShownJob(7, intaglio_JOB_ENGRAVING);
   EXPECT_THAT(ListText({job}), Not(HasSubstr("% speed")));
