@@ -14,10 +14,22 @@ ArmOnce::State ArmOnce::Follow(const JobView& job) {
     Leave(job.disarm_reason);
   } else if (job.state == intaglio_JOB_PAUSED && !IsChangeOfBlock(job)) {
     Leave(job.message);
+  } else if (NoteMounted(job.cell) && terms_.basis != intaglio_ARM_BY_PROGRAM) {
+    const MountView& mount = client_->mounts().at(job.cell);
+    Leave(fmt::format("{} has reported what is mounted, {}", mount.operator_name,
+                      TextOf(mount.parts)));
   } else if (job.state != intaglio_JOB_QUEUED && WhatBlockItAwaits(job).empty()) {
     Ask(job);
   }
   return state_;
+}
+
+// What is known first may arrive later than the job.
+bool ArmOnce::NoteMounted(const std::string& cell) {
+  const auto mount = client_->mounts().find(cell);
+  if (mount == client_->mounts().end()) return false;
+  if (mounted_utc_.empty()) mounted_utc_ = mount->second.mounted_utc;
+  return mounted_utc_ != mount->second.mounted_utc;
 }
 
 // A door that is opened while nothing was armed yet is what it waits for.
@@ -60,8 +72,8 @@ std::string ArmOnce::WhatBlockItAwaits(const JobView& job) const {
   }
   return fmt::format(
       "neither key nor door of {} was opened and closed since the piece before it: open "
-      "the door, change the block and close it, and the job is armed",
-      job.cell);
+      "the door, change the {} and close it, and the job is armed",
+      job.cell, job.workpiece());
 }
 
 intaglio_ArmBasis BasisFor(const JobClient& client, const JobView& submitted,
@@ -89,10 +101,10 @@ Status ArmWhenTaken(JobClient& client, const JobView& submitted, const ArmTerms&
     if (arm.state() == ArmOnce::State::kArmed) return {};
     if (awaits.empty()) return Fail(ErrorCode::kRefused, arm.reason());
     return Fail(ErrorCode::kRefused,
-                fmt::format("job {0} is not armed by a program: its block may be that of "
-                            "the piece before it; put its block into {1}, then intaglio "
+                fmt::format("job {0} is not armed by a program: its {2} may be that of "
+                            "the piece before it; put its {2} into {1}, then intaglio "
                             "arm {0} (or give --same-block)",
-                            submitted.number, submitted.cell));
+                            submitted.number, submitted.cell, submitted.workpiece()));
   }
   const JobView& job = client.jobs().at(submitted.uid);
   if (arm.state() == ArmOnce::State::kAsked) {
@@ -103,11 +115,12 @@ Status ArmWhenTaken(JobClient& client, const JobView& submitted, const ArmTerms&
                     "(intaglio show {0})",
                     job.number));
   }
-  return Fail(ErrorCode::kTimedOut,
-              fmt::format("job {0} stays {1} and is not armed{2}: when it has its "
-                          "machine and its block is in, run intaglio arm {0}",
-                          job.number, NameOf(job.state),
-                          job.message.empty() ? "" : " (" + job.message + ")"));
+  return Fail(
+      ErrorCode::kTimedOut,
+      fmt::format("job {0} stays {1} and is not armed{2}: when it has its "
+                  "machine and its {3} is in, run intaglio arm {0}",
+                  job.number, NameOf(job.state),
+                  job.message.empty() ? "" : " (" + job.message + ")", job.workpiece()));
 }
 
 }  // namespace intaglio::client

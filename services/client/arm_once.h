@@ -11,6 +11,8 @@
 //            machine was opened and is closed again
 //   kWaits --paused, stopped or disarmed meanwhile, but not by the door that is opened to
 //            change the block-----------------------------> kLeft
+//   kWaits --something was reported as mounted after the person's word, which was given
+//            for what was mounted before------------------> kLeft
 //   kWaits --ended, or armed by another person-----------> kArmed
 
 #include <chrono>
@@ -40,7 +42,9 @@ class ArmOnce {
 
   /// `submitted`: the job as the person who arms it knows it.
   ArmOnce(JobClient& client, const JobView& submitted, const ArmTerms& terms)
-      : client_(&client), disarm_count_(submitted.disarm_count), terms_(terms) {}
+      : client_(&client), disarm_count_(submitted.disarm_count), terms_(terms) {
+    NoteMounted(submitted.cell);
+  }
 
   /// The next step, by the newest status of the job. After every Poll of the client.
   State Follow(const JobView& job);
@@ -54,6 +58,8 @@ class ArmOnce {
 
  private:
   bool IsChangeOfBlock(const JobView& job) const;
+  /// True when another report is known than the first one of this machine.
+  bool NoteMounted(const std::string& cell);
   void Ask(const JobView& job);
   void TakeAnswer();
   void Leave(const std::string& reason);
@@ -64,6 +70,7 @@ class ArmOnce {
   std::uint64_t asked_ = 0;  // number of the command
   State state_ = State::kWaits;
   bool awaited_block_ = false;
+  std::string mounted_utc_;  // of the first report that is known; empty: none
   std::string reason_;
 };
 

@@ -290,6 +290,27 @@ TEST_F(JobClientTest, ArmsWhenTheMachineHasTheJobAndElseLeavesItQueued) {
             "armed");
 }
 
+// Two people at one machine: what one has put in is not what the other has armed.
+TEST_F(JobClientTest, AnArmThatWaitsForItsMachineIsNotForWhatIsMountedAfterIt) {
+  Start();
+  const MountedParts first{.piece = "plate A"}, second{.piece = "plate B"};
+  ASSERT_TRUE(ann_.Mount("els-03", first, intaglio_ARM_BY_PERSON));
+  ASSERT_TRUE(ann_.PollUntil([&] { return ann_.mounts().contains("els-03"); }, 10s));
+  const auto job = ann_.Submit(GoodJob(), 10s);
+  ASSERT_TRUE(job.has_value());
+  ArmOnce arm(ann_, *job, {.basis = intaglio_ARM_BY_PERSON});
+  EXPECT_EQ(arm.Follow(*job), ArmOnce::State::kWaits);
+  OfBob(job->uid);
+  ASSERT_TRUE(bob_.Mount("els-03", second, intaglio_ARM_BY_PERSON));
+  shop_.ready = true;
+  const auto settled = [&] {
+    return arm.Follow(ann_.jobs().at(job->uid)) != ArmOnce::State::kWaits;
+  };
+  ASSERT_TRUE(ann_.PollUntil(settled, 20s));
+  EXPECT_EQ(arm.state(), ArmOnce::State::kLeft);
+  EXPECT_THAT(arm.reason(), HasSubstr("has reported what is mounted, plate B"));
+}
+
 TEST_F(JobClientTest, ABatchLeavesWhatAPersonHasPausedToAPerson) {
   Start();
   shop_.ready = true;
