@@ -5,8 +5,10 @@
 
 #include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
+#include "services/client/proof/evidence/proof_figures.h"
 #include "services/client/proof/proof_folder.h"
 #include "services/client/proof/proof_verdict.h"
+#include "services/job/verdict/verdict.h"
 
 namespace intaglio::client {
 namespace {
@@ -97,6 +99,29 @@ void AddKnown(const fs::path& folder, JobReport& report) {
   if (const auto stages = ReadJson<JobStages>(folder / kStagesFile))
     AddStages(*stages, report);
   if (const auto statistics = ReadStatistics(folder)) AddStatistics(*statistics, report);
+}
+
+bool AddLostProof(const fs::path& folder, JobReport& report) {
+  if (report.evidence() != kControllerEvidence) return false;
+  const auto known = ReadJson<JobReport>(folder / kReportFile);
+  if (!known || known->evidence().empty() || known->evidence() == kControllerEvidence)
+    return false;
+  Verdict& verdict = *report.mutable_verdict();
+  const auto name = [](VerdictKind kind) { return std::string(VerdictName(kind)); };
+  const Verdict& before = known->verdict();
+  if (!before.good() && before.kind() != name(VerdictKind::kGoodWithWarnings)) {
+    verdict.set_kind(name(VerdictKind::kNotGood));
+    for (const std::string& reason : before.reasons()) verdict.add_reasons(reason);
+  } else if (verdict.good()) {
+    verdict.set_kind(name(VerdictKind::kGoodWithWarnings));
+  }
+  verdict.set_good(false);
+  verdict.add_reasons(fmt::format(
+      "{0} was proved by the {1}, whose record is not in the folder any more, so that "
+      "only the controller's counters are known now: put the record back and verify the "
+      "folder again",
+      kReportFile, known->evidence() == kGlassEvidence ? "glass" : "piece"));
+  return true;
 }
 
 Result<JobStatistics> ReadStatistics(const fs::path& folder) {

@@ -15,6 +15,12 @@ namespace intaglio::client {
 /// stages.json and statistics.json. Nothing of a file that is not there or not readable.
 void AddKnown(const std::filesystem::path& folder, JobReport& report);
 
+/// The folder's report.json was proved by the glass or the piece, while `report` has only
+/// the controller's counters, because the record is missing now. Its verdict gets the
+/// faults that were found then, and the reason why it is not good without warnings.
+/// Precondition: it is judged. False: nothing was lost, and nothing is added.
+bool AddLostProof(const std::filesystem::path& folder, JobReport& report);
+
 /// Adds the outcomes of the stages, and what follows from them.
 void AddStages(const JobStages& stages, JobReport& report);
 

@@ -122,6 +122,13 @@ Result<ProvedFolder> ReadFolder(const fs::path& folder) {
 }
 
 Status WriteMissing(const FolderToComplete& which, const ProvedFolder& proved) {
+  if (which.renew && proved.lost_proof) {
+    return Fail(ErrorCode::kMissing,
+                fmt::format("{} and the pictures are not renewed, because they were made "
+                            "with a record that is not there any more",
+                            kReportFile),
+                which.folder.string());
+  }
   const auto needs = [&](const char* file) {
     return which.renew || !fs::exists(which.folder / file);
   };
@@ -172,6 +179,7 @@ Result<ProvedFolder> VerifyFolder(const fs::path& folder) {
   ProvedFolder proved = INTAGLIO_TRY(ReadFolder(folder));
   AddKnown(folder, proved.report);
   Judge(proved.report);
+  proved.lost_proof = AddLostProof(folder, proved.report);
   return proved;
 }
 

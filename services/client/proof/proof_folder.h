@@ -48,6 +48,7 @@ struct ProvedFolder {
   /// Where the glass is known, it has what the pictures need (FiguresOf).
   std::variant<Evidence, MarkEvidence> evidence;
   JobReport report;
+  bool lost_proof = false;           ///< AddLostProof
   std::optional<Error> not_written;  ///< Why a file of the proof is missing.
 };
 

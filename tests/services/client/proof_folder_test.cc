@@ -438,6 +438,36 @@ TEST_F(ProofFolderTest, WithoutTheGlassThePointsCountByTheController) {
   EXPECT_EQ(Verified().evidence(), "glass");
 }
 
+// What the glass has shown is not forgotten because its record is missing.
+TEST_F(ProofFolderTest, AReportThatTheGlassProvedIsNotRepeatedByCountersAlone) {
+  WriteFolder();
+  ASSERT_TRUE(CompleteFolder({folder_, {}, false}));
+  const fs::path glass = folder_ / "glass.ply", away = folder_ / "away.ply";
+  fs::rename(glass, away);
+  auto proved = VerifyFolder(folder_);
+  ASSERT_TRUE(proved);
+  EXPECT_EQ(proved->report.verdict().kind(), "good_with_warnings");
+  EXPECT_THAT(
+      proved->report.verdict().reasons(),
+      ElementsAre(HasSubstr("report.json was proved by the glass, whose record")));
+  // It is not written over, and is good again with its record.
+  proved = CompleteFolder({folder_, {}, true});
+  ASSERT_TRUE(proved && proved->not_written);
+  EXPECT_THAT(proved->not_written->message, HasSubstr("not renewed"));
+  fs::rename(away, glass);
+  EXPECT_EQ(Verified().verdict().kind(), "good");
+
+  cracks_mm_.pop_back();
+  ticks_.pop_back();
+  WriteFolder();
+  ASSERT_TRUE(CompleteFolder({folder_, {}, true}));
+  fs::remove(glass);
+  proved = VerifyFolder(folder_);
+  ASSERT_TRUE(proved);
+  EXPECT_EQ(proved->report.verdict().kind(), "not_good") << "the journal is content";
+  EXPECT_GE(proved->report.verdict().reasons_size(), 2);
+}
+
 TEST_F(ProofFolderTest, UnknownPointsOfARealMachineAreNotGood) {
   outcomes_[1] = PointOutcome::kUncertain;
   outcomes_[3] = PointOutcome::kNone;  // an intent without an outcome
