@@ -47,7 +47,8 @@ SELECT j.number, j.uid, j.name, j.cell, j.material, j.state, j.verdict, j.attemp
   j.planned_count, j.made_count, j.missed_count, j.skipped_count, j.uncertain_count,
   coalesce(s.taken_utc, '') AS submitted_utc, j.started_utc, j.engraving_utc, j.ended_utc,
   j.report, j.recording, {0}, {1},
-  coalesce(e.done_count, 0) AS done_count, coalesce(e.total_count, 0) AS total_count
+  coalesce(e.done_count, 0) AS done_count, coalesce(e.total_count, 0) AS total_count,
+  coalesce(e.elapsed_s, 0) AS worked_s
 FROM jobs AS j
 LEFT JOIN submissions AS s ON s.submission_uid = j.submission_uid
 LEFT JOIN stages AS e ON e.job_uid = j.uid AND e.stage = 2
@@ -187,8 +188,8 @@ Status VisitJobs(sql::Connection& database, const Filter& filter, SystemTime now
     const auto count = [&select](const char* column) {
       return static_cast<std::uint64_t>(select->Integer(column));
     };
-    AddProgress(job, count("done_count"), count("total_count"),
-                SecondsBetween(job.engraving_utc(), now), now);
+    AddProgress(job, count("done_count"), count("total_count"), select->Real("worked_s"),
+                now);
     INTAGLIO_TRY(visit(job));
   }
   return {};
@@ -197,7 +198,7 @@ Status VisitJobs(sql::Connection& database, const Filter& filter, SystemTime now
 }  // namespace
 
 void AddProgress(JobStatistics& job, std::uint64_t done, std::uint64_t total,
-                 double engraving_s, SystemTime now) {
+                 double worked_s, SystemTime now) {
   if (total == 0) return;
   const double share = static_cast<double>(done) / static_cast<double>(total);
   job.set_progress_ratio(std::min(1.0, share));
@@ -205,8 +206,8 @@ void AddProgress(JobStatistics& job, std::uint64_t done, std::uint64_t total,
   job.set_planned(static_cast<std::uint32_t>(total));
   job.set_made(static_cast<std::uint32_t>(done));
   if (job.engraving_utc().empty()) return;
-  const double left_s = share > kPaceIsKnown ? engraving_s * (1 - share) / share
-                                             : job.estimated_s() * (1 - share);
+  const bool by_pace = share > kPaceIsKnown && worked_s > 0;
+  const double left_s = (by_pace ? worked_s / share : job.estimated_s()) * (1 - share);
   job.set_expected_end_utc(
       host::UtcText(now + std::chrono::duration_cast<SystemTime::duration>(
                               std::chrono::duration<double>(std::min(left_s, 1e8)))));

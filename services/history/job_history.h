@@ -77,8 +77,9 @@ struct EstimateScore {
 };
 EstimateScore ScoreOf(const std::vector<JobStatistics>& jobs);
 
-/// What a job that is engraved has come to: `done` of `total` points in `engraving_s`.
+/// What a job that is engraved has come to: `done` of `total` points in `worked_s`, in
+/// which no pause counts; 0: not known, and the plan decides.
 void AddProgress(JobStatistics& job, std::uint64_t done, std::uint64_t total,
-                 double engraving_s, std::chrono::system_clock::time_point now);
+                 double worked_s, std::chrono::system_clock::time_point now);
 
 }  // namespace intaglio::history

@@ -153,6 +153,25 @@ TEST(Progress, AtFirstThePlanAndThenThePaceReportsTheEnd) {
   AddProgress(job, 50, 100, 200, now);
   EXPECT_EQ(job.expected_end_utc(), "2001-09-09T01:50:00.000Z");
   EXPECT_EQ(job.progress_ratio(), 0.5);
+  AddProgress(job, 50, 100, 0, now);
+  EXPECT_EQ(job.expected_end_utc(), host::UtcText(now + std::chrono::seconds(50)))
+      << "by the plan, because the pace is not known";
+}
+
+TEST_F(JobHistoryTest, APauseIsNoWorkInTheExpectedEnd) {
+  Keep(1, "Cup", intaglio_JOB_PAUSED, "");
+  store_.reset();
+  // Half of it in 100 s of work, begun long ago.
+  SQLite::Database(path_.string(), SQLite::OPEN_READWRITE)
+      .exec(
+          "UPDATE jobs SET engraving_utc = '2026-11-21T08:00:00.000Z' WHERE number = 1; "
+          "INSERT OR REPLACE INTO stages (job_uid, stage, worker, done, done_count, "
+          "total_count, elapsed_s) SELECT uid, 2, 's', 0, 50, 100, 100 FROM jobs");
+  const auto jobs = ReadHistory(path_, {.job = 1});
+  ASSERT_TRUE(jobs && jobs->size() == 1);
+  const auto end = host::TimeOfUtc(jobs->front().expected_end_utc());
+  ASSERT_TRUE(end);
+  EXPECT_LT(*end, std::chrono::system_clock::now() + std::chrono::minutes(2));
 }
 
 }  // namespace
