@@ -231,7 +231,7 @@ std::string WorkerBook::WhyNone(intaglio_ServiceRole role, const std::string& ce
     if (is_better) seen = &worker;
   }
   if (seen == nullptr)
-    return text + (all_reported ? " (none runs)" : " (none has reported yet)");
+    return text + (all_reported ? " (none runs)" : " (one that runs reports within 2 s)");
   if (seen->view.state == intaglio_HEALTH_FAULT) {
     return fmt::format("{} ({} has a fault: {})", text, seen->view.instance,
                        seen->view.message);

@@ -60,14 +60,15 @@ TEST_F(JobQueueTest, TheFirstEstimateIsKeptWhenTheMotionIsPlanned) {
 TEST_F(JobQueueTest, AJobOfMarksWaitsForAMarker) {
   Add(1, "c", 0, "marks");
   EXPECT_THAT(job().message,
-              HasSubstr("waits for a marker of c (none has reported yet)"));
+              HasSubstr("waits for a marker of c (one that runs reports within 2 s)"));
 }
 
 TEST_F(JobQueueTest, WaitsForWorkersAndReportsWhich) {
   Add(1);
   EXPECT_EQ(job().state, intaglio_JOB_QUEUED);
   // The services of a machine are heard from its first job on.
-  EXPECT_THAT(job().message, HasSubstr("a synchronizer of c (none has reported yet)"));
+  EXPECT_THAT(job().message,
+              HasSubstr("a synchronizer of c (one that runs reports within 2 s)"));
   now_ += 2s;
   queue_.Turn(now_);
   EXPECT_EQ(
@@ -132,8 +133,9 @@ TEST_F(JobQueueTest, AJobThatItsMachineDoesNotHaveCannotBeArmed) {
   Add(2);
   CommandAnswer answer = Send(Order(intaglio_COMMAND_ARM));
   EXPECT_EQ(answer.code, intaglio_ANSWER_NOT_YET) << "it waits for workers";
-  EXPECT_THAT(answer.message,
-              HasSubstr("waits for a synchronizer of c (none has reported yet)"));
+  EXPECT_THAT(
+      answer.message,
+      HasSubstr("waits for a synchronizer of c (one that runs reports within 2 s)"));
   EXPECT_THAT(answer.message, HasSubstr("intaglio arm 1"));
   EXPECT_FALSE(job().arm.armed());
   ReadyAll();
