@@ -2,11 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace intaglio::client {
 
 ArmOnce::State ArmOnce::Follow(const JobView& job) {
   if (state_ == State::kAsked) TakeAnswer();
   if (state_ != State::kWaits) return state_;
+  if (terms_.basis == intaglio_ARM_BY_PERSON && AnotherHasItsMachine(job))
+    terms_.basis = intaglio_ARM_BY_PROGRAM;
   awaited_block_ = awaited_block_ || !WhatBlockItAwaits(job).empty();
   if (job.ended() || job.armed) {
     state_ = State::kArmed;
@@ -22,6 +26,14 @@ ArmOnce::State ArmOnce::Follow(const JobView& job) {
     Ask(job);
   }
   return state_;
+}
+
+bool ArmOnce::AnotherHasItsMachine(const JobView& job) const {
+  return std::ranges::any_of(client_->jobs(), [&job](const auto& other) {
+    const JobView& view = other.second;
+    return view.uid != job.uid && view.cell == job.cell && !view.ended() &&
+           view.state != intaglio_JOB_QUEUED;
+  });
 }
 
 // What is known first may arrive later than the job.

@@ -11,6 +11,7 @@
 //            machine was opened and is closed again
 //   kWaits --paused, stopped or disarmed meanwhile, but not by the door that is opened to
 //            change the block-----------------------------> kLeft
+//   kWaits --another job got the machine: its block may be in----> kWaits, as a program
 //   kWaits --something was reported as mounted after the person's word, which was given
 //            for what was mounted before------------------> kLeft
 //   kWaits --ended, or armed by another person-----------> kArmed
@@ -58,6 +59,7 @@ class ArmOnce {
 
  private:
   bool IsChangeOfBlock(const JobView& job) const;
+  bool AnotherHasItsMachine(const JobView& job) const;
   /// True when another report is known than the first one of this machine.
   bool NoteMounted(const std::string& cell);
   void Ask(const JobView& job);

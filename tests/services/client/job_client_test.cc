@@ -311,6 +311,44 @@ TEST_F(JobClientTest, AnArmThatWaitsForItsMachineIsNotForWhatIsMountedAfterIt) {
   EXPECT_THAT(arm.reason(), HasSubstr("has reported what is mounted, plate B"));
 }
 
+// A piece of another job that came in between is in the machine then.
+TEST_F(JobClientTest, AnArmThatWaitsIsAProgramsWhenAnotherJobGetsTheMachineFirst) {
+  Start();
+  const auto job = ann_.Submit(GoodJob(), 10s);
+  const auto other = bob_.Submit(GoodJob(), 10s);
+  ASSERT_TRUE(job && other);
+  ArmOnce arm(ann_, *job, {.basis = intaglio_ARM_BY_PERSON});
+  const auto follow = [&] { return arm.Follow(ann_.jobs().at(job->uid)); };
+  ASSERT_TRUE(
+      bob_.Command(*other, {.kind = intaglio_COMMAND_MOVE, .before_job_uid = job->uid}));
+  shop_.ready = true;
+  const auto waits_for_arm = [&](const JobView& view) {
+    return view.state == intaglio_JOB_WAITING_FOR_ARM;
+  };
+  const JobView first = BobAwaits(other->uid, waits_for_arm);
+  ASSERT_TRUE(ann_.PollUntil(
+      [&] {
+        (void)follow();
+        return ann_.jobs().contains(other->uid) &&
+               waits_for_arm(ann_.jobs().at(other->uid));
+      },
+      10s));
+  ASSERT_TRUE(bob_.Command(
+      first, {.kind = intaglio_COMMAND_ARM, .basis = intaglio_ARM_BY_PERSON}));
+  ann_.Poll(1s);
+  ASSERT_TRUE(
+      bob_.Command(bob_.jobs().at(other->uid), {.kind = intaglio_COMMAND_CANCEL}));
+  const auto awaits = [&] {
+    (void)follow();
+    return ann_.jobs().at(job->uid).awaits_block &&
+           waits_for_arm(ann_.jobs().at(job->uid));
+  };
+  ASSERT_TRUE(ann_.PollUntil(awaits, 20s));
+  EXPECT_EQ(follow(), ArmOnce::State::kWaits);
+  EXPECT_THAT(arm.WhatBlockItAwaits(ann_.jobs().at(job->uid)),
+              HasSubstr("neither key nor door"));
+}
+
 TEST_F(JobClientTest, ABatchLeavesWhatAPersonHasPausedToAPerson) {
   Start();
   shop_.ready = true;
