@@ -131,7 +131,10 @@ void JobService::Turn(Nanoseconds now) {
   TakeHealth(now);
   TakeSubmissions(now);
   TakeManualCommands();
-  for (const auto& [cell, door] : interlocks_.Take()) queue_.SetDoor(cell, door);
+  for (const InterlockReport& report : interlocks_.Take()) {
+    queue_.SetDoor(report.cell, report.door);
+    permissions_.TakePresses(report.cell, report.stops_held);
+  }
   commands_.Take([&](const CommandView& command) { return TakeCommand(command, now); },
                  now);
   for (const ModelFeed::Failure& failure : feed_.TakeFailures()) {

@@ -69,6 +69,15 @@ std::vector<std::pair<std::string, bool>> PermissionKeeper::TakeStops() {
   return pressed;
 }
 
+void PermissionKeeper::TakePresses(const std::string& cell,
+                                   const std::vector<host::StopPress>& presses) {
+  const std::lock_guard lock(mutex_);
+  const auto known = cells_.find(cell);
+  if (known == cells_.end()) return;
+  for (const host::StopPress& press : presses)
+    known->second.stop.TakePress(press.source, press.number);
+}
+
 void PermissionKeeper::Decide(const std::vector<PermissionView>& permissions) {
   const std::lock_guard lock(mutex_);
   decided_at_ = std::chrono::steady_clock::now();

@@ -45,6 +45,9 @@ class PermissionKeeper {
   /// Reads the emergency stops: every open cell, and whether its stop is pressed or was
   /// pressed since the last call.
   std::vector<std::pair<std::string, bool>> TakeStops();
+  /// The presses that the machine holds. A press of a process that has ended already may
+  /// reach the machine and not this one, and one that a reset named is none.
+  void TakePresses(const std::string& cell, const std::vector<host::StopPress>& presses);
   /// What is to be repeated from now on; published at once when it is another. A cell
   /// that is not in `permissions` has no job and gets none.
   void Decide(const std::vector<PermissionView>& permissions);

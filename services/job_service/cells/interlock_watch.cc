@@ -1,5 +1,7 @@
 #include "services/job_service/cells/interlock_watch.h"
 
+#include "services/platform/bus/samples.h"
+
 namespace intaglio::job_service {
 
 void InterlockWatch::OpenCell(const std::string& cell) {
@@ -7,17 +9,20 @@ void InterlockWatch::OpenCell(const std::string& cell) {
   readers_.emplace(cell, bus::Reader<intaglio_Interlock>(bus_, bus::kInterlock, cell));
 }
 
-std::vector<std::pair<std::string, DoorState>> InterlockWatch::Take() {
-  std::vector<std::pair<std::string, DoorState>> taken;
+std::vector<InterlockReport> InterlockWatch::Take() {
+  std::vector<InterlockReport> taken;
   for (auto& [cell, reader] : readers_) {
     reader.TakeAll([&taken, &cell = cell](const intaglio_Interlock& sample,
                                           const bus::SampleOrigin& origin) {
-      DoorState door = DoorState::kUnknown;
-      if (origin.alive && sample.laser_link_up) {
+      InterlockReport& report = taken.emplace_back();
+      report.cell = cell;
+      if (!origin.alive) return;
+      if (sample.laser_link_up) {
         const bool closed = sample.key_on && sample.door_closed;
-        door = closed ? DoorState::kClosed : DoorState::kOpen;
+        report.door = closed ? DoorState::kClosed : DoorState::kOpen;
       }
-      taken.emplace_back(cell, door);
+      for (const intaglio_StopPress& press : bus::View(sample.bus_stops))
+        report.stops_held.push_back({std::string(bus::View(press.source)), press.number});
     });
   }
   return taken;

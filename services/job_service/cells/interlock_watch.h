@@ -1,7 +1,7 @@
 #pragma once
 
-// Key and door of every machine that has a job, from the Interlock of its synchronizer or
-// marker. Used from one thread.
+// Key and door of every machine that has a job, and the emergency stops of the bus that
+// hold it, from the Interlock of its synchronizer or marker. Used from one thread.
 
 #include <map>
 #include <string>
@@ -10,8 +10,15 @@
 
 #include "services/job_service/cells/piece_book.h"
 #include "services/platform/bus/bus.h"
+#include "services/platform/host/safety/stop_latch.h"
 
 namespace intaglio::job_service {
+
+struct InterlockReport {
+  std::string cell;
+  DoorState door = DoorState::kUnknown;
+  std::vector<host::StopPress> stops_held;
+};
 
 class InterlockWatch {
  public:
@@ -21,7 +28,7 @@ class InterlockWatch {
   void OpenCell(const std::string& cell);
   /// What was received since the last call, in its order: a door that was opened and
   /// closed in between is in it with both.
-  std::vector<std::pair<std::string, DoorState>> Take();
+  std::vector<InterlockReport> Take();
 
  private:
   bus::Bus& bus_;

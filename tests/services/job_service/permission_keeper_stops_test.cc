@@ -45,6 +45,17 @@ TEST_F(PermissionKeeperStops, AResetThatIsReadWithItsPressDoesNotHideIt) {
   EXPECT_EQ(keeper_.TakeStops(), (StopStates{{kCell, false}}));
 }
 
+// The command that pressed it may end before this process has discovered it.
+TEST_F(PermissionKeeperStops, APressThatOnlyTheMachineReceivedIsItsTooUntilAReset) {
+  keeper_.TakePresses(kCell, {{"ann", 1}});
+  EXPECT_EQ(keeper_.TakeStops(), (StopStates{{kCell, true}}));
+  Write("bob", false, {{"ann", 1}});
+  EXPECT_EQ(keeper_.TakeStops(), (StopStates{{kCell, false}}));
+  // What the machine reported before the reset reached it, too.
+  keeper_.TakePresses(kCell, {{"ann", 1}});
+  EXPECT_EQ(keeper_.TakeStops(), (StopStates{{kCell, false}}));
+}
+
 TEST_F(PermissionKeeperStops, WhatItHoldsIsInThePermission) {
   bus::Reader<intaglio_Permission> permissions(bus_, bus::kPermission, kCell);
   Write("ann", true, {});
