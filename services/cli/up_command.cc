@@ -75,6 +75,7 @@ Result<client::VirtualMachine> MachineOf(const UpOptions& options,
   INTAGLIO_TRY(options.truth.Change(virtual_machine.truth));
   virtual_machine.speed =
       options.lockstep ? "lockstep" : fmt::format("{}", options.speed);
+  INTAGLIO_TRY(client::CheckVirtual(machine, virtual_machine));
   return virtual_machine;
 }
 

@@ -264,6 +264,7 @@ TEST_F(Foreman, AShopThatIsRefusedLeavesNothingBehind) {
   refuse(with(Up(deep), {"--block-glass", "butter"}), "butter");
   refuse(with(Up(deep), {"--lens", "f1000"}), "f1000");
   refuse(with(Up(deep), {"--machine", "nowhere"}), "nowhere");
+  refuse(with(Up(deep), {"--machine", "mill"}), "mill has no virtual machine here");
 
   // A second shop in the same place of the bus.
   ASSERT_NO_FATAL_FAILURE(Open());

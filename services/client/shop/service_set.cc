@@ -51,7 +51,20 @@ constexpr Expected kExpected[] = {{intaglio_ROLE_JOB_SERVICE, "job-service"},
                                   {intaglio_ROLE_MOTION_BRIDGE, "motion-bridge"},
                                   {intaglio_ROLE_RECORDER, "recorder"}};
 
-/// That there is a virtual machine in place of this one.
+/// Busy: of a queue that was kept it has been given a job already.
+bool IsReady(const ServiceView& service) {
+  return service.state == intaglio_HEALTH_READY || service.state == intaglio_HEALTH_BUSY;
+}
+
+/// Changes when the file is written; empty: there is none.
+std::string ConsoleStamp(const fs::path& file) {
+  std::error_code error;
+  const auto written = fs::last_write_time(file, error);
+  return error ? "" : std::to_string(written.time_since_epoch().count());
+}
+
+}  // namespace
+
 Status CheckVirtual(const MachineSpec& spec, const VirtualMachine& machine) {
   constexpr const char* kMillProtocol = "grbl-course";
   const std::string& protocol = spec.mark_line().protocol();
@@ -75,20 +88,6 @@ Status CheckVirtual(const MachineSpec& spec, const VirtualMachine& machine) {
                   spec.name(), kMillProtocol),
       protocol);
 }
-
-/// Busy: of a queue that was kept it has been given a job already.
-bool IsReady(const ServiceView& service) {
-  return service.state == intaglio_HEALTH_READY || service.state == intaglio_HEALTH_BUSY;
-}
-
-/// Changes when the file is written; empty: there is none.
-std::string ConsoleStamp(const fs::path& file) {
-  std::error_code error;
-  const auto written = fs::last_write_time(file, error);
-  return error ? "" : std::to_string(written.time_since_epoch().count());
-}
-
-}  // namespace
 
 MachineSpec WithKeptTaught(const fs::path& folder, const MachineSpec& machine) {
   const auto before = ReadMachineFile(folder / kMachineFile);

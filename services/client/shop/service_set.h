@@ -56,6 +56,9 @@ struct ServiceSetOptions {
 MachineSpec WithKeptTaught(const std::filesystem::path& folder,
                            const MachineSpec& machine);
 
+/// Whether there is a virtual machine in place of this one: kUnsupported.
+Status CheckVirtual(const MachineSpec& spec, const VirtualMachine& machine);
+
 class ServiceSet {
  public:
   /// Starts everything; on failure what was started is ended again.
