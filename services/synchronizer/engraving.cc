@@ -175,7 +175,7 @@ void Engraving::Prepare(const EngravingInputs& inputs) {
   if (wait.empty()) {
     const ChainLinks links = LinksNow(inputs);
     const bool granted = chain_.has_grant(links);
-    if (granted) preparation_.LightLamp(inputs.now);
+    if (granted) (void)preparation_.LightLamp(inputs.now);
     preparation_.LeaveSafeState(chain_.may_reset(links), inputs.now);
     const bool lit = granted || laser_.Has(link::kLampOn);
     if (preparation_.NeedsTicks(inputs.motion, lit)) SendIdleTicks();
@@ -197,7 +197,9 @@ void Engraving::Wait(const EngravingInputs& inputs) {
     phase_ = Phase::kPreparing;
     return;
   }
-  preparation_.LeaveSafeState(chain_.may_reset(LinksNow(inputs)), inputs.now);
+  const ChainLinks links = LinksNow(inputs);
+  const bool has_lamp = !chain_.has_grant(links) || preparation_.LightLamp(inputs.now);
+  preparation_.LeaveSafeState(chain_.may_reset(links), inputs.now);
   // In lockstep it brakes only while ticks pass, which in a safe state none does.
   const bool seen = inputs.motion.fresh && !inputs.motion.line_down();
   if (seen && !inputs.motion.at_rest) {
@@ -206,7 +208,7 @@ void Engraving::Wait(const EngravingInputs& inputs) {
     SendIdleTicks();
   }
   const bool closed = shutters_.KeepClosed(inputs.now);
-  if (!MayFire(inputs) || !ClocksAreKnown(inputs)) return;
+  if (!MayFire(inputs) || !ClocksAreKnown(inputs) || !has_lamp) return;
   if (shutters_.fails_to_close(inputs.now)) {
     message_ = "a shutter does not close: check its drive, then the job continues";
   }

@@ -62,10 +62,11 @@ bool MachinePreparation::MaySend(std::chrono::nanoseconds now) {
   return true;
 }
 
-void MachinePreparation::LightLamp(std::chrono::nanoseconds now) {
-  if (lamp_session_ == laser_.session() && laser_.Has(link::kLampOn)) return;
-  if (!MaySend(now)) return;
-  if (laser_.Lamp(true, job_.plan.rate_hz)) lamp_session_ = laser_.session();
+bool MachinePreparation::LightLamp(std::chrono::nanoseconds now) {
+  if (lamp_session_ == laser_.session() && laser_.Has(link::kLampOn)) return true;
+  if (MaySend(now) && laser_.Lamp(true, job_.plan.rate_hz))
+    lamp_session_ = laser_.session();
+  return false;
 }
 
 void MachinePreparation::LeaveSafeState(bool may_reset, std::chrono::nanoseconds now) {

@@ -30,8 +30,10 @@ class MachinePreparation {
   /// Another block, another device, no line, or a rate, an energy or a lock of the door
   /// that the laser does not have: then nothing is prepared. Empty: none.
   std::string Refusal() const;
-  /// Switches the lamp on at the job's rate, unless it is. With a grant alone.
-  void LightLamp(std::chrono::nanoseconds now);
+  /// Switches the lamp on at the job's rate, unless it is. With a grant alone. True: it
+  /// is on, and this job's: nothing else switches it off. One that the job before has
+  /// left on is not before that.
+  bool LightLamp(std::chrono::nanoseconds now);
   /// `may_reset`: see PermissionChain.
   void LeaveSafeState(bool may_reset, std::chrono::nanoseconds now);
   /// What the machine is not ready for yet, with no refusal; empty: it is ready. `lit`:

@@ -355,5 +355,23 @@ TEST(TakenUp, ADoorThatWasOpenedMeanwhileWantsAPerson) {
   EXPECT_EQ(newest->openings, cell.laser.openings);
 }
 
+// As one that the job before has left on: whoever holds it for the next job would switch
+// it off in mid-job.
+TEST(EngravingTakeUp, ALampThatIsOnBeforeTheGrantIsTheJobsBeforeItFires) {
+  FakeCell cell;
+  cell.Grant();
+  ASSERT_TRUE(cell.StepUntilMade(3));
+  cell.Withdraw();
+  cell.DieAndTakeUp();
+  ASSERT_TRUE(cell.StepUntil([&] { return cell.phase() == Engraving::Phase::kWaiting; }));
+  ASSERT_TRUE(cell.laser.lamp_on());
+  EXPECT_FALSE(cell.engraving->has_lamp());
+  const auto before = cell.laser.cracks().size();
+  cell.GrantAnew();
+  ASSERT_TRUE(cell.StepUntilMade(before + 1)) << cell.Description();
+  EXPECT_TRUE(cell.engraving->has_lamp());
+  EXPECT_EQ(cell.laser.lamp_switched_on_count(), 1) << "it stays warm";
+}
+
 }  // namespace
 }  // namespace intaglio::synchronizer
