@@ -148,8 +148,8 @@ void PermissionChain::Spend() {
   state_ = State::kLatched;
 }
 
-void PermissionChain::Latch(bool only_renewal) {
-  spent_by_ = Missing::kNothing;
+void PermissionChain::Latch(bool only_renewal, Missing by) {
+  spent_by_ = by;
   if (!only_renewal) return Spend();
   spent_ = std::max(spent_, grant_);
   state_ = State::kLatched;

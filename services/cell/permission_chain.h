@@ -155,8 +155,9 @@ class PermissionChain {
   /// Once a turn, before anything is asked. What spent a grant in this turn, or kNothing.
   Missing Turn(const ChainLinks& links, std::chrono::nanoseconds now);
   /// A fault of a run: the grant it ran with is spent. `only_renewal`: a line or a
-  /// neighbouring process was lost, and a renewal of the grant suffices.
-  void Latch(bool only_renewal);
+  /// neighbouring process was lost, and a renewal of the grant suffices. `by`: the link
+  /// that was missing; kNothing: it was none.
+  void Latch(bool only_renewal, Missing by = Missing::kNothing);
 
   /// What keeps a pulse from being fired; kNothing: it may be. kPermission when all links
   /// hold and the grant is spent.
@@ -165,7 +166,7 @@ class PermissionChain {
   bool latched() const { return state_ != State::kClear; }
   /// Latched, and a grant was spent.
   bool has_spent() const { return latched() && spent_.number > 0; }
-  /// What spent a grant last, of this job: kNothing when it was a fault of a run.
+  /// What spent a grant last, of this job: kNothing when it was no link.
   Missing spent_by() const { return spent_by_; }
   const MachineCounters& counters() const { return watch_.counters(); }
   /// No renewal of this one counts any more, but a greater number alone.

@@ -57,16 +57,16 @@ bool WorkStates::IsOnlyLate(ChainLinks links, bool with_shutters) const {
 void WorkStates::AskOverUncertain(const GrantInputs& inputs) {
   if (stopping_ || activity() != Activity::kIdle || !consent_.MustAsk(inputs)) return;
   const std::string why = faulted() && !lost_a_line_ ? message_ + "; " : "";
-  Explain(why + Question(), false, true);
+  Explain(chain_.spent_by(), why + Question(), false, true);
   consent_.NoteAsked();
 }
 
-void WorkStates::Explain(const std::string& text, bool lost_a_line, bool fault,
-                         bool starts_again) {
+void WorkStates::Explain(Missing missing, const std::string& text, bool lost_a_line,
+                         bool fault, bool starts_again) {
   message_ = text;
   lost_a_line_ = lost_a_line;
   starts_again_ = starts_again;
-  if (fault) chain_.Latch(lost_a_line_);
+  if (fault) chain_.Latch(lost_a_line_, missing);
 }
 
 }  // namespace intaglio::cell

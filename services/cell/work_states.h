@@ -81,8 +81,8 @@ class WorkStates {
   /// could be spent.
   void AskOverUncertain(const GrantInputs& inputs);
   /// A halt. `fault`: the grant it ran with is spent, or its renewal alone when only a
-  /// line was lost.
-  void Explain(const std::string& text, bool lost_a_line, bool fault,
+  /// line was lost, by what was `missing`.
+  void Explain(Missing missing, const std::string& text, bool lost_a_line, bool fault,
                bool starts_again = false);
 
   /// stopping_ from now on.

@@ -197,6 +197,8 @@ void Marking::Wait(const GrantInputs& inputs) {
       record_.KeepSession(PowerUpNumber(state.power_up), chain_.counters().openings);
   if (record_.disk_failed()) message_ = record_.disk_error();
   if (!all_open || !record_.is_durable() || !record_.ledger().NextOpen(0)) return;
+  // What paused the job is over.
+  message_.clear();
   phase_ = Phase::kOpening;
   opening_since_ = inputs.now;
 }
@@ -334,7 +336,7 @@ void Marking::Halt(Missing missing, const std::string& text, bool fault,
   stop_again_at_ = now + kStopPeriod;
   held_ = false;
   run_.End();
-  Explain(text, cell::IsLostLine(missing, false), fault);
+  Explain(missing, text, cell::IsLostLine(missing, false), fault);
   phase_ = Phase::kHalting;
 }
 

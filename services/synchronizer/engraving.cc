@@ -315,7 +315,8 @@ void Engraving::Halt(const HaltReason& reason, const EngravingInputs& inputs) {
 
 void Engraving::Explain(const HaltReason& reason, intaglio_MotionFault motion_fault) {
   const bool lost = cell::IsLostLine(reason.missing, IsLateMotion(motion_fault));
-  WorkStates::Explain(reason.text, lost, reason.fault, reason.starts_again());
+  WorkStates::Explain(reason.missing, reason.text, lost, reason.fault,
+                      reason.starts_again());
 }
 
 void Engraving::Settle(const EngravingInputs& inputs) {

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "engrave/mark/mark_file.h"
+#include "services/cell/pause_reason.h"
 #include "services/cell/point_counts.h"
 #include "services/marker/marking_preparation.h"
 #include "tests/services/marker/fake_head.h"
@@ -238,6 +239,7 @@ struct Opening {
   const char* name;
   void (*open)(FakeHead& head, cell::GrantInputs& inputs);
   void (*close)(FakeHead& head, cell::GrantInputs& inputs);
+  intaglio_PauseReason reason;
 };
 constexpr Opening kOpenings[] = {
     {"the door",
@@ -245,25 +247,29 @@ constexpr Opening kOpenings[] = {
        head.state_.door_closed = false;
        ++head.state_.openings;
      },
-     [](FakeHead& head, cell::GrantInputs&) { head.state_.door_closed = true; }},
+     [](FakeHead& head, cell::GrantInputs&) { head.state_.door_closed = true; },
+     intaglio_PAUSE_INTERLOCK},
     {"the key",
      [](FakeHead& head, cell::GrantInputs&) {
        head.state_.key_on = false;
        ++head.state_.openings;
      },
-     [](FakeHead& head, cell::GrantInputs&) { head.state_.key_on = true; }},
+     [](FakeHead& head, cell::GrantInputs&) { head.state_.key_on = true; },
+     intaglio_PAUSE_INTERLOCK},
     {"the machine's stop",
      [](FakeHead& head, cell::GrantInputs&) {
        head.state_.stop_released = false;
        ++head.state_.openings;
      },
-     [](FakeHead& head, cell::GrantInputs&) { head.state_.stop_released = true; }},
+     [](FakeHead& head, cell::GrantInputs&) { head.state_.stop_released = true; },
+     intaglio_PAUSE_EMERGENCY_STOP},
     {"a stop on the bus",
      [](FakeHead&, cell::GrantInputs& inputs) { inputs.stop_pressed = true; },
-     [](FakeHead&, cell::GrantInputs& inputs) { inputs.stop_pressed = false; }},
+     [](FakeHead&, cell::GrantInputs& inputs) { inputs.stop_pressed = false; },
+     intaglio_PAUSE_EMERGENCY_STOP},
     {"a fault",
      [](FakeHead& head, cell::GrantInputs&) { head.Break("the mirror is hot"); },
-     [](FakeHead&, cell::GrantInputs&) {}},
+     [](FakeHead&, cell::GrantInputs&) {}, intaglio_PAUSE_FAULT},
 };
 
 TEST_F(MarkingTest, AnOpenInterlockInMidMarkCostsTheArm) {
@@ -280,6 +286,7 @@ TEST_F(MarkingTest, AnOpenInterlockInMidMarkCostsTheArm) {
     EXPECT_FALSE(TurnUntil([&] { return head_.made.size() > made; }, 200));
     EXPECT_TRUE(marking_->waits());
     EXPECT_TRUE(marking_->faulted());
+    EXPECT_EQ(cell::PauseReasonOf(chain_->spent_by()), opening.reason);
     EXPECT_EQ(marking_->ledger().count(PointState::kUncertain), broken);
     ++inputs_.grant.number;  // a person arms again
   }
