@@ -87,7 +87,8 @@ FaultText TextOf(link::StageFault fault, const std::array<bool, 3>& axes) {
     case StageFault::kLimit:
       return {
           intaglio_MOTION_LIMIT,
-          "a target lies outside the axes' travel: check block_origin_mm and the block"};
+          "the stage has met a limit switch, or a target lies outside the axes' travel: "
+          "check the stage, block_origin_mm and the block, then resume"};
     case StageFault::kFollowingError:
       return {intaglio_MOTION_FOLLOWING_ERROR,
               "the following error of the stage is too large: free the stage and check "

@@ -90,7 +90,8 @@ std::optional<HaltReason> EngravingRun::WhyHalt(const EngravingInputs& inputs) {
     return HaltReason{
         Missing::kNothing,
         fmt::format("no crack was detected for {} in a row: check lens, block, "
-                    "pulse energy and photosensor, then resume",
+                    "pulse energy and photosensor, then resume; a job for a machine "
+                    "without a photosensor has laser.photosensor_feedback: false",
                     Counted(missed_in_a_row_, "pulse")),
         true};
   }
