@@ -20,6 +20,7 @@ constexpr const char* kFinishesMark =
     "its stop button ends it at once";
 
 constexpr auto kStopPeriod = 500ms;
+constexpr double kRestingWeb_mm_s = 0.05;
 
 double LongestMarkS(const mark::MarkSet& set) {
   double longest_s = 0;
@@ -221,6 +222,14 @@ bool Marking::WebIsTooFast() {
   return true;
 }
 
+// Without it a job under a web that nobody has started looks like one at work.
+std::string_view Marking::WhatRunWaitsFor() const {
+  const drivers::MarkDeviceState& state = driver_.state();
+  const bool rests = job_.max_web_mm_s > 0 && state.web_mm_s < kRestingWeb_mm_s;
+  if (rests && state.print_text.empty()) return "the web rests: start its drive";
+  return state.print_text;
+}
+
 Missing Marking::WhatIsMissing(const GrantInputs& inputs, bool with_permission) const {
   ChainLinks links = LinksOf(driver_.state(), inputs);
   if (!with_permission) links.permission_granted = true;
@@ -300,8 +309,8 @@ void Marking::Run(const GrantInputs& inputs) {
   }
   if (record_.disk_failed()) {
     message_ = record_.disk_error();
-  } else if (message_ != driver_.state().print_text) {
-    message_ = driver_.state().print_text;
+  } else if (const std::string_view wait = WhatRunWaitsFor(); message_ != wait) {
+    message_ = wait;
   }
   if (const auto sent = run_.Turn(); !sent) {
     return Halt(Missing::kMotionFault, sent.error().message, true, inputs.now);

@@ -25,6 +25,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "services/cell/consent.h"
 #include "services/cell/earlier_work.h"
@@ -94,6 +95,7 @@ class Marking final : public cell::WorkStates {
   void Wait(const cell::GrantInputs& inputs);
   bool MayMark(const cell::GrantInputs& inputs);
   bool WebIsTooFast();
+  std::string_view WhatRunWaitsFor() const;
   void Open(const cell::GrantInputs& inputs);
   void Run(const cell::GrantInputs& inputs);
   void Pause(const cell::GrantInputs& inputs);

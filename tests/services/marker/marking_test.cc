@@ -485,6 +485,18 @@ TEST_F(MarkingTest, AWebThatRunsTooFastIsWaitedForBeforeAnythingIsBegun) {
   ExpectEachMadeOnce();
 }
 
+TEST_F(MarkingTest, AWebThatRestsIsNamed) {
+  frozen_.mutable_machine()->mutable_scan_head()->set_field_mm(60);
+  frozen_.mutable_machine()->mutable_scan_head()->set_jump_mm_s(5000);
+  frozen_.mutable_job()->mutable_marks()->mutable_web();
+  fs::remove_all(folder_);
+  Begin(MarksOnAWeb(kCount));
+  const std::string text = "the web rests: start its drive";
+  EXPECT_TRUE(TurnUntil([&] { return marking_->message() == text; }, 50));
+  head_.state_.web_mm_s = 1'000;
+  EXPECT_TRUE(TurnUntil([&] { return marking_->message().empty(); }, 50));
+}
+
 /// Repeats of three marks, each at its print mark.
 class MarkingByPrint : public MarkingTest {
  protected:
