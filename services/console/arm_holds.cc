@@ -72,4 +72,11 @@ std::string BlockIn(const client::ShopSnapshot& shop, const std::string& cell) {
   return found == shop.mounts.end() ? std::string() : TextOf(found->second.parts);
 }
 
+std::string ReportIn(const client::ShopSnapshot& shop, const std::string& cell) {
+  const auto found = shop.mounts.find(cell);
+  const std::string utc =
+      found == shop.mounts.end() ? std::string() : found->second.mounted_utc;
+  return fmt::format("{} {}", BlockIn(shop, cell), utc);
+}
+
 }  // namespace intaglio::console

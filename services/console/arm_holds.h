@@ -32,7 +32,7 @@ class ArmHolds {
   /// People who press at the same time; then the oldest hold is dropped.
   static constexpr std::size_t kMaxCount = 16;
 
-  /// The token of a new hold; it replaces the one of the same job.
+  /// The token of a new hold; it replaces the one of the same job. `block`: ReportIn.
   std::string Begin(const client::JobView& job, const std::string& block,
                     Clock::time_point now);
   /// The job as it was when the hold began; the hold is used then, whatever the answer.
@@ -63,5 +63,9 @@ Obstacle ObstacleOf(const client::ShopSnapshot& shop, const std::string& cell);
 
 /// Block, glass and lens, or the piece, as a person has reported them; empty: nobody did.
 std::string BlockIn(const client::ShopSnapshot& shop, const std::string& cell);
+
+/// The same, and when it was reported: a person who reports another piece may use the
+/// same words.
+std::string ReportIn(const client::ShopSnapshot& shop, const std::string& cell);
 
 }  // namespace intaglio::console

@@ -157,7 +157,7 @@ std::pair<int, HoldAnswer> ShopDesk::Hold(const std::string& job_name,
                               answer.block(), job->cell, block));
   }
   using Seconds = std::chrono::duration<double>;
-  answer.set_token(holds_.Begin(*job, block, Clock::now()));
+  answer.set_token(holds_.Begin(*job, ReportIn(shop, job->cell), Clock::now()));
   answer.set_held(true);
   answer.set_hold_s(Seconds(ArmHolds::kHoldTime).count());
   answer.set_end_s(Seconds(ArmHolds::kHoldTime + ArmHolds::kEndTime).count());
@@ -188,7 +188,7 @@ void ShopDesk::Fire(const std::string& job_name, const std::string& token,
   if (!job) return;
   const client::ShopSnapshot shop = watcher_.Take();
   const auto held =
-      holds_.End(token, job->uid, BlockIn(shop, job->cell), ArmHolds::Clock::now());
+      holds_.End(token, job->uid, ReportIn(shop, job->cell), ArmHolds::Clock::now());
   const Obstacle obstacle =
       held ? ObstacleOf(shop, job->cell) : Obstacle{"not_held", held.error().message};
   if (!obstacle.code.empty()) {

@@ -87,6 +87,13 @@ TEST_F(ObstacleAt, AReadyMachineIsNone) {
   EXPECT_EQ(BlockIn(shop_, "els-03"), "FR4, 1.6 mm");
 }
 
+TEST_F(ObstacleAt, APieceThatIsReportedByTheSameTextIsAnotherReport) {
+  const std::string before = ReportIn(shop_, "els-03");
+  EXPECT_EQ(ReportIn(shop_, "els-03"), before);
+  shop_.mounts["els-03"].mounted_utc = "2026-11-23T07:58:40.031Z";
+  EXPECT_NE(ReportIn(shop_, "els-03"), before);
+}
+
 TEST_F(ObstacleAt, WhatIsOpenOrNotKnownIsOne) {
   client::CellSnapshot& machine = shop_.cells["els-03"];
   shop_.mounts.clear();
