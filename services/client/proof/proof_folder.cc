@@ -184,7 +184,14 @@ Result<ProvedFolder> VerifyFolder(const fs::path& folder) {
 }
 
 Result<ProvedFolder> CompleteFolder(const FolderToComplete& which) {
-  if (IsOpen(which.folder)) return VerifyFolder(which.folder);
+  if (IsOpen(which.folder)) {
+    auto proved = VerifyFolder(which.folder);
+    if (proved && !proved->report.verdict().good()) {
+      proved->report.mutable_verdict()->add_reasons(
+          "the job has not ended: what is still to be made counts as skipped");
+    }
+    return proved;
+  }
   const auto glass = CompleteGlass(which);
   auto proved = INTAGLIO_TRY(VerifyFolder(which.folder));
   const auto written = glass ? WriteMissing(which, proved) : glass;

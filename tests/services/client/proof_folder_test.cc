@@ -24,6 +24,7 @@ using formats::JournalKind;
 using formats::JournalRecord;
 using formats::PointOutcome;
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::UnorderedElementsAre;
@@ -539,9 +540,15 @@ TEST_F(ProofFolderTest, TheFoldersOfAShopsJobsAreFound) {
 }
 
 TEST_F(ProofFolderTest, AJobThatIsBeingEngravedGetsNoReport) {
+  outcomes_.back() = PointOutcome::kNone;
+  cracks_mm_.pop_back();
+  ticks_.pop_back();
   WriteFolder();
   std::ofstream(folder_ / "statistics.json") << R"({"job": 7, "state": "engraving"})";
-  ASSERT_TRUE(CompleteFolder({folder_, {}, true}));
+  const auto proved = CompleteFolder({folder_, {}, true});
+  ASSERT_TRUE(proved);
+  EXPECT_THAT(proved->report.verdict().reasons(),
+              Contains(HasSubstr("the job has not ended")));
   EXPECT_FALSE(fs::exists(folder_ / "report.json"));
   EXPECT_FALSE(fs::exists(folder_ / "views.png"));
 }
