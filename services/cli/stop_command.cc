@@ -101,11 +101,10 @@ int Press(bus::Bus& bus, const StopOptions& options) {
         Unconfirmed(reports.Poll(), options.cell, source.name(), *number, confirmed);
     return missing.empty();
   };
-  // It lives that long: the press reaches machines that are discovered late.
-  if (every) {
-    Until([&] { return all_confirmed() && false; }, bus.discovery_time());
-    if (reports.Poll().empty()) return ComplainOfNoMachine();
-  }
+  // It lives that long: the press reaches machines, and their job service, that are
+  // discovered late.
+  Until([&] { return all_confirmed() && false; }, bus.discovery_time());
+  if (every && reports.Poll().empty()) return ComplainOfNoMachine();
   Until(all_confirmed, kAnswerTime);
   for (const std::string& cell : missing) {
     ComplainWith(
@@ -163,9 +162,12 @@ int Reset(bus::Bus& bus, const StopOptions& options) {
     sent = reset.Turn(reports.Of(*cell), std::chrono::steady_clock::now());
     return !sent || reset.is_over();
   };
-  const bool confirmed = Until(is_over, kAnswerTime);
+  const bool is_confirmed = Until(is_over, kAnswerTime);
   if (!sent) return Complain(sent.error(), client::kExitMachine);
-  if (!confirmed) {
+  // As a press does. A job service that missed it would report the press to the machine.
+  if (is_confirmed) Until([] { return false; }, bus.discovery_time());
+  const auto is_released = [&] { return reset.IsReleased(reports.Of(*cell)); };
+  if (!is_confirmed || !Until(is_released, kAnswerTime)) {
     return ComplainWith(
         fmt::format("{} has not confirmed the reset within {} s: check that its "
                     "synchronizer, its motion bridge and the job service run",

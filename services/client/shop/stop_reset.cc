@@ -12,6 +12,8 @@
 namespace intaglio::client {
 namespace {
 
+constexpr char kButton[] = "its own stop button is pressed";
+
 /// What keeps a machine from firing besides the stops of the bus.
 std::vector<std::string> OpenInterlocks(const MachineStops& stops) {
   if (!stops.laser_line_up)
@@ -21,7 +23,7 @@ std::vector<std::string> OpenInterlocks(const MachineStops& stops) {
   std::vector<std::string> open;
   if (!stops.key_on) open.emplace_back("the key is off");
   if (!stops.door_closed) open.emplace_back("the door is open");
-  if (!stops.own_stop_released) open.emplace_back("its own stop button is pressed");
+  if (!stops.own_stop_released) open.emplace_back(kButton);
   return open;
 }
 
@@ -96,8 +98,8 @@ std::string WhyStillHeld(const std::string& cell, const MachineStops& stops) {
   if (open.empty()) return "";
   return fmt::format("{}: the stop is reset, but the machine is still held: {}; then {}",
                      cell, fmt::join(open, ", "),
-                     HoldsOwnStop(stops) ? "release the button and reset it again"
-                                         : "arm or resume the job");
+                     open.back() == kButton ? "release the button and reset it again"
+                                            : "arm or resume the job");
 }
 
 }  // namespace intaglio::client

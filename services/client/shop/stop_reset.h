@@ -42,15 +42,15 @@ class StopReset {
 
   /// Again and again with what the machine reports, which it does, until is_over().
   Status Turn(const MachineStops& stops, Clock::time_point now);
-  /// The machine holds none of the presses any more.
   bool is_over() const { return phase_ == Phase::kOver; }
+  /// The machine holds none of the presses any more.
+  bool IsReleased(const MachineStops& stops) const;
 
  private:
   enum class Phase : std::uint8_t { kBegins, kPresses, kReleases, kOwnStop, kOver };
 
   Status Begin(const MachineStops& stops);
   Status Release();
-  bool IsReleased(const MachineStops& stops) const;
 
   HeldPresses seen_;
   std::string reason_;
