@@ -16,6 +16,8 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kMachineTime = 2s;
+// A machine refuses a run, as without a known place, when it is at work already.
+constexpr auto kRefusesWithin = 500ms;
 
 /// Where a command leads when nothing is in its way.
 bool Reached(const client::JobView& job, intaglio_JobCommandKind kind) {
@@ -58,6 +60,7 @@ int AwaitEffect(client::JobClient& client, const client::JobView& job,
   };
   client.PollUntil([&] { return lost() || Reached(client.jobs().at(job.uid), kind); },
                    kMachineTime);
+  if (arms) client.PollUntil(lost, kRefusesWithin);
   const client::JobView& now = client.jobs().at(job.uid);
   if (!lost()) {
     out << client::StateAndNextOf(now) << "\n";

@@ -4,7 +4,6 @@
 
 #include <gmock/gmock.h>
 
-#include <atomic>
 #include <optional>
 #include <thread>
 
@@ -12,8 +11,8 @@
 #include "services/client/arm_once.h"
 #include "services/client/event_lines.h"
 #include "services/client/known_jobs.h"
+#include "tests/services/client/job_client_rig.h"
 #include "tests/services/job/test_job.h"
-#include "tests/services/job_service/fake_shop.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::client {
@@ -24,66 +23,6 @@ using job_service::FakeShop;
 using job_service::ServiceProcess;
 using job_service::TaskCopy;
 using ::testing::HasSubstr;
-
-/// A discretizer, a sorter and a synchronizer that are quick. The lamp warms up until the
-/// test lets it fire.
-class PlayedShop {
- public:
-  PlayedShop() : playing_([this](const std::stop_token& stop) { Play(stop); }) {}
-  std::atomic<bool> ready = false;  ///< the workers are there
-  std::atomic<bool> warm = false;   ///< what is permitted is fired
-
- private:
-  void Play(const std::stop_token& stop) {
-    FakeShop shop(test::PrivateBusOptions());
-    std::string done;
-    while (!stop.stop_requested()) {
-      std::this_thread::sleep_for(20ms);
-      shop.Poll();
-      if (!ready) continue;
-      const TaskCopy task = shop.Task(intaglio_STAGE_ENGRAVE);
-      const bool at_work = !task.job_uid.empty() && !task.revoked && task.job_uid != done;
-      const auto health = at_work ? intaglio_HEALTH_BUSY : intaglio_HEALTH_READY;
-      shop.Health(intaglio_STAGE_DISCRETIZE, "d", health);
-      shop.Health(intaglio_STAGE_SORT, "s", health);
-      shop.Health(intaglio_STAGE_ENGRAVE, "y", health);
-      if (!at_work) continue;
-      for (const auto stage : {intaglio_STAGE_DISCRETIZE, intaglio_STAGE_SORT}) {
-        if (shop.Task(stage).job_uid == task.job_uid) {
-          shop.Report(shop.Task(stage), stage, intaglio_TASK_DONE, 100, 100);
-        }
-      }
-      const bool fires = warm && shop.granted();
-      if (fires) done = task.job_uid;
-      shop.Report(task, intaglio_STAGE_ENGRAVE,
-                  fires ? intaglio_TASK_DONE : intaglio_TASK_RUNNING, fires ? 100 : 0,
-                  100);
-    }
-  }
-  std::jthread playing_;
-};
-
-class JobClientTest : public ::testing::Test {
- protected:
-  JobClientTest() : folder_(test::FreshFolder()) {}
-  void Start() { service_.emplace(folder_, test::PrivateTag()); }
-  /// Bob sees what ann submitted.
-  JobView OfBob(const std::string& uid) {
-    EXPECT_TRUE(bob_.PollUntil([&] { return bob_.jobs().contains(uid); }, 10s));
-    return bob_.jobs().at(uid);
-  }
-  JobView BobAwaits(const std::string& uid,
-                    const std::function<bool(const JobView&)>& condition) {
-    EXPECT_TRUE(bob_.PollUntil([&] { return condition(bob_.jobs().at(uid)); }, 10s));
-    return bob_.jobs().at(uid);
-  }
-
-  std::filesystem::path folder_;
-  bus::Bus bus_{test::PrivateBusOptions()};
-  JobClient ann_{bus_}, bob_{bus_};
-  PlayedShop shop_;
-  std::optional<ServiceProcess> service_;
-};
 
 /// Short numbers of the jobs that wait, in their order.
 std::vector<std::uint32_t> Waiting(const JobClient& client) {
@@ -269,84 +208,6 @@ TEST_F(JobClientTest, AnArmThatIsSentBeforeTheJobServiceIsThereIsAnswered) {
   Start();
   ASSERT_TRUE(ann_.PollUntil([&] { return ann_.AnswerTo(*sent).has_value(); }, 10s));
   EXPECT_EQ(ann_.AnswerTo(*sent)->code, intaglio_ANSWER_UNKNOWN_JOB);
-}
-
-TEST_F(JobClientTest, ArmsWhenTheMachineHasTheJobAndElseLeavesItQueued) {
-  Start();
-  const auto job = ann_.Submit(GoodJob(), 10s);
-  ASSERT_TRUE(job.has_value());
-  const auto late = ArmWhenTaken(ann_, *job, {}, 500ms);
-  ASSERT_FALSE(late.has_value());
-  EXPECT_THAT(late.error().message, HasSubstr("job 1 stays queued and is not armed"));
-  EXPECT_THAT(late.error().message, HasSubstr("intaglio arm 1"));
-  shop_.ready = true;
-  EXPECT_TRUE(ArmWhenTaken(ann_, *job, {}, 10s).has_value());
-  OfBob(job->uid);
-  EXPECT_EQ(StateOf(BobAwaits(job->uid,
-                              [](const JobView& view) {
-                                return view.armed &&
-                                       view.state == intaglio_JOB_WAITING_FOR_ARM;
-                              })),
-            "armed");
-}
-
-// Two people at one machine: what one has put in is not what the other has armed.
-TEST_F(JobClientTest, AnArmThatWaitsForItsMachineIsNotForWhatIsMountedAfterIt) {
-  Start();
-  const MountedParts first{.piece = "plate A"}, second{.piece = "plate B"};
-  ASSERT_TRUE(ann_.Mount("els-03", first, intaglio_ARM_BY_PERSON));
-  ASSERT_TRUE(ann_.PollUntil([&] { return ann_.mounts().contains("els-03"); }, 10s));
-  const auto job = ann_.Submit(GoodJob(), 10s);
-  ASSERT_TRUE(job.has_value());
-  ArmOnce arm(ann_, *job, {.basis = intaglio_ARM_BY_PERSON});
-  EXPECT_EQ(arm.Follow(*job), ArmOnce::State::kWaits);
-  OfBob(job->uid);
-  ASSERT_TRUE(bob_.Mount("els-03", second, intaglio_ARM_BY_PERSON));
-  shop_.ready = true;
-  const auto settled = [&] {
-    return arm.Follow(ann_.jobs().at(job->uid)) != ArmOnce::State::kWaits;
-  };
-  ASSERT_TRUE(ann_.PollUntil(settled, 20s));
-  EXPECT_EQ(arm.state(), ArmOnce::State::kLeft);
-  EXPECT_THAT(arm.reason(), HasSubstr("has reported what is mounted, plate B"));
-}
-
-// A piece of another job that came in between is in the machine then.
-TEST_F(JobClientTest, AnArmThatWaitsIsAProgramsWhenAnotherJobGetsTheMachineFirst) {
-  Start();
-  const auto job = ann_.Submit(GoodJob(), 10s);
-  const auto other = bob_.Submit(GoodJob(), 10s);
-  ASSERT_TRUE(job && other);
-  ArmOnce arm(ann_, *job, {.basis = intaglio_ARM_BY_PERSON});
-  const auto follow = [&] { return arm.Follow(ann_.jobs().at(job->uid)); };
-  ASSERT_TRUE(
-      bob_.Command(*other, {.kind = intaglio_COMMAND_MOVE, .before_job_uid = job->uid}));
-  shop_.ready = true;
-  const auto waits_for_arm = [&](const JobView& view) {
-    return view.state == intaglio_JOB_WAITING_FOR_ARM;
-  };
-  const JobView first = BobAwaits(other->uid, waits_for_arm);
-  ASSERT_TRUE(ann_.PollUntil(
-      [&] {
-        (void)follow();
-        return ann_.jobs().contains(other->uid) &&
-               waits_for_arm(ann_.jobs().at(other->uid));
-      },
-      10s));
-  ASSERT_TRUE(bob_.Command(
-      first, {.kind = intaglio_COMMAND_ARM, .basis = intaglio_ARM_BY_PERSON}));
-  ann_.Poll(1s);
-  ASSERT_TRUE(
-      bob_.Command(bob_.jobs().at(other->uid), {.kind = intaglio_COMMAND_CANCEL}));
-  const auto awaits = [&] {
-    (void)follow();
-    return ann_.jobs().at(job->uid).awaits_block &&
-           waits_for_arm(ann_.jobs().at(job->uid));
-  };
-  ASSERT_TRUE(ann_.PollUntil(awaits, 20s));
-  EXPECT_EQ(follow(), ArmOnce::State::kWaits);
-  EXPECT_THAT(arm.WhatBlockItAwaits(ann_.jobs().at(job->uid)),
-              HasSubstr("neither key nor door"));
 }
 
 TEST_F(JobClientTest, ABatchLeavesWhatAPersonHasPausedToAPerson) {
