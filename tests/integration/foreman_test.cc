@@ -216,7 +216,7 @@ TEST_F(Foreman, PlaysTheDay) {
   ASSERT_NO_FATAL_FAILURE(Open());
   ASSERT_TRUE(Shows({"list"}, "1  paused ")) << last_.output;
   EXPECT_EQ(last_.exit_code, 0);
-  EXPECT_THAT(last_.output, HasSubstr("that the right block is in the machine"));
+  EXPECT_THAT(last_.output, HasSubstr("that the right block or piece is in the machine"));
   ASSERT_TRUE(Shows({"status"}, "job 1 is paused")) << last_.output;
   EXPECT_EQ(last_.exit_code, 4);
   ASSERT_TRUE(RunsTo("done")) << last_.output;
@@ -264,7 +264,8 @@ TEST_F(Foreman, AShopThatIsRefusedLeavesNothingBehind) {
   refuse(with(Up(deep), {"--block-glass", "butter"}), "butter");
   refuse(with(Up(deep), {"--lens", "f1000"}), "f1000");
   refuse(with(Up(deep), {"--machine", "nowhere"}), "nowhere");
-  refuse(with(Up(deep), {"--machine", "mill"}), "mill has no virtual machine here");
+  refuse(With({"up", "--folder", deep, "--machine", "mill"}),
+         "mill has no virtual machine here");
 
   // A second shop in the same place of the bus.
   ASSERT_NO_FATAL_FAILURE(Open());
