@@ -167,6 +167,8 @@ std::string MountedText(const MountedParts& known, const MachineSpec& machine) {
   if (known.lens) {
     text += fmt::format("; lens {}: f {:g} mm, NA {:.3g} (--lens)", known.lens_name,
                         known.lens->focal_length_mm, known.lens->numerical_aperture);
+  } else if (machine.lenses_size() == 1) {
+    text += "; lens " + machine.lenses(0).name();  // it has no other
   } else {
     text += "; its lens is not known (--lens)";
   }

@@ -38,6 +38,10 @@ TEST(Mounted, OfARealMachineOnlyWhatWasGiven) {
   EXPECT_FALSE(nothing->lens);
   EXPECT_THAT(MountedText(*nothing, Engraver()),
               HasSubstr("its lens is not known (--lens)"));
+  MachineSpec with_one = Engraver();
+  while (with_one.lenses_size() > 1) with_one.mutable_lenses()->RemoveLast();
+  EXPECT_THAT(MountedText(*nothing, with_one),
+              HasSubstr("; lens " + with_one.lenses(0).name()));
   const auto lens = MountedIn(false, {{}, "", 0, "f70", ""});
   ASSERT_TRUE(lens);
   EXPECT_EQ(lens->lens->numerical_aperture, 5.0 / 140);
