@@ -67,7 +67,7 @@ TEST_F(LaserStopTest, AStopThatWasNotHeldHereResetsNothing) {
   EXPECT_EQ(ResetCount(), 0u);
 }
 
-TEST_F(LaserStopTest, TheWordIsSpentWhileTheButtonIsPressed) {
+TEST_F(LaserStopTest, AReleaseIsUsedUpWhileTheButtonIsPressed) {
   Press();
   bench_.laser.PressStop(true);
   pressed_ = false;
