@@ -7,7 +7,7 @@
 #include "engrave/post/tab_parts.h"
 #include "services/cli/contour/contour_programs.h"
 #include "services/cli/contour/planned_feeds.h"
-#include "services/cli/course/course_job.h"
+#include "services/job/plan/course_motion.h"
 
 namespace intaglio::cli {
 namespace {
@@ -18,10 +18,10 @@ class MotionBuilder {
       : whole_(whole), at_mm_(start_mm) {}
 
   Status TakeMachine(const MachineSpec& machine) {
-    auto axes = INTAGLIO_TRY(AxesOf(machine));
+    auto axes = INTAGLIO_TRY(CourseAxesOf(machine));
     axes_ = std::move(axes);
     limits_ = CourseLimitsOf(machine);
-    feed_mm_s_ = std::min(whole_.speed_mm_s(), FeedOf(machine));
+    feed_mm_s_ = std::min(whole_.speed_mm_s(), CourseFeedOf(machine));
     return {};
   }
 
@@ -48,7 +48,7 @@ class MotionBuilder {
     leg.length_mm = contour::LengthOf(leg.edges);
     leg.duration_s = leg.length_mm / whole_.speed_mm_s();
     if (axes_ && leg.length_mm > 0) {
-      const auto planned = INTAGLIO_TRY(PlannedPathOf(leg.edges, feed_mm_s_));
+      const auto planned = INTAGLIO_TRY(CoursePathAlong(leg.edges, feed_mm_s_));
       auto plan = INTAGLIO_TRY(course::PlanCourse(planned, *axes_, limits_));
       if (!plan.holds) ++motion_.not_held;
       leg.duration_s = plan.law.duration_s;

@@ -48,7 +48,7 @@ struct ContourMotion {
 /// Contours, then holes. Without a machine the tool has the speeds of the course at once.
 /// With one the speed along each path is planned (engrave/course) so that what its drive
 /// makes stays within its position tolerance; between paths the tool has the speed of
-/// travel. Errors as of AxesOf and PlanCourse.
+/// travel. Errors as of CourseAxesOf and PlanCourse.
 Result<ContourMotion> MotionOf(const ContourWork& work, const Course& whole,
                                const MachineSpec* machine, const Vec2& start_mm);
 

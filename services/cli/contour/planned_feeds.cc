@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "engrave/core/try.h"
-#include "services/cli/course/course_job.h"
+#include "services/job/plan/course_motion.h"
 
 namespace intaglio::cli {
 namespace {
@@ -136,17 +136,6 @@ post::ToolPath PathWithFeeds(const post::ToolPath& path, const DividedPath& divi
   return with_feeds;
 }
 
-/// The path of a planner along edges. feed_of(i): that of edge i, mm/s.
-template <typename FeedOf>
-Result<course::Path> PathAlong(const contour::Edges& edges, const FeedOf& feed_of) {
-  std::vector<course::Piece> pieces;
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    if (edges[i].length_mm < course::kMinSegmentMm) continue;
-    pieces.push_back({edges[i].end_mm, feed_of(i), edges[i].sweep_rad});
-  }
-  return course::Path::Make(edges.front().begin_mm, pieces);
-}
-
 /// What the axes make of a program: each node is passed at the smaller feed beside it.
 course::CoursePlan MadeOf(const course::Path& program, const course::AxisPair& axes,
                           const course::PlanOptions& options) {
@@ -208,7 +197,7 @@ Result<std::optional<FastestProgram>> PlanPath(const post::ToolPath& path,
                                                const course::AxisPair& axes,
                                                const course::PlanOptions& options) {
   const contour::Edges edges = post::EdgesOf(path);
-  const auto planned = INTAGLIO_TRY(PlannedPathOf(edges, speed_mm_s));
+  const auto planned = INTAGLIO_TRY(CoursePathAlong(edges, speed_mm_s));
   const auto plan = INTAGLIO_TRY(course::PlanCourse(planned, axes, options));
   // The ends are passed at rest; how fast the way there is, is a limit, too.
   std::vector<double> nodes_mm_s = plan.law.node_speed_mm_s;
@@ -216,8 +205,8 @@ Result<std::optional<FastestProgram>> PlanPath(const post::ToolPath& path,
   std::optional<FastestProgram> fastest;
   for (int round = 0; round < kMaxRounds; ++round) {
     const DividedPath divided(edges, FeedParts(planned, nodes_mm_s).all());
-    const auto program = INTAGLIO_TRY(
-        PathAlong(divided.edges, [&](std::size_t i) { return divided.feeds_mm_s[i]; }));
+    const auto program = INTAGLIO_TRY(CoursePathAlong(
+        divided.edges, [&](std::size_t i) { return divided.feeds_mm_s[i]; }));
     const auto made = MadeOf(program, axes, options);
     if (made.worst_mm() <= options.tolerance_mm &&
         (!fastest || made.law.duration_s < fastest->work_s)) {
@@ -268,16 +257,12 @@ Result<const post::ToolPath*> AddPaths(const std::vector<post::ToolPath>& paths,
 
 }  // namespace
 
-Result<course::Path> PlannedPathOf(const contour::Edges& edges, double feed_mm_s) {
-  return PathAlong(edges, [&](std::size_t) { return feed_mm_s; });
-}
-
 Result<PlannedFeeds> PlanFeeds(const std::vector<post::ToolPath>& paths,
                                double speed_mm_s, const MachineSpec& machine) {
-  const course::AxisPair axes = INTAGLIO_TRY(AxesOf(machine));
+  const course::AxisPair axes = INTAGLIO_TRY(CourseAxesOf(machine));
   course::PlanOptions options = CourseLimitsOf(machine);
   options.jerk_mm_s3.reset();  // no controller of this family has a limit
-  const double feed_mm_s = std::min(speed_mm_s, FeedOf(machine));
+  const double feed_mm_s = std::min(speed_mm_s, CourseFeedOf(machine));
   std::size_t moves = 0;
   for (const post::ToolPath& path : paths) moves += path.moves.size();
   std::optional<PlannedFeeds> fastest;

@@ -15,10 +15,6 @@
 
 namespace intaglio::cli {
 
-/// The path of a planner along edges, at the feed. kMissing: no edge is longer than
-/// course::kMinSegmentMm.
-Result<course::Path> PlannedPathOf(const contour::Edges& edges, double feed_mm_s);
-
 struct PlannedFeeds {
   std::vector<post::ToolPath> paths;  ///< the same ways in moves with speeds
   /// The controller has to keep to this along the path; the speeds hold for no more.
@@ -31,8 +27,8 @@ struct PlannedFeeds {
 };
 
 /// Plans contours that start and end at rest, each with its tabs as one way. Errors as of
-/// AxesOf and PlanCourse; kUnsupported: a contour, by its name, that is outside of the
-/// tolerance however slowly its corners are passed.
+/// CourseAxesOf and PlanCourse; kUnsupported: a contour, by its name, that is outside of
+/// the tolerance however slowly its corners are passed.
 Result<PlannedFeeds> PlanFeeds(const std::vector<post::ToolPath>& paths,
                                double speed_mm_s, const MachineSpec& machine);
 

@@ -18,6 +18,7 @@
 #include "services/client/exit_codes.h"
 #include "services/job/drive/drive_profile.h"
 #include "services/job/files/job_file.h"
+#include "services/job/plan/course_motion.h"
 #include "services/platform/command_line/supplied_files.h"
 
 namespace intaglio::cli {
@@ -72,9 +73,9 @@ Status CheckPlannedAxes(const CourseOptions& options, const MachineSpec& machine
 /// The axes of the drive profile, else of the machine's.
 Result<course::AxisPair> AxesBy(const CourseOptions& options,
                                 const MachineSpec& machine) {
-  if (options.drive.empty()) return AxesOf(machine);
+  if (options.drive.empty()) return CourseAxesOf(machine);
   const DriveProfile profile = INTAGLIO_TRY(ReadDriveProfile(options.drive));
-  return AxesOf(profile);
+  return CourseAxesOf(profile);
 }
 
 Result<CourseProgram> MakeProgram(const CourseOptions& options) {
@@ -84,9 +85,9 @@ Result<CourseProgram> MakeProgram(const CourseOptions& options) {
   const course::AxisPair axes = INTAGLIO_TRY(AxesBy(options, machine));
   INTAGLIO_TRY(CheckPlannedAxes(options, machine));
   Warnings warnings;
-  auto paths =
-      INTAGLIO_TRY(ReadContours(options.file, options.feed_mm_s.value_or(FeedOf(machine)),
-                                options.size_limits, warnings));
+  auto paths = INTAGLIO_TRY(
+      ReadContours(options.file, options.feed_mm_s.value_or(CourseFeedOf(machine)),
+                   options.size_limits, warnings));
   PrintWarningLines(warnings);
   return PlanProgram(std::move(paths), axes, PlanOptionsOf(options, machine),
                      {options.frequency_percent / 100, options.damping_percent / 100},

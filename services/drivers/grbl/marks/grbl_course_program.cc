@@ -36,35 +36,7 @@ std::string CourseNumber(double value, int digits) {
 Vec2 FlatOf(const Vec3& place) { return {place.x(), place.y()}; }
 Vec3 At(const Vec2& place, double z) { return {place.x(), place.y(), z}; }
 
-/// From place to place with this bulge (mark.h): the sweep is 4 atan(bulge), and the
-/// centre lies c / (2 tan(sweep / 2)) to the left of the middle of the chord c.
-contour::Edge EdgeOf(const mark::Place& from, const Vec2& to_mm) {
-  const Vec2 chord = to_mm - from.at_mm;
-  const double sweep = 4 * std::atan(from.bulge);
-  if (std::abs(from.bulge) * chord.norm() / 2 < kFlat_mm)
-    return contour::MakeLine(from.at_mm, to_mm);
-  const Vec2 left(-chord.y(), chord.x());
-  const Vec2 center = (from.at_mm + to_mm) / 2 + left / (2 * std::tan(sweep / 2));
-  const Vec2 out = from.at_mm - center;
-  contour::Edge arc =
-      contour::MakeArc(center, out.norm(), std::atan2(out.y(), out.x()), sweep);
-  arc.begin_mm = from.at_mm;
-  arc.end_mm = to_mm;
-  return arc;
-}
-
 }  // namespace
-
-std::vector<contour::Edge> EdgesOfMark(const mark::Mark& mark) {
-  std::vector<contour::Edge> edges;
-  const std::size_t ways = mark.places.size() - (mark.closed ? 0 : 1);
-  for (std::size_t i = 0; i < ways; ++i) {
-    const Vec2& to_mm = mark.places[(i + 1) % mark.places.size()].at_mm;
-    if ((to_mm - mark.places[i].at_mm).norm() < kPrinted_mm / 10) continue;
-    edges.push_back(EdgeOf(mark.places[i], to_mm));
-  }
-  return edges;
-}
 
 double GrblCourseProgram::Leg::length_mm() const {
   return std::hypot(edge.length_mm, to_z_mm - from_z_mm);

@@ -26,6 +26,7 @@
 #include "engrave/contour/edge.h"
 #include "engrave/mark/mark.h"
 #include "services/drivers/grbl/grbl_line.h"
+#include "services/drivers/interface/mark_edges.h"
 
 namespace intaglio::drivers {
 
@@ -99,8 +100,5 @@ class GrblCourseProgram {
   Box3 reach_;
   std::string feed_text_, power_text_ = "S0";
 };
-
-/// The ways of a mark as lines and arcs, the closing one among them.
-std::vector<contour::Edge> EdgesOfMark(const mark::Mark& mark);
 
 }  // namespace intaglio::drivers

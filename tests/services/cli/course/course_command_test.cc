@@ -17,6 +17,7 @@
 #include "services/client/exit_codes.h"
 #include "services/job/drive/drive_profile.h"
 #include "services/job/files/job_file.h"
+#include "services/job/plan/course_motion.h"
 #include "tests/services/cli/typed_command.h"
 #include "tests/test_folder.h"
 
@@ -125,7 +126,7 @@ TEST_F(CourseCommand, ErrorsNameFileAndRemedy) {
 TEST_F(CourseCommand, TheAxesOfADriveProfileFollow) {
   const std::string drive = INTAGLIO_SOURCE_DIR "/deploy/drives/tirnovean-2016.textproto";
   const DriveProfile profile = ReadDriveProfile(drive).value();
-  const course::AxisPair axes = AxesOf(profile).value();
+  const course::AxisPair axes = CourseAxesOf(profile).value();
   // docs of the drive: K of Kp 20480 in V per mm is 327.5 1/s, and the lag is 1 / K.
   EXPECT_NEAR(axes[0].lag_s(), 1 / 327.5, 1e-3 / 327.5);
   // y carries less on a shorter screw: the same K, faster mechanics.
@@ -139,7 +140,7 @@ TEST_F(CourseCommand, TheAxesOfADriveProfileFollow) {
       << output_ << errors_;
   DriveProfile derivative = profile;
   derivative.mutable_axes(1)->mutable_panel()->set_derivative_s(10);
-  EXPECT_THAT(AxesOf(derivative).error().message, HasSubstr("axis y: panel"));
+  EXPECT_THAT(CourseAxesOf(derivative).error().message, HasSubstr("axis y: panel"));
 }
 
 TEST_F(CourseCommand, AProfileWithoutAxesIsNamedWithWhatIsMissing) {
@@ -159,18 +160,18 @@ TEST_F(CourseCommand, AProfileWithoutAxesIsNamedWithWhatIsMissing) {
 
 TEST(CourseJob, AxesAreThoseOfTheProfile) {
   MachineSpec machine = ReadMachineFile(kProfile).value();
-  const course::AxisPair lagging = AxesOf(machine).value();
+  const course::AxisPair lagging = CourseAxesOf(machine).value();
   EXPECT_NEAR(lagging[0].lag_s(), 0.0002, 1e-12);
   machine.mutable_second_order()->set_natural_frequency_hz(30);
   machine.mutable_second_order()->set_damping_ratio(0.4);
-  const course::AxisPair elastic = AxesOf(machine).value();
+  const course::AxisPair elastic = CourseAxesOf(machine).value();
   // The lag of the same drive, by its equation: 2 d / w.
   EXPECT_NEAR(elastic[1].lag_s(), 2 * 0.4 / (2 * 3.14159265358979 * 30), 1e-12);
   CascadeDrive& cascade = *machine.mutable_cascade();
   cascade.set_position_gain_per_s(120);
   cascade.set_natural_frequency_hz(25);
   cascade.set_damping_ratio(0.3);
-  const course::AxisPair looped = AxesOf(machine).value();
+  const course::AxisPair looped = CourseAxesOf(machine).value();
   EXPECT_EQ(looped[0].product().size(), 6U);
   EXPECT_NEAR(looped[0].lag_s(), 1 / 120.0 + 0.6 / (2 * 3.14159265358979 * 25), 1e-12);
   // A servo alone is of second order; y has the drive that it is given.
@@ -179,13 +180,13 @@ TEST(CourseJob, AxesAreThoseOfTheProfile) {
   AxisDrive& of_y = *machine.add_axis_drives();
   of_y.set_axis("y");
   of_y.set_stage_lag_s(0.003);
-  const course::AxisPair mixed = AxesOf(machine).value();
+  const course::AxisPair mixed = CourseAxesOf(machine).value();
   EXPECT_NEAR(mixed[0].lag_s(), 1 / 100.0, 1e-12);
   EXPECT_NEAR(mixed[0].parameters().natural_rad_s, std::sqrt(100 / 0.004), 1e-9);
   EXPECT_NEAR(mixed[1].lag_s(), 0.003, 1e-12);
   machine.mutable_servo()->set_feed_forward_ratio(1);
-  EXPECT_THAT(AxesOf(machine).error().message, HasSubstr("feed_forward_ratio 0"));
-  EXPECT_EQ(FeedOf(machine), 80);
+  EXPECT_THAT(CourseAxesOf(machine).error().message, HasSubstr("feed_forward_ratio 0"));
+  EXPECT_EQ(CourseFeedOf(machine), 80);
   machine.mutable_y()->set_max_acceleration_mm_s2(3000);
   machine.mutable_y()->set_max_jerk_mm_s3(1e5);
   EXPECT_EQ(CourseLimitsOf(machine).acceleration_mm_s2, 3000);
