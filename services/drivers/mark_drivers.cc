@@ -6,6 +6,8 @@
 #include "services/drivers/galvo/galvo_driver.h"
 #include "services/drivers/galvo/head_profile.h"
 #include "services/drivers/grbl/marks/grbl_course_driver.h"
+#include "services/drivers/linuxcnc/marks/course_profile.h"
+#include "services/drivers/linuxcnc/marks/linuxcnc_course_driver.h"
 #include "services/platform/link/driver_table.h"
 
 namespace intaglio::drivers {
@@ -15,6 +17,7 @@ namespace {
 constexpr MarkDriverKind kMarkKinds[] = {
     {"bjjcz", true, MakeBjjczDriver, CheckBjjczProfile},
     {"grbl-course", true, MakeGrblCourseDriver, CheckGrblCourseProfile},
+    {"linuxcnc-course", false, MakeLinuxcncCourseDriver, CheckLinuxcncCourseProfile},
     {"scan-head", true, MakeGalvoDriver, CheckScanHead},
 };
 

@@ -157,7 +157,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"services/drivers",
      {"engrave/core", "engrave/io", "engrave/motion", "engrave/mark", "engrave/galvo*",
       "engrave/contour", "engrave/course", "engrave/post", "idl", "proto", "services/job",
-      "services/platform/link"}},
+      "services/platform/host/threads", "services/platform/link"}},
     // What the synchronizer and the marker have in common.
     {"services/cell",
      {"engrave/core", "engrave/formats", "engrave/io", "idl", "proto",

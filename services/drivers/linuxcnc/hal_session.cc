@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
 
 namespace intaglio::drivers {
@@ -26,11 +27,13 @@ std::uint64_t TimeOfDay_ms() {
 }  // namespace
 
 HalSession::HalSession(HalOpener open, std::filesystem::path folder,
-                       link::ExpectedDevice expected, link::SteadyClock clock)
+                       link::ExpectedDevice expected, link::SteadyClock clock,
+                       HalLaser laser)
     : open_(std::move(open)),
       folder_(std::move(folder)),
       expected_(std::move(expected)),
-      clock_(std::move(clock)) {}
+      clock_(std::move(clock)),
+      laser_(laser) {}
 
 const std::vector<HalSample>& HalSession::Poll() {
   samples_.clear();
@@ -58,13 +61,12 @@ void HalSession::Open(std::chrono::nanoseconds now) {
     refusal_.clear();
     message_ = fmt::format(
         "no HAL runs in {}: start it with deploy/linuxcnc/start, and name its folder in "
-        "motion_line.device",
-        folder_.string());
+        "{}.device",
+        folder_.string(), expected_.line);
     return;
   }
   const auto identity = ParseIdentity(*text);
-  refusal_ = identity ? link::RefusalOf(expected_, identity->serial_number)
-                      : identity.error().message;
+  refusal_ = identity ? WhyRefused(*identity) : identity.error().message;
   if (!refusal_.empty()) {
     message_ = refusal_;
     return;
@@ -80,6 +82,16 @@ void HalSession::Open(std::chrono::nanoseconds now) {
   greeted_ = has_sample_ = false;
   partial_.clear();
   opened_at_ = sampled_at_ = now;
+}
+
+std::string HalSession::WhyRefused(const HalIdentity& identity) const {
+  if (identity.laser == laser_) return link::RefusalOf(expected_, identity.serial_number);
+  return fmt::format(
+      "the HAL in {} was started {} --beam, and the protocol of {} wants one {} it: "
+      "start "
+      "it again so with deploy/linuxcnc/start",
+      folder_.string(), laser_ == HalLaser::kBeam ? "without" : "with", expected_.line,
+      laser_ == HalLaser::kBeam ? "with" : "without");
 }
 
 void HalSession::Lose(std::string why) {
@@ -139,6 +151,7 @@ void HalSession::Hello() {
 // Nothing fires from the first answer on, so the record that has as many pulses as HAL
 // has counted is complete.
 bool HalSession::RecordIsWhole() {
+  if (laser_ == HalLaser::kBeam) return true;
   const auto text = io::ReadWholeFile(folder_ / "pulses", kMaxRecord);
   if (!text) return false;
   record_ = ParsePulses(*text);
@@ -198,13 +211,23 @@ Status HalSession::SetPeriods(std::uint32_t periods) {
 
 Status HalSession::ResetLaser() {
   command_.shutter = command_.stop = false;
-  return Reset(&HalCommand::laser_reset);
+  return Reset({&HalCommand::laser_reset});
 }
-Status HalSession::ResetMotion() { return Reset(&HalCommand::motion_reset); }
+Status HalSession::ResetMotion() { return Reset({&HalCommand::motion_reset}); }
+Status HalSession::ResetBoth() {
+  command_.shutter = command_.stop = false;
+  return Reset({&HalCommand::laser_reset, &HalCommand::motion_reset});
+}
+
+// An edge of the bit that switches the lamp of a laser that is pulsed.
+Status HalSession::MakePermission() {
+  INTAGLIO_TRY(SetLamp(true));
+  return SetLamp(false);
+}
 
 // The watchdog first, if it has tripped: it wants two heartbeats before a latch takes its
 // reset. HAL plays one command a period.
-Status HalSession::Reset(bool HalCommand::*latch) {
+Status HalSession::Reset(std::initializer_list<bool HalCommand::*> latches) {
   if (!up()) return Fail(ErrorCode::kLinkLost, message_);
   if (!newest_.Has(kHalHostAlive)) {
     command_.wake = true;
@@ -212,9 +235,9 @@ Status HalSession::Reset(bool HalCommand::*latch) {
     command_.wake = false;
   }
   for (int beat = 0; beat < 3; ++beat) (void)Send();
-  command_.*latch = true;
+  for (const auto latch : latches) command_.*latch = true;
   (void)Send();
-  command_.*latch = false;
+  for (const auto latch : latches) command_.*latch = false;
   return Send();
 }
 

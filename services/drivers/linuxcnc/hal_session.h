@@ -12,6 +12,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -24,9 +25,9 @@ namespace intaglio::drivers {
 
 class HalSession {
  public:
-  /// `folder`: of deploy/linuxcnc/start.
+  /// `folder`: of deploy/linuxcnc/start. A HAL with another laser is refused.
   HalSession(HalOpener open, std::filesystem::path folder, link::ExpectedDevice expected,
-             link::SteadyClock clock);
+             link::SteadyClock clock, HalLaser laser = HalLaser::kPulses);
 
   /// The samples that came, in order; empty while not up.
   const std::vector<HalSample>& Poll();
@@ -41,7 +42,7 @@ class HalSession {
   int fd() const { return line_ ? line_->fd() : -1; }
   const HalIdentity& identity() const { return identity_; }
   const HalSample& newest() const { return newest_; }
-  /// Ticks of all pulses before this session, since power-up.
+  /// Ticks of all pulses before this session, since power-up; of a beam none.
   const std::vector<std::uint32_t>& record() const { return record_; }
 
   // Commands; kLinkLost while not up. Numbers of the rows that are obeyed:
@@ -59,6 +60,9 @@ class HalSession {
   /// Closes the shutter before.
   Status ResetLaser();
   Status ResetMotion();
+  Status ResetBoth();
+  /// Of a beam: HAL counts 250 ms from here, in which it may be on.
+  Status MakePermission();
   Status WriteRows(std::string_view rows);
   bool stopped() const { return command_.stop; }
 
@@ -71,12 +75,14 @@ class HalSession {
   void Hello();
   bool RecordIsWhole();
   Status Send();
-  Status Reset(bool HalCommand::*latch);
+  Status Reset(std::initializer_list<bool HalCommand::*> latches);
+  std::string WhyRefused(const HalIdentity& identity) const;
 
   HalOpener open_;
   std::filesystem::path folder_;
   link::ExpectedDevice expected_;
   link::SteadyClock clock_;
+  HalLaser laser_;
   Phase phase_ = Phase::kClosed;
   bool fenced_ = false, greeted_ = false;
   std::uint64_t sessions_ = 0, first_number_ = 0;

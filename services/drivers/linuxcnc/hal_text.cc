@@ -99,6 +99,7 @@ Result<HalIdentity> ParseIdentity(std::string_view text) {
     if (name == "power_up") fields.Take(identity.power_up);
     if (name == "period_ns") fields.Take(identity.period_ns);
     if (name == "serial_number") identity.serial_number = fields.Next();
+    if (name == "laser" && fields.Next() == "beam") identity.laser = HalLaser::kBeam;
     text.remove_prefix(std::min(end + 1, text.size()));
   }
   if (identity.power_up != 0 && identity.period_ns >= 50'000 &&

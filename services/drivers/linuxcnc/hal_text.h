@@ -68,11 +68,18 @@ struct HalSample {
 /// One line without its end; nullopt when it is none ("overrun", a torn line).
 std::optional<HalSample> ParseSample(std::string_view line);
 
+/// What the laser's output is, by the configuration that HAL was started with.
+enum class HalLaser {
+  kPulses,  ///< one period long, at rows of their own; each is recorded
+  kBeam,    ///< on in all periods whose rows ask for it (start --beam)
+};
+
 /// The file `identity`.
 struct HalIdentity {
   std::uint32_t power_up = 0;
   std::uint32_t period_ns = 0;  ///< of the servo thread, 50000..10000000
   std::string serial_number;
+  HalLaser laser = HalLaser::kPulses;
 };
 /// kUnreadable with the remedy.
 Result<HalIdentity> ParseIdentity(std::string_view text);

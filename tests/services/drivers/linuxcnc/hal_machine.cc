@@ -108,12 +108,13 @@ void HalTool::Write(const std::string& text) const {
 }
 
 HalMachine::HalMachine(std::filesystem::path folder, std::string serial_number,
-                       std::filesystem::path axes)
+                       std::filesystem::path axes, bool beam)
     : folder_(std::move(folder)),
       serial_number_(std::move(serial_number)),
       axes_(axes.empty() ? std::filesystem::path(INTAGLIO_SOURCE_DIR) /
                                "deploy/linuxcnc/simulated.hal"
-                         : std::move(axes)) {
+                         : std::move(axes)),
+      beam_(beam) {
   PowerOn();
 }
 
@@ -134,7 +135,8 @@ void HalMachine::PowerOn() {
     dup2(out, 2);
     RunAsInit([&] {
       execl(start.c_str(), "start", folder_.c_str(), "--serial-number",
-            serial_number_.c_str(), "--axes", axes_.c_str(), nullptr);
+            serial_number_.c_str(), "--axes", axes_.c_str(), beam_ ? "--beam" : nullptr,
+            nullptr);
     });
   }
   close(ends[0]);

@@ -34,9 +34,10 @@ class HalTool {
 class HalMachine {
  public:
   /// Starts it; throws std::runtime_error with HAL's output when it does not run. `axes`:
-  /// the axes' own HAL file; empty: the supplied one without hardware.
+  /// the axes' own HAL file; empty: the supplied one without hardware. `beam`: with a
+  /// beam in place of pulses.
   explicit HalMachine(std::filesystem::path folder, std::string serial_number = "",
-                      std::filesystem::path axes = {});
+                      std::filesystem::path axes = {}, bool beam = false);
   ~HalMachine();
   HalMachine(const HalMachine&) = delete;
   HalMachine& operator=(const HalMachine&) = delete;
@@ -55,6 +56,7 @@ class HalMachine {
   std::filesystem::path folder_;
   std::string serial_number_;
   std::filesystem::path axes_;
+  bool beam_;
   pid_t child_ = -1;
   int input_ = -1;
 };
