@@ -23,6 +23,11 @@ struct MarkDriverKind {
                                       link::SteadyClock clock);
   /// What it needs of a profile and does not find, each error beginning with the field.
   std::vector<Error> (*check)(const MachineSpec& machine);
+  /// What a controller on the line reports and the profile has otherwise
+  /// (services/drivers/profile_check.h); null: the family reports nothing.
+  Result<std::vector<Error>> (*compare)(const MachineSpec& machine,
+                                        const link::StreamOpener& open,
+                                        const link::SteadyClock& clock) = nullptr;
 };
 
 /// All there are.

@@ -28,6 +28,20 @@ void AddUnknown(std::span<const Kind> kinds, const std::string& field,
       link::FindDriver(kinds, {field, line.protocol(), line.device()}).error());
 }
 
+template <typename Kind>
+Result<std::vector<Error>> CompareController(std::span<const Kind> kinds,
+                                             const SerialLine& line,
+                                             const MachineSpec& machine,
+                                             const link::SteadyClock& clock) {
+  const auto* kind = KindOf(kinds, line.protocol());
+  if (kind == nullptr || kind->compare == nullptr) {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("controllers of the protocol {} report no identity",
+                            line.protocol()));
+  }
+  return kind->compare(machine, link::EndpointOpener(line.device(), line.baud()), clock);
+}
+
 }  // namespace
 
 std::vector<Error> CheckDrivers(const MachineSpec& machine) {
@@ -56,14 +70,12 @@ std::vector<Error> CheckDrivers(const MachineSpec& machine) {
 
 Result<std::vector<Error>> CompareMotionController(const MachineSpec& machine,
                                                    const link::SteadyClock& clock) {
-  const SerialLine& line = machine.motion_line();
-  const auto* kind = KindOf(MotionDriverKinds(), line.protocol());
-  if (kind == nullptr || kind->compare == nullptr) {
-    return Fail(ErrorCode::kUnsupported,
-                fmt::format("controllers of the protocol {} report no identity",
-                            line.protocol()));
-  }
-  return kind->compare(machine, link::EndpointOpener(line.device(), line.baud()), clock);
+  return CompareController(MotionDriverKinds(), machine.motion_line(), machine, clock);
+}
+
+Result<std::vector<Error>> CompareMarkController(const MachineSpec& machine,
+                                                 const link::SteadyClock& clock) {
+  return CompareController(MarkDriverKinds(), machine.mark_line(), machine, clock);
 }
 
 }  // namespace intaglio::drivers

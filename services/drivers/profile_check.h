@@ -22,5 +22,8 @@ std::vector<Error> CheckDrivers(const MachineSpec& machine);
 /// nothing through its driver.
 Result<std::vector<Error>> CompareMotionController(const MachineSpec& machine,
                                                    const link::SteadyClock& clock);
+/// The same of the controller on mark_line.
+Result<std::vector<Error>> CompareMarkController(const MachineSpec& machine,
+                                                 const link::SteadyClock& clock);
 
 }  // namespace intaglio::drivers

@@ -225,6 +225,8 @@ TEST_F(LinuxcncContourJob, HasAProfileThatIsGood) {
                 folder_ / "check.json");
   const auto ended = check.WaitForEnd(60s);
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_NE(ended.output.find("mark_line"), std::string::npos) << ended.output;
+  EXPECT_EQ(ended.output.find("notCompared"), std::string::npos) << ended.output;
 }
 
 struct Blow {

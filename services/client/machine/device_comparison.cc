@@ -100,9 +100,7 @@ void CompareMotionLine(const MachineSpec& machine, const link::SteadyClock& cloc
   comparison.differences = CompareStage(machine, *identity, tolerance, speed);
 }
 
-void CompareByDriver(const MachineSpec& machine, const link::SteadyClock& clock,
-                     DeviceComparison& comparison) {
-  auto differences = drivers::CompareMotionController(machine, clock);
+void TakeByDriver(Result<std::vector<Error>> differences, DeviceComparison& comparison) {
   if (differences) {
     comparison.differences = std::move(*differences);
   } else {
@@ -217,6 +215,11 @@ std::vector<DeviceComparison> CompareDevices(const MachineSpec& machine,
   };
   constexpr Reader kReaders[] = {{"virtual-laser", CompareLaserLine},
                                  {"virtual-stage", CompareMotionLine}};
+  if (machine.has_mark_line()) {
+    DeviceComparison marks{"mark_line", {}, {}};
+    TakeByDriver(drivers::CompareMarkController(machine, clock), marks);
+    return {marks};
+  }
   std::vector<DeviceComparison> all = {{"laser_line", {}, {}}, {"motion_line", {}, {}}};
   for (DeviceComparison& comparison : all) {
     const SerialLine& line =
@@ -229,7 +232,7 @@ std::vector<DeviceComparison> CompareDevices(const MachineSpec& machine,
     } else if (output) {
       comparison.not_compared = "it is an output of the motion controller";
     } else if (reader == std::end(kReaders)) {
-      CompareByDriver(machine, clock, comparison);
+      TakeByDriver(drivers::CompareMotionController(machine, clock), comparison);
     } else {
       reader->compare(machine, clock, comparison);
     }

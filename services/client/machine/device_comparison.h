@@ -27,7 +27,7 @@ std::vector<Error> CompareStage(const MachineSpec& machine,
                                 const std::optional<link::StageSpeed>& speed = {});
 
 struct DeviceComparison {
-  std::string line;          ///< "laser_line" or "motion_line"
+  std::string line;          ///< "laser_line", "motion_line" or "mark_line"
   std::string not_compared;  ///< why it was not compared; empty: it was
   std::vector<Error> differences;
 };
@@ -35,9 +35,9 @@ struct DeviceComparison {
 /// What is wrong with the profile for its drivers (drivers::CheckDrivers).
 std::vector<Error> CheckDriversOf(const MachineSpec& machine);
 
-/// Both lines of the profile. A line that another program has, that leads nowhere or
-/// whose protocol has no identity is not compared, and not disturbed; a device that does
-/// not answer takes a second.
+/// Both lines of the profile, or its mark_line. A line that another program has, that
+/// leads nowhere or whose protocol has no identity is not compared, and not disturbed; a
+/// device that does not answer takes a second.
 std::vector<DeviceComparison> CompareDevices(const MachineSpec& machine,
                                              const link::SteadyClock& clock);
 

@@ -9,6 +9,7 @@
 
 #include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
+#include "services/job/plan/course_motion.h"
 
 namespace intaglio::drivers {
 namespace {
@@ -38,8 +39,8 @@ std::optional<double> ValueOfPin(const Pins& pins, const std::string& pin) {
   return found == pins.end() ? std::nullopt : std::optional(found->second);
 }
 
-void CompareHalAxis(const std::string& name, const AxisLimits& axis, double tolerance_um,
-                    const Pins& pins, std::vector<Error>& errors) {
+void CompareHalAxis(const std::string& name, const AxisLimits& axis, const Pins& pins,
+                    std::vector<Error>& errors) {
   const auto limit = [&](const char* what) {
     return ValueOfPin(pins, name + "-limit." + what);
   };
@@ -71,6 +72,10 @@ void CompareHalAxis(const std::string& name, const AxisLimits& axis, double tole
                     "planned; reduce it, or set the pin to four times the field",
                     axis.max_acceleration_mm_s2(), name, *acceleration));
   }
+}
+
+void CompareNear(const std::string& name, double tolerance_um, const Pins& pins,
+                 std::vector<Error>& errors) {
   const auto near_mm = ValueOfPin(pins, name + "-near.difference");
   if (near_mm && std::abs(*near_mm * 1000 - tolerance_um) > 0.01 * tolerance_um) {
     DiffersFromHal(
@@ -78,6 +83,47 @@ void CompareHalAxis(const std::string& name, const AxisLimits& axis, double tole
         fmt::format("{} is not {}-near.difference, {:g} mm; make both the same",
                     tolerance_um, name, *near_mm));
   }
+}
+
+void CompareLag(const std::string& name, double lag_mm, const Pins& pins,
+                std::vector<Error>& errors) {
+  const auto near_mm = ValueOfPin(pins, name + "-near.difference");
+  if (!near_mm || *near_mm > lag_mm) return;
+  DiffersFromHal(
+      errors, name + ".max_speed_mm_s",
+      fmt::format("the axis is {:.3f} mm behind its row there by the drive of the "
+                  "profile, and {}-near.difference, {:g} mm, ends the beam; set the pin "
+                  "to twice that",
+                  lag_mm, name, *near_mm));
+}
+
+void CompareHalSerial(const std::string& name, const SerialLine& line,
+                      const HalIdentity& identity, std::vector<Error>& errors) {
+  if (!line.has_serial_number() || line.serial_number() == identity.serial_number) return;
+  DiffersFromHal(
+      errors, name + ".serial_number",
+      fmt::format("{:?} is expected, the HAL in {} reports {:?}; correct the device "
+                  "or the field",
+                  line.serial_number(), line.device(), identity.serial_number));
+}
+
+struct HalFiles {
+  HalIdentity identity;
+  Pins pins;
+};
+
+Result<HalFiles> ReadHalFiles(const std::string& name, const SerialLine& line) {
+  const std::filesystem::path folder = line.device();
+  const auto identity = io::ReadWholeFile(folder / "identity", 4096);
+  if (!identity) {
+    return Fail(
+        ErrorCode::kIo,
+        fmt::format("no HAL runs in {}: start it with deploy/linuxcnc/start, and name "
+                    "its folder in {}.device",
+                    folder.string(), name));
+  }
+  const auto hal = INTAGLIO_TRY(io::ReadWholeFile(folder / "machine.hal", kMaxHalFile));
+  return HalFiles{INTAGLIO_TRY(ParseIdentity(*identity)), ParseHalPins(hal)};
 }
 
 void CompareRates(const LaserHead& laser, const HalIdentity& identity,
@@ -139,19 +185,14 @@ std::vector<Error> CheckLinuxcncProfile(const MachineSpec& machine) {
 std::vector<Error> CompareHal(const MachineSpec& machine, const HalIdentity& identity,
                               const Pins& pins) {
   std::vector<Error> errors;
-  const SerialLine& line = machine.motion_line();
-  if (line.has_serial_number() && line.serial_number() != identity.serial_number) {
-    DiffersFromHal(
-        errors, "motion_line.serial_number",
-        fmt::format("{:?} is expected, the HAL in {} reports {:?}; correct the device "
-                    "or the field",
-                    line.serial_number(), line.device(), identity.serial_number));
-  }
+  CompareHalSerial("motion_line", machine.motion_line(), identity, errors);
   CompareRates(machine.laser(), identity, errors);
   const std::pair<const char*, const AxisLimits*> axes[] = {
       {"x", &machine.x()}, {"y", &machine.y()}, {"z", &machine.z()}};
-  for (const auto& [name, axis] : axes)
-    CompareHalAxis(name, *axis, machine.position_tolerance_um(), pins, errors);
+  for (const auto& [name, axis] : axes) {
+    CompareHalAxis(name, *axis, pins, errors);
+    CompareNear(name, machine.position_tolerance_um(), pins, errors);
+  }
   const auto warm_up_s = ValueOfPin(pins, "lamp-delay.on-delay");
   if (warm_up_s && machine.laser().warm_up_s() < *warm_up_s) {
     DiffersFromHal(errors, "laser.warm_up_s",
@@ -164,17 +205,35 @@ std::vector<Error> CompareHal(const MachineSpec& machine, const HalIdentity& ide
 Result<std::vector<Error>> CompareLinuxcnc(const MachineSpec& machine,
                                            const link::StreamOpener&,
                                            const link::SteadyClock&) {
-  const std::filesystem::path folder = machine.motion_line().device();
-  const auto identity = io::ReadWholeFile(folder / "identity", 4096);
-  if (!identity) {
-    return Fail(
-        ErrorCode::kIo,
-        fmt::format("no HAL runs in {}: start it with deploy/linuxcnc/start, and name "
-                    "its folder in motion_line.device",
-                    folder.string()));
+  const HalFiles hal = INTAGLIO_TRY(ReadHalFiles("motion_line", machine.motion_line()));
+  return CompareHal(machine, hal.identity, hal.pins);
+}
+
+std::vector<Error> CompareBeamHal(const MachineSpec& machine, const HalIdentity& identity,
+                                  const Pins& pins) {
+  std::vector<Error> errors;
+  CompareHalSerial("mark_line", machine.mark_line(), identity, errors);
+  if (identity.laser != HalLaser::kBeam) {
+    DiffersFromHal(
+        errors, "mark_line.protocol",
+        fmt::format("{} is of a beam, and the HAL in {} was started without "
+                    "--beam; start it again with it",
+                    machine.mark_line().protocol(), machine.mark_line().device()));
   }
-  const auto hal = INTAGLIO_TRY(io::ReadWholeFile(folder / "machine.hal", kMaxHalFile));
-  return CompareHal(machine, INTAGLIO_TRY(ParseIdentity(*identity)), ParseHalPins(hal));
+  CompareHalAxis("x", machine.x(), pins, errors);
+  CompareHalAxis("y", machine.y(), pins, errors);
+  const auto axes = CourseAxesOf(machine);
+  if (!axes) return errors;
+  CompareLag("x", (*axes)[0].lag_s() * CourseFeedOf(machine), pins, errors);
+  CompareLag("y", (*axes)[1].lag_s() * CourseFeedOf(machine), pins, errors);
+  return errors;
+}
+
+Result<std::vector<Error>> CompareLinuxcncCourse(const MachineSpec& machine,
+                                                 const link::StreamOpener&,
+                                                 const link::SteadyClock&) {
+  const HalFiles hal = INTAGLIO_TRY(ReadHalFiles("mark_line", machine.mark_line()));
+  return CompareBeamHal(machine, hal.identity, hal.pins);
 }
 
 }  // namespace intaglio::drivers

@@ -28,9 +28,19 @@ std::vector<Error> CheckLinuxcncProfile(const MachineSpec& machine);
 std::vector<Error> CompareHal(const MachineSpec& machine, const HalIdentity& identity,
                               const std::map<std::string, double>& pins);
 
+/// The same of a cutter (linuxcnc-course): its travel, speed and acceleration, and how
+/// far an axis is behind its row at full speed by the drive of the profile, for the gate
+/// ends the beam there.
+std::vector<Error> CompareBeamHal(const MachineSpec& machine, const HalIdentity& identity,
+                                  const std::map<std::string, double>& pins);
+
 /// Both files of the folder that motion_line.device names; the two others are not used.
 Result<std::vector<Error>> CompareLinuxcnc(const MachineSpec& machine,
                                            const link::StreamOpener& open,
                                            const link::SteadyClock& clock);
+/// The same of mark_line.device.
+Result<std::vector<Error>> CompareLinuxcncCourse(const MachineSpec& machine,
+                                                 const link::StreamOpener& open,
+                                                 const link::SteadyClock& clock);
 
 }  // namespace intaglio::drivers

@@ -19,6 +19,7 @@
 #include "services/job/course/course_files.h"
 #include "services/job/course/course_work.h"
 #include "services/job/machine/course_tool.h"
+#include "services/job/plan/course_motion.h"
 
 namespace intaglio {
 namespace {
@@ -125,6 +126,21 @@ Status CheckToolOfMachine(const Course& course, const MachineSpec& machine) {
                 fmt::format("course.power_ratio: is missing; the tool of {} is a laser: "
                             "give its power, 0..1, in place of a depth",
                             machine.name()));
+  }
+  if (SwitchesBeamOnly(machine) && course.has_power_ratio() &&
+      course.power_ratio() != 1) {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("course.power_ratio: {:g}: the output of {} is on or off; "
+                            "give 1, and set the power at the laser",
+                            course.power_ratio(), machine.name()),
+                fmt::format("{:g}", course.power_ratio()));
+  }
+  if (SwitchesBeamOnly(machine) && course.speed_mm_s() > CourseFeedOf(machine)) {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("course.speed_mm_s: {:g} is more than the {:g} mm/s of the "
+                            "axes x and y of {}; reduce it",
+                            course.speed_mm_s(), CourseFeedOf(machine), machine.name()),
+                fmt::format("{:g}", course.speed_mm_s()));
   }
   if (kind == COURSE_TOOL_SPINDLE && course.has_power_ratio()) {
     return Fail(ErrorCode::kUnsupported,

@@ -17,4 +17,9 @@ inline double SpinUpOf(const CourseTool& tool) {
   return tool.has_spin_up_s() ? tool.spin_up_s() : 3;
 }
 
+/// The output of its laser is on or off: jobs have the power 1.
+inline bool SwitchesBeamOnly(const MachineSpec& machine) {
+  return machine.mark_line().protocol() == "linuxcnc-course";
+}
+
 }  // namespace intaglio

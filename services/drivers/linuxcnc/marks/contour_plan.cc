@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
+#include <stdexcept>
 #include <utility>
 
 #include "engrave/core/try.h"
@@ -32,7 +34,8 @@ void FindLit(const std::vector<Vec2>& actual_mm, ContourPlan& plan) {
 }  // namespace
 
 Result<ContourPlan> PlanContour(const mark::Mark& mark, const mark::Pen& pen,
-                                const MachineSpec& machine, double period_s) {
+                                const MachineSpec& machine, double period_s,
+                                const ProgressSink& progress) {
   const course::AxisPair axes = INTAGLIO_TRY(CourseAxesOf(machine));
   course::PlanOptions options = CourseLimitsOf(machine);
   options.compensate = true;
@@ -40,6 +43,14 @@ Result<ContourPlan> PlanContour(const mark::Mark& mark, const mark::Pen& pen,
   options.period_s = period_s;
   // In swings beside a corner the axes are faster than the pen, and than their limits.
   options.swing = false;
+  options.executor = [&](std::size_t count,
+                         const std::function<void(std::size_t)>& work) {
+    for (std::size_t i = 0; i < count; ++i) {
+      if (progress && !progress(i, count))
+        throw std::runtime_error("the planning of a contour was cancelled");
+      work(i);
+    }
+  };
   const course::Path path =
       INTAGLIO_TRY(CoursePathAlong(EdgesOfMark(mark), pen.speed_mm_s));
   const course::CoursePlan planned =

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engrave/core/geometry.h"
+#include "engrave/core/progress.h"
 #include "engrave/core/result.h"
 #include "engrave/mark/mark.h"
 #include "proto/machine.pb.h"
@@ -28,8 +29,10 @@ struct ContourPlan {
 
 /// `period_s`: of the servo thread. Once around, at the speed of the pen; `machine` has
 /// passed CheckLinuxcncCourseProfile. kInvalidValue, kMissing: what the planner does not
-/// take, by name; kUnsupported: the tolerance of the profile cannot be kept.
+/// take, by name; kUnsupported: the tolerance of the profile cannot be kept. Throws when
+/// `progress` returns false, at the latest behind a part of some thousand setpoints.
 Result<ContourPlan> PlanContour(const mark::Mark& mark, const mark::Pen& pen,
-                                const MachineSpec& machine, double period_s);
+                                const MachineSpec& machine, double period_s,
+                                const ProgressSink& progress = {});
 
 }  // namespace intaglio::drivers

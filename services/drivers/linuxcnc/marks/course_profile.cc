@@ -11,7 +11,7 @@
 namespace intaglio::drivers {
 namespace {
 
-constexpr double kTravelChord_mm = 0.001;
+constexpr double kTravelChord_mm = 0.001, kLongestContour_s = 3600;
 
 void CheckCourseAxis(const std::string& name, const AxisLimits& axis,
                      std::vector<Error>& errors) {
@@ -46,12 +46,6 @@ bool TravelIncludes(const AxisLimits& axis, double at_mm) {
 
 std::vector<Error> CheckLinuxcncCourseProfile(const MachineSpec& machine) {
   std::vector<Error> errors;
-  if (machine.mark_line().device().empty()) {
-    errors.push_back({ErrorCode::kMissing,
-                      "mark_line.device: is missing; name the folder of "
-                      "deploy/linuxcnc/start, e.g. /run/intaglio-linuxcnc",
-                      ""});
-  }
   if (machine.course_tool().kind() != COURSE_TOOL_LASER) {
     errors.push_back(
         {ErrorCode::kUnsupported,
@@ -112,7 +106,8 @@ Status CheckBeamPen(const mark::Pen& pen, const MachineSpec& machine) {
   return {};
 }
 
-Status CheckBeamMark(const NumberedMark& mark, const MachineSpec& machine) {
+Status CheckBeamMark(const NumberedMark& mark, const mark::Pen& pen,
+                     const MachineSpec& machine) {
   if (mark::IsRow(mark.mark)) {
     return Fail(ErrorCode::kUnsupported,
                 fmt::format("mark {}: is a row of dots, and the beam is not switched on "
@@ -123,6 +118,14 @@ Status CheckBeamMark(const NumberedMark& mark, const MachineSpec& machine) {
     return Fail(
         ErrorCode::kUnsupported,
         fmt::format("mark {}: is a place without a way; make it a circle", mark.number));
+  }
+  if (const double seconds = mark::LengthOf(mark.mark) / pen.speed_mm_s;
+      seconds > kLongestContour_s) {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("mark {}: takes {:.0f} s once around at {:g} mm/s, and a "
+                            "contour is planned up to {:.0f} s; raise the speed, or "
+                            "divide it",
+                            mark.number, seconds, pen.speed_mm_s, kLongestContour_s));
   }
   const Vector3& origin_mm = machine.block_origin_mm();
   for (const Vec2& place_mm : mark::PlacesOf(mark.mark, kTravelChord_mm)) {

@@ -12,8 +12,8 @@
 
 namespace intaglio::drivers {
 
-/// Each error begins with the field: mark_line.device, course_tool.kind, x and y with
-/// travel, speed and acceleration, position_tolerance_um, a drive that courses are
+/// Each error begins with the field: course_tool.kind, x and y with travel, speed
+/// and acceleration, position_tolerance_um, a drive that courses are
 /// planned for.
 std::vector<Error> CheckLinuxcncCourseProfile(const MachineSpec& machine);
 
@@ -21,7 +21,9 @@ std::vector<Error> CheckLinuxcncCourseProfile(const MachineSpec& machine);
 /// axes.
 Status CheckBeamPen(const mark::Pen& pen, const MachineSpec& machine);
 
-/// kUnsupported: a row of dots, a place without a way. kInvalidValue: outside the travel.
-Status CheckBeamMark(const NumberedMark& mark, const MachineSpec& machine);
+/// kUnsupported: a row of dots, a place without a way, a contour of more than an hour,
+/// for it is planned as a whole. kInvalidValue: outside the travel.
+Status CheckBeamMark(const NumberedMark& mark, const mark::Pen& pen,
+                     const MachineSpec& machine);
 
 }  // namespace intaglio::drivers

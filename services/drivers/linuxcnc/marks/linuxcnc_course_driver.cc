@@ -102,7 +102,7 @@ std::size_t LinuxcncCourseDriver::Room() const {
 Status LinuxcncCourseDriver::Append(const NumberedMark& mark) {
   if (Room() == 0) return RefuseMarks("there is no room for a mark");
   INTAGLIO_TRY(mark::CheckMarks({pens_, {mark.mark}}));
-  INTAGLIO_TRY(CheckBeamMark(mark, machine_));
+  INTAGLIO_TRY(CheckBeamMark(mark, pens_[mark.mark.pen], machine_));
   queue_.push_back({mark, nullptr});
   return {};
 }

@@ -197,8 +197,8 @@ void LinuxcncCourseDriver::StartPlans() {
     if (one.plan) continue;
     one.plan = std::make_unique<Plan>(
         [mark = one.mark.mark, pen = pens_[one.mark.mark.pen], machine = machine_,
-         period_s = period_s()](const ProgressSink&) {
-          return PlanContour(mark, pen, machine, period_s);
+         period_s = period_s()](const ProgressSink& progress) {
+          return PlanContour(mark, pen, machine, period_s, progress);
         },
         [] {});
   }

@@ -11,10 +11,12 @@
 #include "services/drivers/linuxcnc/marks/course_profile.h"
 #include "services/drivers/linuxcnc/marks/mark_rows.h"
 #include "services/job/plan/course_motion.h"
+#include "tests/services/drivers/linuxcnc/driven_axes.h"
 
 namespace intaglio::drivers {
 namespace {
 
+using linuxcnc::Driven;
 using ::testing::HasSubstr;
 
 constexpr double kPeriod_s = 1e-3;
@@ -56,27 +58,6 @@ double DistanceTo(const contour::Edges& edges, const Vec2& at_mm) {
   for (const contour::Edge& edge : edges)
     nearest_mm = std::min(nearest_mm, contour::DistanceTo(edge, at_mm));
   return nearest_mm;
-}
-
-/// x'' = w^2 (c - x) - 2 xi w x', c straight between setpoints, in small steps.
-std::vector<Vec2> Driven(const std::vector<Vec2>& setpoints_mm, double natural_rad_s,
-                         double damping) {
-  constexpr int kSteps = 200;
-  const double h_s = kPeriod_s / kSteps;
-  std::vector<Vec2> driven_mm = {setpoints_mm.front()};
-  Vec2 x = setpoints_mm.front(), v = Vec2::Zero();
-  for (std::size_t i = 1; i < setpoints_mm.size(); ++i) {
-    for (int k = 0; k < kSteps; ++k) {
-      const Vec2 c = setpoints_mm[i - 1] +
-                     (setpoints_mm[i] - setpoints_mm[i - 1]) * ((k + 0.5) / kSteps);
-      const Vec2 a =
-          natural_rad_s * natural_rad_s * (c - x) - 2 * damping * natural_rad_s * v;
-      v += a * h_s;
-      x += v * h_s;
-    }
-    driven_mm.push_back(x);
-  }
-  return driven_mm;
 }
 
 /// All that is lit is within `tolerance_mm` of the contour, and all of it is lit.
@@ -135,12 +116,13 @@ TEST(ContourPlan, AccountsForTheDriveOfTheProfile) {
   ASSERT_TRUE(plan) << plan.error().message;
   const contour::Edges edges = EdgesOfMark(Comb());
   const double natural_rad_s = 2 * std::numbers::pi * 25;
-  ExpectCut(*plan, Driven(plan->setpoints_mm, natural_rad_s, 0.4), edges, 0.022);
+  ExpectCut(*plan, Driven(plan->setpoints_mm, natural_rad_s, 0.4, kPeriod_s), edges,
+            0.022);
   // A plan for axes without a lag is far off on these.
   const auto ideal = PlanContour(Comb(), Pen(50), Cutter(), kPeriod_s);
   ASSERT_TRUE(ideal);
   double off_mm = 0;
-  for (const Vec2& at_mm : Driven(ideal->setpoints_mm, natural_rad_s, 0.4))
+  for (const Vec2& at_mm : Driven(ideal->setpoints_mm, natural_rad_s, 0.4, kPeriod_s))
     off_mm = std::max(off_mm, DistanceTo(edges, at_mm));
   EXPECT_GT(off_mm, 0.05);
 }
@@ -173,6 +155,12 @@ TEST(ContourPlan, GivesTheRowsOfEveryPassInOrder) {
   EXPECT_EQ(lit, 2 * lit_count);
 }
 
+TEST(ContourPlan, IsCancelled) {
+  EXPECT_THROW((void)PlanContour(Comb(), Pen(1), Cutter(), kPeriod_s,
+                                 [](std::uint64_t, std::uint64_t) { return false; }),
+               std::runtime_error);
+}
+
 TEST(ContourPlan, NamesAToleranceThatCannotBeKept) {
   MachineSpec machine = Cutter(1);
   machine.mutable_second_order()->set_natural_frequency_hz(1);
@@ -191,9 +179,6 @@ TEST(LinuxcncCourseProfile, IsCheckedFieldByField) {
   MachineSpec machine = Cutter();
   machine.mutable_course_tool()->set_kind(COURSE_TOOL_SPINDLE);
   EXPECT_THAT(first(machine), HasSubstr("course_tool.kind: COURSE_TOOL_SPINDLE"));
-  machine = Cutter();
-  machine.mutable_mark_line()->clear_device();
-  EXPECT_THAT(first(machine), HasSubstr("mark_line.device: is missing"));
   machine = Cutter();
   machine.clear_y();
   EXPECT_THAT(first(machine), HasSubstr("y: is missing"));
@@ -223,15 +208,17 @@ TEST(LinuxcncCourseProfile, RefusesPensAndMarksByName) {
   EXPECT_THAT(why([](mark::Pen& pen) { pen.frequency_hz = 500; }), HasSubstr("500 Hz"));
   EXPECT_THAT(why([](mark::Pen& pen) { pen.speed_mm_s = 61; }),
               HasSubstr("61 mm/s is more than the 60"));
-  EXPECT_TRUE(CheckBeamMark({0, Comb()}, machine));
+  EXPECT_TRUE(CheckBeamMark({0, Comb()}, Pen(50), machine));
   mark::Mark far = Comb();
   far.places.back().at_mm.x() = 51;
-  const Status outside = CheckBeamMark({3, far}, machine);
+  const Status outside = CheckBeamMark({3, far}, Pen(50), machine);
   ASSERT_FALSE(outside);
   EXPECT_THAT(outside.error().message, HasSubstr("mark 3: 51.000, 0.000 mm"));
+  EXPECT_THAT(CheckBeamMark({4, Comb()}, Pen(0.01), machine).error().message,
+              HasSubstr("a contour is planned up to 3600 s"));
   mark::Mark hole;
   hole.places = {{{1, 1}}};
-  EXPECT_THAT(CheckBeamMark({0, hole}, machine).error().message,
+  EXPECT_THAT(CheckBeamMark({0, hole}, Pen(50), machine).error().message,
               HasSubstr("make it a circle"));
 }
 

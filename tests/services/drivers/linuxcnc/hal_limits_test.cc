@@ -63,6 +63,42 @@ TEST(HalLimits, EachDifferenceNamesFieldPinAndRemedy) {
   }
 }
 
+TEST(HalLimits, OfACutterAreThoseOfItsWay) {
+  const MachineSpec cutter =
+      ReadMachineFile(INTAGLIO_SOURCE_DIR "/deploy/machines/linuxcnc-cutter.textproto")
+          .value();
+  HalIdentity identity{1, kPeriod_ns, "", HalLaser::kBeam};
+  EXPECT_THAT(CompareBeamHal(cutter, identity, SuppliedPins()), IsEmpty());
+  const auto first = [&](const MachineSpec& machine, const char* pin, double value) {
+    auto pins = SuppliedPins();
+    if (*pin != 0) pins[pin] = value;
+    const auto found = CompareBeamHal(machine, identity, pins);
+    return found.empty() ? "" : found.front().message;
+  };
+  EXPECT_THAT(first(cutter, "x-limit.max", 90), StartsWith("x.travel_max_mm: 95 "));
+  EXPECT_THAT(first(cutter, "y-limit.maxa", 1500),
+              StartsWith("y.max_acceleration_mm_s2: 2000 "));
+  MachineSpec lags = cutter;
+  lags.set_stage_lag_s(0.004);
+  EXPECT_THAT(first(lags, "", 0),
+              HasSubstr("0.200 mm behind its row there by the drive of the profile, and "
+                        "x-near.difference, 0.005 mm"));
+  EXPECT_THAT(CompareBeamHal(lags, identity, {{"x-near.difference", 0.4}}), IsEmpty());
+  identity.laser = HalLaser::kPulses;
+  EXPECT_THAT(first(cutter, "", 0), HasSubstr("was started without --beam"));
+  MachineSpec other = cutter;
+  other.mutable_mark_line()->set_serial_number("L-02");
+  EXPECT_THAT(first(other, "", 0),
+              StartsWith("mark_line.serial_number: \"L-02\" is expected"));
+}
+
+TEST(HalIdentity, NamesTheLaserThatHalWasStartedWith) {
+  const std::string text = "power_up 5\nperiod_ns 1000000\nserial_number \n";
+  EXPECT_EQ(ParseIdentity(text)->laser, HalLaser::kPulses);
+  EXPECT_EQ(ParseIdentity(text + "laser pulses\n")->laser, HalLaser::kPulses);
+  EXPECT_EQ(ParseIdentity(text + "laser beam\n")->laser, HalLaser::kBeam);
+}
+
 TEST(HalLimits, RatesAreWholePartsOfTheServoRate) {
   MachineSpec machine = Supplied();
   machine.mutable_motion_line()->set_serial_number("L-02");

@@ -65,8 +65,8 @@ mark::Pen CutterPen(double speed_mm_s) {
   return pen;
 }
 
-BeamRig::BeamRig(const std::string& serial_number)
-    : machine(NextFolder(), kSerialNumber, {}, true) {
+BeamRig::BeamRig(const std::string& serial_number, void (*change)(MachineSpec& profile))
+    : machine(NextFolder(), kSerialNumber, {}, true), change_(change) {
   tap.Plug();
   driver = MakeDriver(serial_number);
 }
@@ -80,6 +80,7 @@ std::unique_ptr<drivers::MarkDriver> BeamRig::MakeDriver(
     const std::string& serial_number) {
   driver.reset();
   MachineSpec profile = CutterProfile(machine.folder());
+  if (change_ != nullptr) change_(profile);
   profile.mutable_mark_line()->set_serial_number(serial_number.empty() ? kSerialNumber
                                                                        : serial_number);
   return std::make_unique<drivers::LinuxcncCourseDriver>(profile, tap.Opener(),

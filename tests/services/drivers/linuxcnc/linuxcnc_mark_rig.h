@@ -19,7 +19,9 @@ mark::Pen CutterPen(double speed_mm_s);
 
 class BeamRig final : public drivers::MarkRig {
  public:
-  explicit BeamRig(const std::string& serial_number = "");
+  /// `change`: of its profile; null: none.
+  explicit BeamRig(const std::string& serial_number = "",
+                   void (*change)(MachineSpec& profile) = nullptr);
   ~BeamRig() override;
 
   void CutLine(bool cut) override { tap.Cut(cut); }
@@ -44,6 +46,7 @@ class BeamRig final : public drivers::MarkRig {
   HalMachine machine;
 
  private:
+  void (*change_)(MachineSpec& profile);
   void AdvanceController() override;
 };
 

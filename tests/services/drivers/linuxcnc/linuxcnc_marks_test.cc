@@ -13,6 +13,7 @@
 #include "services/drivers/linuxcnc/marks/contour_plan.h"
 #include "services/drivers/linuxcnc/marks/linuxcnc_course_driver.h"
 #include "services/job/plan/course_motion.h"
+#include "tests/services/drivers/linuxcnc/driven_axes.h"
 #include "tests/services/drivers/linuxcnc/linuxcnc_mark_rig.h"
 
 namespace intaglio::linuxcnc {
@@ -30,7 +31,11 @@ class LinuxcncContours : public ::testing::Test {
  protected:
   void SetUp() override {
     if (const std::string why = EnterNamespace(); !why.empty()) GTEST_SKIP() << why;
-    rig_ = std::make_unique<BeamRig>();
+    Start(nullptr);
+  }
+  void Start(void (*change)(MachineSpec& profile)) {
+    rig_.reset();
+    rig_ = std::make_unique<BeamRig>("", change);
     ASSERT_TRUE(StepUntil([&] { return state().link_up && state().settled; }))
         << state().message;
   }
@@ -163,6 +168,40 @@ TEST_F(LinuxcncContours, AreCutAsPlannedWithTheBeamOnThemAlone) {
   for (const HalSample& sample : rig_->tap.recorded())
     all += sample.Has(drivers::kHalLaser) ? 1 : 0;
   EXPECT_EQ(all, lit_count) << "the beam was on outside of the marks";
+}
+
+// Simulated axes are where they are commanded. So what HAL has commanded, as its sampler
+// has seen it, is given to axes that are integrated here: an oscillator of 60 Hz.
+TEST_F(LinuxcncContours, KeepTheToleranceOnAxesThatLag) {
+  constexpr double kNatural_rad_s = 2 * M_PI * 60, kDamping = 0.5;
+  Start([](MachineSpec& profile) {
+    profile.mutable_second_order()->set_natural_frequency_hz(60);
+    profile.mutable_second_order()->set_damping_ratio(0.5);
+    for (AxisLimits* axis : {profile.mutable_x(), profile.mutable_y()})
+      axis->set_max_acceleration_mm_s2(1000);
+  });
+  const mark::MarkSet set = WheelAndRing();
+  rig_->tap.Record();
+  Begin(set);
+  ASSERT_TRUE(StepUntil([&] { return state().settled; })) << state().fault;
+  StepFor(100ms);
+  ASSERT_EQ(state().fault, "");
+  std::vector<Vec2> commanded_mm;
+  for (const HalSample& sample : rig_->tap.recorded())
+    commanded_mm.push_back(sample.target_mm.head<2>() - kOrigin_mm);
+  const auto driven_mm = Driven(commanded_mm, kNatural_rad_s, kDamping, 1e-3);
+  double worst_mm = 0, commanded_worst_mm = 0;
+  for (std::size_t i = 0; i < driven_mm.size(); ++i) {
+    const HalSample& sample = rig_->tap.recorded()[i];
+    if (!sample.Has(drivers::kHalLaser)) continue;
+    const contour::Edges edges = drivers::EdgesOfMark(set.marks[sample.tick - 1]);
+    worst_mm = std::max(worst_mm, DistanceTo(edges, driven_mm[i]));
+    commanded_worst_mm = std::max(commanded_worst_mm, DistanceTo(edges, commanded_mm[i]));
+  }
+  EXPECT_LE(worst_mm, 1.1 * kTolerance_mm);
+  EXPECT_GT(commanded_worst_mm, kTolerance_mm) << "nothing is compensated";
+  std::cout << fmt::format("  {:.1f} um as driven, {:.1f} um as commanded\n",
+                           1e3 * worst_mm, 1e3 * commanded_worst_mm);
 }
 
 TEST_F(LinuxcncContours, EndInTheVeryPeriodInWhichTheRowsEnd) {

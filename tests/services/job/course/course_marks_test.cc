@@ -39,8 +39,8 @@ struct NamedText {
   std::string name, text;
 };
 
-Result<mark::MarkSet> MarksOf(Course course, const std::vector<NamedText>& files,
-                              CourseToolKind tool = COURSE_TOOL_UNKNOWN) {
+Result<mark::MarkSet> MarksOn(const MachineSpec& machine, Course course,
+                              const std::vector<NamedText>& files) {
   JobSpec job;
   std::vector<FileBytes> bytes;
   for (const NamedText& file : files) {
@@ -48,14 +48,19 @@ Result<mark::MarkSet> MarksOf(Course course, const std::vector<NamedText>& files
     bytes.push_back(BytesOf(file.text));
   }
   *job.mutable_course() = course;
-  MachineSpec machine;
-  machine.set_name("mill");
-  machine.mutable_course_tool()->set_kind(tool);
   Warnings warnings;
   auto made =
       MakeCourseMarks(job, machine, std::move(bytes), ReadLimitsTimes(1), warnings, {});
   if (!made) return made;
   return OrderCourseMarks(job, machine, std::move(*made));
+}
+
+Result<mark::MarkSet> MarksOf(const Course& course, const std::vector<NamedText>& files,
+                              CourseToolKind tool = COURSE_TOOL_UNKNOWN) {
+  MachineSpec machine;
+  machine.set_name("mill");
+  machine.mutable_course_tool()->set_kind(tool);
+  return MarksOn(machine, course, files);
 }
 
 double SumOf(const mark::MarkSet& set) {
@@ -206,6 +211,26 @@ TEST(CourseMarks, TheToolHasToBeThatOfTheMachine) {
   EXPECT_THAT(
       MarksOf(course, {{"board.gbr", kDiscs}}, COURSE_TOOL_SPINDLE).error().message,
       HasSubstr("course.power_ratio: 0.5 is of a laser"));
+}
+
+TEST(CourseMarks, ABeamThatIsOnOrOffHasTheWholePowerAndTheSpeedOfTheAxes) {
+  MachineSpec machine;
+  machine.set_name("cutter");
+  machine.mutable_mark_line()->set_protocol("linuxcnc-course");
+  machine.mutable_course_tool()->set_kind(COURSE_TOOL_LASER);
+  machine.mutable_x()->set_max_speed_mm_s(50);
+  machine.mutable_y()->set_max_speed_mm_s(40);
+  Course course = CourseOf(COURSE_MAKE_OUTLINE, 0.1);
+  const auto made = [&](double power_ratio, double speed_mm_s) {
+    course.set_power_ratio(power_ratio);
+    course.set_speed_mm_s(speed_mm_s);
+    const auto set = MarksOn(machine, course, {{"plate.svg", kPlate}});
+    return set ? "" : set.error().message;
+  };
+  EXPECT_THAT(made(0.5, 30),
+              HasSubstr("course.power_ratio: 0.5: the output of cutter is on or off"));
+  EXPECT_EQ(made(1, 30), "");
+  EXPECT_THAT(made(1, 41), HasSubstr("course.speed_mm_s: 41 is more than the 40 mm/s"));
 }
 
 TEST(CourseMarks, FilesComeInTheOrderOfTheJob) {
