@@ -9,6 +9,8 @@
 #include <fstream>
 #include <map>
 #include <memory>
+#include <sstream>
+#include <thread>
 
 #include "engrave/formats/journal_file.h"
 #include "engrave/mark/mark_file.h"
@@ -95,7 +97,9 @@ class LinuxcncContourJob : public ::testing::Test {
     return run.WaitForEnd(60s).output;
   }
   /// A plate whose notches have sharp corners, a hole and a slot with round ends.
-  void Submit(double speed_mm_s) const {
+  void Submit(double speed_mm_s) {
+    ++job_;
+    before_ = Beam().size();
     std::ofstream(folder_ / "plate.svg")
         << R"(<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="40mm" )"
         << R"(viewBox="0 0 60 40"><path d="M 5 5 H 45 L 55 15 V 30 H 42 L 36 24 L 32 32 H 22 V 27 H 18 V 32 H 5 Z"/>)"
@@ -111,7 +115,7 @@ class LinuxcncContourJob : public ::testing::Test {
   }
   bool IsDone() { return State("done"); }
   bool State(const std::string& state) {
-    shown_ = Type({"show", "1"});
+    shown_ = Type({"show", Job()});
     return shown_.find("state      " + state) != std::string::npos;
   }
   /// As a person does: without a consent to make anything uncertain again.
@@ -120,15 +124,15 @@ class LinuxcncContourJob : public ::testing::Test {
         [&] {
           if (IsDone()) return true;
           if (shown_.find("state      paused") != std::string::npos)
-            Type({"resume", "1"});
-          if (State("waiting for arm")) Type({"arm", "1"});
+            Type({"resume", Job()});
+          if (State("waiting for arm")) Type({"arm", Job()});
           return false;
         },
         150s);
   }
   std::filesystem::path JobFolder() const {
     for (const auto& job : std::filesystem::directory_iterator(folder_ / "shop" / "jobs"))
-      if (job.path().filename().string().starts_with("1-")) return job.path();
+      if (job.path().filename().string().starts_with(Job() + "-")) return job.path();
     return {};
   }
   mark::MarkSet Marks() const {
@@ -136,18 +140,21 @@ class LinuxcncContourJob : public ::testing::Test {
     EXPECT_TRUE(marks) << marks.error().message;
     return marks ? *marks : mark::MarkSet();
   }
-  /// The places of each mark in which the beam was on, in order.
+  std::string Job() const { return std::to_string(job_); }
+  std::string Beam() const {
+    const auto file = folder_ / "hal" / "beam";
+    return std::filesystem::exists(file) ? test::ContentOf(file) : "";
+  }
+  /// The places of each mark of the job in which the beam was on, in order.
   std::map<std::uint32_t, std::vector<Vec2>> Lit() const {
-    std::ifstream in(folder_ / "hal" / "beam");
+    std::istringstream in(Beam().substr(before_));
     std::map<std::uint32_t, std::vector<Vec2>> lit;
     std::uint32_t number = 0;
     for (Vec3 at; in >> number >> at.x() >> at.y() >> at.z();)
       lit[number - 1].push_back(at.head<2>());
     return lit;
   }
-  bool IsLit() const {
-    return std::filesystem::exists(folder_ / "hal" / "beam") && Lit().size() > 1;
-  }
+  bool IsLit() const { return Lit().size() > 1; }
   std::size_t PlannedPeriods(const mark::MarkSet& set, std::uint32_t mark) const {
     const auto machine = ReadMachineFile(folder_ / "machine.textproto");
     const mark::Mark& one = set.marks[mark];
@@ -155,6 +162,13 @@ class LinuxcncContourJob : public ::testing::Test {
         drivers::PlanContour(one, set.pens[one.pen], machine.value(), kPeriod_s);
     EXPECT_TRUE(plan) << plan.error().message;
     return plan ? plan->lit_end - plan->lit_begin : 0;
+  }
+  bool IsWhole() const {
+    const auto journal = formats::ReadJournal(JobFolder() / "journal.bin");
+    return journal && std::ranges::none_of(journal->records, [](const auto& one) {
+             return one.kind == formats::JournalKind::kOutcome &&
+                    one.outcome == formats::PointOutcome::kUncertain;
+           });
   }
   /// Nothing lit beside its mark; no mark lit for longer than once takes.
   void ExpectNothingTwiceAndNothingBeside(const mark::MarkSet& set) const {
@@ -177,13 +191,21 @@ class LinuxcncContourJob : public ::testing::Test {
 
   std::filesystem::path folder_;
   std::string tag_, shown_;
+  int job_ = 0;
+  std::size_t before_ = 0;  ///< bytes of HAL's record before the job
   std::unique_ptr<linuxcnc::HalMachine> machine_;
   std::unique_ptr<Running> shop_;
 };
 
 TEST_F(LinuxcncContourJob, IsCutAsPlannedAndFasterThanWithStops) {
-  Submit(40);
-  ASSERT_TRUE(GoOnUntilDone()) << shown_ << shop_->Output();
+  // On a computer that was too busy a contour was ended: then the job is made again.
+  constexpr int kJobs = 3;
+  bool whole = false;
+  for (int job = 0; job < kJobs && !whole; ++job) {
+    Submit(40);
+    ASSERT_TRUE(GoOnUntilDone()) << shown_ << shop_->Output();
+    whole = IsWhole();
+  }
   const mark::MarkSet set = Marks();
   ASSERT_EQ(set.marks.size(), 3u);
   const auto lit = Lit();
@@ -231,7 +253,8 @@ TEST_F(LinuxcncContourJob, HasAProfileThatIsGood) {
 
 struct Blow {
   const char* name;
-  const char* kills;    ///< a program; null: none
+  const char* hits;     ///< a program; null: none
+  int signal;           ///< to it; SIGSTOP: for a second
   const char* command;  ///< of halcmd, and its undoing
   const char* undo;
 };
@@ -242,10 +265,12 @@ class LinuxcncContourBlow : public LinuxcncContourJob,
 TEST_P(LinuxcncContourBlow, EndsTheBeamAndMakesNothingTwice) {
   Submit(10);
   ASSERT_TRUE(Eventually([&] { return IsLit(); }, 60s)) << shop_->Output();
-  if (GetParam().kills != nullptr) {
-    const auto processes = testing::ProcessesWith({GetParam().kills, tag_});
+  if (GetParam().hits != nullptr) {
+    const auto processes = testing::ProcessesWith({GetParam().hits, tag_});
     ASSERT_EQ(processes.size(), 1u);
-    kill(processes.front(), SIGKILL);
+    kill(processes.front(), GetParam().signal);
+    std::this_thread::sleep_for(1s);
+    if (GetParam().signal == SIGSTOP) kill(processes.front(), SIGCONT);
   } else {
     machine_->Command(GetParam().command);
     std::this_thread::sleep_for(1s);
@@ -266,11 +291,13 @@ TEST_P(LinuxcncContourBlow, EndsTheBeamAndMakesNothingTwice) {
 INSTANTIATE_TEST_SUITE_P(
     Of, LinuxcncContourBlow,
     ::testing::Values(
-        Blow{"marker", "intaglio-marker", "", ""},
-        Blow{"job_service", "intaglio-job-service", "", ""},
-        Blow{"stop", nullptr, "sets stop-released 0", "sets stop-released 1"},
-        Blow{"door", nullptr, "sets door-closed 0", "sets door-closed 1"},
-        Blow{"drives", nullptr, "sets drives-ready 0", "sets drives-ready 1"}),
+        Blow{"marker", "intaglio-marker", SIGKILL, "", ""},
+        Blow{"marker_frozen", "intaglio-marker", SIGSTOP, "", ""},
+        Blow{"job_service", "intaglio-job-service", SIGKILL, "", ""},
+        Blow{"stop", nullptr, 0, "sets stop-released 0", "sets stop-released 1"},
+        Blow{"door", nullptr, 0, "sets door-closed 0", "sets door-closed 1"},
+        Blow{"drives", nullptr, 0, "sets drives-ready 0", "sets drives-ready 1"},
+        Blow{"place", nullptr, 0, "sets axes-homed 0", "sets axes-homed 1"}),
     [](const auto& blow) { return std::string(blow.param.name); });
 
 }  // namespace

@@ -54,7 +54,9 @@ namespace intaglio::drivers {
 
 class LinuxcncCourseDriver final : public MarkDriver {
  public:
-  static constexpr double kLead_s = 0.1;
+  /// As long as the watchdog of HAL waits: a host that is late by less loses no contour,
+  /// and rows of a dead one switch nothing on behind it.
+  static constexpr double kLead_s = 0.2;
   static constexpr std::size_t kQueuedMarks = 64;
   /// Contours that are planned ahead of the one in hand.
   static constexpr std::size_t kPlannedMarks = 2;

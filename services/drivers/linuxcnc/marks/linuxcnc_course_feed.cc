@@ -28,8 +28,9 @@ std::string WhyLatchesOpened(const HalSample& sample) {
     return "the stop button is pressed: release it, check the work, then resume";
   if (!sample.Has(kHalKey)) return "the key is off: turn it on, then resume";
   if (!sample.Has(kHalHostAlive)) {
-    return "LinuxCNC heard nothing of this computer for 200 ms and ended the beam: "
-           "reduce the load, check the work, then resume";
+    return "no heartbeat reached LinuxCNC for 200 ms, and it ended the beam: the "
+           "computer "
+           "is too busy; reduce the load, check the work, then resume";
   }
   if (sample.Has(kHalLaserOk)) {
     return "the drives are not ready: check their faults and the limit switches, then "

@@ -30,7 +30,10 @@ class HalTap {
   /// Periods so far in which the beam was on or an axis moved.
   std::uint64_t work_count() const { return work_count_; }
   /// What it has seen is kept, from now on.
-  void Record() { records_ = true; }
+  void Record() {
+    records_ = true;
+    recorded_.clear();
+  }
   const std::vector<drivers::HalSample>& recorded() const { return recorded_; }
 
  private:

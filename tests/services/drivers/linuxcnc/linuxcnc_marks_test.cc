@@ -65,6 +65,21 @@ class LinuxcncContours : public ::testing::Test {
       if (event.run == run_ && event.mark == mark) fate = event.fate;
     return fate;
   }
+  /// LinuxCNC runs in real time, here on a kernel that has none: a run whose rows came
+  /// late is made again, twice at most. What HAL has seen of the last one is recorded.
+  void CutInTime(const mark::MarkSet& set) {
+    constexpr int kRuns = 3;
+    for (int run = 0; run < kRuns; ++run) {
+      rig_->tap.Record();
+      Begin(set);
+      ASSERT_TRUE(StepUntil([&] { return state().settled; })) << state().fault;
+      StepFor(100ms);
+      if (state().fault.find("too busy") == std::string::npos) break;
+      ASSERT_TRUE(rig_->driver->Reset());
+      StepFor(300ms);
+    }
+    ASSERT_EQ(state().fault, "");
+  }
   bool RunIntoTheFirst(const mark::MarkSet& set) {
     Begin(set);
     return StepUntil([&] { return rig_->is_on(); });
@@ -122,11 +137,7 @@ Seen SeenOf(const std::vector<HalSample>& samples, std::uint32_t mark) {
 
 TEST_F(LinuxcncContours, AreCutAsPlannedWithTheBeamOnThemAlone) {
   const mark::MarkSet set = WheelAndRing();
-  rig_->tap.Record();
-  Begin(set);
-  ASSERT_TRUE(StepUntil([&] { return state().settled; })) << state().fault;
-  StepFor(100ms);
-  EXPECT_EQ(state().fault, "");
+  CutInTime(set);
   const MachineSpec profile = CutterProfile(rig_->machine.folder());
   std::size_t lit_count = 0;
   for (std::uint32_t i = 0; i < set.marks.size(); ++i) {
@@ -181,11 +192,7 @@ TEST_F(LinuxcncContours, KeepTheToleranceOnAxesThatLag) {
       axis->set_max_acceleration_mm_s2(1000);
   });
   const mark::MarkSet set = WheelAndRing();
-  rig_->tap.Record();
-  Begin(set);
-  ASSERT_TRUE(StepUntil([&] { return state().settled; })) << state().fault;
-  StepFor(100ms);
-  ASSERT_EQ(state().fault, "");
+  CutInTime(set);
   std::vector<Vec2> commanded_mm;
   for (const HalSample& sample : rig_->tap.recorded())
     commanded_mm.push_back(sample.target_mm.head<2>() - kOrigin_mm);
@@ -208,7 +215,7 @@ TEST_F(LinuxcncContours, EndInTheVeryPeriodInWhichTheRowsEnd) {
   ASSERT_TRUE(RunIntoTheFirst({{CutterPen(5)}, {Star({8, 8}, 6)}}));
   rig_->tap.Record();
   // The host stands still, but for the tap.
-  for (int i = 0; i < 180; ++i) {
+  for (int i = 0; i < 300; ++i) {
     std::this_thread::sleep_for(1ms);
     rig_->tap.Pump();
   }

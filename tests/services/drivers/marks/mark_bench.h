@@ -77,7 +77,8 @@ class MarkBench {
     Expect(Until([&] { return state().settled; }, std::chrono::seconds(30)),
            "K3: a run does not end: " + state().fault);
     for (const std::uint32_t mark : {0U, 1U})
-      Expect(LastOf(run, mark) == MarkFate::kDone, "K3: a mark is not done");
+      Expect(LastOf(run, mark) == MarkFate::kDone,
+             "K3: a mark is not done: " + state().fault);
   }
   /// Nothing is on, and nothing works.
   void ExpectStill(milliseconds time, const std::string& violation) {

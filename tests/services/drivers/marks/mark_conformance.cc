@@ -52,7 +52,8 @@ void MarksAreMadeOnceAndInOrder(const MarkRigMaker& make) {
   for (const MarkEvent& event : bench.rig().events)
     seen.emplace_back(event.mark, event.fate);
   std::ranges::stable_sort(seen, {}, [](const auto& one) { return one.first; });
-  Expect(seen == expected, "K3: not each mark is begun and done once");
+  Expect(seen == expected,
+         "K3: not each mark is begun and done once: " + bench.state().fault);
   bench.ExpectStill(500ms, "K2: behind the run");
 }
 
@@ -98,7 +99,8 @@ void AHoldRestsWithinTheMarkInHand(const MarkRigMaker& make) {
   Expect(bench.Until([&] { return bench.state().settled; }, 30s),
          "K11: the run does not end: " + bench.state().fault);
   for (const std::uint32_t mark : {0U, 1U, 2U, 3U})
-    Expect(bench.LastOf(1, mark) == MarkFate::kDone, "K11: a mark is not done");
+    Expect(bench.LastOf(1, mark) == MarkFate::kDone,
+           "K11: a mark is not done: " + bench.state().fault);
 }
 
 void StopEndsTheRun(const MarkRigMaker& make) {
@@ -152,7 +154,7 @@ void APauseEndsBehindTheMarkInHand(const MarkRigMaker& make) {
   for (std::uint32_t mark = 0; mark < 3; ++mark) {
     const auto fate = bench.LastOf(1, mark);
     Expect(fate == MarkFate::kDone || fate == MarkFate::kNotBegun,
-           "K5: the mark in hand is not done");
+           "K5: the mark in hand is not done: " + bench.state().fault);
   }
   Expect(bench.LastOf(1, 0) == MarkFate::kDone, "K5: the mark before it is not done");
   Expect(bench.LastOf(1, 3) == MarkFate::kNotBegun, "K5: the last mark was begun");
