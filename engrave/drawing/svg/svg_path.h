@@ -57,6 +57,8 @@ struct SvgTransform {
   double a = 1, b = 0, c = 0, d = 1, e = 0, f = 0;
 
   SvgTransform Then(const SvgTransform& inner) const;
+  /// It leaves no area of anything: no viewer shows what it moves (CSS Transforms 1).
+  bool HasNoArea() const;
 };
 /// Of an attribute or of CSS, with its units (CSS Transforms 1, chapter 12). None when
 /// the list is wrong, or in three dimensions, or a share of a box.

@@ -227,7 +227,7 @@ class SvgReader {
     std::string_view reason;
     if (!scope.filled && !scope.stroked)
       reason = "shape that is neither filled nor stroked";
-    if (scope.hidden) reason = "invisible";
+    if (scope.hidden || scope.to_page.HasNoArea()) reason = "invisible";
     if (!reason.empty()) builder_.LeaveOut(reason, Effect::kNothingSeen);
     return reason.empty();
   }

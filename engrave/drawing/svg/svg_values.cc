@@ -92,6 +92,11 @@ std::optional<std::vector<double>> ArgumentsOf(std::string_view name,
 
 }  // namespace
 
+bool SvgTransform::HasNoArea() const {
+  constexpr double kRounding = 1e-12;
+  return std::abs(a * d - b * c) <= kRounding * (a * a + b * b + c * c + d * d);
+}
+
 SvgTransform SvgTransform::Then(const SvgTransform& inner) const {
   return {a * inner.a + c * inner.b,     b * inner.a + d * inner.b,
           a * inner.c + c * inner.d,     b * inner.c + d * inner.d,

@@ -171,6 +171,17 @@ TEST(SvgRead, NamesAndWhatIsLeftOut) {
   EXPECT_EQ(drawing->findings.CountOf("invisible"), 1U);
 }
 
+// As browsers do: a line, or a point, is all that is left of them.
+TEST(SvgRead, WhatATransformLeavesNoAreaOfIsNotDrawn) {
+  const auto drawing = ReadSvg(Page(
+      "<g transform='matrix(0 0 0 1 2 3)'><rect width='4' height='5'/></g>"
+      "<circle r='2' transform='rotate(30) scale(1 0) rotate(7)'/>"
+      "<line x2='1' transform='scale(0)'/><line x2='1' transform='scale(1 1e-4)'/>"));
+  ASSERT_TRUE(drawing) << drawing.error().message;
+  EXPECT_EQ(drawing->curves.size(), 1U);
+  EXPECT_EQ(drawing->findings.CountOf("invisible"), 3U);
+}
+
 // Browsers draw the rest of such files, and a path up to its error.
 TEST(SvgRead, AWrongAttributeIsNamedAndDoesNotEndTheFile) {
   const auto drawing =
