@@ -1,11 +1,15 @@
 // Speed through corners: every law on one program, one corner of 90 degrees, and the time
 // of planning. Tables for docs/measurements.md.
+//   course_tables [program|corner|time|margin|content|long]
+//   course_tables svg FILE SEED: the program of this seed as a drawing, in mm
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <numbers>
@@ -304,12 +308,38 @@ void PrintMargins() {
   }
 }
 
+/// The places of the contours are those of the program, moved to positive coordinates.
+int WriteDrawing(const Program& program, const std::string& file) {
+  Eigen::AlignedBox2d box;
+  for (const Path& path : program) {
+    for (std::size_t k = 0; k < path.node_count(); ++k) box.extend(path.node_mm(k));
+  }
+  std::ofstream out(file);
+  const Vec2 size_mm = box.sizes();
+  out << fmt::format(
+      "<svg xmlns='http://www.w3.org/2000/svg' width='{0:.4f}mm' height='{1:.4f}mm' "
+      "viewBox='0 0 {0:.4f} {1:.4f}' fill='none' stroke='black'>\n",
+      size_mm.x(), size_mm.y());
+  for (const Path& path : program) {
+    out << "<polyline points='";
+    for (std::size_t k = 0; k < path.node_count(); ++k) {
+      const Vec2 place_mm = path.node_mm(k) - box.min();
+      out << fmt::format("{:.4f},{:.4f} ", place_mm.x(), size_mm.y() - place_mm.y());
+    }
+    out << "'/>\n";
+  }
+  out << "</svg>\n";
+  return out.good() ? 0 : 1;
+}
+
 }  // namespace
 }  // namespace intaglio::course
 
 int main(int argc, char** argv) {
   using namespace intaglio::course;
   const std::string which = argc > 1 ? argv[1] : "all";
+  if (which == "svg" && argc == 4)
+    return WriteDrawing(CutProgram(32, kFeedMmS, std::stoull(argv[3])), argv[2]);
   const auto wanted = [&](const char* name) { return which == name || which == "all"; };
   if (wanted("program")) PrintProgram(CutProgram(32, kFeedMmS, kSeed));
   if (wanted("corner")) PrintCorner();

@@ -29,8 +29,7 @@ std::string WhyLatchesOpened(const HalSample& sample) {
   if (!sample.Has(kHalKey)) return "the key is off: turn it on, then resume";
   if (!sample.Has(kHalHostAlive)) {
     return "no heartbeat reached LinuxCNC for 200 ms, and it ended the beam: the "
-           "computer "
-           "is too busy; reduce the load, check the work, then resume";
+           "computer is too busy; reduce the load, check the work, then resume";
   }
   if (sample.Has(kHalLaserOk)) {
     return "the drives are not ready: check their faults and the limit switches, then "
@@ -43,9 +42,8 @@ std::string WhyLatchesOpened(const HalSample& sample) {
 std::string WhyBeamIsOff(const HalSample& sample) {
   if (!sample.Has(kHalInPlace)) {
     return "the axes were farther from their row than x-, y- or z-near.difference of the "
-           "axes' "
-           "file, and LinuxCNC ended the beam: check the drive in the profile, or raise "
-           "the pins; check the work, then resume";
+           "axes' file, and LinuxCNC ended the beam: check the drive in the profile, or "
+           "raise the pins; check the work, then resume";
   }
   if (!sample.Has(kHalWarm) || !sample.Has(kHalShutter)) {
     return "the beam was switched off, because this computer was too busy to permit it "
