@@ -3,6 +3,7 @@
 
 #include "services/cli/contour/planned_feeds.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,6 +15,7 @@
 #include "engrave/post/mill_program.h"
 #include "services/job/files/job_file.h"
 #include "services/virtual_engraver/mill/virtual_grbl.h"
+#include "tests/engrave/course/cut_program.h"
 #include "tests/engrave/post/supplied_templates.h"
 #include "tests/test_folder.h"
 
@@ -202,6 +204,66 @@ TEST(PlannedFeeds, KeepTheToleranceOnAControllerOfTheFamilyAndSaveTime) {
   const Played unplanned = Player(7000, 0.08).Play(ProgramOf(paths, kSpeed));
   EXPECT_GT(ErrorOf(paths, unplanned), 1.5 * kTolerance_mm);
 }
+
+/// What the contours of a program take, and the greatest error; each is played alone, as
+/// each begins and ends at rest.
+Played PlayEach(const std::vector<post::ToolPath>& paths, const PlannedFeeds& feeds,
+                double speed_mm_s, double& worst_mm) {
+  Played all;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const Played one = Player(feeds.acceleration_mm_s2, feeds.junction_deviation_mm)
+                           .Play(ProgramOf({feeds.paths[i]}, speed_mm_s));
+    all.lit_s += one.lit_s;
+    worst_mm = std::max(worst_mm, ErrorOf({paths[i]}, one));
+  }
+  return all;
+}
+
+struct CutContent {
+  const char* name;
+  double length_m;
+  std::uint64_t seed;
+  course::ProgramMix mix;
+};
+
+class CutPrograms : public testing::TestWithParam<CutContent> {};
+
+// The programs of docs/measurements.md, with the times that are stated there.
+TEST_P(CutPrograms, KeepTheToleranceInThePlannedTime) {
+  constexpr double kFast = 100;
+  const auto program =
+      course::CutProgram(GetParam().length_m, kFast, GetParam().seed, GetParam().mix);
+  std::vector<post::ToolPath> paths;
+  for (const course::Path& path : program) {
+    contour::Edges edges;
+    for (const course::Segment& segment : path.segments())
+      edges.push_back(contour::MakeLine(segment.begin_mm, segment.end_mm));
+    paths.push_back(post::PathOf(edges, fmt::format("contour {}", paths.size() + 1)));
+  }
+  MachineSpec table = Table();
+  for (AxisLimits* axis : {table.mutable_x(), table.mutable_y()})
+    axis->set_max_speed_mm_s(kFast);
+  const auto feeds = PlanFeeds(paths, kFast, table);
+  ASSERT_TRUE(feeds) << feeds.error().message;
+  double worst_mm = 0;
+  const Played played = PlayEach(paths, *feeds, kFast, worst_mm);
+  EXPECT_LE(worst_mm, kTolerance_mm);
+  EXPECT_NEAR(played.lit_s, feeds->work_s, 0.02 * feeds->work_s);
+  const double stopping_s = course::StoppingDurationS(program, feeds->acceleration_mm_s2);
+  EXPECT_LT(played.lit_s, stopping_s);
+  fmt::print("{}, {:.2f} m: {:.1f} s, {:.1f} s with stops at {:.0f} mm/s^2, {:.1f} um\n",
+             GetParam().name, 1e-3 * course::LengthMm(program), played.lit_s, stopping_s,
+             feeds->acceleration_mm_s2, 1e3 * worst_mm);
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, CutPrograms,
+                         testing::Values(CutContent{"all", 32, 2026, {}},
+                                         CutContent{"all_anew", 32, 7, {}},
+                                         CutContent{"rectangles", 8, 2026, {1, 0, 0, 0}},
+                                         CutContent{"gears", 8, 2026, {0, 1, 0, 0}},
+                                         CutContent{"curves", 8, 2026, {0, 0, 1, 0}},
+                                         CutContent{"zigzag", 8, 2026, {0, 0, 0, 1}}),
+                         [](const auto& test) { return std::string(test.param.name); });
 
 // The same ways: no place of a move is beside what is drawn, and the lengths agree.
 TEST(PlannedFeeds, DivideTheSameWays) {
