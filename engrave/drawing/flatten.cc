@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "engrave/core/check.h"
-#include "engrave/core/segment.h"
 #include "engrave/drawing/control_polygon.h"
 #include "engrave/drawing/pieces.h"
 
@@ -121,8 +120,7 @@ class Flattener {
     const bool straight =
         (first.norm() + second.norm() <= tolerance_mm &&
          control.IsWithin(tolerance_mm)) ||
-        (std::sqrt(SquaredDistanceFromSegment(between, from, to)) <= tolerance_mm &&
-         TurnsAtMost(first, second, options_.max_turn_rad, max_tangent_) &&
+        (TurnsAtMost(first, second, options_.max_turn_rad, max_tangent_) &&
          control.FollowsChord(tolerance_mm));
     if (straight || halvings == kMaxHalvings || too_many()) {
       Push(between);
