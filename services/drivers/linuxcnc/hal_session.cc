@@ -88,8 +88,7 @@ std::string HalSession::WhyRefused(const HalIdentity& identity) const {
   if (identity.laser == laser_) return link::RefusalOf(expected_, identity.serial_number);
   return fmt::format(
       "the HAL in {} was started {} --beam, and the protocol of {} wants one {} it: "
-      "start "
-      "it again so with deploy/linuxcnc/start",
+      "start it again so with deploy/linuxcnc/start",
       folder_.string(), laser_ == HalLaser::kBeam ? "without" : "with", expected_.line,
       laser_ == HalLaser::kBeam ? "with" : "without");
 }
