@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "services/drivers/interface/mark_edges.h"
+#include "services/job/checks/axis_check.h"
 #include "services/job/plan/course_motion.h"
 
 namespace intaglio::drivers {
@@ -13,17 +14,13 @@ namespace {
 
 constexpr double kTravelChord_mm = 0.001, kLongestContour_s = 3600;
 
-void CheckCourseAxis(const std::string& name, const AxisLimits& axis,
+void CheckCourseAxis(bool present, const std::string& name, const AxisLimits& axis,
                      std::vector<Error>& errors) {
+  CheckAxis(present, axis, name, errors);
+  if (!present) return;
   const auto wrong = [&](const char* field, const std::string& what) {
     errors.push_back({ErrorCode::kInvalidValue, name + "." + field + ": " + what, ""});
   };
-  if (!(axis.travel_min_mm() < axis.travel_max_mm())) {
-    wrong(
-        "travel_max_mm",
-        fmt::format("{:g} is not above travel_min_mm, {:g}; give the travel of the axis",
-                    axis.travel_max_mm(), axis.travel_min_mm()));
-  }
   if (!(axis.max_speed_mm_s() > 0)) {
     wrong("max_speed_mm_s", fmt::format("{:g} is not above 0; give that of the axis",
                                         axis.max_speed_mm_s()));
@@ -55,19 +52,8 @@ std::vector<Error> CheckLinuxcncCourseProfile(const MachineSpec& machine) {
                      CourseToolKind_Name(machine.course_tool().kind())),
          CourseToolKind_Name(machine.course_tool().kind())});
   }
-  for (const char* name : {"x", "y"}) {
-    const bool is_x = *name == 'x';
-    if (is_x ? machine.has_x() : machine.has_y()) {
-      CheckCourseAxis(name, is_x ? machine.x() : machine.y(), errors);
-      continue;
-    }
-    errors.push_back({ErrorCode::kMissing,
-                      fmt::format("{}: is missing; give its travel, max_speed_mm_s and "
-                                  "max_acceleration_mm_s2: contours are planned with "
-                                  "them",
-                                  name),
-                      ""});
-  }
+  CheckCourseAxis(machine.has_x(), "x", machine.x(), errors);
+  CheckCourseAxis(machine.has_y(), "y", machine.y(), errors);
   if (!(machine.position_tolerance_um() > 0)) {
     errors.push_back({ErrorCode::kMissing,
                       "position_tolerance_um: is missing; give how far the beam may be "
