@@ -48,6 +48,13 @@ class DriveCommand : public ::testing::Test {
   fs::path folder_;
 };
 
+TEST_F(DriveCommand, ASuppliedProfileIsFoundByItsName) {
+  EXPECT_EQ(Type({"size", "tirnovean-2016", "--json"}).exit_code, 0);
+  const Ended unknown = Type({"size", "tirnovan-2016"});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.output, HasSubstr("did you mean tirnovean-2016?"));
+}
+
 TEST_F(DriveCommand, SizeHasTheNumbersOfTheSource) {
   const Ended size = Type({"size", kProfile, "--source-rules"});
   EXPECT_EQ(size.exit_code, 0) << size.output;

@@ -12,6 +12,7 @@
 #include "engrave/render/png_file.h"
 #include "services/cli/course/course_job.h"
 #include "services/cli/course/course_program.h"
+#include "services/cli/flags/drive_profile_flag.h"
 #include "services/cli/flags/size_limits_flag.h"
 #include "services/cli/json/print_json.h"
 #include "services/cli/terminal/complain.h"
@@ -74,7 +75,7 @@ Status CheckPlannedAxes(const CourseOptions& options, const MachineSpec& machine
 Result<course::AxisPair> AxesBy(const CourseOptions& options,
                                 const MachineSpec& machine) {
   if (options.drive.empty()) return CourseAxesOf(machine);
-  const DriveProfile profile = INTAGLIO_TRY(ReadDriveProfile(options.drive));
+  const DriveProfile profile = INTAGLIO_TRY(NamedDriveProfile(options.drive));
   return CourseAxesOf(profile);
 }
 
@@ -165,7 +166,8 @@ void AddCourseCommand(command_line::Command app) {
                  "profile: a file, or the name of a supplied one")
       .Require();
   plan.AddOption("--drive", options->drive,
-                 "drive profile whose axes x and y follow; default the machine's drive");
+                 "drive profile, a file or a supplied one, whose axes x and y follow; "
+                 "default the machine's drive");
   AddLimits(plan, *options);
   plan.AddFlag("--reserve", options->reserve,
                "plan so that the tolerance is kept with wrong mechanics too");

@@ -20,6 +20,7 @@
 #include "proto/drive_report.pb.h"
 #include "services/cli/drive/drive_command.h"
 #include "services/cli/drive/simulate_options.h"
+#include "services/cli/flags/drive_profile_flag.h"
 #include "services/cli/json/print_json.h"
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
@@ -116,7 +117,7 @@ Result<DriveSimulation> SimulateAndWrite(DriveSimulateOptions options,
 }
 
 int SimulateAxis(const DriveSimulateOptions& options) {
-  const auto profile = ReadDriveProfile(options.profile);
+  const auto profile = NamedDriveProfile(options.profile);
   if (!profile) return Complain(profile.error(), client::kExitWrongInput);
   if (options.is_course()) {
     const auto course = SimulateCourse(options, *profile);
@@ -183,7 +184,10 @@ void AddDriveSimulateCommand(command_line::Command drive) {
       drive.AddCommand("simulate",
                        "a move or a step of an axis, a circle or a corner of two, with "
                        "the controller");
-  simulate.AddOption("profile", o->profile, "drive profile, .textproto").Require();
+  simulate
+      .AddOption("profile", o->profile,
+                 "drive profile: a supplied one, or a file .textproto")
+      .Require();
   simulate.AddOption("--axis", o->axis, "its name, default the first");
   simulate.AddOption("--length", o->length_mm, "of the move, mm")
       .Positive()

@@ -8,6 +8,7 @@
 
 #include "proto/drive_report.pb.h"
 #include "services/cli/drive/drive_command.h"
+#include "services/cli/flags/drive_profile_flag.h"
 #include "services/cli/json/print_json.h"
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
@@ -97,7 +98,7 @@ bool IsEnough(const DriveProfile& profile, drive::CylinderRule rule) {
 }
 
 int Size(const DriveSizeOptions& options) {
-  const auto profile = ReadDriveProfile(options.profile);
+  const auto profile = NamedDriveProfile(options.profile);
   if (!profile) return Complain(profile.error(), client::kExitWrongInput);
   const auto rule = options.source_rules ? drive::CylinderRule::kTirnovean2016
                                          : drive::CylinderRule::kSolid;
@@ -124,7 +125,9 @@ void AddDriveSizeCommand(command_line::Command drive) {
   auto options = std::make_shared<DriveSizeOptions>();
   command_line::Command size =
       drive.AddCommand("size", "torques, currents and margins of the motors");
-  size.AddOption("profile", options->profile, "drive profile, .textproto").Require();
+  size.AddOption("profile", options->profile,
+                 "drive profile: a supplied one, or a file .textproto")
+      .Require();
   size.AddFlag("--source-rules", options->source_rules,
                "the screw's inertia as printed in Tirnovean 2016, twice a solid one's");
   size.AddFlag("--json", options->json, "the figures for programs");

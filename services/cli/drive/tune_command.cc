@@ -11,6 +11,7 @@
 #include "proto/drive_report.pb.h"
 #include "services/cli/drive/drive_command.h"
 #include "services/cli/drive/regime_answers.h"
+#include "services/cli/flags/drive_profile_flag.h"
 #include "services/cli/json/print_json.h"
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
@@ -88,7 +89,7 @@ int TuneJson(const DriveProfile& profile, const std::vector<drive::Tuning>& tuni
 }
 
 int Tune(const DriveTuneOptions& options) {
-  const auto profile = ReadDriveProfile(options.profile);
+  const auto profile = NamedDriveProfile(options.profile);
   if (!profile) return Complain(profile.error(), client::kExitWrongInput);
   const auto tunings = TuningsOf(*profile, options);
   if (options.json) return TuneJson(*profile, tunings);
@@ -167,7 +168,7 @@ std::vector<RegimeAnswer> AnswersOfBoth(const DriveProfile& profile,
 }
 
 int Compare(const DriveTuneOptions& options) {
-  const auto profile = ReadDriveProfile(options.profile);
+  const auto profile = NamedDriveProfile(options.profile);
   if (!profile) return Complain(profile.error(), client::kExitWrongInput);
   std::string text =
       fmt::format("{:<8} {:<8} {:>10} {:>8} {:>9} {:>10} {:>11} {}\n", "axis", "gains",
@@ -201,7 +202,10 @@ int Compare(const DriveTuneOptions& options) {
 }
 
 void AddTuneOptions(command_line::Command command, DriveTuneOptions& options) {
-  command.AddOption("profile", options.profile, "drive profile, .textproto").Require();
+  command
+      .AddOption("profile", options.profile,
+                 "drive profile: a supplied one, or a file .textproto")
+      .Require();
   command
       .AddOption("--regime", options.regime,
                  "what the axes do most: rapid (default), circle, corner")

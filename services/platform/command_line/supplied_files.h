@@ -1,7 +1,8 @@
 #pragma once
 
-// Files that come with the programs: machine profiles, example jobs, truth files. They
-// are found by the place of the program that runs, so that an installation can be moved.
+// Files that come with the programs: profiles of machines and drives, example jobs, truth
+// files. They are found by the place of the program that runs, so that an installation
+// can be moved.
 
 #include <filesystem>
 #include <string>
@@ -24,6 +25,7 @@ struct SuppliedKind {
   const char* name;    ///< for messages
 };
 inline constexpr SuppliedKind kSuppliedProfiles{"machines", "profile"};
+inline constexpr SuppliedKind kSuppliedDrives{"drives", "drive profile"};
 inline constexpr SuppliedKind kSuppliedJobs{"jobs", "job"};
 inline constexpr SuppliedKind kSuppliedTemplates{"post", "template"};
 
