@@ -13,7 +13,8 @@
 namespace intaglio::linuxcnc {
 
 /// Why HAL cannot run here, in a sentence; empty: it can, and this process has a new IPC
-/// namespace of its own. Before the first thread.
+/// namespace of its own and, where it may, a place before the processes that are
+/// scheduled as usual. Before the first thread.
 std::string EnterNamespace();
 
 /// A program of HAL's, halstreamer or halsampler; killed in the end.
