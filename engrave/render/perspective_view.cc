@@ -51,11 +51,15 @@ class BoxAxes {
   void DrawBeam() {
     const Vec3 middle_mm = box_mm_.center_mm();
     const Vec2 tip_px = Place({middle_mm.x(), middle_mm.y(), box_mm_.max_mm.z()});
-    const Vec2 tail_px = tip_px - Vec2(0, 72);
+    const Vec2 up_px = projection_.PictureDirection(Vec3::UnitZ());
+    const Vec2 side_px(-up_px.y(), up_px.x());
+    const Vec2 tail_px = tip_px + 72 * up_px;
     DrawLine(canvas_, tail_px, tip_px, 7.0, {palette_.beam, 0.05F});
     DrawLine(canvas_, tail_px, tip_px, 1.4, {palette_.beam, 0.7F});
-    FillConvex(canvas_, {tip_px, tip_px + Vec2(-5, -13), tip_px + Vec2(5, -13)},
-               {palette_.beam, 0.85F});
+    FillConvex(
+        canvas_,
+        {tip_px, tip_px + 13 * up_px - 5 * side_px, tip_px + 13 * up_px + 5 * side_px},
+        {palette_.beam, 0.85F});
     DrawText(canvas_, tail_px + Vec2(10, 10), "beam",
              {.cap_height_px = 10.0, .color = palette_.beam, .alpha = 0.8F});
   }
@@ -113,7 +117,8 @@ Projection ProjectionOf(const Panel& panel) {
   if (!panel.camera) return GlassPerspective(panel.shown_mm, room);
   const Camera& camera = *panel.camera;
   const auto make = camera.parallel ? Projection::ParallelView : Projection::Perspective;
-  return make(panel.shown_mm, camera.azimuth_rad, camera.elevation_rad, room);
+  return make(panel.shown_mm, camera.azimuth_rad, camera.elevation_rad, room,
+              camera.roll_rad);
 }
 
 /// A frame around the work, and how large it is; not of work that reaches beyond what is

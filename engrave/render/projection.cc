@@ -29,7 +29,8 @@ Projection Projection::Parallel(const Vec3& right, const Vec3& up, const Vec3& c
 }
 
 Projection Projection::Perspective(const Box3& box_mm, double azimuth_rad,
-                                   double elevation_rad, const Rect& into) {
+                                   double elevation_rad, const Rect& into,
+                                   double roll_rad) {
   const double ca = std::cos(azimuth_rad);
   const double sa = std::sin(azimuth_rad);
   const double ce = std::cos(elevation_rad);
@@ -39,6 +40,7 @@ Projection Projection::Perspective(const Box3& box_mm, double azimuth_rad,
   projection.right_ = Vec3(ca, sa, 0.0);
   projection.forward_ = Vec3(-sa * ce, ca * ce, -se);
   projection.up_ = Cross(projection.right_, projection.forward_);
+  projection.Roll(roll_rad);
   const double distance_mm = 3.0 * box_mm.size_mm().norm();
   projection.origin_mm_ = box_mm.center_mm() - distance_mm * projection.forward_;
   projection.FitInto(box_mm, into);
@@ -46,14 +48,22 @@ Projection Projection::Perspective(const Box3& box_mm, double azimuth_rad,
 }
 
 Projection Projection::ParallelView(const Box3& box_mm, double azimuth_rad,
-                                    double elevation_rad, const Rect& into) {
+                                    double elevation_rad, const Rect& into,
+                                    double roll_rad) {
   const double ca = std::cos(azimuth_rad), sa = std::sin(azimuth_rad);
   const double ce = std::cos(elevation_rad), se = std::sin(elevation_rad);
   const Vec3 right(ca, sa, 0.0);
   Projection projection = Parallel(right, Cross(right, Vec3(-sa * ce, ca * ce, -se)),
                                    box_mm.center_mm(), Vec2::Zero(), 1.0);
+  projection.Roll(roll_rad);
   projection.FitInto(box_mm, into);
   return projection;
+}
+
+void Projection::Roll(double roll_rad) {
+  const Vec3 right = right_, up = up_;
+  right_ = std::cos(roll_rad) * right - std::sin(roll_rad) * up;
+  up_ = std::sin(roll_rad) * right + std::cos(roll_rad) * up;
 }
 
 void Projection::FitInto(const Box3& box_mm, const Rect& into) {

@@ -25,13 +25,16 @@ class Projection {
 
   /// Central, seen from a turn of `azimuth_rad` to the right of the front (-y) side and
   /// `elevation_rad` above the middle, from 3 diagonals away so that the lines still
-  /// converge but nothing is distorted; the box (not empty) fills `into`.
+  /// converge but nothing is distorted; the box (not empty) fills `into`. A roll turns
+  /// the picture counterclockwise about the line of sight.
   static Projection Perspective(const Box3& box_mm, double azimuth_rad,
-                                double elevation_rad, const Rect& into);
+                                double elevation_rad, const Rect& into,
+                                double roll_rad = 0);
 
   /// Parallel, from the same directions; the box fills `into`.
   static Projection ParallelView(const Box3& box_mm, double azimuth_rad,
-                                 double elevation_rad, const Rect& into);
+                                 double elevation_rad, const Rect& into,
+                                 double roll_rad = 0);
 
   Projected operator()(const Vec3& p_mm) const {
     const Vec3 from_origin = p_mm - origin_mm_;
@@ -43,6 +46,11 @@ class Projection {
   }
 
   const Vec3& forward() const { return forward_; }
+  /// The unit vector in the picture (y down) of a direction in the middle of the view;
+  /// zero for one along the line of sight.
+  Vec2 PictureDirection(const Vec3& direction) const {
+    return Vec2(right_.dot(direction), -up_.dot(direction)).normalized();
+  }
   /// Pixels that a millimetre takes at the given depth.
   double px_per_mm(double depth_mm) const {
     return central_ ? scale_ / depth_mm : scale_;
@@ -51,6 +59,8 @@ class Projection {
   bool Sees(const Vec3& normal, const Vec3& place_mm) const;
 
  private:
+  /// Turns the picture counterclockwise.
+  void Roll(double roll_rad);
   /// With a scale of 1 about the origin: scaled and moved so that the box fills `into`.
   void FitInto(const Box3& box_mm, const Rect& into);
 

@@ -16,9 +16,10 @@ void CheckViews(const ViewsOptions& options) {
   if (!options.camera) return;
   const Camera& camera = *options.camera;
   Require(std::abs(camera.azimuth_rad) <= std::numbers::pi &&
-              std::abs(camera.elevation_rad) <= std::numbers::pi / 2,
-          "azimuth {} must be in -pi..pi, elevation {} in -pi/2..pi/2",
-          camera.azimuth_rad, camera.elevation_rad);
+              std::abs(camera.elevation_rad) <= std::numbers::pi / 2 &&
+              std::abs(camera.roll_rad) <= std::numbers::pi,
+          "azimuth {} and roll {} must be in -pi..pi, elevation {} in -pi/2..pi/2",
+          camera.azimuth_rad, camera.roll_rad, camera.elevation_rad);
   Require(camera.zoom >= 1 && camera.zoom <= 1000, "zoom must be 1..1000, is {}",
           camera.zoom);
 }

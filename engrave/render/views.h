@@ -53,6 +53,7 @@ struct ViewsCaption {
 struct Camera {
   double azimuth_rad = 0.52;   ///< to the right of the front, -pi..pi
   double elevation_rad = 0.3;  ///< above the middle, -pi/2..pi/2
+  double roll_rad = 0;  ///< turns the picture about the line of sight, -pi..pi, ccw
   double zoom = 1;  ///< 1: the block; above: the part of 1 / zoom of it about the middle
   /// Glass frame; where the part would reach beyond the block it ends at its wall.
   /// Default: the middle of the work.

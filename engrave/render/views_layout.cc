@@ -235,8 +235,10 @@ Panel CameraPanel(const Camera& camera, const Box3& work_mm, const Vec3& block_s
   panel.camera = camera;
   constexpr double kDegPerRad = 180 / std::numbers::pi;
   panel.description = fmt::format(
-      "{}azimuth {:.0f}°, elevation {:.0f}°{}", camera.parallel ? "parallel, " : "",
+      "{}azimuth {:.0f}°, elevation {:.0f}°{}{}", camera.parallel ? "parallel, " : "",
       camera.azimuth_rad * kDegPerRad, camera.elevation_rad * kDegPerRad,
+      camera.roll_rad == 0 ? ""
+                           : fmt::format(", roll {:.0f}°", camera.roll_rad * kDegPerRad),
       whole ? ""
             : fmt::format(", {:.3g} times enlarged about ({:.4g}, {:.4g}, {:.4g}) mm",
                           camera.zoom, center_mm.x(), center_mm.y(), center_mm.z()));

@@ -10,7 +10,7 @@ render::ViewsOptions CameraFlags::Views() const {
   render::ViewsOptions views;
   views.grid_step_mm = grid_step_mm;
   views.object_frame = object_frame;
-  if (!azimuth_deg && !elevation_deg && !zoom && !isometric) return views;
+  if (!azimuth_deg && !elevation_deg && !roll_deg && !zoom && !isometric) return views;
   render::Camera camera;
   if (isometric) {
     camera = {.azimuth_rad = std::numbers::pi / 4,
@@ -19,6 +19,7 @@ render::ViewsOptions CameraFlags::Views() const {
   }
   if (azimuth_deg) camera.azimuth_rad = *azimuth_deg * kRadPerDeg;
   if (elevation_deg) camera.elevation_rad = *elevation_deg * kRadPerDeg;
+  if (roll_deg) camera.roll_rad = *roll_deg * kRadPerDeg;
   if (zoom) camera.zoom = *zoom;
   if (!middle_mm.empty()) camera.middle_mm = Vec3(middle_mm.data());
   views.camera = camera;
@@ -34,6 +35,11 @@ void AddCameraFlags(command_line::Command command, CameraFlags& flags) {
       .AddOption("--elevation", flags.elevation_deg,
                  "one large view from this angle above the middle, degrees")
       .Within(-90.0, 90.0);
+  command
+      .AddOption("--roll", flags.roll_deg,
+                 "one large view that is turned about the line of sight, "
+                 "counterclockwise, degrees")
+      .Within(-180.0, 180.0);
   const auto zoom =
       command
           .AddOption("--zoom", flags.zoom,

@@ -11,7 +11,7 @@
 namespace intaglio::cli {
 
 struct CameraFlags {
-  std::optional<double> azimuth_deg, elevation_deg, zoom;
+  std::optional<double> azimuth_deg, elevation_deg, roll_deg, zoom;
   std::vector<double> middle_mm;  // none or three
   double grid_step_mm = 0;
   bool isometric = false;
@@ -20,7 +20,8 @@ struct CameraFlags {
   render::ViewsOptions Views() const;
 };
 
-/// --azimuth, --elevation, --zoom, --middle, --isometric, --grid-step and --object-frame.
+/// --azimuth, --elevation, --roll, --zoom, --middle, --isometric, --grid-step and
+/// --object-frame.
 void AddCameraFlags(command_line::Command command, CameraFlags& flags);
 
 }  // namespace intaglio::cli

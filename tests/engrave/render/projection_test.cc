@@ -68,6 +68,34 @@ TEST(Projection, PerspectiveShowsFrontRightAndTop) {
   EXPECT_GT(view.px_per_mm(near), view.px_per_mm(far));
 }
 
+TEST(Projection, ARollTurnsThePictureCounterclockwiseAndChangesNothingElse) {
+  const Box3 box{Vec3::Zero(), Vec3(60, 40, 80)};
+  const Rect into{0, 0, 500, 500};
+  const double roll_rad = 0.7;
+  for (const auto make : {Projection::Perspective, Projection::ParallelView}) {
+    const Projection straight = make(box, 0.5, 0.3, into, 0);
+    const Projection rolled = make(box, 0.5, 0.3, into, roll_rad);
+    const Vec3 middle = box.center_mm();
+    const auto from_middle = [&](const Projection& view, const Vec3& place) {
+      return Vec2((view(place).at_px - view(middle).at_px) /
+                  view.px_per_mm(view(middle).depth_mm));
+    };
+    for (const Vec3& place : CornersOf(box)) {
+      EXPECT_NEAR(rolled(place).depth_mm, straight(place).depth_mm, 1e-9);
+      // y is down in a picture: counterclockwise is (x c + y s, y c - x s).
+      const Vec2 at = from_middle(straight, place);
+      const Vec2 turned(at.x() * std::cos(roll_rad) + at.y() * std::sin(roll_rad),
+                        at.y() * std::cos(roll_rad) - at.x() * std::sin(roll_rad));
+      EXPECT_TRUE(from_middle(rolled, place).isApprox(turned, 1e-9)) << at.transpose();
+    }
+    // What was up points to the left now.
+    EXPECT_TRUE(straight.PictureDirection(Vec3::UnitZ()).isApprox(Vec2(0, -1), 1e-12));
+    EXPECT_TRUE(make(box, 0.5, 0.3, into, std::numbers::pi / 2)
+                    .PictureDirection(Vec3::UnitZ())
+                    .isApprox(Vec2(-1, 0), 1e-12));
+  }
+}
+
 TEST(Projection, StepsAreRound) {
   EXPECT_DOUBLE_EQ(NiceStep(80, 8), 10.0);
   EXPECT_DOUBLE_EQ(NiceStep(80, 7), 20.0);

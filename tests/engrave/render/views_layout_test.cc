@@ -201,6 +201,7 @@ TEST(ViewsLayout, ACameraHasOneLargeViewOfThePartAboutTheWork) {
   const PointList work = {Vec3(10, 10, 10), Vec3(20, 20, 20)};
   ViewsOptions options;
   options.camera = Camera{.azimuth_rad = 1, .elevation_rad = 0.5, .zoom = 4};
+  options.camera->roll_rad = 0.5;
   options.object_frame = true;
   options.grid_step_mm = 2.5;
   const ViewsLayout layout = LayOutViews(work, block, FullCaption(), options);
@@ -212,6 +213,9 @@ TEST(ViewsLayout, ACameraHasOneLargeViewOfThePartAboutTheWork) {
   EXPECT_EQ(panel.grid_step_mm, 2.5);
   ASSERT_TRUE(panel.work_mm);
   EXPECT_EQ(panel.work_mm->max_mm, Vec3(20, 20, 20));
+  EXPECT_TRUE(panel.description.starts_with(
+      "azimuth 57°, elevation 29°, roll 29°, 4 times enlarged"))
+      << panel.description;
   // Near a wall the part stays within the block; unzoomed it is the block.
   const ViewsLayout wall = LayOutViews({Vec3(1, 1, 79)}, block, FullCaption(), options);
   EXPECT_TRUE(wall.panels[0].shown_mm.min_mm.isApprox(Vec3(0, 0, 60), 1e-12));

@@ -132,6 +132,12 @@ TEST(Views, ACameraGridStepAndFrameChangeThePicture) {
   EXPECT_NE(from_left, from_right);
   options.camera->parallel = true;
   EXPECT_NE(picture(options), from_left);
+  const auto straight = picture(options);
+  options.camera->roll_rad = 1;
+  EXPECT_NE(picture(options), straight);
+  options.camera->roll_rad = 4;
+  EXPECT_THROW(picture(options), PreconditionError);
+  options.camera->roll_rad = 0;
   options.camera->elevation_rad = 2;
   EXPECT_THROW(picture(options), PreconditionError);
   options.camera = Camera{.zoom = 0.5};
