@@ -4,7 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "engrave/optics/absorption.h"
 #include "materials_db/import_file.h"
 #include "materials_db/material_store.h"
 
@@ -66,6 +73,59 @@ TEST(MeasuredGlass, RecordsHaveThePublishedIndexAndAreWhatTheSeedsState) {
     EXPECT_EQ(glass.expansion_per_k.value_or(*seed->expansion_per_k),
               seed->expansion_per_k);
   }
+}
+
+struct Extinction {
+  double wavelength_um = 0, k = 0;
+};
+
+/// The rows behind "tabulated k" of a record.
+std::vector<Extinction> ExtinctionsOf(const fs::path& record) {
+  std::ifstream file(record);
+  std::vector<Extinction> rows;
+  bool in_table = false;
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream numbers(line);
+    if (line.find("tabulated k") != std::string::npos) in_table = true;
+    if (Extinction row; in_table && numbers >> row.wavelength_um >> row.k)
+      rows.push_back(row);
+  }
+  return rows;
+}
+
+// The absorption coefficient is 4 pi k over the wavelength.
+TEST(MeasuredGlass, SeedsAbsorbWhatTheRecordsState) {
+  const auto store = MaterialStore::Open(":memory:");
+  ASSERT_TRUE(store);
+  for (const auto& [name, record] :
+       {std::pair("N-BK7", "specs/schott/optical/N-BK7.yml"),
+        std::pair("H-K9L", "specs/cdgm/optical/H-K9L.yml"),
+        std::pair("soda-lime", "glass/misc/soda-lime/nk/Rubin-clear.yml")}) {
+    const auto glass = store->Find(name);
+    ASSERT_TRUE(glass) << name;
+    int count = 0;
+    for (const Extinction& row : ExtinctionsOf(GlassFolder() / record)) {
+      if (row.wavelength_um < 0.34 || row.wavelength_um > 1.2) continue;
+      ++count;
+      const auto per_mm =
+          optics::AbsorptionPerMm(glass->transmittance, 1000 * row.wavelength_um);
+      ASSERT_TRUE(per_mm) << name << " " << row.wavelength_um;
+      const double expected = 4 * std::numbers::pi * row.k / (row.wavelength_um / 1000);
+      // The record has five digits, the seed three or five of the ratio.
+      EXPECT_NEAR(*per_mm, expected, 1e-6 + 0.003 * expected)
+          << name << " " << row.wavelength_um;
+    }
+    EXPECT_GT(count, 10) << name;
+    // R + A + T of a block of 100 mm at 532 nm: R of both faces and what comes back.
+    const OpticalValues values = *ComputeOptics(*glass, 532, 0.1);
+    ASSERT_TRUE(values.absorption_per_mm) << name;
+    const auto shares =
+        optics::SharesOfLight(values.reflectance_ratio, *values.absorption_per_mm, 100);
+    EXPECT_NEAR(shares.reflected + shares.absorbed + shares.transmitted, 1, 1e-12);
+    EXPECT_GT(shares.absorbed, 0.01) << name;
+  }
+  // The source of fused silica has no transmittance.
+  EXPECT_TRUE(store->Find("fused-silica")->transmittance.empty());
 }
 
 TEST(MeasuredGlass, EveryRecordIsRead) {

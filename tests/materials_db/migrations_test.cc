@@ -52,6 +52,7 @@ TEST(Migrations, AnOldDatabaseIsBroughtUpAndKeepsItsGlasses) {
   // The classic coefficients of BK7: n_d = 1.51680 (SCHOTT catalog, 5 digits).
   EXPECT_NEAR(ComputeOptics(*own, 587.5618, 0.1)->refractive_index, 1.5168, 1e-5);
   EXPECT_EQ(store->Find("N-BK7")->source, "melt 4711");
+  EXPECT_TRUE(store->Find("N-BK7")->transmittance.empty());
   EXPECT_TRUE(store->Find("soda-lime"));
   EXPECT_EQ(store->List()->size(), 5u);
 }

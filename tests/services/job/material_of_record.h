@@ -25,6 +25,9 @@ inline materials_db::Material MaterialOf(const MaterialRecord& record) {
       material.*row.value = record.GetReflection()->GetDouble(record, field);
     }
   }
+  for (const TransmittanceRecord& entry : record.transmittance())
+    material.transmittance.push_back(
+        {entry.wavelength_um(), entry.ratio(), entry.thickness_mm()});
   return material;
 }
 
