@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "tests/engrave/motion/paths.h"
+#include "tests/engrave/motion/published_steps.h"
 #include "tests/engrave/motion/published_tables.h"
 
 namespace intaglio::motion {
@@ -30,6 +31,48 @@ TEST(PublishedTimings, StopAndGoReproducesAllOfThem) {
   const double rms_s = std::sqrt(square_s2 / static_cast<double>(times.size()));
   EXPECT_LT(rms_s, 0.35);
   RecordProperty("rms_s", std::to_string(rms_s));
+}
+
+// The published spacing of f = 43 mm is 0.09 mm, of f = 70 mm 0.13 mm. tests/bench/
+// published_steps prints all models.
+TEST(PublishedTimings, NoStepsAtThePublishedSpacingExplainThemWithAStopAtEachPoint) {
+  const auto rows = MeasuredTimes();
+  const StepFit fit = FitSteps({}, 0.09, rows);
+  EXPECT_GT(fit.rms_s, 25);
+  EXPECT_GT(fit.largest_s, 80);
+  // What makes each step longer explains them less.
+  EXPECT_GT(FitSteps({.settling_s = 0.001}, 0.09, rows).rms_s, fit.rms_s);
+  EXPECT_NEAR(FitSteps({.cycle_s = 0.0002}, 0.09, rows).rms_s, fit.rms_s, 0.1);
+  EXPECT_GT(FitSteps({.whole_ticks = false}, 0.09, rows).largest_s, 10);
+  // With steps of any length it is the model of StopAndGoReproducesAllOfThem.
+  EXPECT_LT(FitSteps({}, 0.02, rows).rms_s, 0.35);
+}
+
+TEST(PublishedTimings, AWindowAboutThePointExplainsThemAtThePublishedSpacing) {
+  const auto rows = MeasuredTimes();
+  const StepFit fit = FitSteps({.window_mm = 0.015}, 0.09, rows);
+  EXPECT_LT(fit.rms_s, 0.35);
+  EXPECT_LT(fit.largest_s, 1);
+  EXPECT_LT(FitSteps({.window_mm = 0.040}, 0.13, rows).largest_s, 1);
+  // The source reproduces points within 50 um.
+  EXPECT_LT(FitSteps({.window_mm = 0.050, .settling_s = 0.0005}, 0.13, rows).largest_s,
+            1);
+  // No narrower one does.
+  EXPECT_GT(FitSteps({.window_mm = 0.010}, 0.09, rows).largest_s, 50);
+  EXPECT_GT(FitSteps({.window_mm = 0.030}, 0.13, rows).largest_s, 50);
+}
+
+// The times of a fit summed up by the planner of the product, which stops at each point.
+TEST(PublishedTimings, TheModelOfAStepIsThePlanners) {
+  for (const MeasuredTime& row : MeasuredTimes()) {
+    for (const double mm : {0.03, 0.09, 0.4, 3.0, 14.0}) {
+      EXPECT_DOUBLE_EQ(
+          SecondsOf({}, mm, row),
+          static_cast<double>(StopAndGoTicks({Vec3(mm, 0.2 * mm, 0)}, Vec3::Zero(),
+                                             LimitsOf(row), row.rate_hz, Profile::kMix)) /
+              row.rate_hz);
+    }
+  }
 }
 
 }  // namespace
