@@ -38,8 +38,8 @@ struct LaserOptions {
   LaserSignals signals = {};
   /// What the energy of a pulse can be set to, before a splitter.
   double min_energy_mj = 0.001, max_energy_mj = 30;
-  /// All pulses are off by the one; each by up to the other, uniform (Trochimczuk 2008,
-  /// annex D, table 10: 2 %).
+  /// All pulses are off by the one; each by up to the other, uniform, with an
+  /// rms of 1 / sqrt(3) of it (Trochimczuk 2008, annex D, table 10: 2 % rms, so 0.0346).
   double energy_error_ratio = 0, energy_spread_ratio = 0.02;
   unsigned seed = 0;        ///< of the spread
   bool locks_door = false;  ///< a magnet holds the door while a shutter is open

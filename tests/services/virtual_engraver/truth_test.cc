@@ -287,5 +287,15 @@ TEST(Truth, TheSuppliedFilesAreGood) {
   }
 }
 
+// Trochimczuk 2008, annex D, table 10: 2 % rms. A uniform spread within s has s /
+// sqrt(3).
+TEST(Truth, TheSuppliedEngraverHasThePublishedStabilityOfItsEnergy) {
+  const auto truth = ReadTruthFile(INTAGLIO_SOURCE_DIR "/deploy/truth/els-03.textproto");
+  ASSERT_TRUE(truth.has_value()) << truth.error().message;
+  const double spread_ratio =
+      virtual_engraver::OptionsOf(*truth).laser.energy_spread_ratio;
+  EXPECT_NEAR(spread_ratio / std::sqrt(3), 0.02, 1e-4);
+}
+
 }  // namespace
 }  // namespace intaglio
