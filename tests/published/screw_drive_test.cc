@@ -106,6 +106,34 @@ TEST(ScrewDrive, TheLargestAccelerationIsThatOfTheHoldingTorque) {
   EXPECT_NEAR(LargestAcceleration(d, {1.2, 50, 0.05}), 1.2 / inertia * metres, 1e-12);
 }
 
+// The motor of table 4 (ch. 7.2): 160 Ncm, 1.8 degrees, 1.2 ohm, 2.2 mH, 4.1 A and
+// 350 g cm2, on a screw of 5 mm with 5 kg.
+TEST(ScrewDrive, TheMotorOfTheSourceHasItsFrequencyAndTheDelayOfItsCoil) {
+  ScrewDrive d;
+  d.inductance_h = 0.0022;
+  d.resistance_ohm = 1.2;
+  d.rad_v_s = 4.1 / 1.6;
+  d.metres_rad = 0.005 / (2 * std::numbers::pi);
+  d.stiffness_nm_rad = 40;
+  d.rotor_inertia_kg_m2 = 350e-7;
+  d.table_mass_kg = 5;
+  const StepperMotor stepper{1.6, 50, 0.02};
+  const StepperScrewLoop loop = LoopOf(d, stepper);
+  EXPECT_NEAR(loop.rotor_frequency_hz, 240.6, 0.1);  // sqrt(1.6 * 50 / 350e-7) / (2 pi)
+  EXPECT_NEAR(LargestAcceleration(d, stepper), 33.36, 0.01);
+  // The current of a rotor at rest, in the time L / R = 1.83 ms.
+  const double volt = 1.2 * 4.1;
+  ScrewDriveState s;
+  const double h = 0.0022 / 1.2 / 10000;
+  for (int i = 0; i < 10000; ++i) {
+    const double middle_a = s.current_a + h / 2 * SlopeOf(d, s, volt).current_a;
+    s.current_a += h * SlopeOf(d, {0, 0, 0, middle_a}, volt).current_a;
+  }
+  EXPECT_NEAR(s.current_a, 4.1 * (1 - std::exp(-1)), 1e-6);
+  // The printed nominal voltage does not belong to the printed current and resistance.
+  EXPECT_LT(1.7 / 1.2, 1.5);
+}
+
 TEST(ScrewDrive, WhatIsNoDriveIsRefused) {
   ScrewDrive d = Drive();
   EXPECT_THROW(LoopOf(d, {1, 50, 0.01}), PreconditionError) << "the guide is damped";
