@@ -36,6 +36,7 @@
 #include "services/job/convert/mark_defaults.h"
 #include "services/job/convert/v_bit.h"
 #include "services/job/files/job_file.h"
+#include "services/job/plan/course_motion.h"
 
 namespace intaglio::cli {
 namespace {
@@ -125,7 +126,18 @@ Status WritePrograms(const ContourOptions& options, const ContourWork& work,
 Result<std::optional<MachineSpec>> ReadMachine(const ContourOptions& options) {
   if (options.machine.empty()) return std::nullopt;
   const fs::path profile = INTAGLIO_TRY(FindMachineFile(options.machine));
-  return INTAGLIO_TRY(ReadMachineFile(profile));
+  MachineSpec machine = INTAGLIO_TRY(ReadMachineFile(profile));
+  INTAGLIO_TRY(CourseAxesOf(machine));
+  if (!machine.has_x() || !machine.has_y()) {
+    return Fail(
+        ErrorCode::kMissing,
+        fmt::format("--machine: the profile of {} has no x and y, whose limits and "
+                    "drives speeds are planned with; leave --machine out, or name "
+                    "the profile of a machine with x and y",
+                    machine.name()),
+        machine.name());
+  }
+  return machine;
 }
 
 /// The motion in time, when it is asked for.

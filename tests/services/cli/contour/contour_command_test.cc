@@ -502,5 +502,13 @@ TEST_F(ContourCommand, AMachineGivesAProgramThePlannedSpeeds) {
   EXPECT_THAT(linuxcnc, Not(HasSubstr("G4 P0")));
 }
 
+// The profile of a mill has no axes: they are set in its controller.
+TEST_F(ContourCommand, AMachineWithoutXAndYIsNamedAsOne) {
+  const std::string mill = INTAGLIO_SOURCE_DIR "/deploy/machines/mill.textproto";
+  EXPECT_EQ(Type({"contour", gerber_, "--machine", mill}), client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("--machine: the profile of mill has no x and y"));
+  EXPECT_THAT(errors_, HasSubstr("leave --machine out"));
+}
+
 }  // namespace
 }  // namespace intaglio::cli
