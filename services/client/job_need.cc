@@ -12,11 +12,13 @@ std::string PausedNeed(const JobView& job) {
                                       job.message.empty() ? "" : ": " + job.message);
   if (job.counts.uncertain == 0)
     return fmt::format("{} (intaglio resume {}, or cancel)", why, job.number);
+  const bool marks = job.makes == "marks";
   return fmt::format(
-      "{0}; of {1} {2} it is not known whether they were fired: check the block, then "
+      "{0}; of {1} {2} it is not known whether they were {4}: check the {5}, then "
       "intaglio resume {3} to leave them as they are, or intaglio resume {3} "
-      "--fire-uncertain to fire them again",
-      why, GroupedDigits(job.counts.uncertain), job.makes, job.number);
+      "--fire-uncertain to {6} them again",
+      why, GroupedDigits(job.counts.uncertain), job.makes, job.number,
+      marks ? "made to their end" : "fired", job.workpiece(), marks ? "make" : "fire");
 }
 
 /// The job service has a reason to refuse an arm, as what is mounted, and its sentence

@@ -169,9 +169,17 @@ void Marking::WatchProgress(std::chrono::nanoseconds now) {
                      std::chrono::duration<double>(now - moved_at_).count());
 }
 
+// Behind the last mark, too, it is a person who decides on a mark that an opened door, a
+// hold or a fault has broken.
+bool Marking::AwaitsPerson() const {
+  return faulted() && !lost_a_line() &&
+         record_.ledger().count(PointState::kUncertain) > 0;
+}
+
 void Marking::Wait(const GrantInputs& inputs) {
   const auto nothing_is_left = [&] {
-    return !consent_.KeepsJobOpen(inputs) && !record_.ledger().NextOpen(0);
+    return !consent_.KeepsJobOpen(inputs) && !record_.ledger().NextOpen(0) &&
+           !AwaitsPerson();
   };
   if (stopping_ || nothing_is_left()) {
     if (stopping_ || record_.is_durable()) phase_ = Phase::kDone;

@@ -10,7 +10,8 @@
 //      +--- the run has ended ------------------- kPausing <--+-----------------------+
 //                                                   permission withdrawn: the mark in
 //                                                   hand is ended first
-//   kDone: nothing is open, or it was stopped
+//   kDone: nothing is open, and no arm has to be renewed by a person over a mark that is
+//          uncertain; or it was stopped
 //
 // A permission that is late, not withdrawn, lets a machine that can_hold rest within the
 // mark in hand, and the run goes on when it comes; any other machine halts, and that mark
@@ -93,6 +94,8 @@ class Marking final : public cell::WorkStates {
   void WatchProgress(std::chrono::nanoseconds now);
 
   void Wait(const cell::GrantInputs& inputs);
+  /// A halt that a new arm ends, and not a line that comes back, leaves a mark uncertain.
+  bool AwaitsPerson() const;
   bool MayMark(const cell::GrantInputs& inputs);
   bool WebIsTooFast();
   std::string_view WhatRunWaitsFor() const;

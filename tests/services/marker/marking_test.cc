@@ -295,6 +295,33 @@ TEST_F(MarkingTest, AnOpenInterlockInMidMarkCostsTheArm) {
   for (const auto& [mark, times] : head_.begun) EXPECT_EQ(times, 1) << mark;
 }
 
+// A job of one contour has no other: a person sees why it was broken, and may have it
+// made.
+TEST_F(MarkingTest, AHaltInTheLastMarkIsAnsweredByAPerson) {
+  for (const bool again : {false, true}) {
+    SCOPED_TRACE(again);
+    head_.made.clear();
+    head_.begun.clear();
+    inputs_.fire_uncertain = false;
+    fs::remove_all(folder_);
+    Begin(SomeMarks(kCount));
+    ASSERT_TRUE(TillMade(kCount - 1));
+    kOpenings[0].open(head_, inputs_);
+    Turn();
+    kOpenings[0].close(head_, inputs_);
+    EXPECT_FALSE(
+        TurnUntil([&] { return marking_->activity() == Marking::Activity::kDone; }, 200));
+    EXPECT_TRUE(marking_->waits());
+    EXPECT_TRUE(marking_->faulted());
+    EXPECT_THAT(marking_->message(), HasSubstr("then resume"));
+    ++inputs_.grant.number;
+    inputs_.fire_uncertain = again;
+    ASSERT_TRUE(ToItsEnd()) << marking_->message();
+    EXPECT_EQ(marking_->ledger().count(PointState::kMade), again ? kCount : kCount - 1);
+    EXPECT_EQ(head_.begun[kCount - 1], again ? 2 : 1);
+  }
+}
+
 TEST_F(MarkingTest, ALostLineIsSettledByTheMemory) {
   ASSERT_TRUE(TillMade(3));
   head_.Step();  // it has ended, and nobody is told

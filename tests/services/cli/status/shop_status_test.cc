@@ -163,6 +163,12 @@ TEST(ShopStatus, UncertainPointsAreNamedWithBothCommandsBeforeAnybodyResumes) {
       "job 3 is paused: the power was off; of 3 points it is not known whether they "
       "were fired: check the block, then intaglio resume 3 to leave them as they "
       "are, or intaglio resume 3 --fire-uncertain to fire them again");
+  shop.jobs[0].makes = "marks";
+  ExpectNeed(
+      shop,
+      "job 3 is paused: the power was off; of 3 marks it is not known whether they "
+      "were made to their end: check the piece, then intaglio resume 3 to leave them as "
+      "they are, or intaglio resume 3 --fire-uncertain to make them again");
 }
 
 /// With a mill in place of the machine: a marker, one line, no bridge and no lamp.
