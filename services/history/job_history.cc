@@ -136,6 +136,9 @@ JobStatistics RowOf(sql::Statement& row, SystemTime now) {
     s.set_machining_s(number("used_ticks") / rate_hz);
     s.set_first_estimated_s(number("first_estimate_ticks") / rate_hz);
     s.set_undisturbed_s(number("undisturbed_ticks") / rate_hz);
+  } else if (!s.ended_utc().empty()) {
+    // Marks and contours have no ticks.
+    s.set_machining_s(number("worked_s"));
   }
   if (s.undisturbed_s() > 0) {
     s.set_first_estimate_ratio(s.first_estimated_s() / s.undisturbed_s());

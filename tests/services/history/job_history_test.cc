@@ -174,5 +174,20 @@ TEST_F(JobHistoryTest, APauseIsNoWorkInTheExpectedEnd) {
   EXPECT_LT(*end, std::chrono::system_clock::now() + std::chrono::minutes(2));
 }
 
+// Without it the history of a cutter would have nothing but interruptions.
+TEST_F(JobHistoryTest, MarksAreMadeInTheTimeOfTheirRuns) {
+  Keep(1, "Plate", intaglio_JOB_DONE, "2026-11-21T09:00:00.000Z");
+  store_.reset();
+  SQLite::Database(path_.string(), SQLite::OPEN_READWRITE)
+      .exec(
+          "UPDATE jobs SET makes = 'marks', rate_hz = 0; "
+          "INSERT OR REPLACE INTO stages (job_uid, stage, worker, done, done_count, "
+          "total_count, elapsed_s) SELECT uid, 2, 'm', 1, 4, 4, 33.5 FROM jobs");
+  const auto jobs = ReadHistory(path_, {.job = 1});
+  ASSERT_TRUE(jobs && jobs->size() == 1);
+  EXPECT_EQ(jobs->front().machining_s(), 33.5);
+  EXPECT_EQ(jobs->front().estimate_ratio(), 0) << "not compared with any estimate";
+}
+
 }  // namespace
 }  // namespace intaglio::history
