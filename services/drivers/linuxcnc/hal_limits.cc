@@ -9,6 +9,7 @@
 
 #include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
+#include "services/drivers/linuxcnc/hal_folder.h"
 #include "services/job/plan/course_motion.h"
 
 namespace intaglio::drivers {
@@ -114,16 +115,9 @@ struct HalFiles {
 
 Result<HalFiles> ReadHalFiles(const std::string& name, const SerialLine& line) {
   const std::filesystem::path folder = line.device();
-  const auto identity = io::ReadWholeFile(folder / "identity", 4096);
-  if (!identity) {
-    return Fail(
-        ErrorCode::kIo,
-        fmt::format("no HAL runs in {}: start it with deploy/linuxcnc/start, and name "
-                    "its folder in {}.device",
-                    folder.string(), name));
-  }
+  const HalIdentity identity = INTAGLIO_TRY(ReadHalIdentity(folder, name));
   const auto hal = INTAGLIO_TRY(io::ReadWholeFile(folder / "machine.hal", kMaxHalFile));
-  return HalFiles{INTAGLIO_TRY(ParseIdentity(*identity)), ParseHalPins(hal)};
+  return HalFiles{identity, ParseHalPins(hal)};
 }
 
 void CompareRates(const LaserHead& laser, const HalIdentity& identity,

@@ -6,6 +6,7 @@
 
 #include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
+#include "services/drivers/linuxcnc/hal_folder.h"
 
 namespace intaglio::drivers {
 namespace {
@@ -56,16 +57,12 @@ const std::vector<HalSample>& HalSession::Poll() {
 void HalSession::Open(std::chrono::nanoseconds now) {
   if (now < next_open_) return;
   next_open_ = now + kOpenPeriod;
-  const auto text = io::ReadWholeFile(folder_ / "identity", 4096);
-  if (!text) {
+  const auto identity = ReadHalIdentity(folder_, expected_.line);
+  if (!identity && identity.error().code == ErrorCode::kNotFound) {
     refusal_.clear();
-    message_ = fmt::format(
-        "no HAL runs in {}: start it with deploy/linuxcnc/start, and name its folder in "
-        "{}.device",
-        folder_.string(), expected_.line);
+    message_ = identity.error().message;
     return;
   }
-  const auto identity = ParseIdentity(*text);
   refusal_ = identity ? WhyRefused(*identity) : identity.error().message;
   if (!refusal_.empty()) {
     message_ = refusal_;

@@ -3,7 +3,12 @@
 #include "tests/services/drivers/linuxcnc/hal_configuration.h"
 
 #include <algorithm>
+#include <cstdlib>
+#include <fstream>
 #include <numeric>
+
+#include "services/drivers/linuxcnc/hal_folder.h"
+#include "services/drivers/linuxcnc/hal_session.h"
 
 namespace intaglio::linuxcnc {
 namespace {
@@ -194,6 +199,49 @@ TEST_F(HalConfiguration, CountsOpenings) {
     Beat(milliseconds(50));
   }
   EXPECT_EQ(Samples().back().openings, 4);
+}
+
+// It would take away the record of pulses from which the next host reads what was fired.
+TEST_F(HalConfiguration, ASecondStartInItsFolderIsRefusedAndChangesNothing) {
+  std::vector<Row> rows(20);
+  for (Row& row : rows) row.fire = 1;
+  Play(rows);
+  const auto pulses = machine_->RecordedTicks();
+  ASSERT_FALSE(pulses.empty());
+  const std::string folder = machine_->folder().string();
+  const std::string identity = test::ContentOf(folder + "/identity");
+  EXPECT_NE(std::system(fmt::format("'{}/deploy/linuxcnc/start' '{}' < /dev/null > "
+                                    "'{}/again.log' 2>&1",
+                                    INTAGLIO_SOURCE_DIR, folder, folder)
+                            .c_str()),
+            0);
+  EXPECT_NE(test::ContentOf(folder + "/again.log").find("runs already"),
+            std::string::npos);
+  EXPECT_EQ(test::ContentOf(folder + "/identity"), identity);
+  EXPECT_EQ(machine_->RecordedTicks(), pulses);
+}
+
+// A computer has one HAL, and the programs of any driver reach it.
+TEST_F(HalConfiguration, TheIdentityOfAnEndedHalCountsNoMore) {
+  const std::filesystem::path folder = machine_->folder();
+  EXPECT_TRUE(drivers::ReadHalIdentity(folder, "mark_line"));
+  const std::string identity = test::ContentOf(folder / "identity");
+  machine_->PowerOff();
+  std::ofstream(folder / "identity") << identity;
+  // Its processes end one after the other.
+  for (int i = 0; i < 500 && drivers::ReadHalIdentity(folder, "mark_line"); ++i)
+    std::this_thread::sleep_for(milliseconds(10));
+  int opened = 0;
+  drivers::HalSession session(
+      [&]() -> Result<std::unique_ptr<drivers::HalLine>> {
+        ++opened;
+        return Fail(ErrorCode::kIo, "it was opened");
+      },
+      folder, {.line = "mark_line"}, [] { return std::chrono::seconds(1); });
+  session.Poll();
+  EXPECT_EQ(opened, 0);
+  EXPECT_NE(session.message().find("no HAL runs in"), std::string::npos)
+      << session.message();
 }
 
 }  // namespace
