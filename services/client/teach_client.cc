@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <random>
 #include <set>
 #include <sstream>
@@ -21,6 +22,7 @@ using bus::Borrow;
 using bus::View;
 using namespace std::chrono_literals;
 
+constexpr std::chrono::hours kLongestMove{1};
 constexpr auto kPollTime = 5ms;
 
 std::string NewSender() {
@@ -186,7 +188,9 @@ Result<std::string> TeachClient::Execute(const TeachOrder& order,
                                          std::chrono::milliseconds timeout,
                                          const std::function<bool()>& cancelled) {
   const std::uint64_t number = Hold(order);
-  const auto end = Clock::now() + timeout;
+  const auto last_end = Clock::now() + kLongestMove;
+  auto end = Clock::now() + timeout;
+  Vec3 place = view_.position;
   while (!IsAnswered(number)) {
     const bool is_cancelled = cancelled && cancelled();
     if (is_cancelled || Clock::now() > end) {
@@ -198,6 +202,9 @@ Result<std::string> TeachClient::Execute(const TeachOrder& order,
     }
     std::this_thread::sleep_for(kPollTime);
     Poll();
+    if (view_.position == place) continue;
+    place = view_.position;
+    end = std::max(end, std::min(Clock::now() + timeout, last_end));
   }
   held_ = {};
   Send(true);

@@ -101,7 +101,9 @@ class TeachClient {
   bool IsHeld(std::uint64_t number) const;
 
   /// Holds the order until it is answered for good. The bridge's sentence, or kRefused
-  /// with it; kCancelled when `cancelled` held; kTimedOut.
+  /// with it; kCancelled when `cancelled` held; kTimedOut when neither an answer has come
+  /// for `timeout` nor the machine has moved, whose travel in rad says nothing of its
+  /// time.
   Result<std::string> Execute(const TeachOrder& order, std::chrono::milliseconds timeout,
                               const std::function<bool()>& cancelled = {});
 

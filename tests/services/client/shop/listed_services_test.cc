@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include <memory>
+#include <thread>
 
 #include "services/client/job_client.h"
 #include "services/client/shop/shop_stops.h"
@@ -44,12 +45,13 @@ class Listed : public ::testing::Test {
     Borrow(sample.services, entries);
     EXPECT_TRUE(lists_.Write(sample));
   }
-  void State(const std::string& cell) {
+  void State(const std::string& cell, double place = 0) {
     const std::string text;
     intaglio_ManualState sample{};
     sample.cell = Borrow(cell);
     sample.held_by = sample.refusal = sample.axes = sample.profile = Borrow(text);
     sample.answered_sender = sample.message = Borrow(text);
+    sample.position[0] = place;
     states_.push_back(std::make_unique<bus::Writer<intaglio_ManualState>>(
         bus_, bus::kManualState, cell));
     EXPECT_TRUE(states_.back()->Write(sample));
@@ -78,6 +80,22 @@ TEST_F(Listed, WithoutAJobServiceAClientNeverKnowsAll) {
   Health("sorter-1", intaglio_ROLE_SORTER);
   EXPECT_FALSE(client.PollUntil(
       [&] { return client.KnowsAllServices(client.services()); }, 300ms));
+}
+
+// A table of two turns is on its way for longer than its travel in rad makes one expect.
+TEST_F(Listed, AMachineThatMovesIsWaitedFor) {
+  TeachClient client(bus_, "polar");
+  const auto begun = Clock::now();
+  std::jthread machine([this, begun] {
+    for (double place = 0; Clock::now() < begun + 3s; place += 0.1) {
+      State("polar", place);
+      std::this_thread::sleep_for(100ms);
+    }
+  });
+  const auto answer = client.Execute({}, 1500ms, {});
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().code, ErrorCode::kTimedOut);
+  EXPECT_GT(Clock::now() - begun, 4s) << "it was given up while it moved";
 }
 
 TEST_F(Listed, TheOnlyMachineThatIsListedIsFound) {
