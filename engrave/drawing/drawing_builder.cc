@@ -26,6 +26,14 @@ bool DrawingBuilder::Refuse(ErrorCode code, std::string_view place,
   return false;
 }
 
+bool DrawingBuilder::CheckSize(std::uint64_t bytes) {
+  if (bytes <= limits_.max_file_bytes) return true;
+  return Refuse(ErrorCode::kTooLarge, "",
+                fmt::format("the file has {} bytes, the limit is {}; divide the drawing "
+                            "or raise the limit",
+                            bytes, limits_.max_file_bytes));
+}
+
 bool DrawingBuilder::CountEntity(std::string_view place) {
   if (++entities_ <= limits_.max_entities) return true;
   return Refuse(ErrorCode::kTooLarge, place,

@@ -29,6 +29,8 @@ class DrawingBuilder {
   bool Refuse(ErrorCode code, std::string_view place, std::string_view sentence,
               std::string_view value = {});
 
+  /// Refuses a file that is larger than the limit.
+  bool CheckSize(std::uint64_t bytes);
   /// Counts one entity of the limit: each curve, each insertion, each reference.
   bool CountEntity(std::string_view place);
   /// Counts bytes that are read again because of a block or reference.

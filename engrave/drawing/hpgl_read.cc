@@ -31,20 +31,12 @@ class HpglReader {
  public:
   HpglReader(std::string_view text, const ReadOptions& options, std::string_view name)
       : text_(text),
-        limits_(options.limits),
         pen_(name, options.limits, options.unit_mm.value_or(kPlotterUnit_mm)) {
     pen_.builder().NoteUnitAskedFor("plotter", options.unit_mm);
   }
 
   Result<Drawing> Read() {
-    if (text_.size() > limits_.max_file_bytes) {
-      pen_.builder().Refuse(
-          ErrorCode::kTooLarge, "",
-          fmt::format(
-              "the file has {} bytes, the limit is {}; divide the drawing or raise it",
-              text_.size(), limits_.max_file_bytes));
-      return pen_.builder().Take();
-    }
+    if (!pen_.builder().CheckSize(text_.size())) return pen_.builder().Take();
     bool good = true;
     while (good && at_ < text_.size()) good = ReadInstruction();
     if (good && pen_.EndLine() && !any_) {
@@ -381,7 +373,6 @@ class HpglReader {
 
   std::string_view text_;
   HpglDrawn drawn_{text_};
-  DrawingLimits limits_;
   HpglPen pen_;
   std::size_t at_ = 0, begin_ = 0;
   std::string name_;

@@ -53,13 +53,7 @@ class DxfReader {
 
  private:
   bool CheckKind() {
-    if (text_.size() > options_.limits.max_file_bytes) {
-      return builder_.Refuse(
-          ErrorCode::kTooLarge, "",
-          fmt::format("the file has {} bytes, the limit is {}; divide the drawing or "
-                      "raise the limit",
-                      text_.size(), options_.limits.max_file_bytes));
-    }
+    if (!builder_.CheckSize(text_.size())) return false;
     if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);
     if (IsBinaryDxf(text_)) {
       auto text = TextOfBinaryDxf(text_, 2 * options_.limits.max_file_bytes);

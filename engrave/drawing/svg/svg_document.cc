@@ -91,12 +91,7 @@ bool SvgDocument::Load() {
 /// Checked before parsing: the tree takes 64 bytes for an "<a>" in the file.
 bool SvgDocument::CheckSize() {
   const DrawingLimits& limits = builder_.limits();
-  if (text_.size() > limits.max_file_bytes) {
-    return builder_.Refuse(ErrorCode::kTooLarge, "",
-                           fmt::format("the file has {} bytes, the limit is {}; divide "
-                                       "the drawing or raise the limit",
-                                       text_.size(), limits.max_file_bytes));
-  }
+  if (!builder_.CheckSize(text_.size())) return false;
   std::uint64_t elements = 0, attributes = 0;
   for (std::size_t i = 0; i < text_.size(); ++i) {
     if (text_[i] == '=') ++attributes;
