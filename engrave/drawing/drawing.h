@@ -1,8 +1,9 @@
 #pragma once
 
-// A drawing as curves, read from DXF, SVG, HPGL or made of text. Frame: drawing, mm, x to
-// the right, y up, z towards the viewer; flat files lie at z = 0. Pieces are exact and
-// stay so under every affine transform, so they are flattened only at their final place.
+// A drawing as curves, read from DXF, SVG, HPGL, NCI or made of text. Frame: drawing, mm,
+// x to the right, y up, z towards the viewer; flat files lie at z = 0. Pieces are exact
+// and stay so under every affine transform, so they are flattened only at their final
+// place.
 
 #include <array>
 #include <cstddef>
@@ -54,8 +55,9 @@ using Piece = std::variant<Polyline, EllipticArc, CubicBezier, Nurbs>;
 /// line joins them.
 struct Curve {
   std::vector<Piece> pieces;
-  bool closed = false;      ///< the end is joined to the beginning
-  std::uint32_t layer = 0;  ///< into Drawing::names; DXF layer, SVG group, HPGL pen
+  bool closed = false;  ///< the end is joined to the beginning
+  std::uint32_t layer =
+      0;  ///< into Drawing::names; DXF layer, SVG group, HPGL pen, NCI tool
   std::uint32_t color = 0;  ///< into Drawing::names; DXF colour number, SVG stroke
 };
 

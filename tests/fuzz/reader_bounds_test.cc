@@ -14,6 +14,7 @@
 
 #include "engrave/drawing/dxf/dxf_read.h"
 #include "engrave/drawing/hpgl_read.h"
+#include "engrave/drawing/nci/nci_read.h"
 #include "engrave/drawing/svg/svg_read.h"
 #include "engrave/formats/point_file_kinds.h"
 #include "engrave/image/image_file.h"
@@ -69,6 +70,7 @@ Status ReadDrawing(const fs::path& file, const Read& read) {
 Status ReadAsDxf(const fs::path& file) { return ReadDrawing(file, drawing::ReadDxf); }
 Status ReadAsSvg(const fs::path& file) { return ReadDrawing(file, drawing::ReadSvg); }
 Status ReadAsHpgl(const fs::path& file) { return ReadDrawing(file, drawing::ReadHpgl); }
+Status ReadAsNci(const fs::path& file) { return ReadDrawing(file, drawing::ReadNci); }
 
 /// Reads bytes of any format; the file name is added to the error here.
 Status ReadAsImage(const fs::path& file) {
@@ -79,14 +81,14 @@ Status ReadAsImage(const fs::path& file) {
   return Fail(picture.error().code, file.string() + ": " + picture.error().message);
 }
 
-constexpr std::array<Reader, 20> kReaders = {
+constexpr std::array<Reader, 21> kReaders = {
     {{"stl", ReadAsMesh},   {"obj", ReadAsMesh},   {"ply", ReadAsMesh},
      {"3mf", ReadAsMesh},   {"gltf", ReadAsMesh},  {"glb", ReadAsMesh},
      {"dae", ReadAsMesh},   {"3ds", ReadAsMesh},   {"ply", ReadAsPoints},
      {"xyz", ReadAsPoints}, {"txt", ReadAsPoints}, {"cft", ReadAsPoints},
      {"scl", ReadAsPoints}, {"dxf", ReadAsPoints}, {"none", ReadAsPoints},
      {"csv", ReadAsCsv},    {"dxf", ReadAsDxf},    {"svg", ReadAsSvg},
-     {"plt", ReadAsHpgl},   {"png", ReadAsImage}}};
+     {"plt", ReadAsHpgl},   {"nci", ReadAsNci},    {"png", ReadAsImage}}};
 
 double ProcessorSeconds() {
   rusage usage{};

@@ -38,6 +38,7 @@ MODELS = ["deploy/jobs/sample.obj", "deploy/jobs/badge.svg", "tests/data/kinds/i
           "tests/data/kinds/turned.png", "tests/data/kinds/comma.xyz"]
 PLATES = ["deploy/jobs/badge.svg", "tests/data/kinds/block_layer.dxf",
           "tests/data/kinds/arcs.plt", "tests/data/kinds/encoded.plt",
+          "tests/data/drawings/plate.nci",
           "tests/data/boards/region_pinched.gbr",
           "tests/data/boards/macro_line_of_no_length.gbr",
           "tests/data/boards/pattern_repeat.drl", "tests/data/contours/project_two_pads.xml"]

@@ -1,7 +1,7 @@
 #pragma once
 
-// The curves of a drawing (DXF, SVG, HPGL; engrave/drawing) as closed loops of lines and
-// arcs, for cuts, pockets and outlines. Frame: drawing, mm; z is left out.
+// The curves of a drawing (DXF, SVG, HPGL, NCI; engrave/drawing) as closed loops of lines
+// and arcs, for cuts, pockets and outlines. Frame: drawing, mm; z is left out.
 //
 // Circles and arcs of circles stay arcs, exactly; splines and ellipses become chords.
 // Open curves that meet are one loop: CAD programs write an outline as single lines and

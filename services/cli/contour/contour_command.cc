@@ -212,8 +212,7 @@ void AddContourCommand(command_line::Command app) {
   contour
       .AddOption("FILE", options->files,
                  "Gerber, Excellon, .kicad_pcb, project .xml, or drawings .dxf .svg "
-                 ".hpgl .plt, all in "
-                 "one frame")
+                 ".hpgl .plt .nci, all in one frame")
       .Require();
   AddContourOptions(contour, *options);
   AddSizeLimitsFlag(contour, options->size_limits);

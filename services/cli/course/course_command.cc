@@ -161,7 +161,8 @@ void AddCourseCommand(command_line::Command app) {
   auto options = std::make_shared<CourseOptions>();
   command_line::Command plan = course.AddCommand(
       "plan", "plan the speed along contours so that the deviation is kept");
-  plan.AddOption("FILE", options->file, "drawing: .dxf, .svg, .hpgl or .plt").Require();
+  plan.AddOption("FILE", options->file, "drawing: .dxf, .svg, .hpgl, .plt or .nci")
+      .Require();
   plan.AddOption("--machine", options->machine,
                  "profile: a file, or the name of a supplied one")
       .Require();

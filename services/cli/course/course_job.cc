@@ -37,9 +37,10 @@ Result<std::vector<course::Path>> ReadContours(const std::string& file, double f
   model.set_file(file);
   const auto kind = KindOf(model);
   if (!kind || *kind != ModelKind::kDrawing) {
-    return Fail(ErrorCode::kUnsupported,
-                file + ": is no drawing; give one that ends in .dxf, .svg, .hpgl or .plt",
-                file);
+    return Fail(
+        ErrorCode::kUnsupported,
+        file + ": is no drawing; give one that ends in .dxf, .svg, .hpgl, .plt or .nci",
+        file);
   }
   const ReadLimits limits = ReadLimitsTimes(size_limits);
   const std::string text = INTAGLIO_TRY(io::ReadWholeFile(file, limits.max_file_bytes));

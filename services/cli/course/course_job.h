@@ -11,9 +11,9 @@
 
 namespace intaglio::cli {
 
-/// The curves of a drawing (.dxf, .svg, .hpgl, .plt) in its own frame, mm; open curves
-/// that meet are joined. Arcs become chords that are within a micrometre of them. What
-/// the file holds that is no curve is added to `warnings`.
+/// The curves of a drawing (.dxf, .svg, .hpgl, .plt, .nci) in its own frame, mm; open
+/// curves that meet are joined. Arcs become chords that are within a micrometre of them.
+/// What the file holds that is no curve is added to `warnings`.
 Result<std::vector<course::Path>> ReadContours(const std::string& file, double feed_mm_s,
                                                double size_limits, Warnings& warnings);
 

@@ -13,7 +13,8 @@ constexpr double kAnyFeedMmS = 1;  // strokes have no speed of their own
 }  // namespace
 
 void AddDrawingOptions(command_line::Command command, DrawingOptions& options) {
-  command.AddOption("FILE", options.file, "drawing: .dxf, .svg, .hpgl or .plt").Require();
+  command.AddOption("FILE", options.file, "drawing: .dxf, .svg, .hpgl, .plt or .nci")
+      .Require();
   command.AddOption("--mark-speed", options.mark_mm_s, "mm/s with the laser on")
       .Within(0.1, 1e5)
       .ShowDefault();

@@ -20,8 +20,8 @@ struct DrawingOptions {
 /// FILE and the speeds, first of a command's options.
 void AddDrawingOptions(command_line::Command command, DrawingOptions& options);
 
-/// The contours of a drawing (.dxf, .svg, .hpgl, .plt) as strokes, its middle at the
-/// origin, mm; open curves that meet are joined. Prints the warnings of the reader.
+/// The contours of a drawing (.dxf, .svg, .hpgl, .plt, .nci) as strokes, its middle at
+/// the origin, mm; open curves that meet are joined. Prints the warnings of the reader.
 Result<std::vector<galvo::MarkStroke>> ReadMarkStrokes(const DrawingOptions& options);
 
 /// Lowest and highest coordinates of a stroke.

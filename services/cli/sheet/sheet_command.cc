@@ -201,7 +201,7 @@ void AddUseCommand(command_line::Command sheet) {
   command_line::Command use = sheet.AddCommand("use", "how much of a sheet parts use");
   use.AddOption(
          "FILE", options->files,
-         "drawing (.dxf .svg .hpgl .plt) of the parts and their holes, its "
+         "drawing (.dxf .svg .hpgl .plt .nci) of the parts and their holes, its "
          "outermost contour the sheet, or picture (.png .jpg .tif .bmp .pcx) of the "
          "sheet, parts black")
       .Require()
@@ -226,9 +226,10 @@ void AddNestCommand(command_line::Command sheet) {
   auto options = std::make_shared<SheetOptions>();
   command_line::Command nest =
       sheet.AddCommand("nest", "put parts on as few sheets as possible");
-  nest.AddOption("FILE", options->files,
-                 "drawings (.dxf .svg .hpgl .plt); each closed contour, with the holes "
-                 "in it, is a part")
+  nest.AddOption(
+          "FILE", options->files,
+          "drawings (.dxf .svg .hpgl .plt .nci); each closed contour, with the holes "
+          "in it, is a part")
       .Require();
   nest.AddOption("--sheet", options->sheet_mm, "mm, width and height of a sheet")
       .TakeValues(2)

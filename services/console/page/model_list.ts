@@ -14,7 +14,7 @@ const kinds: { ending: RegExp; methods: string[]; up: string }[] = [
     up: 'UP_AXIS_Y' },
   { ending: /\.dae$/i, methods: ['even', 'sections', 'fill', 'rays', 'solid'],
     up: 'UP_AXIS_DECLARED' },
-  { ending: /\.(dxf|svg|plt|hpgl?)$/i, methods: ['curves'], up: 'UP_AXIS_Y' },
+  { ending: /\.(dxf|svg|plt|hpgl?|nci)$/i, methods: ['curves'], up: 'UP_AXIS_Y' },
   { ending: /\.(png|jpe?g|bmp|tiff?|pcx)$/i, methods: ['halftone', 'relief'], up: 'UP_AXIS_Y' },
 ];
 const textKind = { methods: ['curves'], up: 'UP_AXIS_Y' };

@@ -30,11 +30,12 @@ constexpr std::array kEndings = {
     Ending{".dae", ModelKind::kMesh},    Ending{".3ds", ModelKind::kMesh},
     Ending{".dxf", ModelKind::kDrawing}, Ending{".svg", ModelKind::kDrawing},
     Ending{".plt", ModelKind::kDrawing}, Ending{".hpgl", ModelKind::kDrawing},
-    Ending{".png", ModelKind::kImage},   Ending{".jpg", ModelKind::kImage},
-    Ending{".jpeg", ModelKind::kImage},  Ending{".bmp", ModelKind::kImage},
-    Ending{".pcx", ModelKind::kImage},   Ending{".tif", ModelKind::kImage},
-    Ending{".tiff", ModelKind::kImage},  Ending{".xyz", ModelKind::kCloud},
-    Ending{".cft", ModelKind::kCloud},   Ending{".scl", ModelKind::kCloud},
+    Ending{".nci", ModelKind::kDrawing}, Ending{".png", ModelKind::kImage},
+    Ending{".jpg", ModelKind::kImage},   Ending{".jpeg", ModelKind::kImage},
+    Ending{".bmp", ModelKind::kImage},   Ending{".pcx", ModelKind::kImage},
+    Ending{".tif", ModelKind::kImage},   Ending{".tiff", ModelKind::kImage},
+    Ending{".xyz", ModelKind::kCloud},   Ending{".cft", ModelKind::kCloud},
+    Ending{".scl", ModelKind::kCloud},
 };
 
 using Visit = std::function<void(std::string&, const std::string&)>;

@@ -222,13 +222,14 @@ Status AddBoard(const std::string& file, std::string_view text, const Course& co
     if (contour::DrawsBackOfBoard(text)) reading.side.back = FileName(file);
     return {};
   }
-  return Fail(ErrorCode::kUnreadable,
-              file +
-                  ": is neither a drawing (.dxf, .svg, .hpgl, .plt), a project (.xml), "
-                  "a board of KiCad (.kicad_pcb), a Gerber file with %FS..*%, nor an "
-                  "Excellon file with M48; export "
-                  "one of these",
-              file);
+  return Fail(
+      ErrorCode::kUnreadable,
+      file +
+          ": is neither a drawing (.dxf, .svg, .hpgl, .plt, .nci), a project (.xml), "
+          "a board of KiCad (.kicad_pcb), a Gerber file with %FS..*%, nor an "
+          "Excellon file with M48; export "
+          "one of these",
+      file);
 }
 
 bool Encloses(const DrawnLoop& loop, const Vec2& place_mm) {

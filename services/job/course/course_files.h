@@ -47,15 +47,16 @@ struct CourseFileOptions {
 };
 
 /// Of `course.files`, whose contents are `texts`: drawings by their extension (.dxf,
-/// .svg, .hpgl, .plt), projects by theirs (.xml), boards of KiCad by theirs (.kicad_pcb;
-/// course.layer of them, of cuts their outline), Gerber and Excellon files by what they
-/// hold. Drawings are curves for a course along curves, else outlines, of exact lines and
-/// arcs both: a contour in an odd number of others is a hole of the smallest of these.
-/// What is read and not made is added to `warnings`, also before an error, and so are
-/// holes and slots beside all copper or over each other (course_holes.h); slots are
-/// milled or drilled (course_slots.h). What draws the back of a board is mirrored with
-/// all that is beside it (course_side.h). Errors as of the readers; kUnreadable: none of
-/// these; kInvalidValue: a contour that is open, with its place.
+/// .svg, .hpgl, .plt, .nci), projects by theirs (.xml), boards of KiCad by theirs
+/// (.kicad_pcb; course.layer of them, of cuts their outline), Gerber and Excellon files
+/// by what they hold. Drawings are curves for a course along curves, else outlines, of
+/// exact lines and arcs both: a contour in an odd number of others is a hole of the
+/// smallest of these. What is read and not made is added to `warnings`, also before an
+/// error, and so are holes and slots beside all copper or over each other
+/// (course_holes.h); slots are milled or drilled (course_slots.h). What draws the back of
+/// a board is mirrored with all that is beside it (course_side.h). Errors as of the
+/// readers; kUnreadable: none of these; kInvalidValue: a contour that is open, with its
+/// place.
 Result<CourseFiles> CourseFilesOf(const Course& course,
                                   const std::vector<std::string_view>& texts,
                                   const ReadLimits& limits, Warnings& warnings,

@@ -18,6 +18,7 @@
 #include "engrave/discretize/spacing/fixed_points.h"
 #include "engrave/drawing/dxf/dxf_read.h"
 #include "engrave/drawing/hpgl_read.h"
+#include "engrave/drawing/nci/nci_read.h"
 #include "engrave/drawing/svg/svg_read.h"
 #include "engrave/image/image_file.h"
 #include "engrave/mesh/placement.h"
@@ -51,6 +52,7 @@ Result<drawing::Drawing> ReadByEnding(const std::string& name, std::string_view 
   options.unit_mm = unit_mm;
   if (ending == ".dxf") return drawing::ReadDxf(file, options, name);
   if (ending == ".svg") return drawing::ReadSvg(file, options, name);
+  if (ending == ".nci") return drawing::ReadNci(file, options, name);
   return drawing::ReadHpgl(file, options, name);
 }
 

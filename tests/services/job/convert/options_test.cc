@@ -89,8 +89,8 @@ TEST(Options, UpFollowsFromTheKindAndTheFormat) {
         .placement()
         .up();
   };
-  for (const char* upright :
-       {"", "a.glb", "a.GLTF", "a.svg", "a.dxf", "a.plt", "a.png", "a.jpg", "a.bmp"}) {
+  for (const char* upright : {"", "a.glb", "a.GLTF", "a.svg", "a.dxf", "a.plt", "a.nci",
+                              "a.png", "a.jpg", "a.bmp"}) {
     EXPECT_EQ(up_of(upright), UP_AXIS_Y) << upright;
     EXPECT_EQ(up_of(upright, true), UP_AXIS_Z) << upright << ", rotated";
   }

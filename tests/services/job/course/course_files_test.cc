@@ -13,6 +13,8 @@ namespace intaglio {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::Field;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
@@ -60,6 +62,24 @@ TEST(CourseFiles, PointsOfADrawingAreAWarning) {
   EXPECT_EQ(warnings[0].weight, WarningWeight::kWarning);
   EXPECT_THAT(warnings[0].text,
               AllOf(HasSubstr("a.plt: 2 x point"), HasSubstr("(10, 0)")));
+}
+
+TEST(CourseFiles, ToolPathsAreCurvesAndTheirHolesAWarning) {
+  Course course;
+  course.add_files("a.NCI");
+  course.set_make(COURSE_MAKE_CURVES);
+  Warnings warnings;
+  const auto files = CourseFilesOf(course,
+                                   {"0\n0 0 0 5 -2 0\n1\n0 0 0 -1 9 0\n1\n0 8 0 -1 9 0\n"
+                                    "3\n0 0 8 4 8 2 -1 9 0 0\n81\n0 1 1 0\n1003\n\n"},
+                                   {}, warnings, {});
+  ASSERT_TRUE(files) << files.error().message;
+  ASSERT_THAT(files->curves, SizeIs(1));
+  EXPECT_THAT(files->curves[0].edges, SizeIs(2)) << "a line and an arc";
+  EXPECT_THAT(warnings,
+              Contains(Field(&Warning::text,
+                             AllOf(HasSubstr("a.NCI: 1 x hole of a drilling cycle"),
+                                   HasSubstr("line 9"), HasSubstr("missing")))));
 }
 
 // Digits that are wrong by a power of ten put all but the first there.

@@ -87,6 +87,14 @@ TEST_F(DeclaredUnit, OfAPageOrAPlotterIsReplacedToo) {
   EXPECT_NEAR(SourcesOf("1", {}).units_mm.at(0), 25.4, 1e-9);
 }
 
+TEST_F(DeclaredUnit, OfToolPathsIsAMillimetreOrThatOfTheJob) {
+  const std::string path = name_ + ".nci";
+  std::ofstream(path) << "0\n0 0 0 0 -2 0\n1\n0 2 0 0 9 0\n1003\n\n";
+  EXPECT_NEAR(LengthOf(SourcesOfFile(path, {})), 2, 1e-6);
+  EXPECT_NEAR(LengthOf(SourcesOfFile(path, 25.4)), 50.8, 1e-6);
+  EXPECT_NEAR(SourcesOfFile(path, 25.4).units_mm.at(0), 25.4, 1e-9);
+}
+
 TEST_F(DeclaredUnit, ThatIsUnknownNeedsTheOneOfTheJob) {
   EXPECT_NEAR(LengthOf(SourcesOf("25", 7)), 7, 1e-6);
 }

@@ -59,6 +59,7 @@ std::vector<Sample> Samples() {
           {"drawing.svg", "<svg xmlns=\"http://www.w3.org/2000/svg\">" +
                               Lines(501, "<path d=\"M0 0L9 9\"/>") + "</svg>"},
           {"drawing.plt", "IN;" + Lines(3'001, "PU0,0;PD900,900;")},
+          {"drawing.nci", Lines(3'001, "0\n0 0 0 0 -2 0\n1\n0 9 9 0 1 0\n")},
           {"picture.png", LargePicture()}};
 }
 
