@@ -280,8 +280,11 @@ Verdict CellUnderFire::Judge() const {
   }
   verdict.points = path->points_mm.size();
   std::vector<int> cracks(verdict.points, 0);
+  std::vector<std::uint64_t> crack_ticks(verdict.points, 0), ticks(verdict.points, 0);
   for (std::size_t at = cracks_before_; at < glass->cracks.size(); ++at) {
     const formats::GlassCrack& crack = glass->cracks[at];
+    if (verdict.first_tick == 0) verdict.first_tick = crack.tick;
+    verdict.last_tick = crack.tick;
     std::size_t nearest = verdict.points;
     for (std::size_t i = 0; i < verdict.points; ++i) {
       if ((path->points_mm[i] - crack.position_mm).norm() < kNearMm) nearest = i;
@@ -290,6 +293,7 @@ Verdict CellUnderFire::Judge() const {
       ++verdict.stray;
     } else {
       ++cracks[nearest];
+      crack_ticks[nearest] = crack.tick;
     }
   }
   std::vector<PointOutcome> last(verdict.points, PointOutcome::kNone);
@@ -300,6 +304,7 @@ Verdict CellUnderFire::Judge() const {
     if (record.kind == formats::JournalKind::kReopened) continue;
     open.at(record.point) = record.kind == formats::JournalKind::kIntent;
     if (!open[record.point]) last[record.point] = record.outcome;
+    if (!open[record.point]) ticks[record.point] = record.tick;
   }
   for (std::size_t i = 0; i < verdict.points; ++i) {
     verdict.made += cracks[i] > 0 ? 1 : 0;
@@ -308,6 +313,7 @@ Verdict CellUnderFire::Judge() const {
     verdict.uncertain += uncertain ? 1 : 0;
     verdict.skipped += !uncertain && cracks[i] == 0 ? 1 : 0;
     if (!uncertain && formats::IsFired(last[i]) != (cracks[i] > 0)) ++verdict.unknown;
+    if (!uncertain && cracks[i] == 1 && crack_ticks[i] != ticks[i]) ++verdict.mistimed;
   }
   return verdict;
 }

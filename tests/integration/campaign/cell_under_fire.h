@@ -27,9 +27,12 @@ struct Verdict {
   /// Points that are not made, in agreement with the journal: passed by, and in the
   /// shadow of points made since.
   std::size_t skipped = 0;
-  bool may_leave_uncertain = false;  ///< a person is asked about these
-  bool may_be_unfinished = false;    ///< its block is out of the machine
-  std::string trouble;               ///< a file that cannot be read; empty: none
+  /// Points that the journal has at another tick than the glass.
+  std::size_t mistimed = 0;
+  std::uint64_t first_tick = 0, last_tick = 0;  ///< of its cracks; 0: none
+  bool may_leave_uncertain = false;             ///< a person is asked about these
+  bool may_be_unfinished = false;               ///< its block is out of the machine
+  std::string trouble;  ///< a file that cannot be read; empty: none
 
   bool good() const {
     return trouble.empty() && points > 0 && doubled + stray + unknown == 0 &&

@@ -2,12 +2,13 @@
 // each in a cell of its own; the glass is held against the journal point by point.
 //
 //   campaign FAULT [--runs N] [--seed S] [--speed N] [--keep]
-//   campaign soak [--hours H] [--seed S]
+//   campaign soak [--hours H] [--seed S] [--if-long]
 //   campaign machine NAME [FAULT] [--runs N] [--seed S] [--keep]
 //   campaign scale [CELLS]...
 //
 // soak: job after job in one shop, with faults, over so many hours of engraving at 1 Hz;
-// memory, descriptors and threads of the services are not to grow.
+// what the services hold is not to grow (soak.h). --if-long: only with INTAGLIO_LONG=1,
+// else it ends with 77.
 //
 // machine: grbl-points, grbl-laser, mill, scan-head; the record of their controllers'
 // true places is the judge (machine_campaign.h).
@@ -22,9 +23,9 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <iostream>
 #include <map>
@@ -33,6 +34,7 @@
 #include "tests/integration/campaign/cell_under_fire.h"
 #include "tests/integration/campaign/machine_campaign.h"
 #include "tests/integration/campaign/scale.h"
+#include "tests/integration/campaign/soak.h"
 #include "tests/integration/campaign/stop_button.h"
 #include "tests/test_folder.h"
 
@@ -286,8 +288,10 @@ struct Options {
   double speed = 4;
   double hours = 1;
   bool keep = false;
+  bool if_long = false;
   std::string profile = "els-03";
 };
+constexpr int kSkipped = 77;
 
 Outcome RunOnce(const Options& options, int run, std::mt19937& random) {
   const auto folder =
@@ -351,116 +355,9 @@ int RunCampaign(const Options& options) {
   return good == options.runs ? 0 : 1;
 }
 
-/// What a process holds of the machine it runs on.
-struct Holdings {
-  long memory_kb = 0, threads = 0, descriptors = 0;
-};
-
-Holdings HoldingsOf(pid_t process) {
-  Holdings holds;
-  const std::string folder = fmt::format("/proc/{}", process);
-  std::ifstream status(folder + "/status");
-  for (std::string line; std::getline(status, line);) {
-    if (line.starts_with("VmRSS:")) holds.memory_kb = std::atol(line.c_str() + 6);
-    if (line.starts_with("Threads:")) holds.threads = std::atol(line.c_str() + 8);
-  }
-  std::error_code error;
-  const std::filesystem::directory_iterator descriptors(folder + "/fd", error), end;
-  holds.descriptors = std::distance(descriptors, end);
-  return holds;
-}
-
-/// The most of each service at any time: the bus's receive buffers come and go, 2 MB
-/// each.
-using Peaks = std::map<std::string, Holdings>;
-
-void Read(const CellUnderFire& cell, Peaks& peaks) {
-  for (const char* service :
-       {"intaglio-job-service", "intaglio-discretizer", "intaglio-sorter",
-        "intaglio-synchronizer", "intaglio-motion-bridge"}) {
-    const Holdings now = HoldingsOf(cell.ProcessOf(service));
-    Holdings& peak = peaks[service];
-    peak.memory_kb = std::max(peak.memory_kb, now.memory_kb);
-    peak.threads = std::max(peak.threads, now.threads);
-    peak.descriptors = std::max(peak.descriptors, now.descriptors);
-  }
-}
-
-/// Something that happens to a job in a shop, and is set right again.
-void Disturb(CellUnderFire& cell, std::mt19937& random) {
-  static const std::vector<std::pair<std::string, std::string>> kDisturbances = {
-      {"drop-bytes 0.001 laser", "drop-bytes 0 laser"},
-      {"drop-bytes 0.001 motion", "drop-bytes 0 motion"},
-      {"unplug laser", "plug laser"},
-      {"unplug motion", "plug motion"},
-      {"door force", "door close"},
-      {"estop press", "estop release"}};
-  const auto& [wrong, right] = kDisturbances[random() % kDisturbances.size()];
-  cell.AwaitCracks(cell.Cracks() + random() % 200, 5s);
-  cell.Press(wrong);
-  usleep(random() % 500'000);
-  cell.Press(right);
-}
-
-int PrintHoldings(Peaks before, const Peaks& now) {
-  bool grew = false;
-  for (const auto& [service, after] : now) {
-    const Holdings& first = before[service];
-    std::cout << fmt::format("| {} | {} -> {} | {} -> {} | {} -> {} |\n", service,
-                             first.memory_kb, after.memory_kb, first.threads,
-                             after.threads, first.descriptors, after.descriptors);
-    // A thread or a descriptor more is one that was not given back; of memory an
-    // allocator keeps a little in reserve.
-    constexpr long kReserveKb = 2048;
-    grew = grew || after.threads > first.threads ||
-           after.descriptors > first.descriptors ||
-           after.memory_kb > first.memory_kb + kReserveKb;
-  }
-  return grew ? 1 : 0;
-}
-
-int RunSoak(const Options& options) {
-  std::mt19937 random(options.seed);
-  const auto folder = test::FreshFolder(fmt::format("soak-{}", getpid()));
-  CellUnderFire cell(folder, fmt::format("soak-{}", getpid()), "lockstep");
-  if (!cell.OpenShop()) return 1;
-  constexpr int kMinJobs = 6;
-  double hours = 0;
-  int jobs = 0, bad = 0;
-  std::size_t points = 0, made = 0;
-  // In the first third lists, arenas and the bus's books fill up.
-  Peaks middle, last;
-  for (; hours < options.hours || jobs < kMinJobs; ++jobs) {
-    // At 1 Hz a tick is a second of the machine.
-    bool done = cell.Submit("1");
-    Disturb(cell, random);
-    done = done && cell.AwaitDoneResuming(kBound);
-    const Verdict v = cell.Judge();
-    if (!done || !v.good()) {
-      ++bad;
-      std::cerr << fmt::format(
-          "job {}: {} of {} made, {} doubled, {} stray, {} unknown, "
-          "{} uncertain; {} {}\n",
-          jobs + 1, v.made, v.points, v.doubled, v.stray, v.unknown, v.uncertain,
-          v.trouble, done ? "" : cell.Show());
-    }
-    points += v.points, made += v.made;
-    // A point a second; what passed at rest is no work.
-    hours += static_cast<double>(v.made) / 3600;
-    if (hours >= options.hours / 3) {
-      Read(cell, hours < 2 * options.hours / 3 ? middle : last);
-    }
-  }
-  std::cout << fmt::format(
-      "{} jobs, {:.1f} hours of engraving at 1 Hz, {} of {} points made, {} bad\n"
-      "| service | memory, kB | threads | descriptors |\n",
-      jobs, hours, made, points, bad);
-  return bad + PrintHoldings(middle, last) == 0 ? 0 : 1;
-}
-
 int Usage() {
   std::cerr
-      << "campaign soak [--hours H] [--seed S], or\n"
+      << "campaign soak [--hours H] [--seed S] [--if-long], or\n"
          "campaign FAULT [--runs N] [--seed S] [--speed N] [--profile NAME] [--keep], a "
          "row "
          "of\n"
@@ -485,6 +382,8 @@ int main(int argc, char** argv) {
     const std::string word = argv[i];
     if (word == "--keep") {
       options.keep = true;
+    } else if (word == "--if-long") {
+      options.if_long = true;
     } else if (word.starts_with("--") && i + 1 < argc) {
       const double value = std::strtod(argv[++i], nullptr);
       if (word == "--profile") options.profile = argv[i];
@@ -506,7 +405,10 @@ int main(int argc, char** argv) {
     return code == 2 ? Usage() : code;
   }
   if (!words.empty()) options.fault = words.front();
-  if (options.fault == "soak") return RunSoak(options);
+  if (options.fault == "soak") {
+    if (options.if_long && std::getenv("INTAGLIO_LONG") == nullptr) return kSkipped;
+    return RunSoak({options.hours, options.seed});
+  }
   if (!Faults().contains(options.fault) || options.runs < 1) return Usage();
   return RunCampaign(options);
 }
