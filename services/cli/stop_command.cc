@@ -139,7 +139,7 @@ Result<std::string> MachineToReset(MachineReports& reports, const StopOptions& o
 int ReportReset(const std::string& cell, const MachineStops& stops) {
   if (const auto held = client::WhyStillHeld(cell, stops); !held.empty())
     return ComplainWith(held, client::kExitMachine);
-  std::cout << cell << ": reset; arm or resume the job to continue\n";
+  std::cout << cell << ": reset; a job continues when it is armed or resumed\n";
   return client::kExitGood;
 }
 

@@ -98,8 +98,9 @@ std::string WhyStillHeld(const std::string& cell, const MachineStops& stops) {
   if (open.empty()) return "";
   return fmt::format("{}: the stop is reset, but the machine is still held: {}; then {}",
                      cell, fmt::join(open, ", "),
-                     open.back() == kButton ? "release the button and reset it again"
-                                            : "arm or resume the job");
+                     open.back() == kButton
+                         ? "release the button and reset it again"
+                         : "a job continues when it is armed or resumed");
 }
 
 }  // namespace intaglio::client
