@@ -11,8 +11,11 @@ namespace intaglio::job_service {
 void StoreTurn::Watch() {
   const auto now = SinceBoot();
   const std::string note = connection_->Note();
-  if (last_read_.count() >= 0 && note != last_note_)
+  if (last_read_ == kNeverRead) {
+    seen_.reset();
+  } else if (note != last_note_) {
     seen_ = SeenByStandby{note, last_read_};
+  }
   last_note_ = note;
   last_read_ = now;
 }
@@ -28,6 +31,8 @@ std::optional<JobStore> StoreTurn::Try() {
     connection_.reset();
     throw ErrorOf(address_, error);
   }
+  // From now on the notes are its own; it looks for others' when it has lost the store.
+  last_read_ = kNeverRead;
   return JobStore(std::exchange(connection_, nullptr));
 }
 

@@ -26,10 +26,12 @@ class StoreTurn {
   /// stands by. Throws StoreError: it cannot be reached, or another one has it and this
   /// one was not started to stand by.
   std::optional<JobStore> Try();
-  /// What was seen of the owner before this process; nothing when none was at work.
+  /// What was seen of the owner before this process, while this one stood by; nothing
+  /// when none was at work. Of the notes of its own it has seen nothing.
   const std::optional<SeenByStandby>& seen() const { return seen_; }
 
  private:
+  static constexpr std::chrono::nanoseconds kNeverRead{-1};
   void Watch();
 
   std::string address_;
@@ -37,7 +39,7 @@ class StoreTurn {
   std::unique_ptr<sql::Connection> connection_;  ///< that does not own it
   std::optional<SeenByStandby> seen_;
   std::string last_note_;
-  std::chrono::nanoseconds last_read_{-1};
+  std::chrono::nanoseconds last_read_ = kNeverRead;  ///< while it stands by
 };
 
 }  // namespace intaglio::job_service

@@ -423,6 +423,19 @@ TEST_F(StoreOnServer, ASecondJobServiceIsRefusedOrWaits) {
   EXPECT_EQ(store->Load(0).size(), 1u);
 }
 
+// Else the time in which it had the queue would be an absence, and cost the arm.
+TEST_F(StoreOnServer, WhoHadTheQueueHasSeenNothingOfItsOwnNotes) {
+  StoreTurn turn(server_->address(), true);
+  {
+    auto store = turn.Try();
+    ASSERT_TRUE(store);
+    store->KeepNote("boot 1 1 0\n");
+    server_->EndSessions();
+  }
+  ASSERT_TRUE(test::Eventually([&] { return turn.Try().has_value(); }));
+  EXPECT_FALSE(turn.seen());
+}
+
 TEST_F(StoreOnServer, AServerThatEndsTheSessionTakesTheOwnership) {
   JobStore store(server_->address());
   server_->EndSessions();
