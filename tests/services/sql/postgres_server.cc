@@ -28,6 +28,7 @@ namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
 constexpr uid_t kNobody = 65534;
+constexpr const char* kCopy = "copy";
 constexpr auto kPatience = 60s;
 
 /// Where Debian has the programs of the newest version; empty: nowhere.
@@ -70,7 +71,7 @@ std::optional<int> SegmentOf(const fs::path& file) {
 
 bool PostgresServer::IsInstalled() { return !Programs().empty(); }
 
-PostgresServer::PostgresServer() : port_(FreePort()) {
+PostgresServer::PostgresServer(const PostgresServer* primary) : port_(FreePort()) {
   std::string name = (fs::temp_directory_path() / "intaglio-sql-XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr) {
     error_ = "no temporary folder";
@@ -78,26 +79,34 @@ PostgresServer::PostgresServer() : port_(FreePort()) {
   }
   folder_ = name;
   if (geteuid() == 0 && chown(name.c_str(), kNobody, kNobody) != 0) error_ = "chown";
-  const int made =
-      RunProgram((Programs() / "initdb").string(),
-                 {"-D", (folder_ / "data").string(), "-U", "intaglio", "-A", "trust",
-                  "-E", "UTF8", "--locale=C", "--no-sync", "--no-instructions"},
-                 true);
-  if (made != 0) {
-    error_ = fmt::format("initdb ended with {}", made);
+  if (primary != nullptr) {
+    Follow(*primary);
     return;
   }
-  Start();
+  RunToTheEnd("initdb", {"-D", data().string(), "-U", "intaglio", "-A", "trust", "-E",
+                         "UTF8", "--locale=C", "--no-sync", "--no-instructions"});
+  if (error_.empty()) Start();
+}
+
+void PostgresServer::RunToTheEnd(const char* program,
+                                 const std::vector<std::string>& arguments) {
+  const int code = RunProgram((Programs() / program).string(), arguments, true);
+  if (code != 0) error_ = fmt::format("{} ended with {}", program, code);
 }
 
 // A server that is killed leaves its segment of shared memory, which the next one of the
 // same folder would remove: there is none.
 PostgresServer::~PostgresServer() {
-  const std::optional<int> segment = SegmentOf(folder_ / "data/postmaster.pid");
+  const std::optional<int> segment = SegmentOf(data() / "postmaster.pid");
   Kill();
   if (segment) shmctl(*segment, IPC_RMID, nullptr);
   std::error_code ignored;
   if (!folder_.empty()) fs::remove_all(folder_, ignored);
+}
+
+std::string PostgresServer::AddressWith(const PostgresServer& other) const {
+  return fmt::format("postgresql://intaglio@127.0.0.1:{},127.0.0.1:{}/postgres", port_,
+                     other.port_);
 }
 
 std::string PostgresServer::address() const {
@@ -132,19 +141,15 @@ int PostgresServer::RunProgram(const std::string& program,
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
 }
 
-bool PostgresServer::Answers() const {
-  try {
-    sql::OpenPostgres(address());
-    return true;
-  } catch (const sql::SqlError&) {
-    return false;
-  }
+bool PostgresServer::Answers() {
+  return RunProgram((Programs() / "pg_isready").string(),
+                    {"-h", "127.0.0.1", "-p", std::to_string(port_)}, true) == 0;
 }
 
 void PostgresServer::Start() {
   RunProgram((Programs() / "postgres").string(),
-             {"-D", (folder_ / "data").string(), "-h", "127.0.0.1", "-p",
-              std::to_string(port_), "-k", "", "-F",
+             {"-D", data().string(), "-h", "127.0.0.1", "-p", std::to_string(port_), "-k",
+              "", "-F",
               // Files of its own folder, in place of some in /dev/shm that stay.
               "-c", "dynamic_shared_memory_type=mmap"},
              false);
@@ -171,6 +176,43 @@ void PostgresServer::EndSessions() {
       "SELECT count(pg_terminate_backend(pid)) FROM pg_stat_activity "
       "WHERE pid <> pg_backend_pid() AND application_name = 'intaglio'");
   end->Step();
+}
+
+// The segment of shared memory of the killed one goes with its folder, as in the end.
+void PostgresServer::Follow(const PostgresServer& primary) {
+  if (const auto segment = SegmentOf(data() / "postmaster.pid"))
+    shmctl(*segment, IPC_RMID, nullptr);
+  fs::remove_all(data());
+  RunToTheEnd("pg_basebackup",
+              {"-d",
+               fmt::format("host=127.0.0.1 port={} user=intaglio application_name={}",
+                           primary.port_, kCopy),
+               "-D", data().string(), "-R", "-X", "stream", "-c", "fast", "--no-sync"});
+  if (!error_.empty()) return;
+  // The copy has the settings of its primary, which has another copy than itself.
+  std::ofstream(data() / "postgresql.conf", std::ios::app)
+      << "synchronous_standby_names = ''\n";
+  Start();
+}
+
+void PostgresServer::Promote() {
+  RunToTheEnd("pg_ctl", {"promote", "-D", data().string(), "-w"});
+}
+
+void PostgresServer::WaitForItsCopy() {
+  std::ofstream(data() / "postgresql.conf", std::ios::app)
+      << "synchronous_standby_names = '" << kCopy << "'\n";
+  kill(pid_, SIGHUP);
+  const auto connection = sql::OpenPostgres(address());
+  const test::Patience patience(kPatience);
+  for (bool follows = false; !follows && !patience.over();) {
+    std::this_thread::sleep_for(50ms);
+    follows =
+        sql::IntegerOf(*connection,
+                       "SELECT count(*) FROM pg_stat_replication WHERE sync_state = "
+                       "'sync'") > 0;
+  }
+  if (patience.over()) error_ = "no copy follows";
 }
 
 }  // namespace intaglio::test

@@ -1,7 +1,8 @@
 #pragma once
 
-// A server of PostgreSQL for one test: its own folder and port on this computer, ended
-// with its holder. As root it runs as another user, because the server refuses root.
+// Servers of PostgreSQL for one test: each has its own folder and port on this computer,
+// and ends with its holder. As root they run as another user, because the server refuses
+// root.
 
 #include <filesystem>
 #include <string>
@@ -11,7 +12,8 @@ namespace intaglio::test {
 
 class PostgresServer {
  public:
-  PostgresServer();
+  /// `primary`: this one is its copy and follows it, until it is promoted.
+  explicit PostgresServer(const PostgresServer* primary = nullptr);
   ~PostgresServer();
   PostgresServer(const PostgresServer&) = delete;
   PostgresServer& operator=(const PostgresServer&) = delete;
@@ -22,16 +24,27 @@ class PostgresServer {
   const std::string& error() const { return error_; }
   /// postgresql://... of its database.
   std::string address() const;
+  /// The same with the host of another one behind it.
+  std::string AddressWith(const PostgresServer& other) const;
 
   void Start();
   void Kill();  ///< SIGKILL, to it and its children
   /// Ends every session, as a restart of the server does.
   void EndSessions();
+  /// Makes it anew, as a copy that follows this one; it does not run before.
+  void Follow(const PostgresServer& primary);
+  /// A copy becomes a primary.
+  void Promote();
+  /// From now on a commit waits until the copy has it; returns when the copy follows.
+  void WaitForItsCopy();
 
  private:
+  std::filesystem::path data() const { return folder_ / "data"; }
+  /// A program of the server's package, awaited; an error when it fails.
+  void RunToTheEnd(const char* program, const std::vector<std::string>& arguments);
   int RunProgram(const std::string& program, const std::vector<std::string>& arguments,
                  bool wait);
-  bool Answers() const;
+  bool Answers();
 
   std::filesystem::path folder_;
   int port_ = 0, pid_ = -1;
