@@ -254,9 +254,12 @@ TEST(DefaultDatabasePath, FollowsTheEnvironment) {
       setenv(name, value, 1);
     }
   };
-  const char* home = std::getenv("HOME");
-  const std::optional<std::string> old_home =
-      home == nullptr ? std::nullopt : std::optional<std::string>(home);
+  const auto value_of = [](const char* name) {
+    const char* value = std::getenv(name);
+    return value == nullptr ? std::nullopt : std::optional<std::string>(value);
+  };
+  const auto old_home = value_of("HOME");
+  const auto old_base = value_of("INTAGLIO_MATERIALS_DB");
   set("HOME", "/home/anna");
   set("XDG_DATA_HOME", "/data");
   set("INTAGLIO_MATERIALS_DB", "/shop/glass.db");
@@ -269,6 +272,7 @@ TEST(DefaultDatabasePath, FollowsTheEnvironment) {
   set("HOME", nullptr);
   EXPECT_EQ(DefaultDatabasePath(), "/var/lib/intaglio/materials.db");
   set("HOME", old_home ? old_home->c_str() : nullptr);
+  set("INTAGLIO_MATERIALS_DB", old_base ? old_base->c_str() : nullptr);
 }
 
 }  // namespace

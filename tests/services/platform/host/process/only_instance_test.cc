@@ -112,6 +112,21 @@ TEST_P(OnlyOne, TheNextOneComesUpAfterAKill) {
   EXPECT_TRUE(Works(*third)) << third->Output();
 }
 
+// A child of a test has a base of its own, whatever the folders of the user are.
+TEST_P(OnlyOne, OpensNoMaterialBaseOfTheUser) {
+  const auto user = folder_ / "user";
+  setenv("XDG_DATA_HOME", user.c_str(), 1);
+  const auto program = Start();
+  unsetenv("XDG_DATA_HOME");
+  ASSERT_TRUE(Works(*program)) << program->Output();
+  EXPECT_FALSE(std::filesystem::exists(user));
+  if (GetParam().program != "intaglio-job-service") return;
+  const char* own = std::getenv("INTAGLIO_MATERIALS_DB");
+  ASSERT_NE(own, nullptr);
+  EXPECT_TRUE(std::string(own).starts_with(INTAGLIO_TEST_DIR)) << own;
+  EXPECT_TRUE(std::filesystem::exists(own)) << own;
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Programs, OnlyOne,
     ::testing::Values(Single{"intaglio-synchronizer", "synchronizer"},
