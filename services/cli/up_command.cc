@@ -71,7 +71,8 @@ Result<client::VirtualMachine> MachineOf(const UpOptions& options,
                                          const MachineSpec& machine,
                                          const MountedParts& mounted) {
   client::VirtualMachine virtual_machine;
-  virtual_machine.truth = client::TruthOf(machine, mounted);
+  virtual_machine.truth =
+      client::TruthOf(INTAGLIO_TRY(MachineSetTo(options.mount, machine)), mounted);
   INTAGLIO_TRY(options.truth.Change(virtual_machine.truth));
   virtual_machine.speed =
       options.lockstep ? "lockstep" : fmt::format("{}", options.speed);

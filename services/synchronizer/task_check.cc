@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engrave/optics/focus.h"
+#include "services/job/beams/laser_wavelength.h"
 #include "services/job/checks/job_check.h"
 #include "services/job/machine/machine_defaults.h"
 
@@ -116,8 +117,9 @@ std::vector<std::string> OpticsDifferences(const FrozenJob& task) {
 
 }  // namespace
 
-Status CheckTask(const FrozenJob& task, const MachineSpec& own,
+Status CheckTask(const FrozenJob& task, const MachineSpec& profile,
                  const std::string& own_file) {
+  const MachineSpec own = ForWavelengthOf(task.job().laser(), profile);
   std::vector<std::string> wrong =
       MachineDifferences(WithMachineDefaults(task.machine()), own);
   for (std::string& text : OpticsDifferences(task)) wrong.push_back(std::move(text));

@@ -11,6 +11,7 @@
 #include "engrave/core/try.h"
 #include "materials_db/index_glass.h"
 #include "services/cli/job/job_limits.h"
+#include "services/job/beams/laser_wavelength.h"
 #include "services/job/checks/course_check.h"
 #include "services/job/checks/job_check.h"
 #include "services/job/checks/mark_job_check.h"
@@ -300,6 +301,7 @@ Result<JobAndMachine> Build(const JobFlags& flags, JobSpec read,
     if (points_mm == nullptr) INTAGLIO_TRY(CheckModelsAlone(job, of_fonts));
     INTAGLIO_TRY(SetBlock(built, points_mm, limits));
   }
+  built.machine = ForWavelengthOf(job.laser(), std::move(built.machine));
   job = WithDefaults(job, built.machine);
   const auto errors =
       points_mm == nullptr ? CheckWithTexts(built, of_fonts) : CheckWithoutModels(built);
@@ -328,8 +330,7 @@ Result<JobAndMachine> BuildMarkJob(const JobFlags& flags, JobSpec read) {
   JobAndMachine built;
   built.job = std::move(read);
   INTAGLIO_TRY(SetMachineFile(flags, built.job));
-  auto machine = INTAGLIO_TRY(ReadMachineFile(built.job.machine_file()));
-  built.machine = std::move(machine);
+  built.machine = INTAGLIO_TRY(ReadMachineFile(built.job.machine_file()));
   const auto errors = CheckAll(built.job, built.machine);
   if (!errors.empty()) return tl::unexpected(JoinErrors(errors));
   built.job = WithMarkDefaults(std::move(built.job));

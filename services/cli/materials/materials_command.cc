@@ -23,6 +23,7 @@
 #include "services/cli/materials/glass_text.h"
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
+#include "services/job/beams/laser_wavelength.h"
 #include "services/job/checks/mark_job_check.h"
 #include "services/job/files/job_file.h"
 #include "services/job/files/material_record.h"
@@ -74,8 +75,10 @@ Result<Beam> BeamOf(const Flags& flags) {
     return Beam{PrintedLight{*flags.wavelength_nm, *flags.numerical_aperture}};
   }
   const auto file = INTAGLIO_TRY(FindMachineFile(flags.machine));
-  const auto machine = INTAGLIO_TRY(ReadMachineFile(file.string()));
-  INTAGLIO_TRY(CheckMakesPoints(machine));
+  const auto profile = INTAGLIO_TRY(ReadMachineFile(file.string()));
+  INTAGLIO_TRY(CheckMakesPoints(profile));
+  const MachineSpec machine = ForWavelength(
+      flags.wavelength_nm.value_or(profile.laser().wavelength_nm()), profile);
   const MachineLens* lens =
       flags.focal_mm ? FindLens(machine, *flags.focal_mm) : MountedLensOf(machine);
   if (lens == nullptr) {

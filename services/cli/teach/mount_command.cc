@@ -32,7 +32,7 @@ struct MountOptions : TeachOptions {
 
 bool IsNamed(const MountFlags& flags) {
   return !flags.block_mm.empty() || !flags.glass.empty() || flags.refractive_index > 0 ||
-         !flags.lens.empty() || !flags.piece.empty();
+         !flags.lens.empty() || !flags.piece.empty() || flags.wavelength_nm > 0;
 }
 
 /// Waits for the job service, and for what it has published of the machines.
@@ -76,7 +76,8 @@ int Mount(const MountOptions& options, const std::string& cell,
     named = std::move(*mounted);
   } else if (IsNamed(options.parts)) {
     // A block, an index and a piece are said without a profile.
-    if (!options.parts.lens.empty() || !options.parts.glass.empty())
+    if (!options.parts.lens.empty() || !options.parts.glass.empty() ||
+        options.parts.wavelength_nm > 0)
       return Complain(machine.error());
     named = NamedParts(options.parts, MachineSpec(), {}).value();
   }

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 #include "engrave/core/try.h"
 #include "materials_db/material_store.h"
+#include "services/job/beams/laser_wavelength.h"
 #include "services/job/machine/focus_offset.h"
 
 namespace intaglio::cli {
@@ -86,6 +89,12 @@ void AddFlagsWith(command_line::Command command, const char* glass_option,
                  "without a name")
       .Within(1.0, 4.0)
       .Exclude(glass);
+  command
+      .AddOption("--wavelength", flags.wavelength_nm,
+                 "the wavelength, nm, that a person has set the laser to, one of a "
+                 "profile with several: the index of the glass is the one at it; default "
+                 "the profile's laser.wavelength_nm")
+      .Within(200.0, 2000.0);
   command.AddOption(
       "--lens", flags.lens,
       fmt::format("name of the mounted lens in the profile; no job is armed for another "
@@ -109,8 +118,27 @@ void AddNamedMountFlags(command_line::Command command, MountFlags& flags) {
   AddFlagsWith(command, "--glass", "", flags);
 }
 
-Result<MountedParts> NamedParts(const MountFlags& flags, const MachineSpec& machine,
+Result<MachineSpec> MachineSetTo(const MountFlags& flags, const MachineSpec& machine) {
+  if (flags.wavelength_nm == 0) return machine;
+  const auto all_nm = WavelengthsOf(machine.laser());
+  if (std::ranges::any_of(
+          all_nm, [&](double nm) { return IsSameWavelength(nm, flags.wavelength_nm); }))
+    return ForWavelength(flags.wavelength_nm, machine);
+  return Fail(ErrorCode::kNotFound,
+              fmt::format("--wavelength: {} is none of the wavelengths of {}: {}",
+                          flags.wavelength_nm, machine.name(), fmt::join(all_nm, " ")),
+              fmt::format("{}", flags.wavelength_nm));
+}
+
+Result<MountedParts> NamedParts(const MountFlags& flags, const MachineSpec& given,
                                 const fs::path& materials_db) {
+  const MachineSpec machine = INTAGLIO_TRY(MachineSetTo(flags, given));
+  if (flags.wavelength_nm > 0 && flags.glass.empty()) {
+    return Fail(ErrorCode::kInvalidValue,
+                "--wavelength: the index of the glass follows from it; name the glass, "
+                "too",
+                fmt::format("{}", flags.wavelength_nm));
+  }
   if (machine.has_mark_line()) INTAGLIO_TRY(CheckPieceAlone(flags, machine));
   MountedParts mounted;
   mounted.piece = flags.piece;

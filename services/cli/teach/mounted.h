@@ -21,12 +21,17 @@ struct MountFlags {
   double refractive_index = 0;  ///< 0: not given
   std::string lens;
   std::string piece;
+  double wavelength_nm = 0;  ///< to which the laser is set; 0: not given
 };
 
-/// --block, --block-glass, --index, --lens and --piece, of a shop that is opened.
+/// --block, --block-glass, --index, --wavelength, --lens and --piece, of a shop that is
+/// opened.
 void AddMountFlags(command_line::Command command, MountFlags& flags);
 /// The same with --glass, of a person at the machine.
 void AddNamedMountFlags(command_line::Command command, MountFlags& flags);
+
+/// The machine with its laser at --wavelength. kNotFound: it has no such wavelength.
+Result<MachineSpec> MachineSetTo(const MountFlags& flags, const MachineSpec& machine);
 
 /// Only what was named; errors as MountedOf.
 Result<MountedParts> NamedParts(const MountFlags& flags, const MachineSpec& machine,

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engrave/core/try.h"
+#include "services/job/beams/laser_wavelength.h"
 
 namespace intaglio::drivers {
 namespace {
@@ -35,7 +36,7 @@ LinuxcncDriver::LinuxcncDriver(const MachineSpec& machine, HalOpener open,
                               machine.y().max_acceleration_mm_s2(),
                               machine.z().max_acceleration_mm_s2()),
       lead_s_(lead_s),
-      pulse_energy_mj_(machine.laser().pulse_energy_mj()),
+      energies_(FullEnergiesOf(machine.laser())),
       profile_rates_hz_(machine.laser().rates_hz().begin(),
                         machine.laser().rates_hz().end()) {
   state_.message = session_.message();
@@ -69,7 +70,8 @@ void LinuxcncDriver::BeginSession() {
   }
   identity_ = {session_.identity().power_up,     false, 1, {}, "LinuxCNC HAL",
                session_.identity().serial_number};
-  identity_.min_energy_mj = identity_.max_energy_mj = pulse_energy_mj_;
+  identity_.min_energy_mj = energies_.min_mj;
+  identity_.max_energy_mj = energies_.max_mj;
   for (const double rate_hz : profile_rates_hz_)
     if (PeriodsOf(rate_hz) != 0) identity_.rates_hz.push_back(rate_hz);
   const bool kept = now.periods >= 2 && now.periods <= kMaxPeriods;

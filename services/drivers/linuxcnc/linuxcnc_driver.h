@@ -26,6 +26,7 @@
 #include "services/drivers/linuxcnc/laser_ticks.h"
 #include "services/drivers/linuxcnc/row_course.h"
 #include "services/drivers/linuxcnc/row_jog.h"
+#include "services/job/machine/laser_setting.h"
 #include "services/platform/link/endpoint.h"
 #include "services/platform/link/steady_clock.h"
 
@@ -126,7 +127,7 @@ class LinuxcncDriver final : public MotionDriver, public LaserController {
   Box3 travel_;
   Vec3 max_speed_mm_s_, max_acceleration_mm_s2_;
   double lead_s_;
-  double pulse_energy_mj_;  ///< the only one
+  EnergyRange energies_;  ///< one of each wavelength
   std::vector<double> profile_rates_hz_;
   std::uint64_t begun_sessions_ = 0;
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "services/drivers/interface/power_up.h"
+#include "services/job/beams/laser_wavelength.h"
 
 namespace intaglio::drivers {
 namespace {
@@ -25,7 +26,9 @@ LockstepDriver::LockstepDriver(const MachineSpec& machine, link::SteadyClock clo
   identity_.lockstep = true;
   identity_.rates_hz = rates_hz_;
   identity_.model = std::move(model);
-  identity_.min_energy_mj = identity_.max_energy_mj = machine.laser().pulse_energy_mj();
+  const EnergyRange energies = FullEnergiesOf(machine.laser());
+  identity_.min_energy_mj = energies.min_mj;
+  identity_.max_energy_mj = energies.max_mj;
   passed_at_ = now();
 }
 

@@ -12,6 +12,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/drawing/font_list.h"
+#include "services/job/beams/laser_wavelength.h"
 #include "services/job/checks/block_place_check.h"
 #include "services/job/checks/course_check.h"
 #include "services/job/checks/laser_check.h"
@@ -260,9 +261,10 @@ std::vector<Finding> CheckJob(const JobSpec& job) {
   return std::move(findings.found());
 }
 
-std::vector<Finding> CheckJobOnMachine(const JobSpec& job, const MachineSpec& machine,
+std::vector<Finding> CheckJobOnMachine(const JobSpec& job, const MachineSpec& given,
                                        std::optional<double> stage_per_glass_ratio) {
-  if (job.has_marks()) return CheckMarksOnMachine(job, machine);
+  if (job.has_marks()) return CheckMarksOnMachine(job, given);
+  const MachineSpec machine = ForWavelengthOf(job.laser(), given);
   const JobSpec whole = WithDefaults(job, machine);
   Findings findings;
   if (job.block().has_size_mm()) {

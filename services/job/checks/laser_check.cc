@@ -3,17 +3,14 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 
+#include "services/job/beams/laser_wavelength.h"
 #include "services/job/head/point_pulses.h"
 #include "services/job/machine/laser_setting.h"
 
 namespace intaglio {
 namespace {
-
-// A laser line is far narrower; a profile may give 532 for 532.1.
-constexpr double kSameWavelengthNm = 0.5;
 
 // Trochimczuk 2008, table 8: E_p f < 1000 W.
 void CheckPump(const LaserOptions& laser, const LaserHead& head, Findings& findings) {
@@ -66,10 +63,11 @@ void CheckLaserOn(const LaserOptions& laser, const MachineSpec& machine,
     findings.Wrong("laser.rate_hz", laser.rate_hz(), "is none of the rates of {}: {}",
                    machine.name(), fmt::join(rates, " "));
   }
-  if (!(std::abs(laser.wavelength_nm() - head.wavelength_nm()) < kSameWavelengthNm)) {
-    findings.Wrong("laser.wavelength_nm", laser.wavelength_nm(),
-                   "is not the wavelength of {}, {}", machine.name(),
-                   head.wavelength_nm());
+  if (!IsSameWavelength(laser.wavelength_nm(), head.wavelength_nm())) {
+    const auto all_nm = WavelengthsOf(head);
+    findings.Wrong("laser.wavelength_nm", laser.wavelength_nm(), "is {} of {}, {}",
+                   all_nm.size() == 1 ? "not the wavelength" : "none of the wavelengths",
+                   machine.name(), fmt::join(all_nm, " "));
   }
   CheckEnergy("laser.pulse_energy_mj", laser.pulse_energy_mj(), machine, findings);
   CheckPump(laser, head, findings);

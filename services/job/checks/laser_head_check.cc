@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <string>
 
+#include "services/job/beams/laser_wavelength.h"
 #include "services/job/machine/laser_setting.h"
 #include "services/job/machine/profile_errors.h"
 
@@ -99,6 +100,31 @@ void CheckTiming(const LaserHead& laser, std::vector<Error>& errors) {
                     width_us, delay_us, *fastest));
 }
 
+void CheckWavelengths(const LaserHead& laser, std::vector<Error>& errors) {
+  constexpr int kMaxFurther = 7;
+  const std::string path = "laser.further_wavelengths";
+  const auto all_nm = WavelengthsOf(laser);
+  if (all_nm.size() == 1) return;
+  if (laser.further_wavelengths_size() > kMaxFurther) {
+    Wrong(errors, path,
+          fmt::format("{} are more than {}; remove what is not used",
+                      laser.further_wavelengths_size(), kMaxFurther));
+  }
+  if (!laser.energy_calibration().empty()) {
+    Wrong(errors, path,
+          "the calibrated energies, laser.energy_calibration, are those of one "
+          "wavelength; give each wavelength a profile of its own");
+  }
+  for (std::size_t i = 1; i < all_nm.size(); ++i) {
+    const auto same = std::find_if(all_nm.begin(), all_nm.begin() + i, [&](double nm) {
+      return IsSameWavelength(nm, all_nm[i]);
+    });
+    if (same == all_nm.begin() + i) continue;
+    Wrong(errors, fmt::format("{}[{}].wavelength_nm", path, i - 1),
+          fmt::format("{} is given before; remove one of the two", all_nm[i]));
+  }
+}
+
 void CheckPumpEnergy(const LaserHead& laser, std::vector<Error>& errors) {
   if (!laser.has_pump() || laser.pump().energy_j() <= MaxPumpEnergy_j(laser.pump()))
     return;
@@ -121,6 +147,7 @@ void CheckFlashHeights(const PulseTiming& timing, std::vector<Error>& errors) {
 void CheckLaserHead(const LaserHead& laser, std::vector<Error>& errors) {
   CheckRates(laser, errors);
   CheckEnergies(laser, errors);
+  CheckWavelengths(laser, errors);
   CheckPumpEnergy(laser, errors);
   CheckFlashHeights(laser.timing(), errors);
   CheckTiming(laser, errors);

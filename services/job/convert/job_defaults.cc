@@ -8,6 +8,7 @@
 #include "engrave/io/lower_case.h"
 #include "engrave/mesh/up_convention.h"
 #include "engrave/optics/pulse_focus.h"
+#include "services/job/beams/laser_wavelength.h"
 #include "services/job/convert/mark_defaults.h"
 #include "services/job/convert/model_kind.h"
 #include "services/job/convert/placeholders.h"
@@ -179,7 +180,8 @@ void FillMotion(MotionOptions& motion, const Lens& lens, const MachineSpec& mach
   if (motion.has_lq()) FillDefaults(*motion.mutable_lq());
 }
 
-void FillLaser(LaserOptions& laser, const MachineSpec& machine) {
+void FillLaser(LaserOptions& laser, const MachineSpec& given) {
+  const MachineSpec machine = ForWavelengthOf(laser, given);
   const LaserHead& head = machine.laser();
   if (!laser.has_rate_hz() && head.rates_hz_size() > 0)
     laser.set_rate_hz(DefaultRateHz(head));

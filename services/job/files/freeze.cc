@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "engrave/sort/kdz.h"
+#include "services/job/beams/laser_wavelength.h"
 #include "services/job/checks/job_check.h"
 #include "services/job/convert/job_defaults.h"
 #include "services/job/convert/mark_defaults.h"
@@ -53,7 +54,8 @@ Result<FrozenJob> FreezeMarkJob(const JobSpec& job, const MachineSpec& machine,
 Result<FrozenJob> FreezeJob(const JobSpec& job, const MachineSpec& machine,
                             const materials_db::Material& material,
                             const JobIdentity& identity) {
-  const MachineSpec whole_machine = WithMachineDefaults(machine);
+  const MachineSpec whole_machine =
+      ForWavelengthOf(job.laser(), WithMachineDefaults(machine));
   JobSpec whole = WithDefaults(job, whole_machine);
   const auto optics = OpticsOf(whole, material);
   std::vector<Finding> errors =

@@ -205,6 +205,11 @@ void CheckHeadOverBlock(const MachineSpec& machine, std::vector<Error>& errors) 
         fmt::format("{} is above laser.pulse_energy_mj, {}: no pulse would make a crack",
                     head.crack_energy_mj(), machine.laser().pulse_energy_mj()));
   }
+  if (!machine.laser().further_wavelengths().empty()) {
+    Wrong(errors, "laser.further_wavelengths",
+          "the field and the crack energy of a scan head are those of one wavelength; "
+          "give each wavelength a profile of its own");
+  }
   if (head.has_jump_and_dwell()) CheckJumps(head.jump_and_dwell(), errors);
   CheckCorrection(machine, errors);
 }

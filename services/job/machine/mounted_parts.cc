@@ -72,18 +72,27 @@ std::string LensMisfit(const FrozenJob& job, const optics::Lens& mounted) {
                                  MountCommand(job.machine().name()), name));
 }
 
+/// Empty where the laser has one wavelength.
+std::string WavelengthTextOf(const FrozenJob& job, const char* before,
+                             const char* after = " nm") {
+  if (job.machine().laser().further_wavelengths().empty()) return "";
+  return fmt::format("{}{:g}{}", before, job.machine().laser().wavelength_nm(), after);
+}
+
 std::string GlassMisfit(const FrozenJob& job, double mounted_index) {
   const MachineLens* lens = FindLens(job.machine(), job.job().lens().focal_length_mm());
   const double allowed_mm = kCrackShare * (lens == nullptr ? 0 : lens->crack_length_mm());
   const double error_mm = DepthErrorMm(job, mounted_index);
   if (error_mm <= allowed_mm) return "";
   return fmt::format(
-      "the job is for {} (refractive index {:.6g}), the block in the machine has the "
+      "the job is for {} (refractive index {:.6g}{}), the block in the machine has the "
       "index {:.6g}: the deepest points would be off by {:.3f} mm, {:.3f} mm are "
-      "allowed: no pulse is fired; insert a block of the job's glass and report it: "
-      "`{} --glass {}`",
-      job.job().glass(), job.optics().refractive_index(), mounted_index, error_mm,
-      allowed_mm, MountCommand(job.machine().name()), job.job().glass());
+      "allowed: no pulse is fired; insert a block of the job's glass{} and report it: "
+      "`{} --glass {}{}`",
+      job.job().glass(), job.optics().refractive_index(), WavelengthTextOf(job, " at "),
+      mounted_index, error_mm, allowed_mm, WavelengthTextOf(job, ", set the laser to "),
+      MountCommand(job.machine().name()), job.job().glass(),
+      WavelengthTextOf(job, " --wavelength ", ""));
 }
 
 }  // namespace
@@ -178,10 +187,14 @@ std::string MountCommandFor(const FrozenJob& job) {
   const std::string command = MountCommand(job.machine().name());
   if (ConcernsMarks(job.job(), job.machine())) return command + " --piece TEXT";
   const MountedParts parts = PartsOf(job);
-  return fmt::format("{} --block {:g} {:g} {:g} --glass {}{}", command,
+  return fmt::format("{} --block {:g} {:g} {:g} --glass {}{}{}", command,
                      parts.block_mm->x(), parts.block_mm->y(), parts.block_mm->z(),
-                     parts.glass,
+                     parts.glass, WavelengthTextOf(job, " --wavelength ", ""),
                      parts.lens_name.empty() ? "" : " --lens " + parts.lens_name);
+}
+
+std::string WantedTextOf(const FrozenJob& job) {
+  return TextOf(PartsOf(job)) + WavelengthTextOf(job, ", laser at ");
 }
 
 bool IsRealMachine(const MachineSpec& machine) {

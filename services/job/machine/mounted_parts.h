@@ -37,6 +37,10 @@ std::string TextOf(const MountedParts& mounted);
 /// What the job is for: its own block, glass and lens; of a job of marks nothing.
 MountedParts PartsOf(const FrozenJob& job);
 
+/// For people: TextOf its parts, and of a laser with several wavelengths which of them it
+/// has to be set to.
+std::string WantedTextOf(const FrozenJob& job);
+
 /// "intaglio mount --machine els-03 --block 60 30 20 --glass N-BK7 --lens f70": what a
 /// person types when the job's own parts are mounted.
 std::string MountCommandFor(const FrozenJob& job);

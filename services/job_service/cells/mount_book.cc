@@ -42,7 +42,7 @@ std::string MountBook::MisfitOf(const JobRecord& job) const {
   if (IsRealMachine(frozen.machine())) {
     const auto missing = MissingParts(frozen, mounted);
     if (!missing.empty()) {
-      const std::string wanted = TextOf(PartsOf(frozen));
+      const std::string wanted = WantedTextOf(frozen);
       return fmt::format(
           "nobody has reported what is mounted in {} ({}){}: check it and report it "
           "({}), then "

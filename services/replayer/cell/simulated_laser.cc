@@ -23,7 +23,10 @@ virtual_engraver::LaserOptions OptionsOf(const MachineSpec& machine) {
       std::clamp(static_cast<int>(machine.laser().channels()), 1, 4));
   options.lockstep = true;
   options.min_energy_mj = 0;
+  // At any of its wavelengths: the synchronizer has checked the energy of the job's.
   options.max_energy_mj = machine.laser().pulse_energy_mj();
+  for (const LaserWavelength& further : machine.laser().further_wavelengths())
+    options.max_energy_mj = std::max(options.max_energy_mj, further.pulse_energy_mj());
   options.energy_spread_ratio = 0;
   options.locks_door = machine.laser().door_lock();
   // The profile may name the one that the recorded cell had.

@@ -56,6 +56,25 @@ TEST(Mounted, AGlassIsGivenByItsNameOrItsIndex) {
   EXPECT_THAT(MountedText(*mounted, Engraver()), HasSubstr("glass of index 1.7"));
 }
 
+TEST(Mounted, TheIndexIsTheOneAtTheWavelengthThatTheLaserIsSetTo) {
+  MachineSpec machine = Engraver();
+  LaserWavelength& infrared = *machine.mutable_laser()->add_further_wavelengths();
+  infrared.set_wavelength_nm(1064);
+  infrared.set_pulse_energy_mj(70);
+  const auto mounted = [&](const std::string& glass, double wavelength_nm) {
+    MountFlags flags;
+    flags.glass = glass;
+    flags.wavelength_nm = wavelength_nm;
+    return NamedParts(flags, machine, ":memory:");
+  };
+  EXPECT_NEAR(*mounted("N-BK7", 0)->refractive_index, 1.51947, 1e-5);
+  EXPECT_NEAR(*mounted("N-BK7", 1064)->refractive_index, 1.50663, 1e-5);
+  EXPECT_THAT(mounted("N-BK7", 600).error().message,
+              HasSubstr("--wavelength: 600 is none of the wavelengths of els-03: 532 "
+                        "1064"));
+  EXPECT_THAT(mounted("", 1064).error().message, HasSubstr("name the glass, too"));
+}
+
 TEST(Mounted, WhatThereIsNotIsRefusedWithWhatThereIs) {
   const auto lens = MountedIn(true, {{}, "", 0, "f50", ""});
   ASSERT_FALSE(lens);

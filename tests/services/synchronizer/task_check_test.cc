@@ -42,6 +42,26 @@ TEST(TaskCheck, AFieldThatTheJobDoesNotHaveIsTheDefault) {
   EXPECT_THAT(RefusalOf(task, own), HasSubstr("laser.max_missed_in_a_row is 5"));
 }
 
+// The laser of the task is at another wavelength than the one that the profile names
+// first.
+TEST(TaskCheck, ATaskForAnyWavelengthOfTheProfilePasses) {
+  MachineSpec own = GoodMachine();
+  LaserWavelength& infrared = *own.mutable_laser()->add_further_wavelengths();
+  infrared.set_wavelength_nm(1064);
+  infrared.set_pulse_energy_mj(70);
+  const auto glasses = materials_db::MaterialStore::Open(":memory:");
+  JobSpec job = GoodJob();
+  job.mutable_laser()->set_pulse_energy_mj(30);
+  for (const double wavelength_nm : {532, 1064}) {
+    job.mutable_laser()->set_wavelength_nm(wavelength_nm);
+    const auto task =
+        FreezeJob(job, own, glasses->Find("N-BK7").value(), {"job", 1, "", "test"});
+    ASSERT_TRUE(task) << task.error().message;
+    EXPECT_EQ(RefusalOf(*task, own), "");
+    EXPECT_NE(RefusalOf(*task), "") << "this profile does not have it";
+  }
+}
+
 struct Change {
   const char* field;
   std::function<void(MachineSpec&)> change;
