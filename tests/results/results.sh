@@ -40,7 +40,7 @@ results_in() { # LOG_OF_CTEST LOG_WITH_ALL_OUTPUT
       result = "failed"
       if (name ~ /\. +Passed$/) result = "passed"
       if (name ~ /\*\*\*(Skipped|Not Run \(Disabled\))$/) result = "skipped"
-      sub(/ \.+(\*\*\*.*| +Passed)$/, "", name)
+      sub(/ \.+([A-Za-z ]*\*\*\*.*| +Passed)$/, "", name)  # e.g. Subprocess killed***Exception:
       results[name] = result; took[name] = seconds; names[++count] = name
       next
     }

@@ -20,6 +20,7 @@ ctest_log() {
     name=${each%=*}
     case ${each#*=} in
       passed) echo " $number/$# Test  #$number: $name .......   Passed    ${takes[$name]:-0.02} sec" ;;
+      killed) echo "$number/$# Test #$number: $name ...Subprocess killed***Exception:   0.02 sec" ;;
       *) echo "$number/$# Test #$number: $name ...***${each#*=}   ${takes[$name]:-0.02} sec" ;;
     esac
     printf '%s\n' "$number/$# Testing: $name" "Command: \"/a/test\"" "Output:" "-----" \
@@ -176,6 +177,13 @@ CrashesAndTimeoutsAreFailures() {
   run
   expect_end "1 passed, 3 failed, 0 skipped"
   expect_status 8
+}
+KilledTestThatPassesAloneIsFlaky() {
+  first=(A.B=killed C.D=passed)
+  second=(A.B=passed)
+  run
+  expect_lines "flaky: A.B failed, then passed alone"
+  expect_end "1 passed, 0 failed, 0 skipped, 1 flaky"
 }
 ReportOfASanitizerFails() {
   first=(A.B=passed)
