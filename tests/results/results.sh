@@ -142,13 +142,13 @@ print_counts() { # PASSED FAILED SKIPPED FLAKY
   echo "$1 passed, $2 failed, $3 skipped$flaky"
 }
 
-# Runs ctest, five tests at a time for two processors: one for each of them computes, and gives
-# way to the others, which mostly wait for a machine in real time and need a sixth of the
-# processors each. What failed runs once more, alone, when that is few, or the host took a
-# tenth of the processors' time or more. Prints the tests that were run twice with both
-# results, those that were skipped with their reasons, the slowest and, as the last line, the
-# closing line; all are kept in BUILD/tests.summary. Fails when a test failed (twice, if it was
-# run twice) or a sanitizer reported.
+# Runs ctest, two tests at a time for each processor: one computes, and gives way to the other,
+# which mostly waits for a machine in real time; behind those that compute two that wait. What
+# failed runs once more, alone, when that is few, or the host took a tenth of the processors'
+# time or more. Prints the tests that were run twice with both results, those that were skipped
+# with their reasons, the slowest and, as the last line, the closing line; all are kept in
+# BUILD/tests.summary. Fails when a test failed (twice, if it was run twice) or a sanitizer
+# reported.
 run_tests() { # BUILD [ARGUMENTS OF CTEST]
   local build=$1 results=$1/tests.results again=$1/tests_again.results reports=$1/reports
   local summary=$1/tests.summary
@@ -156,7 +156,7 @@ run_tests() { # BUILD [ARGUMENTS OF CTEST]
   shift
   rm -f "$summary" "$results" "$again" "$reports"/*
   read -r worked stolen < <(worked_and_stolen)
-  run_ctest "$build" "$results" -j $((5 * $(nproc) / 2)) "$@" || status=$?
+  run_ctest "$build" "$results" -j $((2 * $(nproc))) "$@" || status=$?
   taken=$(stolen_percent "$worked" "$stolen")
   failed=$(tests_that failed "$results" | wc -l)
   : > "$summary"
