@@ -18,16 +18,10 @@
 #include "engrave/io/dxf_unit.h"
 #include "engrave/io/number_text.h"
 #include "engrave/io/text_behind.h"
+#include "engrave/io/trimmed_line.h"
 
 namespace intaglio::formats {
 namespace {
-
-std::string_view Trimmed(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r";
-  const std::size_t first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
 
 struct Pair {
   int code = 0;
@@ -42,7 +36,7 @@ class Pairs {
   /// Nothing at the end. A line that is not a group code is an error.
   Result<std::optional<Pair>> Next() {
     if (rest_.empty()) return std::nullopt;
-    const std::string_view line = Trimmed(TakeLine());
+    const std::string_view line = io::TrimmedLine(TakeLine());
     Pair pair;
     const auto parsed =
         std::from_chars(line.data(), line.data() + line.size(), pair.code);
@@ -52,7 +46,7 @@ class Pairs {
                               "the drawing again, as ASCII DXF",
                               line_number_, line));
     }
-    pair.value = Trimmed(TakeLine());
+    pair.value = io::TrimmedLine(TakeLine());
     return pair;
   }
 

@@ -6,14 +6,10 @@
 #include <charconv>
 #include <cmath>
 
+#include "engrave/io/trimmed_line.h"
+
 namespace intaglio::drawing {
 namespace {
-
-std::string_view TrimmedLine(std::string_view line) {
-  const auto first = line.find_first_not_of(" \t\r");
-  if (first == line.npos) return {};
-  return line.substr(first, line.find_last_not_of(" \t\r") - first + 1);
-}
 
 std::string LinePlace(std::uint64_t line) { return fmt::format("line {}", line); }
 
@@ -31,7 +27,7 @@ std::string_view DxfGroups::NextLine() {
 bool DxfGroups::Next(DxfGroup& group) {
   if (!good_ || position_ == text_.size()) return false;
   group.line = line_;
-  const std::string_view code = TrimmedLine(NextLine());
+  const std::string_view code = io::TrimmedLine(NextLine());
   if (position_ == text_.size()) {
     if (code.empty()) return false;
     good_ = builder_.Refuse(
@@ -49,7 +45,7 @@ bool DxfGroups::Next(DxfGroup& group) {
     return false;
   }
   group.raw = NextLine();
-  group.value = TrimmedLine(group.raw);
+  group.value = io::TrimmedLine(group.raw);
   return true;
 }
 

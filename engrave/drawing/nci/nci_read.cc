@@ -14,6 +14,7 @@
 #include "engrave/drawing/nci/nci_codes.h"
 #include "engrave/drawing/pieces.h"
 #include "engrave/io/text_behind.h"
+#include "engrave/io/trimmed_line.h"
 
 namespace intaglio::drawing {
 namespace {
@@ -27,18 +28,11 @@ constexpr double kSameUnits = 1e-9;
 constexpr std::size_t kMaxParameters = 64;
 constexpr std::string_view kPostAgain = "post the operation again";
 
-std::string_view Trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r";
-  const std::size_t begin = text.find_first_not_of(kBlank);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
-}
-
 /// The next parameter of a trimmed line, which is taken off it.
 std::string_view TakeParameter(std::string_view& rest) {
   const std::size_t end = std::min(rest.find_first_of(" \t"), rest.size());
   const std::string_view word = rest.substr(0, end);
-  rest = Trimmed(rest.substr(end));
+  rest = io::TrimmedLine(rest.substr(end));
   return word;
 }
 
@@ -67,7 +61,7 @@ class NciReader {
   bool NextLine(std::string_view& line) {
     if (at_ >= text_.size()) return false;
     const std::size_t end = std::min(text_.find('\n', at_), text_.size());
-    line = Trimmed(text_.substr(at_, end - at_));
+    line = io::TrimmedLine(text_.substr(at_, end - at_));
     at_ = end + 1;
     ++line_;
     return true;
