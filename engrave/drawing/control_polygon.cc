@@ -23,6 +23,14 @@ ControlPolygon::ControlPolygon(const Nurbs& nurbs, std::size_t span)
   }
 }
 
+ControlPolygon::ControlPolygon(const ControlPolygon& other) { *this = other; }
+
+ControlPolygon& ControlPolygon::operator=(const ControlPolygon& other) {
+  degree_ = other.degree_;
+  std::copy_n(other.points_.begin(), degree_ + 1, points_.begin());
+  return *this;
+}
+
 std::pair<ControlPolygon, ControlPolygon> ControlPolygon::SplitAt(double share) const {
   std::pair<ControlPolygon, ControlPolygon> parts{ControlPolygon(degree_), *this};
   auto& rest = parts.second.points_;
@@ -34,15 +42,19 @@ std::pair<ControlPolygon, ControlPolygon> ControlPolygon::SplitAt(double share) 
   return parts;
 }
 
+// Who never turns back on the way along the chord is beside it all the way, so the
+// distance from its line is that from the chord.
 bool ControlPolygon::FollowsChord(double tolerance_mm) const {
-  const Vec3 from = Place(0), to = Place(degree_), chord = to - from;
+  const Vec3 from = Place(0), chord = Place(degree_) - from;
   const double limit_mm = tolerance_mm / Share();
-  Vec3 before = from;
+  const double limit_mm2 = limit_mm * limit_mm, chord_mm2 = chord.squaredNorm();
+  double before = 0;
   for (std::size_t i = 1; i <= degree_; ++i) {
-    const Vec3 place = Place(i);
-    if ((place - before).dot(chord) < 0) return false;
-    if (SquaredDistanceFromSegment(place, from, to) > limit_mm * limit_mm) return false;
-    before = place;
+    const Vec3 way = Place(i) - from;
+    const double along = way.dot(chord), excess_mm2 = way.squaredNorm() - limit_mm2;
+    if (along < before) return false;
+    if (excess_mm2 > 0 && excess_mm2 * chord_mm2 >= along * along) return false;
+    before = along;
   }
   return true;
 }

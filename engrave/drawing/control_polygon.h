@@ -21,6 +21,9 @@ class ControlPolygon {
   explicit ControlPolygon(const CubicBezier& bezier);
   /// From knots[span] to knots[span + 1], which is greater; degree 1 .. kMaxSplineDegree.
   ControlPolygon(const Nurbs& nurbs, std::size_t span);
+  /// Copies the points that there are: a letter's four, of sixteen that have room.
+  ControlPolygon(const ControlPolygon& other);
+  ControlPolygon& operator=(const ControlPolygon& other);
 
   /// At a share of the parameter, 0 .. 1.
   std::pair<ControlPolygon, ControlPolygon> SplitAt(double share) const;
