@@ -25,7 +25,7 @@ struct PulseOptions : TeachOptions {
   std::vector<double> block_mm;
   client::TestJob job;
   std::string machine, materials_db, out;
-  std::optional<double> energy_mj;
+  std::optional<double> energy_mj, wavelength_nm;
   FocusSeries series;
   std::uint32_t first = 0;  ///< 0: a series is made
 };
@@ -45,6 +45,11 @@ void AddPulseFlags(command_line::Command command, PulseOptions& options) {
       .AddOption("--energy", options.energy_mj,
                  "mJ of a pulse; default a tenth of the laser's")
       .Positive();
+  command
+      .AddOption("--wavelength", options.wavelength_nm,
+                 "nm, to which the laser is set, one of a profile with several; default "
+                 "the profile's laser.wavelength_nm")
+      .Within(200.0, 2000.0);
   command.AddOption("--machine", options.machine,
                     "profile; default that of the machine that is found, on its "
                     "computer");
@@ -77,6 +82,7 @@ int SubmitTest(PulseOptions& options, bool series, const SubmitFile& submit) {
   if (const int taken = TakePlace(options); taken != client::kExitGood) return taken;
   options.job.block_mm = Eigen::Map<const Vec3>(options.block_mm.data());
   options.job.energy_mj = options.energy_mj;
+  options.job.wavelength_nm = options.wavelength_nm;
   const auto ratio = client::StagePerGlassOf(options.materials_db);
   const auto file =
       series ? client::WriteFocusSeries(options.job, ratio, options.series, options.out)

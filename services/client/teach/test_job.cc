@@ -8,6 +8,7 @@
 #include "engrave/core/try.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/io/atomic_file.h"
+#include "services/job/beams/laser_wavelength.h"
 #include "services/job/fields/shapes.h"
 #include "services/job/files/job_file.h"
 #include "services/job/machine/focus_offset.h"
@@ -54,6 +55,7 @@ JobSpec JobOf(const TestJob& asked, const std::string& name, const MachineSpec& 
   job.mutable_lens()->set_focal_length_mm(lens.focal_length_mm());
   job.mutable_discretization()->set_min_spacing_mm(spacing_mm);
   job.mutable_laser()->set_pulse_energy_mj(EnergyOf(asked, machine));
+  if (asked.wavelength_nm) job.mutable_laser()->set_wavelength_nm(*asked.wavelength_nm);
   job.mutable_laser()->add_channels(asked.channel);
   // What is asked for is tried.
   job.mutable_laser()->set_energy_by_place(false);
@@ -86,6 +88,8 @@ struct Bench {
 
 Status Prepare(const TestJob& asked, const StagePerGlass& stage_per_glass, Bench& bench) {
   bench.machine = INTAGLIO_TRY(ReadMachineFile(asked.machine_file));
+  if (asked.wavelength_nm)
+    bench.machine = ForWavelength(*asked.wavelength_nm, std::move(bench.machine));
   if (!asked.block_mm.allFinite() || !(asked.block_mm.array() > 0).all())
     return Fail(ErrorCode::kInvalidValue, "block: give its size, mm, above 0");
   const std::uint32_t channels = bench.machine.laser().channels();
@@ -131,7 +135,8 @@ Result<ZeroMove> ZeroMoveOfSeries(const fs::path& folder, std::uint32_t first,
                                   const StagePerGlass& stage_per_glass) {
   const JobSpec job = INTAGLIO_TRY(ReadJobFile(folder / kTestJob));
   const auto points = INTAGLIO_TRY(formats::ReadXyz(folder / kTestPoints));
-  const MachineSpec machine = INTAGLIO_TRY(ReadMachineFile(job.machine_file()));
+  const MachineSpec machine =
+      ForWavelengthOf(job.laser(), INTAGLIO_TRY(ReadMachineFile(job.machine_file())));
   const MachineLens* lens = FindLens(machine, job.lens().focal_length_mm());
   if (lens == nullptr || points.points_mm.size() < 2 ||
       job.laser().channels_size() != 1) {

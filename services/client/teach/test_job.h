@@ -30,6 +30,8 @@ struct TestJob {
   std::uint32_t channel = 1;
   /// mJ; default: a tenth of the laser's, and not below its calibration.
   std::optional<double> energy_mj = {};
+  /// To which the laser is set, nm; default the profile's laser.wavelength_nm.
+  std::optional<double> wavelength_nm = {};
 };
 
 /// Names of the files in a job's folder.
