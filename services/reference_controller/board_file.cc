@@ -21,6 +21,7 @@ constexpr int kMaxDepth = 8;
 constexpr int kMaxRates = 32;
 constexpr std::size_t kMaxSerialNumber = 64;
 constexpr int kMaxChannels = 4;
+constexpr int kMaxSpare = link::kMaxAccessories;
 
 class BoardChecker {
  public:
@@ -57,6 +58,11 @@ class BoardChecker {
       faults_.Add(
           fmt::format("photosensors: {} for {} shutters: name one for each, or none",
                       sensors, channels));
+    }
+    for (const auto& [count, field] : {std::pair(board_.outputs_size(), "outputs"),
+                                       std::pair(board_.inputs_size(), "inputs")}) {
+      if (count > kMaxSpare)
+        faults_.Add(fmt::format("{}: {} are more than {}", field, count, kMaxSpare));
     }
     if (board_.rates_hz_size() > kMaxRates) {
       faults_.Add(fmt::format("rates_hz: {} rates are more than {}",
@@ -191,6 +197,8 @@ ControllerOptions OptionsOf(const LaserBoard& given, std::uint32_t power_up) {
   laser.signals.shutter_time_s = board.shutter_time_ms() / 1000;
   laser.min_energy_mj = laser.max_energy_mj = board.pulse_energy_mj();
   laser.locks_door = board.has_door_lock();
+  laser.output_count = static_cast<std::size_t>(board.outputs_size());
+  laser.inputs.assign(static_cast<std::size_t>(board.inputs_size()), false);
   options.sensor_window = std::chrono::nanoseconds(
       static_cast<std::int64_t>(1000 * board.sensor_window_us()));
   return options;

@@ -75,6 +75,8 @@ Result<bool> Controller::ReadInputs() {
   laser_.SetKey(on(Input::kKey));
   laser_.SetDoor(on(Input::kDoor));
   laser_.SetStopButton(!on(Input::kStop));
+  for (int i = 0; i < laser_.accessories().input_count; ++i)
+    laser_.SetInput(static_cast<std::size_t>(i), on(SpareInput(i)));
   return on(Input::kInPosition);
 }
 
@@ -86,6 +88,8 @@ Status Controller::WriteOutputs() {
     const bool open = (laser_.shutters() >> channel & 1) != 0;
     INTAGLIO_TRY(pins_.Set(ShutterOutput(channel), open));
   }
+  for (int i = 0; i < laser_.accessories().output_count; ++i)
+    INTAGLIO_TRY(pins_.Set(SpareOutput(i), (laser_.accessories().on >> i & 1) != 0));
   INTAGLIO_TRY(pins_.Set(Output::kLamp, laser_.lamp_is_on()));
   if (!locked) INTAGLIO_TRY(pins_.Set(Output::kDoorLock, false));
   alive_ = !alive_;

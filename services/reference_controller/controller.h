@@ -4,7 +4,7 @@
 // the protocol are those of the virtual engraver (laser.h, laser_end.h), and no second
 // ones; this makes its ticks of a real lamp, and real edges of its pulses.
 //
-//   a tick:  lamp trigger -> lamp sync -> key, door, stop, in-position are read
+//   a tick:  lamp trigger -> lamp sync -> key, door, stop, inputs, in-position are read
 //            -> Laser::AdvanceTick decides -> Q-switch on, off -> photosensors -> outcome
 //
 // A tick begins with the laser's lamp sync, or, where none is wired, with the lamp

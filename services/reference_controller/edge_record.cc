@@ -27,23 +27,12 @@ std::string Line(const char* name, const Spread& spread) {
 }  // namespace
 
 std::string NameOf(Output output) {
-  static constexpr std::array kNames = {"q_switch",
-                                        "shutters[0]",
-                                        "shutters[1]",
-                                        "shutters[2]",
-                                        "shutters[3]",
-                                        "lamp_trigger",
-                                        "lamp",
-                                        "door_lock",
-                                        "alive",
-                                        "x.step",
-                                        "y.step",
-                                        "z.step",
-                                        "x.direction",
-                                        "y.direction",
-                                        "z.direction",
-                                        "enable",
-                                        "in_position_output"};
+  static constexpr std::array kNames = {
+      "q_switch",     "shutters[0]", "shutters[1]", "shutters[2]", "shutters[3]",
+      "lamp_trigger", "lamp",        "door_lock",   "outputs[0]",  "outputs[1]",
+      "outputs[2]",   "outputs[3]",  "outputs[4]",  "outputs[5]",  "outputs[6]",
+      "outputs[7]",   "alive",       "x.step",      "y.step",      "z.step",
+      "x.direction",  "y.direction", "z.direction", "enable",      "in_position_output"};
   static_assert(kNames.size() == kOutputCount);
   return kNames[static_cast<std::size_t>(output)];
 }

@@ -150,6 +150,14 @@ const std::map<std::string, Output> GpioPins::kOutputs = {
     {"lamp_trigger", Output::kLampTrigger},
     {"lamp", Output::kLamp},
     {"door_lock", Output::kDoorLock},
+    {"outputs[0]", SpareOutput(0)},
+    {"outputs[1]", SpareOutput(1)},
+    {"outputs[2]", SpareOutput(2)},
+    {"outputs[3]", SpareOutput(3)},
+    {"outputs[4]", SpareOutput(4)},
+    {"outputs[5]", SpareOutput(5)},
+    {"outputs[6]", SpareOutput(6)},
+    {"outputs[7]", SpareOutput(7)},
     {"alive", Output::kAlive},
     {"x.step", Output::kStepX},
     {"y.step", Output::kStepY},
@@ -172,7 +180,15 @@ const std::map<std::string, Input> GpioPins::kInputs = {
     {"x.free", Input::kFreeX},
     {"y.free", Input::kFreeY},
     {"z.free", Input::kFreeZ},
-    {"drives", Input::kDrives}};
+    {"drives", Input::kDrives},
+    {"inputs[0]", SpareInput(0)},
+    {"inputs[1]", SpareInput(1)},
+    {"inputs[2]", SpareInput(2)},
+    {"inputs[3]", SpareInput(3)},
+    {"inputs[4]", SpareInput(4)},
+    {"inputs[5]", SpareInput(5)},
+    {"inputs[6]", SpareInput(6)},
+    {"inputs[7]", SpareInput(7)}};
 
 }  // namespace
 

@@ -98,6 +98,8 @@ SimulatedPinsOptions SimulatedPinsOf(const LaserBoard& board) {
   SimulatedPinsOptions pins;
   pins.channels = board.shutters_size();
   pins.has_lamp_sync = board.has_lamp_sync();
+  pins.output_count = board.outputs_size();
+  pins.input_count = board.inputs_size();
   const double rate_hz = OptionsOf(board, 1).laser.rates_hz.front();
   if (!board.has_lamp_trigger())
     pins.flash_period = nanoseconds(static_cast<std::int64_t>(1e9 / rate_hz));

@@ -23,6 +23,8 @@ enum class Output : std::uint8_t {
   kLampTrigger,
   kLamp,
   kDoorLock,
+  kOutput1,  ///< for other uses, and the seven behind it
+  kOutput8 = kOutput1 + 7,
   kAlive,  ///< changes while the program watches over the laser, or over the stage
   // What follows belongs to a stage.
   kStepX,
@@ -34,7 +36,7 @@ enum class Output : std::uint8_t {
   kEnable,  ///< of the drives
   kInPosition,
 };
-inline constexpr int kOutputCount = 17;
+inline constexpr int kOutputCount = 25;
 
 enum class Input : std::uint8_t {
   kKey,
@@ -51,8 +53,10 @@ enum class Input : std::uint8_t {
   kFreeY,
   kFreeZ,
   kDrives,  ///< on: no amplifier reports a fault
+  kInput1,  ///< for other uses, of the laser's board, and the seven behind it
+  kInput8 = kInput1 + 7,
 };
-inline constexpr int kInputCount = 13;
+inline constexpr int kInputCount = 21;
 
 /// `channel`: from 0.
 constexpr Output ShutterOutput(int channel) {
@@ -60,6 +64,13 @@ constexpr Output ShutterOutput(int channel) {
 }
 constexpr Input PhotosensorInput(int channel) {
   return static_cast<Input>(static_cast<int>(Input::kPhotosensor1) + channel);
+}
+/// For other uses; `index`: from 0.
+constexpr Output SpareOutput(int index) {
+  return static_cast<Output>(static_cast<int>(Output::kOutput1) + index);
+}
+constexpr Input SpareInput(int index) {
+  return static_cast<Input>(static_cast<int>(Input::kInput1) + index);
 }
 /// `axis`: 0 to 2.
 constexpr Output StepOutput(int axis) {

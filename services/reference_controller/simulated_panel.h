@@ -3,7 +3,8 @@
 // Buttons and switches of simulated boards, as lines of text on a Unix-domain socket
 // (services/virtual_engraver/lines/panel.h):
 //
-//   key on|off, door open|close, estop press|release, drives fault|ok
+//   key on|off, door open|close, estop press|release, drives fault|ok,
+//   input N on|off
 //
 // The stop button is wired to both boards. A door opens though it is locked, as one that
 // is forced.
@@ -34,6 +35,7 @@ class SimulatedPanel {
                  SimulatedStage* stage)
       : panel_(std::move(panel)), laser_(laser), stage_(stage) {}
   std::string Do(const std::string& command);
+  std::string DoInput(const std::string& command);
 
   virtual_engraver::Panel panel_;
   SimulatedPins& laser_;

@@ -18,7 +18,9 @@ SimulatedPins::SimulatedPins(SimulatedPinsOptions options, link::SteadyClock clo
       clock_(clock),
       outputs_(std::move(clock), std::move(recorded)),
       levels_(BitOf(Input::kKey) | BitOf(Input::kDoor) | BitOf(Input::kStop) |
-              BitOf(Input::kInPosition)) {}
+              BitOf(Input::kInPosition)) {
+  for (int i = 0; i < options_.input_count; ++i) Hold(SpareInput(i), true);
+}
 
 SimulatedPins::~SimulatedPins() {
   for (int output = 0; output < kOutputCount; ++output)
@@ -28,6 +30,8 @@ SimulatedPins::~SimulatedPins() {
 bool SimulatedPins::Has(Output output) const {
   if (output > Output::kAlive) return false;
   if (output == Output::kLampTrigger) return options_.flash_period.count() == 0;
+  if (output >= Output::kOutput1 && output <= Output::kOutput8)
+    return output < SpareOutput(options_.output_count);
   const int shutter = static_cast<int>(output) - static_cast<int>(Output::kShutter1);
   return shutter < 0 || shutter >= 4 || shutter < options_.channels;
 }
@@ -35,6 +39,7 @@ bool SimulatedPins::Has(Output output) const {
 bool SimulatedPins::Has(Input input) const {
   if (input == Input::kLampSync)
     return options_.has_lamp_sync || options_.flash_period.count() > 0;
+  if (input >= Input::kInput1) return input < SpareInput(options_.input_count);
   const int sensor = static_cast<int>(input) - static_cast<int>(Input::kPhotosensor1);
   return sensor < options_.channels && input < Input::kFreeX;
 }

@@ -23,6 +23,7 @@ struct SimulatedPinsOptions {
   bool has_lamp_sync = false;       ///< of the laser; else ticks begin with the trigger
   std::uint8_t blind_channels = 0;  ///< bit 0..3: their photosensors see nothing
   std::chrono::nanoseconds sync_after{0};  ///< from the lamp trigger to the lamp sync
+  int output_count = 0, input_count = 0;   ///< for other uses, 0..8
   /// The in-position output of a simulated stage, whose thread sets it; null: the input
   /// is held.
   const std::atomic<bool>* in_position = nullptr;
@@ -41,7 +42,7 @@ class SimulatedPins final : public Pins {
   Result<std::uint32_t> Levels() override;
   Result<std::optional<std::chrono::nanoseconds>> NextEdge(Input input) override;
 
-  /// Key, door, stop or in-position; all are on at first.
+  /// Key, door, stop, in-position or one for other uses; all are on at first.
   void Hold(Input input, bool on);
   bool is_on(Output output) const { return outputs_.is_on(output); }
   /// Changes of Output::kAlive.

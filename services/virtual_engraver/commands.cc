@@ -124,6 +124,17 @@ std::string Commands::DoDoor(const std::string& verb, const std::string& what) {
   return "ok";
 }
 
+std::string Commands::DoInput(const std::vector<std::string>& words) {
+  if (words.size() != 3 || (words[2] != "on" && words[2] != "off")) return "";
+  const auto number = NumberOf<unsigned>(words[1]);
+  const unsigned count = machine_.laser().accessories().input_count;
+  if (!number || *number < 1 || *number > count)
+    return fmt::format("error input 1..{} on|off: the machine has {} inputs", count,
+                       count);
+  machine_.laser().SetInput(*number - 1, words[2] == "on");
+  return "ok";
+}
+
 std::string Commands::DoStage(const std::vector<std::string>& words) {
   const std::string& verb = words[0];
   const std::string what = words.size() > 1 ? words[1] : "";
@@ -186,6 +197,7 @@ std::string Commands::DoCommand(const std::vector<std::string>& words) {
   }
   if (const std::string done = DoStage(words); !done.empty()) return done;
   if (verb == "lamp" || verb == "lamp-sync") return DoLamp(words);
+  if (verb == "input") return DoInput(words);
   if (verb == "miss" || verb == "blind") {
     const auto count = NumberOf<std::uint64_t>(what);
     if (!count) return "";

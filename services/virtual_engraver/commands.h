@@ -53,6 +53,7 @@ class Commands {
   std::string DoCommand(const std::vector<std::string>& words);
   std::string DoLamp(const std::vector<std::string>& words);
   std::string DoDoor(const std::string& verb, const std::string& what);
+  std::string DoInput(const std::vector<std::string>& words);
   std::string DoStage(const std::vector<std::string>& words);
   std::string Line(const std::string& verb, const std::string& which);
   Machine& machine_;

@@ -12,6 +12,7 @@ Laser::Laser(LaserOptions options)
     : options_(std::move(options)),
       rate_hz_(options_.rates_hz.front()),
       next_rate_hz_(rate_hz_),
+      accessories_(options_.output_count, options_.inputs),
       random_(options_.seed) {}
 
 void Laser::SetLamp(const link::LampCommand& command) {
@@ -35,6 +36,9 @@ bool Laser::Obey(LaserFrame type, std::span<const std::byte> payload) {
       return true;
     case LaserFrame::kPulseTiming:
       if (const auto m = link::Decode<link::PulseTiming>(payload)) SetTiming(*m);
+      return true;
+    case LaserFrame::kAccessoryCommand:
+      if (const auto m = link::Decode<link::AccessoryCommand>(payload)) Command(*m);
       return true;
     case LaserFrame::kArmWindow:
       if (const auto m = link::Decode<link::ArmWindow>(payload)) Decide(*m);
@@ -67,6 +71,12 @@ void Laser::MoveShutters(std::uint8_t open_mask) {
   shutters_moved_s_ = machine_s_ + 1 / rate_hz_;
 }
 
+void Laser::Command(const link::AccessoryCommand& command) {
+  accessories_.Watch(command);
+  CheckInputs();
+  accessories_.Switch(interlocked() ? std::uint8_t{0} : command.on);
+}
+
 void Laser::Decide(const link::ArmWindow& window) {
   // Beyond the end of the count there are no ticks.
   if (window.fire.empty() || window.first_tick + window.fire.size() < window.first_tick)
@@ -96,12 +106,16 @@ void Laser::Reset() {
 
 void Laser::NewSession() {
   Disarm();
+  accessories_.SwitchOff();
   disarms_taken_ = 0;
   reports_.clear();
 }
 
 void Laser::Set(bool& holds, bool now) {
-  if (holds && !now) ++openings_;
+  if (holds && !now) {
+    ++openings_;
+    accessories_.SwitchOff();
+  }
   holds = now;
 }
 
@@ -113,12 +127,14 @@ void Laser::SetStopButton(bool pressed) {
 void Laser::EnterSafeState() {
   safe_state_ = true;
   MoveShutters(0);
+  accessories_.SwitchOff();
   windows_.clear();
   decided_through_ = std::min(decided_through_, tick_);
 }
 
 bool Laser::interlocked() const {
-  return !key_on_ || !door_closed_ || !stop_released_ || stop_latched_ || safe_state_;
+  return !key_on_ || !door_closed_ || !stop_released_ || !inputs_hold_ || stop_latched_ ||
+         safe_state_;
 }
 
 bool Laser::door_locked() const {

@@ -3,8 +3,8 @@
 // The laser and its controller: lamp, warm-up, tick counter, decided ticks, interlocks,
 // shutters, Q-switch. What it may fire at a tick:
 //
-//   armed -> [gated: in position; at a place: compare output] -> key, door, stop -> no
-//   safe state -> lamp warm
+//   armed -> [gated: in position; at a place: compare output] -> key, door, stop, watched
+//   inputs -> no safe state -> lamp warm
 //         -> a shutter is open, and none moves -> [the door is locked] -> the Q-switch
 //         takes the trigger
 //         -> the commanded energy is within its range -> pulse
@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "services/platform/link/laser_protocol.h"
+#include "services/virtual_engraver/accessories.h"
 #include "services/virtual_engraver/laser_signals.h"
 
 namespace intaglio::virtual_engraver {
@@ -43,6 +44,10 @@ struct LaserOptions {
   double energy_error_ratio = 0, energy_spread_ratio = 0.02;
   unsigned seed = 0;        ///< of the spread
   bool locks_door = false;  ///< a magnet holds the door while a shutter is open
+  /// Outputs and inputs for other uses, at most link::kMaxAccessories of each; the
+  /// inputs by their levels at power-up.
+  std::size_t output_count = 0;
+  std::vector<bool> inputs = {};
 };
 
 class Laser {
@@ -57,6 +62,9 @@ class Laser {
   void SetShutters(std::uint8_t open_mask);
   void SetTiming(const link::PulseTiming& timing) { timing_ = timing; }
   const link::PulseTiming& timing() const { return timing_; }
+  /// Outputs and inputs for other uses.
+  void Command(const link::AccessoryCommand& command);
+  const link::AccessoryState& accessories() const { return accessories_.state(); }
   void Decide(const link::ArmWindow& window);
   void Disarm();
   void Stop() {
@@ -75,6 +83,11 @@ class Laser {
   /// The magnet holds the closed door: from before a shutter opens until all have closed.
   bool door_locked() const;
   void SetStopButton(bool pressed);
+  /// `input`: from 0, below accessories().input_count.
+  void SetInput(std::size_t input, bool on) {
+    accessories_.SetInput(input, on);
+    CheckInputs();
+  }
   /// The lamp has gone cold: it warms up from the beginning, if it burns.
   void CoolLamp() { lamp_s_ = 0; }
   /// Shutters closed, nothing decided, until Reset.
@@ -89,8 +102,10 @@ class Laser {
   /// The next tick is armed to fire at a place: then AdvanceTick is given the stage's
   /// compare output instead of the in-position output.
   bool NextFiresAtPlace() const;
-  /// Something could still fire without another command of the host.
-  bool MayFire() const { return shutters_ != 0 || !windows_.empty(); }
+  /// Something could still fire without another command of the host, or an output is on.
+  bool is_live() const {
+    return shutters_ != 0 || !windows_.empty() || accessories_.state().on != 0;
+  }
   /// One lamp sync later, which comes `late_s` after its time. Returns the mask of
   /// channels that fire; 0: no pulse.
   std::uint8_t AdvanceTick(bool in_position, double late_s = 0);
@@ -127,6 +142,7 @@ class Laser {
  private:
   /// One of the interlocks, counted when it lets go.
   void Set(bool& holds, bool now);
+  void CheckInputs() { Set(inputs_hold_, accessories_.hold()); }
   bool interlocked() const;
   link::TickOutcome OutcomeAt(bool armed, const link::ArmWindow& window,
                               bool in_position) const;
@@ -148,7 +164,8 @@ class Laser {
   std::uint8_t shutters_before_ = 0;  // as they were before they began to move
   double shutters_moved_s_ = -1e9;    // when they began, in machine time
   link::PulseTiming timing_ = {};
-  bool key_on_ = true, door_closed_ = true, stop_released_ = true;
+  Accessories accessories_;
+  bool key_on_ = true, door_closed_ = true, stop_released_ = true, inputs_hold_ = true;
   bool stop_latched_ = false, safe_state_ = false, lock_broken_ = false;
   std::uint64_t decided_through_ = 0;
   std::deque<link::ArmWindow> windows_;

@@ -14,6 +14,8 @@ bool LaserEnd::Poll(const link::ReliableLink::Handler& also) {
   }
   laser_.NewSession();
   line_.Send(LaserFrame::kLaserIdentity, Encode(laser_.Identity()));
+  sent_accessories_ = {};
+  SendAccessories();
   return true;
 }
 
@@ -32,7 +34,15 @@ void LaserEnd::Obey(LaserFrame type, std::span<const std::byte> payload) {
   }
 }
 
+// A controller that has none differs from nothing, and sends none.
+void LaserEnd::SendAccessories() {
+  if (laser_.accessories() == sent_accessories_ || !line_.is_up()) return;
+  sent_accessories_ = laser_.accessories();
+  line_.Send(LaserFrame::kAccessoryState, Encode(sent_accessories_));
+}
+
 void LaserEnd::SendOutcomes() {
+  SendAccessories();
   for (const link::PulseReport& report : laser_.TakeReports())
     line_.Send(LaserFrame::kPulseReport, Encode(report));
 }

@@ -151,7 +151,7 @@ void Machine::Fire(std::uint8_t channels, const Vec3& place_mm) {
 }
 
 bool Machine::Rests() const {
-  return !options_.laser.lockstep && !laser_.lamp_is_on() && !laser_.MayFire() &&
+  return !options_.laser.lockstep && !laser_.lamp_is_on() && !laser_.is_live() &&
          !stage_.running();
 }
 
@@ -204,11 +204,12 @@ std::string Machine::StatusLine() {
       "\"pulses\": {}, "
       "\"cracks\": {}, \"stage_mm\": [{}, {}, {}], \"block_mm\": [{}, {}], \"running\": "
       "{}, "
-      "\"safe_state\": {}}}",
+      "\"safe_state\": {}, \"outputs\": {}, \"inputs\": {}}}",
       laser.tick, laser.rate_hz, laser.interlocks, laser.shutters_open,
       laser_.made_pulse_count(), glass_.crack_count(), at.x(), at.y(), at.z(),
       stage_.block_mm().x(), stage_.block_mm().y(), stage_.running(),
-      (laser.interlocks & link::kSafeState) != 0);
+      (laser.interlocks & link::kSafeState) != 0, laser_.accessories().on,
+      laser_.accessories().levels);
 }
 
 }  // namespace intaglio::virtual_engraver

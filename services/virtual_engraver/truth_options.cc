@@ -162,6 +162,8 @@ void SetLaser(const TruthLaser& truth, MachineOptions& options) {
     laser.energy_spread_ratio = truth.energy_spread_ratio();
   laser.energy_error_ratio = truth.energy_error_ratio();
   laser.locks_door = truth.door_lock();
+  laser.output_count = truth.outputs();
+  laser.inputs.assign(truth.inputs().begin(), truth.inputs().end());
   if (truth.has_split_ratio()) options.split_ratio = truth.split_ratio();
 }
 

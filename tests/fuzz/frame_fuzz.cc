@@ -41,6 +41,8 @@ void TryAll(std::span<const std::byte> payload) {
   Try<PastRequest>(payload);
   Try<PulseTiming>(payload);
   Try<PastReport>(payload);
+  Try<AccessoryCommand>(payload);
+  Try<AccessoryState>(payload);
   Try<BeginRun>(payload);
   Try<Segments>(payload);
   Try<MotionIdentity>(payload);

@@ -184,6 +184,30 @@ struct Layout<PulseTiming> : OnLaserLine {
   }
 };
 
+template <>
+struct Layout<AccessoryCommand> : OnLaserLine {
+  static constexpr const char* kName = "AccessoryCommand";
+  static void Fields(auto& io, auto& m) {
+    io.Number(m.on);
+    io.Number(m.watched);
+    io.Number(m.levels);
+    io.Require((m.levels & ~m.watched) == 0);
+  }
+};
+
+template <>
+struct Layout<AccessoryState> : OnLaserLine {
+  static constexpr const char* kName = "AccessoryState";
+  static void Fields(auto& io, auto& m) {
+    io.Number(m.output_count);
+    io.Number(m.input_count);
+    io.Number(m.on);
+    io.Number(m.levels);
+    io.Require(m.output_count <= kMaxAccessories && m.input_count <= kMaxAccessories &&
+               m.on >> m.output_count == 0 && m.levels >> m.input_count == 0);
+  }
+};
+
 template Bytes Encode(const LampCommand&);
 template Bytes Encode(const ShutterCommand&);
 template Bytes Encode(const ArmWindow&);
@@ -193,6 +217,8 @@ template Bytes Encode(const PulseReport&);
 template Bytes Encode(const PastReport&);
 template Bytes Encode(const PastRequest&);
 template Bytes Encode(const PulseTiming&);
+template Bytes Encode(const AccessoryCommand&);
+template Bytes Encode(const AccessoryState&);
 template Result<LampCommand> Decode(std::span<const std::byte>);
 template Result<ShutterCommand> Decode(std::span<const std::byte>);
 template Result<ArmWindow> Decode(std::span<const std::byte>);
@@ -202,5 +228,7 @@ template Result<PulseReport> Decode(std::span<const std::byte>);
 template Result<PastReport> Decode(std::span<const std::byte>);
 template Result<PastRequest> Decode(std::span<const std::byte>);
 template Result<PulseTiming> Decode(std::span<const std::byte>);
+template Result<AccessoryCommand> Decode(std::span<const std::byte>);
+template Result<AccessoryState> Decode(std::span<const std::byte>);
 
 }  // namespace intaglio::link

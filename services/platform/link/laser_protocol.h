@@ -19,6 +19,12 @@
 // The laser has inputs and outputs of its own: lamp sync, Q-switch, photosensor and
 // shutter of each channel. Their timing is the host's to command (PulseTiming).
 //
+// Outputs and inputs for other uses (air, extraction, a clamp) are the controller's, too.
+// An output is on from a command to the next safe state, opening of an interlock, or
+// session, so that no lost host leaves it on. An input that the host has named is an
+// interlock: the controller fires nothing while it is not as commanded. A controller
+// that has none sends no AccessoryState.
+//
 // A window carries the energy of its pulses, so no lost frame and no earlier command
 // decides it: a laser that cannot make it makes none.
 
@@ -42,12 +48,15 @@ enum class LaserFrame : std::uint8_t {
   kLaserStatusRequest = 0x16,  ///< no payload
   kPastRequest = 0x17,
   kPulseTiming = 0x18,
+  kAccessoryCommand = 0x19,
   // device -> host
   kLaserIdentity = 0x20,  ///< once after every handshake
   kLaserStatus = 0x21,    ///< on request, on every change of an interlock, every 20 ms,
                           ///< at rest 40 ms
   kPulseReport = 0x22,
   kPastReport = 0x23,  ///< the answer to every kPastRequest
+  /// Behind the identity, and on every change, before what it decided about.
+  kAccessoryState = 0x24,
 };
 
 struct LampCommand {
@@ -74,6 +83,24 @@ struct PulseTiming {
 };
 inline constexpr double kMaxPulseTime_us = 1e4, kMaxShutterTime_ms = 1e3,
                         kMaxFlashHeight_mm = 1e4;
+
+/// The outputs that are on, and the inputs that permit a pulse, until the next one; bit
+/// 0: number 1.
+struct AccessoryCommand {
+  std::uint8_t on = 0;       ///< outputs; none is switched on while an interlock is open
+  std::uint8_t watched = 0;  ///< inputs that have to be as in `levels`
+  std::uint8_t levels = 0;   ///< only bits of `watched`
+};
+inline constexpr std::uint8_t kMaxAccessories = 8;
+
+/// Bits of outputs and inputs that the controller does not have are 0.
+struct AccessoryState {
+  std::uint8_t output_count = 0, input_count = 0;  ///< 0..kMaxAccessories
+  std::uint8_t on = 0;                             ///< outputs
+  std::uint8_t levels = 0;                         ///< inputs that are on
+
+  bool operator==(const AccessoryState&) const = default;
+};
 
 /// Decides ticks first_tick .. first_tick + fire.size() - 1. Ticks already decided or
 /// passed are reported as late when they were to fire, and ignored otherwise.
@@ -134,8 +161,9 @@ struct LaserStatus {
   /// kDisarm frames taken in this session. A status that counts the newest one shows for
   /// certain which of the armed ticks never fired.
   std::uint32_t disarms_taken = 0;
-  /// How often key, door or the stop button let go since power-up: a person may have
-  /// reached into the machine while no host listened, or between two statuses.
+  /// How often key, door, the stop button or a watched input let go since power-up: a
+  /// person may have reached into the machine while no host listened, or between two
+  /// statuses.
   std::uint32_t openings = 0;
 
   bool operator==(const LaserStatus&) const = default;

@@ -13,6 +13,7 @@ namespace {
 
 // What a laser controller's identity can list (services/platform/link/laser_protocol.h).
 constexpr int kMaxRates = 32;
+constexpr int kMaxInputs = 8;
 // What a controller's identity can report.
 constexpr std::size_t kMaxSerialNumber = 64;
 // What a glass record can number (engrave/formats/glass_record.h), less the first.
@@ -116,6 +117,12 @@ class Checker {
         fmt::format("are more than {}", kMaxRates));
   }
 
+  void CheckInputs(const TruthLaser& laser) {
+    if (laser.inputs_size() <= kMaxInputs) return;
+    Add("laser.inputs", fmt::format("{} inputs", laser.inputs_size()),
+        fmt::format("are more than {}", kMaxInputs));
+  }
+
   std::vector<Error> Take() { return std::move(errors_); }
 
  private:
@@ -137,6 +144,7 @@ std::vector<Error> CheckTruth(const MachineTruth& truth) {
   checker.CheckBlockStage(truth.stage());
   checker.CheckSerialNumber(truth.stage().serial_number(), "stage.serial_number");
   checker.CheckRates(truth.laser());
+  checker.CheckInputs(truth.laser());
   checker.CheckDeviations(truth.stage().positioner().mirrors());
   checker.CheckOffsets(truth.laser());
   checker.CheckStations(truth.block());

@@ -42,6 +42,7 @@ void Replace(const MachineTruth& changes, MachineTruth& truth) {
   if (changes.laser().channel_offset_mm_size() > 0) {
     truth.mutable_laser()->clear_channel_offset_mm();
   }
+  if (changes.laser().inputs_size() > 0) truth.mutable_laser()->clear_inputs();
   if (changes.block().stations_size() > 0) truth.mutable_block()->clear_stations();
   if (changes.obstacles_size() > 0) truth.clear_obstacles();
   if (changes.stage().positioner().mirrors().has_deviations())

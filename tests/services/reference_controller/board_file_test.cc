@@ -50,6 +50,17 @@ TEST(BoardFile, DefaultsAreThoseOfTheFields) {
   EXPECT_FALSE(options.laser.locks_door);
 }
 
+TEST(BoardFile, LinesForOtherUsesAreCounted) {
+  const auto board =
+      ParseBoard(std::string(kWhole) +
+                     "outputs { line: 20 } outputs { line: 21 } inputs { line: 22 }",
+                 "shop.board");
+  ASSERT_TRUE(board.has_value()) << board.error().message;
+  const ControllerOptions options = OptionsOf(*board, 1);
+  EXPECT_EQ(options.laser.output_count, 2u);
+  EXPECT_EQ(options.laser.inputs.size(), 1u);
+}
+
 TEST(BoardFile, WhatIsWrongIsNamedWithItsField) {
   EXPECT_THAT(ErrorOf(""), HasSubstr("shop.board: q_switch: is missing"));
   EXPECT_THAT(ErrorOf(""), HasSubstr("shop.board: alive: is missing"));
@@ -63,6 +74,11 @@ TEST(BoardFile, WhatIsWrongIsNamedWithItsField) {
               HasSubstr("rates_hz[0]: 10000 is outside"));
   EXPECT_THAT(ErrorOf(whole + "pulse_energy_mj: nan"), HasSubstr("pulse_energy_mj"));
   EXPECT_THAT(ErrorOf(whole + "qswitch { line: 1 }"), HasSubstr("shop.board:"));
+  std::string nine;
+  for (int i = 0; i < 9; ++i) nine += "inputs { line: " + std::to_string(20 + i) + " }";
+  EXPECT_THAT(ErrorOf(whole + nine), HasSubstr("inputs: 9 are more than 8"));
+  EXPECT_THAT(ErrorOf(whole + "outputs { line: 4 }"),
+              HasSubstr("outputs[0]: line 4 of /dev/gpiochip0 is that of q_switch"));
   std::string flashes_itself = whole + "lamp_sync { line: 14 } rates_hz: [100, 200]";
   flashes_itself.erase(flashes_itself.find("lamp_trigger"),
                        sizeof "lamp_trigger { line: 8 }");

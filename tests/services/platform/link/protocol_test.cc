@@ -33,38 +33,41 @@ bool Taken(std::span<const std::byte> payload) {
 
 using Taker = bool (*)(std::span<const std::byte>);
 
-const std::map<std::string, Taker> kTakers = {{"LampCommand", Taken<LampCommand>},
-                                              {"ShutterCommand", Taken<ShutterCommand>},
-                                              {"ArmWindow", Taken<ArmWindow>},
-                                              {"LaserIdentity", Taken<LaserIdentity>},
-                                              {"LaserStatus", Taken<LaserStatus>},
-                                              {"PulseReport", Taken<PulseReport>},
-                                              {"PastRequest", Taken<PastRequest>},
-                                              {"PastReport", Taken<PastReport>},
-                                              {"PulseTiming", Taken<PulseTiming>},
-                                              {"BeginRun", Taken<BeginRun>},
-                                              {"Segments", Taken<Segments>},
-                                              {"MotionIdentity", Taken<MotionIdentity>},
-                                              {"MotionStatus", Taken<MotionStatus>},
-                                              {"Positions", Taken<Positions>},
-                                              {"BeginTimedRun", Taken<BeginTimedRun>},
-                                              {"TimedSegments", Taken<TimedSegments>},
-                                              {"TimedPositions", Taken<TimedPositions>},
-                                              {"ControllerClock", Taken<ControllerClock>},
-                                              {"StageTolerance", Taken<StageTolerance>},
-                                              {"StageSpeed", Taken<StageSpeed>},
-                                              {"JogMove", Taken<JogMove>},
-                                              {"MoveBlock", Taken<MoveBlock>},
-                                              {"HeadPermit", Taken<HeadPermit>},
-                                              {"HeadBegin", Taken<HeadBegin>},
-                                              {"HeadBlock", Taken<HeadBlock>},
-                                              {"HeadPastRequest", Taken<HeadPastRequest>},
-                                              {"HeadIdentity", Taken<HeadIdentity>},
-                                              {"HeadStatus", Taken<HeadStatus>},
-                                              {"HeadMarks", Taken<HeadMarks>},
-                                              {"HeadWeb", Taken<HeadWeb>},
-                                              {"HeadPrint", Taken<HeadPrint>},
-                                              {"HeadPast", Taken<HeadPast>}};
+const std::map<std::string, Taker> kTakers = {
+    {"LampCommand", Taken<LampCommand>},
+    {"ShutterCommand", Taken<ShutterCommand>},
+    {"ArmWindow", Taken<ArmWindow>},
+    {"LaserIdentity", Taken<LaserIdentity>},
+    {"LaserStatus", Taken<LaserStatus>},
+    {"PulseReport", Taken<PulseReport>},
+    {"PastRequest", Taken<PastRequest>},
+    {"PastReport", Taken<PastReport>},
+    {"PulseTiming", Taken<PulseTiming>},
+    {"AccessoryCommand", Taken<AccessoryCommand>},
+    {"AccessoryState", Taken<AccessoryState>},
+    {"BeginRun", Taken<BeginRun>},
+    {"Segments", Taken<Segments>},
+    {"MotionIdentity", Taken<MotionIdentity>},
+    {"MotionStatus", Taken<MotionStatus>},
+    {"Positions", Taken<Positions>},
+    {"BeginTimedRun", Taken<BeginTimedRun>},
+    {"TimedSegments", Taken<TimedSegments>},
+    {"TimedPositions", Taken<TimedPositions>},
+    {"ControllerClock", Taken<ControllerClock>},
+    {"StageTolerance", Taken<StageTolerance>},
+    {"StageSpeed", Taken<StageSpeed>},
+    {"JogMove", Taken<JogMove>},
+    {"MoveBlock", Taken<MoveBlock>},
+    {"HeadPermit", Taken<HeadPermit>},
+    {"HeadBegin", Taken<HeadBegin>},
+    {"HeadBlock", Taken<HeadBlock>},
+    {"HeadPastRequest", Taken<HeadPastRequest>},
+    {"HeadIdentity", Taken<HeadIdentity>},
+    {"HeadStatus", Taken<HeadStatus>},
+    {"HeadMarks", Taken<HeadMarks>},
+    {"HeadWeb", Taken<HeadWeb>},
+    {"HeadPrint", Taken<HeadPrint>},
+    {"HeadPast", Taken<HeadPast>}};
 
 TEST(Protocols, EveryMessageWithAPayloadIsTakenWholeAndOnlyWhole) {
   std::size_t tried = 0;
@@ -173,6 +176,11 @@ TEST(Protocols, ValuesOutOfRangeAreRefused) {
   EXPECT_FALSE(Taken<ControllerClock>(Encode(ControllerClock{0, 1})));
   EXPECT_FALSE(Taken<StageTolerance>(Encode(StageTolerance{0})));
   EXPECT_FALSE(Taken<StageSpeed>(Encode(StageSpeed{1, 1, 0})));
+  EXPECT_FALSE(Taken<AccessoryCommand>(Encode(AccessoryCommand{0, 1, 2})));
+  EXPECT_FALSE(Taken<AccessoryState>(Encode(AccessoryState{9, 0, 0, 0})));
+  EXPECT_FALSE(Taken<AccessoryState>(Encode(AccessoryState{0, 9, 0, 0})));
+  EXPECT_FALSE(Taken<AccessoryState>(Encode(AccessoryState{2, 0, 4, 0})));
+  EXPECT_FALSE(Taken<AccessoryState>(Encode(AccessoryState{0, 2, 0, 4})));
   TimedSegments two{
       1, 0, {{1, 2, 3, 4, 5, 6, 7, false, false}, {1, 2, 3, 4, 5, 6, 8, false, false}}};
   EXPECT_TRUE(Taken<TimedSegments>(Encode(two)));
@@ -309,6 +317,14 @@ TEST(Protocols, AFileOfGoldenBytesIsReadAsTheMessagesItHolds) {
   const auto past = Decode<PastReport>(PayloadOf("PastReport"));
   ASSERT_TRUE(past);
   EXPECT_EQ(past->missed, (std::vector<std::uint8_t>{0, 8, 0}));
+  const auto accessories = Decode<AccessoryCommand>(PayloadOf("AccessoryCommand"));
+  ASSERT_TRUE(accessories);
+  EXPECT_EQ(accessories->on, 5);
+  EXPECT_EQ(accessories->watched, 0x83);
+  EXPECT_EQ(accessories->levels, 0x81);
+  const auto state = Decode<AccessoryState>(PayloadOf("AccessoryState"));
+  ASSERT_TRUE(state);
+  EXPECT_EQ(*state, (AccessoryState{3, 8, 0x05, 0x81}));
   const auto identity = Decode<LaserIdentity>(PayloadOf("LaserIdentity"));
   ASSERT_TRUE(identity);
   EXPECT_EQ(identity->rates_hz, (std::vector<double>{50, 100}));

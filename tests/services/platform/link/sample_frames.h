@@ -55,6 +55,10 @@ inline std::vector<SampleFrame> SampleFrames() {
       {"PastRequest", laser(LaserFrame::kPastRequest), Encode(PastRequest{4711, 512})},
       {"PulseTiming", laser(LaserFrame::kPulseTiming),
        Encode(PulseTiming{7.5, 150, 3, 12, 40, -0.5, 80})},
+      {"AccessoryCommand", laser(LaserFrame::kAccessoryCommand),
+       Encode(AccessoryCommand{0x05, 0x83, 0x81})},
+      {"AccessoryState", laser(LaserFrame::kAccessoryState),
+       Encode(AccessoryState{3, 8, 0x05, 0x81})},
       {"LaserIdentity", laser(LaserFrame::kLaserIdentity),
        Encode(LaserIdentity{
            0xC0FFEE, true, 4, {50, 100}, "virtual", "A-03", true, 0.5, 30, true})},
