@@ -20,7 +20,7 @@ namespace intaglio::cell {
 /// Counters of the laser controller.
 struct MachineCounters {
   std::uint32_t power_up = 0;  ///< drawn at power-up; 0: not known
-  std::uint32_t openings = 0;  ///< of key, door and stop button, since that power-up
+  std::uint32_t openings = 0;  ///< of the interlocks, since that power-up
   bool operator==(const MachineCounters&) const = default;
 };
 
@@ -37,7 +37,7 @@ class MachineWatch {
  public:
   struct Sight {
     bool laser_line_up = false;
-    bool interlocks_closed = false;  ///< key, door and stop button, as the line has them
+    bool interlocks_closed = false;  ///< key, door, stop button and inputs, by the line
     MachineCounters counters;        ///< of the laser controller, while its line is up
     bool motion_seen = false;  ///< the motion controller itself, not who has its line
   };

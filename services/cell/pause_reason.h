@@ -16,6 +16,7 @@ constexpr intaglio_PauseReason PauseReasonOf(Missing spent_by) {
     case Missing::kChain:
     case Missing::kKey:
     case Missing::kDoor:
+    case Missing::kInput:
     case Missing::kOpenedUnseen:
       return intaglio_PAUSE_INTERLOCK;
     case Missing::kPowerCycle:

@@ -27,6 +27,7 @@ Missing OpenInterlock(const ChainLinks& links) {
   if (!links.key_on) return Missing::kKey;
   if (!links.door_closed) return Missing::kDoor;
   if (!links.stop_released) return Missing::kEmergencyStop;
+  if (!links.inputs_hold) return Missing::kInput;
   return Missing::kNothing;
 }
 
@@ -70,6 +71,7 @@ Missing FirstMissing(const ChainLinks& links, bool with_shutters) {
   if (!links.key_on) return Missing::kKey;
   if (!links.door_closed) return Missing::kDoor;
   if (!links.stop_released) return Missing::kEmergencyStop;
+  if (!links.inputs_hold) return Missing::kInput;
   if (!links.no_safe_state) return Missing::kSafeState;
   if (!links.lamp_sync_counted) return Missing::kLampSync;
   if (!links.lamp_warm) return Missing::kLamp;
@@ -97,6 +99,9 @@ std::string TextOf(Missing missing) {
       return "the key switch is off: turn it on, then resume";
     case Missing::kDoor:
       return "the door is open: close it, then resume";
+    case Missing::kInput:
+      return "an input that the machine profile names is not as a job needs it: check "
+             "what is connected to it, then resume";
     case Missing::kSafeState:
       return "the laser controller has closed its shutters by itself: check the machine, "
              "then resume to reset it";
@@ -119,8 +124,10 @@ std::string TextOf(Missing missing) {
       return "the lock of the door does not hold while a shutter is open: check its "
              "magnet, then resume";
     case Missing::kOpenedUnseen:
-      return "key, door or stop button was opened, or the controller stopped by itself "
-             "(hold, alarm, limit, error): check the machine and what is in it, then "
+      return "key, door, stop button or an input was opened, or the controller stopped "
+             "by "
+             "itself (hold, alarm, limit, error): check the machine and what is in it, "
+             "then "
              "resume or cancel";
     case Missing::kPowerCycle:
       return "the controller was switched off and on, or reset, or is watched anew: "
@@ -171,7 +178,8 @@ void PermissionChain::Watch(const ChainLinks& links, std::chrono::nanoseconds no
 
 Missing PermissionChain::CheckForUnseenEvent(const ChainLinks& links,
                                              std::chrono::nanoseconds now) {
-  const bool closed = links.key_on && links.door_closed && links.stop_released;
+  const bool closed =
+      links.key_on && links.door_closed && links.stop_released && links.inputs_hold;
   const bool motion_seen = links.motion_fresh && !links.motion_line_down;
   return ReasonOf(
       watch_.Update({links.laser_line_up, closed, links.counters, motion_seen}, now));

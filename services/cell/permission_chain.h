@@ -4,14 +4,14 @@
 // fresh; if one is missing, nothing is fired:
 //
 //   operator's arm (this job, this epoch, fresh, not spent) -> no emergency stop on the
-//   bus -> laser line up -> key on -> door closed -> stop released -> no safe state ->
-//   lamp on and warm -> motion state fresh, no fault -> block at the job's place ->
-//   [shutters open -> door locked]
+//   bus -> laser line up -> key on -> door closed -> stop released -> inputs of the
+//   profile as it needs them -> no safe state -> lamp on and warm -> motion state fresh,
+//   no fault -> block at the job's place -> [shutters open -> door locked]
 //
 // Each arm by a person is a grant with a number of its own, greater than those before. It
-// is spent when key, door or a stop opens, also before the first run, and by every fault
-// of a run. A spent grant is void, however often it is repeated and whatever was
-// withdrawn in between: only a greater one counts. The loss of a line or of a
+// is spent when key, door, a stop or an input opens, also before the first run, and by
+// every fault of a run. A spent grant is void, however often it is repeated and whatever
+// was withdrawn in between: only a greater one counts. The loss of a line or of a
 // neighbouring process spends only the grant's renewal, which the job service may replace
 // by a greater one by itself, unless an interlock is open meanwhile (IsLostLine). What a
 // controller reports of itself is never a lost line: a stop of its own (hold, alarm,
@@ -43,11 +43,12 @@
 //      line down, a fault, or the grant withdrawn: it is spent
 // clang-format on
 //
-// Interlocks: the stop on the bus always; key, door and the machine's stop as the line
-// reports them: kClear is not reached while the line is down. The machine keeps its stop
-// latched until it is reset, which is allowed in kResetting, and, for a safe state, in
-// kClear: an arm includes the consent to this reset. So does the release of a stop on the
-// bus by a person, which grants nothing (services/synchronizer/laser_stop.h).
+// Interlocks: the stop on the bus always; key, door, the machine's stop and the inputs
+// that its profile names as the line reports them: kClear is not reached while the line
+// is down. The machine keeps its stop latched until it is reset, which is allowed in
+// kResetting, and, for a safe state, in kClear: an arm includes the consent to this
+// reset. So does the release of a stop on the bus by a person, which grants nothing
+// (services/synchronizer/laser_stop.h).
 
 #include <chrono>
 #include <compare>
@@ -74,6 +75,7 @@ struct ChainLinks {
   bool key_on = false;
   bool door_closed = false;
   bool stop_released = false;  ///< the machine's own button
+  bool inputs_hold = true;     ///< that the profile names, or it names none
   bool no_safe_state = false;
   bool lamp_sync_counted = false;
   bool lamp_warm = false;
@@ -101,6 +103,7 @@ enum class Missing : std::uint8_t {
   kChain,  ///< key, door and stop, which are one input of the machine
   kKey,
   kDoor,
+  kInput,
   kSafeState,
   kLampSync,
   kLamp,

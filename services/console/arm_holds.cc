@@ -58,6 +58,8 @@ Obstacle ObstacleOf(const client::ShopSnapshot& shop, const std::string& cell) {
   }
   if (!machine.key_on) return {"key_off", cell + ": the key is off: turn it on"};
   if (!machine.door_closed) return {"door_open", cell + ": the door is open: close it"};
+  if (!machine.open_input.empty())
+    return {"input_open", fmt::format("{}: {}", cell, machine.open_input)};
   if (BlockIn(shop, cell).empty()) {
     return {"not_mounted",
             fmt::format("{}: nobody has reported what is mounted: {} --block X Y Z "

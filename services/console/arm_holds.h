@@ -54,7 +54,8 @@ class ArmHolds {
 
 /// Why no hold begins at a machine.
 struct Obstacle {
-  std::string code;  ///< not_mounted, line_down, key_off, door_open, stop_pressed
+  std::string code;  ///< not_mounted, line_down, key_off, door_open, input_open,
+                     ///< stop_pressed
   std::string message;
 };
 /// The first thing that is in the way of a job at this machine; an empty code: nothing.

@@ -15,7 +15,7 @@ namespace intaglio::drivers {
 namespace {
 
 constexpr std::array kLaserKinds = {
-    LaserDriverKind{"virtual-laser", true, &MakeVirtualLaserDriver},
+    LaserDriverKind{"virtual-laser", true, &MakeVirtualLaserDriver, true},
     // The same frames, from the motion bridge.
     LaserDriverKind{kMotionOutput, true, &MakeVirtualLaserDriver},
 };
@@ -34,6 +34,18 @@ std::string RuntimeFolder() {
 
 std::span<const LaserDriverKind> LaserDriverKinds() { return kLaserKinds; }
 
+Status CheckAccessoryLine(const MachineSpec& machine, const LaserDriverKind& kind) {
+  const bool names_any = machine.outputs_size() + machine.inputs_size() > 0;
+  if (!names_any || kind.serves_accessories) return {};
+  return Fail(
+      ErrorCode::kUnsupported,
+      fmt::format("{}: a laser_line of the protocol '{}' serves no outputs and no "
+                  "inputs for other uses; connect them to the controller's own "
+                  "chain, and remove the field",
+                  machine.outputs_size() > 0 ? "outputs" : "inputs", kind.protocol),
+      std::string(kind.protocol));
+}
+
 std::string LaserDeviceOf(const MachineSpec& machine) {
   const SerialLine& line = machine.laser_line();
   if (!line.device().empty() || line.protocol() != kMotionOutput) return line.device();
@@ -47,6 +59,7 @@ Result<std::unique_ptr<LaserController>> MakeLaserDriver(const MachineSpec& mach
   const auto kind = INTAGLIO_TRY(link::FindDriver(
       LaserDriverKinds(), {"laser_line", line.protocol(), line.device()}));
   if (line.protocol() == kMotionOutput) INTAGLIO_TRY(CheckMotionOutput(machine));
+  INTAGLIO_TRY(CheckAccessoryLine(machine, *kind));
   return kind->make(whole, link::EndpointOpener(line.device(), line.baud()),
                     link::MonotonicClock());
 }

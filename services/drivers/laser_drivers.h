@@ -23,7 +23,11 @@ struct LaserDriverKind {
   std::unique_ptr<LaserController> (*make)(const MachineSpec& machine,
                                            link::StreamOpener open,
                                            link::SteadyClock clock);
+  bool serves_accessories = false;  ///< outputs and inputs of the profile
 };
+
+/// kUnsupported: the profile names outputs or inputs, and this family serves none.
+Status CheckAccessoryLine(const MachineSpec& machine, const LaserDriverKind& kind);
 
 /// All there are.
 std::span<const LaserDriverKind> LaserDriverKinds();

@@ -53,6 +53,10 @@ std::vector<Error> CheckDrivers(const MachineSpec& machine) {
       marks != nullptr && marks->check != nullptr) {
     for (Error& error : marks->check(machine)) errors.push_back(std::move(error));
   }
+  if (const auto* laser = KindOf(LaserDriverKinds(), machine.laser_line().protocol())) {
+    if (const Status served = CheckAccessoryLine(machine, *laser); !served)
+      errors.push_back(served.error());
+  }
   const auto* kind = KindOf(MotionDriverKinds(), machine.motion_line().protocol());
   if (kind == nullptr) return errors;
   if (machine.laser_line().protocol() == kMotionOutput) {

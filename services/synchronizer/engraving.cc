@@ -29,6 +29,7 @@ SkipReason ReasonOf(Missing missing) {
     case Missing::kKey:
     case Missing::kDoor:
     case Missing::kDoorLock:
+    case Missing::kInput:
     case Missing::kSafeState:
     case Missing::kOpenedUnseen:
       return SkipReason::kInterlock;
@@ -84,6 +85,9 @@ Engraving::Activity Engraving::activity() const {
 }
 
 std::string Engraving::TextFor(Missing missing) const {
+  const std::string& open_input = laser_.accessories().open_input;
+  if (missing == Missing::kInput && !open_input.empty())
+    return open_input + ", then resume";
   const bool of_stage =
       missing == Missing::kMotionFault || missing == Missing::kOpenedUnseen;
   return of_stage && !motion_message_.empty() ? motion_message_ : TextOf(missing);

@@ -79,10 +79,12 @@ void Publisher::PublishLaser(const drivers::LaserController& laser,
            ? laser.status().interlocks | laser.status().shutters_open << 8 | 1u << 16
            : 0) |
       (stop.pressed() ? 1u << 17 : 0u);
+  const drivers::Accessories& accessories = laser.accessories();
   if (interlocks != published_interlocks_ || stop.revision() != published_stop_ ||
-      now >= next_interlock_) {
+      accessories != published_accessories_ || now >= next_interlock_) {
     published_interlocks_ = interlocks;
     published_stop_ = stop.revision();
+    published_accessories_ = accessories;
     next_interlock_ = now + kInterlockPeriod;
     PublishInterlock(laser, stop, now);
   }
@@ -129,6 +131,8 @@ void Publisher::PublishInterlock(const drivers::LaserController& laser,
     sample.safe_state = laser.Has(link::kSafeState);
     sample.door_locked = laser.Has(link::kDoorLocked);
     sample.shutters_open = laser.status().shutters_open;
+    sample.open_input = Borrow(laser.accessories().open_input);
+    sample.outputs_on = Borrow(laser.accessories().on_names);
   }
   (void)interlocks_.Write(sample);
   reporter_.Update(sample);

@@ -55,6 +55,7 @@ class Publisher {
   std::chrono::nanoseconds next_status_{0};
   std::uint32_t published_interlocks_ = 0xffffffff;
   std::uint64_t published_stop_ = 0;
+  drivers::Accessories published_accessories_;
   std::chrono::nanoseconds next_interlock_{0};
 };
 

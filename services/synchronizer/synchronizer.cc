@@ -8,6 +8,7 @@
 #include "engrave/core/try.h"
 #include "services/cell/begun_job.h"
 #include "services/job/files/job_file.h"
+#include "services/job/machine/accessories.h"
 #include "services/job/machine/block_origin.h"
 #include "services/job/machine/zero_change.h"
 #include "services/platform/bus/role_names.h"
@@ -52,6 +53,7 @@ Synchronizer::Synchronizer(host::ServiceHost& host, const MachineSpec& machine,
       light_(laser_, LowestRate(machine_)),
       lamp_hold_(laser_, machine_.laser().lamp_hold_s(), LowestRate(machine_)),
       laser_stop_(laser_),
+      outputs_(laser_, OutputsUnderArm(machine_, false), OutputsUnderArm(machine_, true)),
       feed_([this](const intaglio_MotionSegmentBatch& b) { return segments_.Write(b); },
             [this](const std::string& stream) { return credit_.Find(stream); }),
       drive_(host.bus(), cell_, host.instance()),
@@ -82,6 +84,7 @@ void Synchronizer::Turn(std::chrono::nanoseconds now) {
     (void)intake_.Poll();  // what is left would wake the loop again and again
   }
   task_.Turn();
+  TurnOutputs();
   publisher_.PublishLaser(laser_, task_.permission().stop(), now);
   publisher_.Flush(now, false);
 }
@@ -376,6 +379,14 @@ void Synchronizer::TurnLight() {
   const bool stopped = task_.leaves() || task_.permission().stopped();
   lamp_hold_.Turn(stopped, now_);
   light_.Turn(!task_.has_job() && !stopped, now_);
+}
+
+void Synchronizer::TurnOutputs() {
+  const bool armed = engraving_ && engraving_->has_lamp() && task_.has_grant() &&
+                     !task_.leaves() &&
+                     engraving_->activity() != WorkStates::Activity::kDone;
+  outputs_.Turn(armed, armed && engraving_->activity() == WorkStates::Activity::kRuns,
+                now_);
 }
 
 void Synchronizer::Drop() {

@@ -23,6 +23,7 @@
 #include "services/synchronizer/laser_stop.h"
 #include "services/synchronizer/light_by_hand.h"
 #include "services/synchronizer/motion_intake.h"
+#include "services/synchronizer/outputs.h"
 #include "services/synchronizer/publisher.h"
 
 namespace intaglio::synchronizer {
@@ -41,7 +42,9 @@ class Synchronizer final : private Maker {
   /// No more pulses: disarms, closes the shutters. Turn until stopped(). The job is not
   /// over: the next synchronizer that is given it takes it up from the journal.
   void Stop();
-  bool stopped() const { return !engraving_ && !(lamp_hold_.holds() && laser_.up()); }
+  bool stopped() const {
+    return !engraving_ && !(lamp_hold_.holds() && laser_.up()) && !outputs_.any_on();
+  }
   /// Another synchronizer has the laser: Turn does nothing more.
   bool taken_over() const { return laser_.taken_over(); }
 
@@ -96,6 +99,7 @@ class Synchronizer final : private Maker {
   void CheckZeros();
   void PrepareAnew();
   void TurnLight();
+  void TurnOutputs();
 
   host::ServiceHost& host_;
   MachineSpec machine_;
@@ -114,6 +118,7 @@ class Synchronizer final : private Maker {
   LightByHand light_;
   LampHold lamp_hold_;
   LaserStop laser_stop_;
+  Outputs outputs_;
   MotionFeed feed_;
   CellDrive drive_;
   std::unique_ptr<JournalWriter> journal_;

@@ -52,6 +52,9 @@ std::string LineOf(const MachineStatus& machine) {
   if (machine.laser_line_up()) {
     if (!machine.one_line()) parts.push_back(LampText(machine));
     AddInterlocks(machine, parts);
+    if (!machine.open_input().empty()) parts.push_back(machine.open_input());
+    if (!machine.outputs_on().empty())
+      parts.push_back(fmt::format("on: {}", machine.outputs_on()));
     if (machine.safe_state()) parts.emplace_back("safe state");
   } else {
     parts.emplace_back(machine.one_line() ? "LINE DOWN" : "LASER LINE DOWN");

@@ -193,6 +193,8 @@ class Builder {
     line.set_key_on(cell.key_on);
     line.set_door_closed(cell.door_closed);
     line.set_door_locked(cell.door_locked);
+    line.set_open_input(cell.open_input);
+    line.set_outputs_on(cell.outputs_on);
     line.set_stop_released(cell.stop_released);
     line.set_safe_state(cell.safe_state);
     line.set_shutters_open(cell.shutters_open);
@@ -242,6 +244,7 @@ class Builder {
       return Need(fmt::format("{}: {}", name, bus::kChainIsOpen));
     if (!cell.key_on) Need(name + ": the key is off");
     if (!cell.door_closed) Need(name + ": the door is open");
+    if (!cell.open_input.empty()) Need(name + ": " + cell.open_input);
     if (!cell.stop_released && !cell.stop_pressed)
       Need(
           fmt::format("{0}: the machine's own emergency stop is pressed or latched: "

@@ -7,6 +7,7 @@
 #include "services/client/proof/marks/cut_evidence.h"
 #include "services/job/fields/shapes.h"
 #include "services/job/head/field_table.h"
+#include "services/job/machine/accessories.h"
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/head_clearance.h"
 #include "services/job/machine/head_over_block.h"
@@ -192,6 +193,8 @@ void SetSignals(const PulseTiming& timing, TruthLaser& laser) {
 void SetLaser(const MachineSpec& machine, TruthLaser& laser) {
   SetSignals(machine.laser().timing(), laser);
   laser.set_door_lock(machine.laser().door_lock());
+  laser.set_outputs(OutputCountOf(machine));
+  for (const bool on : InputsAsNeeded(machine)) laser.add_inputs(on);
   if (machine.laser().has_split_ratio())
     laser.set_split_ratio(machine.laser().split_ratio());
   *laser.mutable_rates_hz() = machine.laser().rates_hz();

@@ -14,6 +14,8 @@ export function machineState(machine: Dict): string {
     if (!machine.one_line) parts.push(fill(text.lamp, { lamp: machine.lamp }));
     parts.push(machine.key_on ? text.keyOn : text.keyOff,
       machine.door_closed ? text.doorClosed : text.doorOpen, stopText(machine));
+    if (machine.open_input) parts.push(machine.open_input);
+    if (machine.outputs_on) parts.push(machine.outputs_on);
   } else {
     parts.push(machine.one_line ? text.lineDown : text.laserLineDown);
     if (machine.stops_held?.length) parts.push(text.stopPressed);

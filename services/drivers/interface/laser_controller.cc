@@ -6,6 +6,12 @@
 
 namespace intaglio::drivers {
 
+Status LaserController::SwitchOutputs(std::uint8_t) {
+  return Fail(ErrorCode::kUnsupported,
+              "the laser controller has no outputs for other uses: remove outputs of the "
+              "machine profile");
+}
+
 Status CheckOnePulse(const link::ArmWindow& window) {
   if (window.pulses_per_point <= 1) return {};
   return Fail(ErrorCode::kUnsupported,

@@ -53,9 +53,21 @@
 #include <string>
 #include <string_view>
 
+#include "engrave/core/result.h"
 #include "services/platform/link/laser_protocol.h"
 
 namespace intaglio::drivers {
+
+/// Outputs and inputs for other uses, as the profile names them.
+struct Accessories {
+  std::uint8_t on = 0;   ///< outputs, bit 0: number 1; as the controller reports them
+  std::string on_names;  ///< of these, separated by ", "
+  /// Which input does not permit a job and what to do, or what the controller does not
+  /// have; empty: nothing. Nothing fires meanwhile.
+  std::string open_input;
+
+  bool operator==(const Accessories&) const = default;
+};
 
 class LaserController {
  public:
@@ -112,6 +124,14 @@ class LaserController {
   /// Emergency stop, which the controller keeps latched until Reset.
   virtual Status Stop() = 0;
   virtual Status RequestStatus() = 0;
+  /// Of a family without them, whose profiles name none: nothing.
+  virtual const Accessories& accessories() const {
+    static const Accessories kNone;
+    return kNone;
+  }
+  /// These outputs on, and all others off, until the next one. The controller switches
+  /// them off by itself with a safe state, an open interlock, and another session.
+  virtual Status SwitchOutputs(std::uint8_t on);
   /// Its stop is pressed or latched, or it has closed its shutters by itself.
   bool is_latched() const { return Has(link::kSafeState) || !Has(link::kStopReleased); }
   /// A Reset that is lost, or refused while the stop is pressed, is sent again by the

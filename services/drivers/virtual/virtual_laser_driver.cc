@@ -1,5 +1,7 @@
 #include "services/drivers/virtual/virtual_laser_driver.h"
 
+#include "services/drivers/virtual/reported_accessories.h"
+#include "services/job/machine/accessories.h"
 #include "services/platform/link/expected_device.h"
 
 namespace intaglio::drivers {
@@ -34,8 +36,7 @@ bool IsSimulated(const MachineSpec& machine) {
 class VirtualLaserDriver final : public LaserController {
  public:
   VirtualLaserDriver(link::FramePort port, link::SteadyClock clock,
-                     link::ExpectedDevice expected, const link::PulseTiming& timing,
-                     bool is_simulated);
+                     link::ExpectedDevice expected, const MachineSpec& machine);
 
   void Poll(const ReportSink& sink, const PastSink& past) override;
 
@@ -65,6 +66,8 @@ class VirtualLaserDriver final : public LaserController {
   Status Reset() override;
   Status Stop() override;
   Status RequestStatus() override;
+  const Accessories& accessories() const override { return accessories_; }
+  Status SwitchOutputs(std::uint8_t on) override;
   bool RequestPast(std::uint64_t first_tick, std::uint16_t count) override;
 
  private:
@@ -77,6 +80,8 @@ class VirtualLaserDriver final : public LaserController {
   link::SteadyClock clock_;
   link::ExpectedDevice expected_;
   link::PulseTiming timing_;
+  MachineSpec named_;  // outputs and inputs alone
+  Accessories accessories_;
   bool is_simulated_;  // no real controller is behind this line
   std::string refusal_;
   link::FramePort session_;
@@ -93,12 +98,16 @@ class VirtualLaserDriver final : public LaserController {
 
 VirtualLaserDriver::VirtualLaserDriver(link::FramePort port, link::SteadyClock clock,
                                        link::ExpectedDevice expected,
-                                       const link::PulseTiming& timing, bool is_simulated)
+                                       const MachineSpec& machine)
     : clock_(std::move(clock)),
       expected_(std::move(expected)),
-      timing_(timing),
-      is_simulated_(is_simulated),
-      session_(std::move(port)) {}
+      timing_(TimingOf(machine.laser().timing())),
+      is_simulated_(IsSimulated(machine)),
+      session_(std::move(port)) {
+  *named_.mutable_outputs() = machine.outputs();
+  *named_.mutable_inputs() = machine.inputs();
+  accessories_ = ReportedAccessories(named_, {});
+}
 
 void VirtualLaserDriver::Poll(const ReportSink& sink, const PastSink& past) {
   session_.Poll([&](std::uint8_t type, std::span<const std::byte> payload) {
@@ -127,6 +136,8 @@ void VirtualLaserDriver::Identify(std::span<const std::byte> payload) {
   ++sessions_;
   // Before all others, so that nothing is fired with that of another host.
   (void)SendFrame(LaserFrame::kPulseTiming, Encode(timing_));
+  accessories_ = ReportedAccessories(named_, {});
+  if (named_.outputs_size() + named_.inputs_size() > 0) (void)SwitchOutputs(0);
   (void)RequestStatus();
 }
 
@@ -158,6 +169,9 @@ void VirtualLaserDriver::Handle(LaserFrame type, std::span<const std::byte> payl
   } else if (type == LaserFrame::kPastReport) {
     const auto report = link::Decode<link::PastReport>(payload);
     if (report && past) past(*report);
+  } else if (type == LaserFrame::kAccessoryState) {
+    if (const auto state = link::Decode<link::AccessoryState>(payload))
+      accessories_ = ReportedAccessories(named_, *state);
   }
 }
 
@@ -189,6 +203,12 @@ Status VirtualLaserDriver::RequestStatus() {
   return SendFrame(LaserFrame::kLaserStatusRequest);
 }
 
+Status VirtualLaserDriver::SwitchOutputs(std::uint8_t on) {
+  const NeededInputs needed = NeededInputsOf(named_);
+  return SendFrame(LaserFrame::kAccessoryCommand,
+                   Encode(link::AccessoryCommand{on, needed.watched, needed.levels}));
+}
+
 bool VirtualLaserDriver::RequestPast(std::uint64_t first_tick, std::uint16_t count) {
   return CanSend() &&
          SendFrame(LaserFrame::kPastRequest, Encode(link::PastRequest{first_tick, count}))
@@ -211,7 +231,7 @@ std::unique_ptr<LaserController> MakeVirtualLaserDriver(const MachineSpec& machi
       std::move(port), std::move(clock),
       link::ExpectedDevice{line.serial_number(), "laser", machine.name(), line.device(),
                            "laser_line"},
-      TimingOf(machine.laser().timing()), IsSimulated(machine));
+      machine);
 }
 
 }  // namespace intaglio::drivers

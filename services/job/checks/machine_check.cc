@@ -5,6 +5,7 @@
 #include <set>
 
 #include "engrave/optics/pulse_focus.h"
+#include "services/job/checks/accessory_check.h"
 #include "services/job/checks/axis_check.h"
 #include "services/job/checks/block_place_check.h"
 #include "services/job/checks/head_check.h"
@@ -200,6 +201,7 @@ std::vector<Error> CheckMarkingMachine(const MachineSpec& machine) {
   if (of_marks.position_tolerance_um() == 0) of_marks.set_position_tolerance_um(1);
   CheckRanges(of_marks, "", errors);
   CheckLine(true, machine.mark_line(), "mark_line", errors);
+  CheckAccessories(machine, errors);
   for (const char* field : {"laser_line", "motion_line"}) {
     const auto* descriptor = MachineSpec::descriptor()->FindFieldByName(field);
     if (!machine.GetReflection()->HasField(machine, descriptor)) continue;
@@ -249,6 +251,7 @@ std::vector<Error> CheckMachine(const MachineSpec& machine) {
   CheckChannelPositions(machine, errors);
   CheckLine(machine.has_laser_line(), machine.laser_line(), "laser_line", errors);
   CheckLine(machine.has_motion_line(), machine.motion_line(), "motion_line", errors);
+  CheckAccessories(machine, errors);
   if (errors.empty()) CheckDrives(machine, errors);
   if (errors.empty()) CheckLoading(machine, errors);
   if (errors.empty()) CheckTaught(machine, errors);

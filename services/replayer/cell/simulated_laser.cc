@@ -29,6 +29,12 @@ virtual_engraver::LaserOptions OptionsOf(const MachineSpec& machine) {
     options.max_energy_mj = std::max(options.max_energy_mj, further.pulse_energy_mj());
   options.energy_spread_ratio = 0;
   options.locks_door = machine.laser().door_lock();
+  options.output_count = link::kMaxAccessories;
+  options.inputs.assign(link::kMaxAccessories, true);
+  for (const MachineInput& input : machine.inputs()) {
+    if (input.input() >= 1 && input.input() <= options.inputs.size())
+      options.inputs[input.input() - 1] = input.state() == INPUT_ON;
+  }
   // The profile may name the one that the recorded cell had.
   options.serial_number = machine.laser_line().serial_number();
   return options;

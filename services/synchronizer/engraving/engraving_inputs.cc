@@ -13,6 +13,7 @@ ChainLinks LinksOf(const GrantInputs& inputs, const MotionView& motion,
   links.key_on = laser.Has(link::kKeyOn);
   links.door_closed = laser.Has(link::kDoorClosed);
   links.stop_released = laser.Has(link::kStopReleased);
+  links.inputs_hold = laser.accessories().open_input.empty();
   links.no_safe_state = !laser.Has(link::kSafeState);
   links.lamp_sync_counted = !laser.Has(link::kNoLampSync);
   links.lamp_warm = laser.Has(link::kLampOn) && laser.Has(link::kLampWarm);

@@ -8,8 +8,8 @@ namespace {
 TEST(PauseReason, OfWhatSpentAGrant) {
   EXPECT_EQ(PauseReasonOf(Missing::kNothing), intaglio_PAUSE_FAULT);
   EXPECT_EQ(PauseReasonOf(Missing::kEmergencyStop), intaglio_PAUSE_EMERGENCY_STOP);
-  for (const Missing open :
-       {Missing::kChain, Missing::kKey, Missing::kDoor, Missing::kOpenedUnseen}) {
+  for (const Missing open : {Missing::kChain, Missing::kKey, Missing::kDoor,
+                             Missing::kInput, Missing::kOpenedUnseen}) {
     EXPECT_EQ(PauseReasonOf(open), intaglio_PAUSE_INTERLOCK);
   }
   for (const Missing changed : {Missing::kPowerCycle, Missing::kNotWatched,

@@ -16,7 +16,7 @@ namespace {
 using State = PermissionChain::State;
 using namespace std::chrono_literals;
 
-constexpr unsigned kLinks = 14;
+constexpr unsigned kLinks = 15;
 constexpr bool ChainLinks::*kMember[kLinks] = {&ChainLinks::permission_fresh,
                                                &ChainLinks::permission_granted,
                                                &ChainLinks::stop_not_pressed,
@@ -24,6 +24,7 @@ constexpr bool ChainLinks::*kMember[kLinks] = {&ChainLinks::permission_fresh,
                                                &ChainLinks::key_on,
                                                &ChainLinks::door_closed,
                                                &ChainLinks::stop_released,
+                                               &ChainLinks::inputs_hold,
                                                &ChainLinks::no_safe_state,
                                                &ChainLinks::lamp_sync_counted,
                                                &ChainLinks::lamp_warm,
@@ -33,7 +34,7 @@ constexpr bool ChainLinks::*kMember[kLinks] = {&ChainLinks::permission_fresh,
                                                &ChainLinks::door_locked};
 constexpr unsigned kAll = (1u << kLinks) - 1;
 // The shutters, and the lock that holds the door while one is open.
-constexpr unsigned kShutters = 3u << 12;
+constexpr unsigned kShutters = 3u << 13;
 
 ChainLinks LinksOfBits(unsigned bits, Grant grant = {1, 0}) {
   ChainLinks links;
@@ -72,6 +73,20 @@ TEST(PermissionLinks, OfAnOpenChainNoSingleContactIsNamed) {
   EXPECT_EQ(permission.Turn(LinksOfBits(chain, {1, 0}), 2s), Missing::kChain);
 }
 
+// As key and door: who lets one go gives a new permission, and no renewal suffices.
+TEST(PermissionLinks, AnInputThatOpensSpendsTheGrantByItsName) {
+  PermissionChain permission;
+  const unsigned open = kAll & ~(1u << 7);
+  permission.Turn(LinksOfBits(kAll, {1, 0}), 1s);
+  EXPECT_EQ(permission.Turn(LinksOfBits(open, {1, 0}), 2s), Missing::kInput);
+  EXPECT_EQ(permission.spent_by(), Missing::kInput);
+  permission.Turn(LinksOfBits(kAll, {1, 1}), 3s);
+  EXPECT_TRUE(permission.latched());
+  permission.Turn(LinksOfBits(kAll, {2, 0}), 4s);
+  EXPECT_FALSE(permission.latched());
+  EXPECT_EQ(FirstMissing(LinksOfBits(open), false), Missing::kInput);
+}
+
 // Who has to arm is not known here: the permission of an armed job comes later.
 TEST(PermissionLinks, AMissingPermissionAsksNobodyForAnArm) {
   EXPECT_EQ(TextOf(Missing::kPermission), "waits for the permission of the job service");
@@ -89,7 +104,7 @@ struct Situation {
   bool armed;         // it is fresh, too
   bool bus_stop;      // pressed on the bus
   bool line;          // the laser line is up
-  bool key_or_door;   // key off or door open
+  bool key_or_door;   // key off, door or an input open
   bool machine_stop;  // the machine's own, pressed or latched
   // With the line down the machine's last report counts for nothing.
   bool any_open() const { return bus_stop || (line && (key_or_door || machine_stop)); }
@@ -237,7 +252,7 @@ void Check(From from, Arm arm, Event event, unsigned bits,
                             links.permission_fresh && links.permission_granted,
                             !links.stop_not_pressed,
                             links.laser_line_up,
-                            !links.key_on || !links.door_closed,
+                            !links.key_on || !links.door_closed || !links.inputs_hold,
                             !links.stop_released};
   if (event == Event::kTurn) chain.Turn(links, 1s + 10ms);
   if (event == Event::kLateTurn) {
@@ -328,7 +343,8 @@ TEST(PermissionChain, ReportsWhichInterlockSpentAGrantAndOnlyOnce) {
   const std::pair<unsigned, Missing> interlocks[] = {{2, Missing::kEmergencyStop},
                                                      {4, Missing::kKey},
                                                      {5, Missing::kDoor},
-                                                     {6, Missing::kEmergencyStop}};
+                                                     {6, Missing::kEmergencyStop},
+                                                     {7, Missing::kInput}};
   for (const auto& [link, missing] : interlocks) {
     PermissionChain chain;
     const unsigned open = kAll & ~(1u << link);

@@ -98,6 +98,10 @@ TEST_F(ObstacleAt, WhatIsOpenOrNotKnownIsOne) {
   client::CellSnapshot& machine = shop_.cells["els-03"];
   shop_.mounts.clear();
   EXPECT_EQ(Code(), "not_mounted");
+  machine.open_input = "the input 'clamp' is off: close the clamp";
+  EXPECT_EQ(Code(), "input_open");
+  EXPECT_EQ(ObstacleOf(shop_, "els-03").message,
+            "els-03: the input 'clamp' is off: close the clamp");
   machine.door_closed = false;
   EXPECT_EQ(Code(), "door_open");
   EXPECT_THAT(ObstacleOf(shop_, "els-03").message, HasSubstr("the door is open"));

@@ -92,6 +92,74 @@ TEST_F(ControllerEdges, AreOffUntilAHostCommandsAndWhenTheControllerIsGone) {
   for (const auto& [output, on] : last) EXPECT_FALSE(on) << static_cast<int>(output);
 }
 
+class ControllerAccessories : public ControllerEdges {
+ protected:
+  ControllerAccessories() {
+    ReferenceRigOptions options;
+    options.pins.output_count = 2;
+    options.pins.input_count = 1;
+    MachineOutput& air = *options.named.add_outputs();
+    air.set_name("air");
+    air.set_output(2);
+    MachineInput& clamp = *options.named.add_inputs();
+    clamp.set_name("clamp");
+    clamp.set_input(1);
+    clamp.set_remedy("close it");
+    bench = std::make_unique<LaserBench>([options](const std::string& serial_number) {
+      return std::make_unique<ReferenceRig>(serial_number, options);
+    });
+  }
+  bool IsOn() { return rig().is_on(SpareOutput(1)); }
+  bool SwitchOn() {
+    EXPECT_TRUE(bench->driver().SwitchOutputs(0b10).has_value());
+    return bench->Until(
+        [&] { return IsOn() && bench->driver().accessories().on_names == "air"; });
+  }
+};
+
+TEST_F(ControllerAccessories, AreLinesOfTheBoardThatEveryStopSwitchesOff) {
+  bench->Connect();
+  EXPECT_EQ(bench->driver().accessories().open_input, "");
+  EXPECT_TRUE(SwitchOn());
+  EXPECT_FALSE(rig().is_on(SpareOutput(0)));
+  rig().Set(drivers::LaserRig::Interlock::kDoor, false);
+  EXPECT_FALSE(IsOn());
+  rig().Set(drivers::LaserRig::Interlock::kDoor, true);
+  bench->StepFor(100ms);
+  EXPECT_FALSE(IsOn()) << "nobody has commanded it";
+  EXPECT_TRUE(SwitchOn());
+  rig().CutLine(true);
+  bench->StepFor(300ms);
+  EXPECT_FALSE(IsOn()) << "the host is silent";
+  rig().CutLine(false);
+  bench->Connect();
+  EXPECT_FALSE(IsOn());
+  ASSERT_TRUE(bench->driver().Reset().has_value());
+  EXPECT_TRUE(SwitchOn());
+  rig().SwitchOff();
+  std::map<Output, bool> last;
+  for (const Edge& edge : rig().edges()) last[edge.output] = edge.on;
+  EXPECT_FALSE(last.at(SpareOutput(1)));
+}
+
+TEST_F(ControllerAccessories, AnInputThatDropsLetsNothingFire) {
+  Prepare(1);
+  EXPECT_TRUE(SwitchOn());
+  const std::uint32_t openings = bench->driver().status().openings;
+  rig().SetInput(0, false);
+  EXPECT_FALSE(IsOn());
+  (void)bench->Arm(5, {true, true, true});
+  bench->PassTicks(20);
+  EXPECT_TRUE(rig().FiredTicks().empty());
+  EXPECT_EQ(bench->driver().status().openings, openings + 1);
+  EXPECT_EQ(bench->driver().accessories().open_input,
+            "the input 'clamp' is off: close it");
+  rig().SetInput(0, true);
+  const auto armed = bench->Arm(5, {true, true, true});
+  bench->PassTicks(20);
+  EXPECT_EQ(rig().FiredTicks(), armed);
+}
+
 // The plan is the oracle: as many triggers, at its ticks, with its delay and width.
 TEST_F(ControllerEdges, TriggerAtEachArmedTickWithTheCommandedDelayAndWidth) {
   Start({4}, 12, 150);

@@ -28,7 +28,7 @@ ReferenceRig::ReferenceRig(const std::string& serial_number, ReferenceRigOptions
       path_(test::FreshFolder() / "laser"),
       wire_(std::make_shared<Wire>()) {
   SwitchOn();
-  MachineSpec profile;
+  MachineSpec profile = options_.named;
   profile.set_name("els-03");
   profile.mutable_laser_line()->set_device(path_);
   profile.mutable_laser_line()->set_serial_number(
@@ -81,6 +81,8 @@ void ReferenceRig::SwitchOn() {
   options.laser.power_up = ++power_up_;
   options.laser.channels = static_cast<std::uint8_t>(options_.pins.channels);
   options.laser.serial_number = kControllerNumber;
+  options.laser.output_count = static_cast<std::size_t>(options_.pins.output_count);
+  options.laser.inputs.resize(static_cast<std::size_t>(options_.pins.input_count));
   options.laser.min_energy_mj = options.laser.max_energy_mj = 30;
   options.laser.fires_at_place = options.laser.measures_energy = false;
   options.stage = [this]() -> StageWitness {
@@ -96,6 +98,11 @@ void ReferenceRig::SwitchOn() {
 std::unique_ptr<link::ByteStream> ReferenceRig::ControllerEnd() {
   return std::make_unique<WireEnd>(line_->MachineEnd(), wire_->to_controller,
                                    wire_->to_host, wire_);
+}
+
+void ReferenceRig::SetInput(int index, bool on) {
+  pins_->Hold(SpareInput(index), on);
+  Advance();
 }
 
 // A person is slower than a turn of the controller.

@@ -21,6 +21,7 @@ struct ReferenceRigOptions {
   SimulatedPinsOptions pins = {};
   // What the profile commands: from the lamp sync, and of the trigger.
   double qswitch_delay_us = 5, qswitch_width_us = 120;
+  MachineSpec named = {};  ///< outputs and inputs for other uses of the profile
 };
 
 class ReferenceRig final : public drivers::LaserRig {
@@ -33,6 +34,9 @@ class ReferenceRig final : public drivers::LaserRig {
   void CutLine(bool cut) override;
   void CutLineAfter(std::uint64_t bytes) override;
   void SwitchOff() override;
+  /// For other uses; `index`: from 0.
+  void SetInput(int index, bool on);
+  bool is_on(Output output) const { return pins_ && pins_->is_on(output); }
   void SwitchOn() override;
   void Set(Interlock interlock, bool holds) override;
   std::uint64_t tick() override;

@@ -85,6 +85,8 @@ FakeCell::FakeCell(const CellOptions& options)
   if (options.lockstep) stage.braking_ticks = 20;
   laser.serial_number = options.laser_serial_number;
   laser.locks_door = options.needs_door_lock;
+  if (options.accessories.outputs_size() + options.accessories.inputs_size() > 0)
+    laser.output_count = laser.input_count = link::kMaxAccessories;
   laser.waits = options.simulates_time;
   laser.Plug(LineEnd(false));
   Begin(JobBegun::kNo);
@@ -92,7 +94,7 @@ FakeCell::FakeCell(const CellOptions& options)
 
 // What a process that is started has: the disk, the line and the bus, and nothing else.
 void FakeCell::Begin(JobBegun begun) {
-  MachineSpec machine;
+  MachineSpec machine = options_.accessories;
   machine.set_name("els-03");
   machine.mutable_laser_line()->set_device("/dev/ttyUSB0");
   machine.mutable_laser_line()->set_serial_number("A-03");

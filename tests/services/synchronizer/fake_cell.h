@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "proto/machine.pb.h"
 #include "services/synchronizer/engraving.h"
 #include "tests/services/platform/link/faulty_line.h"
 #include "tests/services/synchronizer/fake_laser.h"
@@ -30,7 +31,8 @@ struct CellOptions {
   bool photosensor_feedback = true;
   bool asks_when_uncertain = false;
   std::string block_misfit = {};
-  bool needs_door_lock = false;              ///< of the profile
+  bool needs_door_lock = false;  ///< of the profile
+  MachineSpec accessories = {};  ///< its outputs and inputs; the controller has 8 of each
   std::optional<Vec2> block_stage_mm = {};   ///< where the job needs it; none: no stage
   std::string laser_serial_number = "A-03";  ///< the profile expects A-03
 };

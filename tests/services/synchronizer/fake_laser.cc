@@ -31,7 +31,7 @@ void FakeLaser::PowerCycle(std::unique_ptr<link::ByteStream> end) {
 }
 
 void FakeLaser::Poll() {
-  const bool shut = key_on && door_closed && !stop_pressed_;
+  const bool shut = key_on && door_closed && !stop_pressed_ && inputs_hold();
   if (was_shut_ && !shut) ++openings;
   was_shut_ = shut;
   const auto receive = [this](std::uint8_t type, std::span<const std::byte> payload) {
@@ -45,6 +45,8 @@ void FakeLaser::Poll() {
     disarms_taken_ = 0;
     outcomes_.clear();
     waiting_.clear();
+    commanded_.on = 0;
+    sent_accessories_ = {};
     Send(LaserFrame::kLaserIdentity, Encode(link::LaserIdentity{power_up_,
                                                                 lockstep_,
                                                                 4,
@@ -85,6 +87,10 @@ void FakeLaser::Receive(LaserFrame type, std::span<const std::byte> payload) {
       return EnterSafeState();
     case LaserFrame::kLaserReset:
       if (!stop_pressed_) stop_latched_ = safe_ = false;
+      return;
+    case LaserFrame::kAccessoryCommand:
+      commanded_ = *link::Decode<link::AccessoryCommand>(payload);
+      if (safe_) commanded_.on = 0;
       return;
     case LaserFrame::kLaserStatusRequest:
       status_asked_ = true;
@@ -127,6 +133,7 @@ void FakeLaser::Disarm() {
 
 void FakeLaser::EnterSafeState() {
   safe_ = true;
+  commanded_.on = 0;
   shutters_ = shutters_asked_ = 0;
   decided_.clear();
   decided_through_ = std::min(decided_through_, tick_);
@@ -153,7 +160,8 @@ void FakeLaser::PressStop(bool pressed) {
 TickOutcome FakeLaser::OutcomeAt(const Decision& decision, bool in_position) const {
   if (!decision.fire) return TickOutcome::kNotArmed;
   if (decision.gated && !in_position) return TickOutcome::kNotInPosition;
-  if (!key_on || !door_closed || stop_pressed_ || stop_latched_ || safe_)
+  if (!key_on || !door_closed || stop_pressed_ || stop_latched_ || safe_ ||
+      !inputs_hold())
     return TickOutcome::kInterlocked;
   if (!warm()) return TickOutcome::kLampNotReady;
   if (OpenNow() == 0) return TickOutcome::kShutterClosed;
@@ -211,10 +219,21 @@ void FakeLaser::SendReports() {
   outcomes_.clear();
 }
 
+void FakeLaser::SendAccessories() {
+  if (!inputs_hold()) commanded_.on = 0;
+  const link::AccessoryState state{
+      output_count, input_count, commanded_.on,
+      static_cast<std::uint8_t>(input_levels & ((1u << input_count) - 1))};
+  if (state == sent_accessories_) return;
+  sent_accessories_ = state;
+  Send(LaserFrame::kAccessoryState, Encode(state));
+}
+
 void FakeLaser::SendStatus() {
   const link::LaserStatus status = Status();
   const std::uint32_t state = status.interlocks | status.shutters_open << 8;
   if (mute || !line_->up()) return;
+  SendAccessories();
   SendReports();
   if (status_asked_ || state != sent_state_ || clock_() >= next_status_) {
     status_asked_ = false;

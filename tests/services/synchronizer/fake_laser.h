@@ -52,6 +52,7 @@ class FakeLaser {
   bool lockstep() const { return lockstep_; }
   std::uint8_t shutters() const { return shutters_; }
   bool lamp_on() const { return lamp_on_; }
+  std::uint8_t outputs() const { return commanded_.on; }
   const std::vector<Crack>& cracks() const { return cracks_; }
   /// Monotonic time of the newest window that wanted a pulse; 0: none came.
   std::chrono::nanoseconds newest_arm_at() const { return newest_arm_at_; }
@@ -68,6 +69,9 @@ class FakeLaser {
   bool key_on = true, door_closed = true;
   bool locks_door = false;   ///< reported at the next handshakes
   bool lock_broken = false;  ///< it does not hold
+  /// For other uses, reported at the next handshakes; bit 0: number 1.
+  std::uint8_t output_count = 0, input_count = 0;
+  std::uint8_t input_levels = 0;  ///< inputs that are on
   std::uint32_t openings =
       0;                   ///< of these and the stop; a test adds what no status shows
   bool lamp_dead = false;  ///< does not burn, whatever is commanded
@@ -94,6 +98,10 @@ class FakeLaser {
   void Send(link::LaserFrame type, link::Bytes payload);
   void SendReports();
   void SendStatus();
+  void SendAccessories();
+  bool inputs_hold() const {
+    return ((input_levels ^ commanded_.levels) & commanded_.watched) == 0;
+  }
   link::PastReport Past(const link::PastRequest& asked) const;
   link::LaserStatus Status() const;
   bool warm() const { return burns() && lamp_s_ >= kWarmUpS; }
@@ -133,6 +141,8 @@ class FakeLaser {
   std::deque<std::pair<link::LaserFrame, link::Bytes>> waiting_;
   bool status_asked_ = false;
   std::uint32_t sent_state_ = 0;
+  link::AccessoryCommand commanded_;
+  link::AccessoryState sent_accessories_;
   std::chrono::nanoseconds next_status_{0}, newest_arm_at_{0}, newest_pulse_at_{0};
   int lamp_switched_on_count_ = 0;
   std::vector<Crack> cracks_;

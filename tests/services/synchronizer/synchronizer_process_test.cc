@@ -39,7 +39,8 @@ class SynchronizerProcess : public ::testing::Test {
   SynchronizerProcess()
       : folder_(test::FreshFolder()),
         engraver_(folder_,
-                  "laser { rates_hz: [1, 2, 5, 10, 25, 50, 100, 200] door_lock: true }"
+                  "laser { rates_hz: [1, 2, 5, 10, 25, 50, 100, 200] door_lock: true"
+                  "        outputs: 3 inputs: [true, false] }"
                   "stage { travel_min_mm { x: -2 y: -2 z: -2 }"
                   "        travel_max_mm { x: 172 y: 172 z: 172 } }"),
         bus_(test::PrivateBusOptions(kCell)),
@@ -402,6 +403,118 @@ TEST_F(WithAJob, APathOutOfTheBlockIsRefusedAndEnds) {
   EXPECT_EQ(state_, intaglio_TASK_FAILED);
   EXPECT_THAT(message_, AllOf(HasSubstr("4 of 20 points"),
                               HasSubstr("point 16 of the order"), HasSubstr("x 53")));
+}
+
+/// A machine whose profile names two outputs and two inputs for other uses.
+class WithAccessories : public WithAJob {
+ protected:
+  void SetUp() override {
+    auto machine = ReadMachineFile(machine_file_).value();
+    MachineOutput& extraction = *machine.add_outputs();
+    extraction.set_name("extraction");
+    extraction.set_output(1);
+    MachineOutput& air = *machine.add_outputs();
+    air.set_name("air");
+    air.set_output(3);
+    air.set_on(OUTPUT_WHILE_ENGRAVING);
+    MachineInput& clamp = *machine.add_inputs();
+    clamp.set_name("clamp");
+    clamp.set_input(1);
+    clamp.set_remedy("close the clamp");
+    MachineInput& filter = *machine.add_inputs();
+    filter.set_name("filter full");
+    filter.set_input(2);
+    filter.set_state(INPUT_OFF);
+    filter.set_remedy("change the filter");
+    machine_file_ = folder_ / "els-03.textproto";
+    ASSERT_TRUE(WriteMachineFile(machine_file_, machine));
+    WithAJob::SetUp();
+    StartBridge();
+    synchronizer_ = Start("synchronizer.log");
+    ASSERT_TRUE(LineIsUp()) << synchronizer_->Output();
+    ASSERT_TRUE(Give(synchronizer_->pid())) << synchronizer_->Output();
+  }
+  std::string Outputs() const { return engraver_.StatusOf("outputs"); }
+  /// The permission being published every 20 ms.
+  bool Reach(std::uint64_t grant, const std::function<bool()>& condition) {
+    const auto end = std::chrono::steady_clock::now() + 15s;
+    while (std::chrono::steady_clock::now() < end) {
+      Permit(kEpoch, grant);
+      if (condition()) return true;
+      std::this_thread::sleep_for(20ms);
+    }
+    return false;
+  }
+  /// What the newest Interlock has of them.
+  void TakeInterlocks() {
+    interlocks_.Take([this](const intaglio_Interlock& sample) {
+      open_input_ = bus::View(sample.open_input);
+      outputs_on_ = bus::View(sample.outputs_on);
+    });
+  }
+
+  std::unique_ptr<Running> synchronizer_;
+  std::string open_input_, outputs_on_;
+};
+
+TEST_F(WithAccessories, OutputsAreOnWhileTheArmHolds) {
+  EXPECT_EQ(Outputs(), "0") << "nobody has armed";
+  ASSERT_TRUE(Reach(1, [&] { return Outputs() == "1"; })) << synchronizer_->Output();
+  TakeInterlocks();
+  Permit(kEpoch, 1, false);
+  EXPECT_TRUE(Eventually([&] { return Outputs() == "0"; })) << "the arm was withdrawn";
+  ASSERT_TRUE(Reach(2, [&] { return Outputs() == "1"; }));
+  EXPECT_TRUE(Eventually([&] { return Outputs() == "0"; })) << "it is not repeated";
+  EXPECT_TRUE(Reach(3, [&] { return Outputs() == "5"; })) << "a run is made";
+  TakeInterlocks();
+  EXPECT_EQ(open_input_, "");
+  EXPECT_TRUE(Reach(3, [&] {
+    return engraver_.StatusOf("pulses") == "20" && Outputs() == "0";
+  })) << "the job has ended";
+}
+
+TEST_F(WithAccessories, OutputsGoOffWhenTheSynchronizerIsKilled) {
+  ASSERT_TRUE(Reach(1, [&] { return Outputs() == "1"; })) << synchronizer_->Output();
+  Permit(kEpoch, 1);
+  synchronizer_->Signal(SIGSTOP);
+  std::this_thread::sleep_for(150ms);
+  EXPECT_EQ(Outputs(), "1") << "within the time of the line";
+  EXPECT_TRUE(Eventually([&] { return Outputs() == "0"; })) << "it hangs";
+  EXPECT_EQ(engraver_.StatusOf("safe_state"), "true");
+  synchronizer_->Signal(SIGCONT);
+  ASSERT_TRUE(Reach(2, [&] { return Outputs() == "1"; })) << synchronizer_->Output();
+  synchronizer_->Signal(SIGKILL);
+  const auto killed = std::chrono::steady_clock::now();
+  EXPECT_TRUE(Eventually([&] { return Outputs() == "0"; }));
+  EXPECT_LT(std::chrono::steady_clock::now() - killed, 1s);
+}
+
+TEST_F(WithAccessories, AnInputThatDropsCostsTheArmByItsName) {
+  ASSERT_TRUE(Reach(1, [&] { return Outputs() == "1"; })) << synchronizer_->Output();
+  ASSERT_EQ(engraver_.Ask("input 1 off"), "ok");
+  const std::string open = "the input 'clamp' is off: close the clamp";
+  EXPECT_TRUE(Reach(1, [&] {
+    TakeStatuses();
+    TakeInterlocks();
+    return message_ == open + ", then resume" && open_input_ == open;
+  })) << message_;
+  EXPECT_EQ(state_, intaglio_TASK_PAUSED);
+  EXPECT_EQ(Outputs(), "0");
+  ASSERT_EQ(engraver_.Ask("input 1 on"), "ok");
+  EXPECT_FALSE(FiresWithin(2s, kEpoch, 1)) << "no person has armed anew";
+  EXPECT_EQ(Outputs(), "0");
+  EXPECT_TRUE(FiresWithin(15s, kEpoch, 2)) << synchronizer_->Output();
+}
+
+TEST_F(WithAccessories, AnInputThatIsWrongRefusesTheArm) {
+  ASSERT_EQ(engraver_.Ask("input 2 on"), "ok");
+  EXPECT_FALSE(FiresWithin(2s, kEpoch, 1));
+  TakeStatuses();
+  EXPECT_EQ(message_, "the input 'filter full' is on: change the filter, then resume");
+  EXPECT_EQ(Outputs(), "0");
+  ASSERT_EQ(engraver_.Ask("input 2 off"), "ok");
+  EXPECT_FALSE(FiresWithin(1s, kEpoch, 1));
+  EXPECT_TRUE(FiresWithin(15s, kEpoch, 2)) << synchronizer_->Output();
 }
 
 struct WrongMount {

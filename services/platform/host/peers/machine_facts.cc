@@ -21,6 +21,8 @@ void UpdateInterlock(MachineFacts& facts, const Sample& sample) {
   facts.safe_state = sample.safe_state;
   facts.shutters_open = sample.shutters_open;
   facts.stop_pressed = sample.bus_stop_pressed;
+  facts.open_input = View(sample.open_input);
+  facts.outputs_on = View(sample.outputs_on);
   facts.stops_held.clear();
   for (const intaglio_StopPress& press : View(sample.bus_stops))
     facts.stops_held.push_back({std::string(View(press.source)), press.number});
@@ -83,6 +85,8 @@ WireFacts::WireFacts(const MachineFacts& facts)
   sample_.shutters_open = facts_.shutters_open;
   sample_.bus_stop_pressed = facts_.stop_pressed;
   bus::Borrow(sample_.bus_stops, stops_);
+  sample_.open_input = bus::Borrow(facts_.open_input);
+  sample_.outputs_on = bus::Borrow(facts_.outputs_on);
   sample_.has_lamp = facts_.has_lamp;
   sample_.warm_ratio = facts_.warm_ratio;
   sample_.rate_hz = facts_.rate_hz;

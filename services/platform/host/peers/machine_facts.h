@@ -12,13 +12,15 @@
 namespace intaglio::host {
 
 struct MachineFacts {
-  bool has_interlock = false;  ///< the next eleven are known only then
+  bool has_interlock = false;  ///< the next thirteen are known only then
   bool laser_line_up = false, key_on = false, door_closed = false, door_locked = false,
        stop_released = false;
   bool lamp_on = false, lamp_warm = false, safe_state = false;
   std::uint8_t shutters_open = 0;     ///< bit 0..3: channels 1..4
   bool stop_pressed = false;          ///< on the bus
   std::vector<StopPress> stops_held;  ///< its presses
+  std::string open_input;  ///< of the profile, and what to do; empty: none is open
+  std::string outputs_on;  ///< names of the profile, separated by ", "
   bool has_lamp = false;
   double warm_ratio = 0, rate_hz = 0;
   bool has_motion = false;

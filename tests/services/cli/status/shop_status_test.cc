@@ -202,6 +202,15 @@ TEST(ShopStatus, AMachineOfOneLineThatDoesNotAnswerIsNamedOnce) {
   EXPECT_THAT(TextOf(Status(shop)), HasSubstr("mill       LINE DOWN, no job"));
 }
 
+TEST(ShopStatus, ShowsAnOpenInputAndTheOutputsThatAreOn) {
+  ShopSnapshot shop = GoodShop();
+  shop.cells["left"].open_input = "the input 'clamp' is off: close the clamp";
+  shop.cells["left"].outputs_on = "air, extraction";
+  EXPECT_THAT(TextOf(Status(shop)),
+              HasSubstr("stop released, the input 'clamp' is off: close the clamp, on: "
+                        "air, extraction, no job"));
+}
+
 // Somebody changes the block.
 TEST(ShopStatus, AnOpenDoorNeedsAPersonOnlyWhileTheMachineHasAJob) {
   ShopSnapshot shop = GoodShop();
@@ -210,6 +219,8 @@ TEST(ShopStatus, AnOpenDoorNeedsAPersonOnlyWhileTheMachineHasAJob) {
   EXPECT_THAT(TextOf(Status(shop)), HasSubstr("DOOR OPEN"));
   shop.jobs = {ShownJob(3, intaglio_JOB_ENGRAVING)};
   ExpectNeed(shop, "left: the door is open");
+  shop.cells["left"].open_input = "the input 'clamp' is off: close the clamp";
+  ExpectNeed(shop, "left: the input 'clamp' is off: close the clamp");
   EXPECT_EQ(Status(shop).machines(0).job(), 3u);
 }
 

@@ -67,6 +67,19 @@ TEST(DeviceComparison, NamesAnAxisThatIsFasterThanItsSteps) {
                         "can step this axis; reduce it to at most 75 mm/s"));
 }
 
+TEST(DeviceComparison, OutputsAndInputsAreOfTheLaserLineThatServesThem) {
+  MachineSpec machine = Els03();
+  machine.add_inputs()->set_name("clamp");
+  EXPECT_THAT(CheckDriversOf(machine), IsEmpty());
+  machine.mutable_laser_line()->set_protocol("motion-output");
+  machine.mutable_motion_line()->set_protocol("isel");
+  EXPECT_THAT(TextOf(CheckDriversOf(machine)),
+              HasSubstr("inputs: a laser_line of the protocol 'motion-output' serves no "
+                        "outputs and no inputs for other uses"));
+  machine.clear_inputs();
+  EXPECT_THAT(CheckDriversOf(machine), IsEmpty());
+}
+
 TEST(DeviceComparison, EachDifferenceNamesItsField) {
   MachineSpec machine = Els03();
   machine.mutable_laser_line()->set_serial_number("L-2");

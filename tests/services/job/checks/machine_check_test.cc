@@ -53,6 +53,59 @@ TEST(MachineCheck, TheDefaultRateIsARateOfTheLaser) {
 }
 
 // Half of the beam's width over the focal length, where the lens has none.
+MachineOutput& AddOutput(MachineSpec& machine, const char* name, std::uint32_t output) {
+  MachineOutput& added = *machine.add_outputs();
+  added.set_name(name);
+  added.set_output(output);
+  return added;
+}
+
+MachineInput& AddInput(MachineSpec& machine, const char* name, std::uint32_t input) {
+  MachineInput& added = *machine.add_inputs();
+  added.set_name(name);
+  added.set_input(input);
+  added.set_remedy("close it");
+  return added;
+}
+
+TEST(MachineCheck, OutputsAndInputsHaveANameAndANumberEach) {
+  EXPECT_EQ(ErrorsOf([](auto& m) {
+              AddOutput(m, "air", 1), AddOutput(m, "lamp", 8);
+              AddInput(m, "air", 1), AddInput(m, "clamp", 8);
+            }),
+            "");
+  EXPECT_EQ(ErrorsOf([](auto& m) { AddOutput(m, "", 1), AddInput(m, "a\n", 2); }),
+            "outputs[0].name: is missing; give it a name, as people call it\n"
+            "inputs[0].name: \"a\\n\" is not 1 to 40 printable ASCII characters; shorten "
+            "or correct it\n");
+  EXPECT_EQ(ErrorsOf([](auto& m) { AddOutput(m, "air", 3), AddOutput(m, "air", 3); }),
+            "outputs[1].name: \"air\" is already the name of outputs[0]; give another "
+            "one\n"
+            "outputs[1].output: 3 is already that of outputs[0]; give another one\n");
+  EXPECT_THAT(ErrorsOf([](auto& m) { AddOutput(m, "air", 9); }),
+              HasSubstr("outputs[0].output: 9 is outside"));
+  EXPECT_THAT(ErrorsOf([](auto& m) { AddInput(m, "clamp", 0); }),
+              HasSubstr("inputs[0].input: 0 is outside"));
+  EXPECT_THAT(ErrorsOf([](auto& m) { AddInput(m, "clamp", 1).clear_remedy(); }),
+              HasSubstr("inputs[0].remedy: is missing; give what a person does"));
+  EXPECT_THAT(ErrorsOf([](auto& m) {
+                AddInput(m, "clamp", 1).set_remedy(std::string(201, 'x'));
+              }),
+              HasSubstr("is not 1 to 200 printable ASCII characters"));
+}
+
+TEST(MachineCheck, OutputsOfAMachineThatMarksAreRefused) {
+  const auto marking = [](MachineSpec& m) {
+    m.clear_laser_line(), m.clear_motion_line();
+    m.mutable_mark_line()->set_protocol("scan-head");
+    AddOutput(m, "air", 1), AddInput(m, "clamp", 1);
+  };
+  EXPECT_THAT(ErrorsOf(marking),
+              HasSubstr("outputs: are served by a laser controller alone"));
+  EXPECT_THAT(ErrorsOf(marking),
+              HasSubstr("inputs: are served by a laser controller alone"));
+}
+
 TEST(MachineCheck, AnApertureIsGivenOrFollowsFromTheBeam) {
   const auto clear = [](MachineSpec& m) {
     m.mutable_lenses(0)->clear_numerical_aperture();

@@ -19,12 +19,14 @@ using bus::Borrow;
 using ::testing::IsEmpty;
 
 intaglio_Interlock InterlockOf(bool door_closed) {
-  static const std::string kCell = "mill", kText;
+  static const std::string kCell = "mill", kText, kOpen = "clamp", kOn = "air";
   intaglio_Interlock sample{};
   sample.cell = Borrow(kCell);
   sample.message = Borrow(kText);
   sample.laser_link_up = sample.key_on = true;
   sample.door_closed = door_closed;
+  sample.open_input = Borrow(kOpen);
+  sample.outputs_on = Borrow(kOn);
   return sample;
 }
 
@@ -52,7 +54,8 @@ class KnownService : public testing::Test {
     const auto machines = machines_.machines();
     const auto mill = machines.find("mill");
     return mill != machines.end() && mill->second.has_interlock &&
-           mill->second.door_closed == closed;
+           mill->second.door_closed == closed && mill->second.open_input == "clamp" &&
+           mill->second.outputs_on == "air";
   }
 
   bus::Bus bus_{test::PrivateBusOptions({}, bus::kJobServiceRole)};
