@@ -23,6 +23,12 @@ std::array<const StageAxisBoard*, 3> AxesOf(const StageBoard& board) {
   return {&board.x(), &board.y(), &board.z()};
 }
 
+/// `board` has its defaults.
+double HomeAccelerationOf(const StageBoard& board) {
+  return board.has_home_acceleration_mm_s2() ? board.home_acceleration_mm_s2()
+                                             : board.brake_acceleration_mm_s2() / 10;
+}
+
 nanoseconds Microseconds(double us) {
   return nanoseconds(static_cast<std::int64_t>(1000 * us));
 }
@@ -48,12 +54,27 @@ class StageBoardChecker {
                       "most {:.0f} Hz",
                       board_.max_step_rate_hz(), board_.pulse_us(), 1e6 / shortest_us));
     }
+    CheckHomeAcceleration();
     faults_.CheckSerialNumber(board_.serial_number());
     faults_.CheckLines(BoardLines(board_));
     return std::move(faults_).Errors();
   }
 
  private:
+  // What is passed behind a switch before the axis rests is room that the machine has.
+  void CheckHomeAcceleration() {
+    if (!board_.has_home_acceleration_mm_s2()) return;
+    const double speed_mm_s = board_.home_speed_mm_s();
+    const double overrun_mm =
+        speed_mm_s * speed_mm_s / (2 * board_.home_acceleration_mm_s2());
+    if (overrun_mm <= board_.back_off_mm()) return;
+    faults_.Add(fmt::format(
+        "home_acceleration_mm_s2: {} brake from home_speed_mm_s, {}, within {:.4g} mm "
+        "behind a switch, more than back_off_mm, {}: at least {:.4g}, or a lower speed",
+        board_.home_acceleration_mm_s2(), speed_mm_s, overrun_mm, board_.back_off_mm(),
+        speed_mm_s * speed_mm_s / (2 * board_.back_off_mm())));
+  }
+
   static StageBoard WithDefaults(StageBoard board) {
     FillDefaults(board);
     return board;
@@ -173,7 +194,7 @@ StageControllerOptions OptionsOf(const StageBoard& given, std::uint32_t power_up
   homing.speed_mm_s = board.home_speed_mm_s();
   homing.touch_speed_mm_s = board.touch_speed_mm_s();
   homing.back_off_mm = board.back_off_mm();
-  homing.acceleration_mm_s2 = board.brake_acceleration_mm_s2() / 10;
+  homing.acceleration_mm_s2 = HomeAccelerationOf(board);
   stage.homing = homing;
   stage.mechanics.lag_s = 0;
   stage.position_tolerance_mm = board.position_tolerance_mm();

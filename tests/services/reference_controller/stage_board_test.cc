@@ -46,6 +46,15 @@ TEST(StageBoardFile, TheSuppliedOneIsThatOfThePublishedMachine) {
   EXPECT_TRUE(CheckLinesApart(*laser, *board).has_value());
 }
 
+TEST(StageBoardFile, TheAccelerationOfHomingIsItsOwnOrATenthOfBraking) {
+  StageBoard board = ReadStageBoardFile(kSuppliedStage).value();
+  board.set_brake_acceleration_mm_s2(6000);
+  EXPECT_EQ(OptionsOf(board, 1).stage.homing->acceleration_mm_s2, 600);
+  board.set_home_acceleration_mm_s2(50);
+  EXPECT_EQ(OptionsOf(board, 1).stage.homing->acceleration_mm_s2, 50);
+  EXPECT_EQ(OptionsOf(board, 1).stage.brake_acceleration_mm_s2, 6000);
+}
+
 TEST(StageBoardFile, AnAxisThatIsFasterThanItsStepsIsRefusedWithItsRemedy) {
   EXPECT_THAT(
       StageErrorOf("steps_per_mm: 200", "steps_per_mm: 400"),
@@ -78,6 +87,11 @@ TEST(StageBoardFile, WrongValuesAreNamed) {
                 "position_tolerance_mm: 0.006 is below two steps of x, 0.01 mm"},
            Case{"position_tolerance_mm: 0.03", "home_speed_mm_s: 90",
                 "home_speed_mm_s: 90 is above max_speed_mm_s of x, 80"},
+           Case{"position_tolerance_mm: 0.03", "home_acceleration_mm_s2: 5",
+                "home_acceleration_mm_s2: 5 brake from home_speed_mm_s, 10, within 10 mm "
+                "behind a switch, more than back_off_mm, 5: at least 10"},
+           Case{"position_tolerance_mm: 0.03", "home_acceleration_mm_s2: 0.5",
+                "home_acceleration_mm_s2: 0.5 is outside"},
            Case{"position_tolerance_mm", "tolerance_mm", "tolerance_mm"},
        })
     EXPECT_THAT(StageErrorOf(c.pattern, c.text), HasSubstr(c.error)) << c.pattern;
