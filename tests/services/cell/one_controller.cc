@@ -84,7 +84,7 @@ void OneMachine::Advance() {
   if (!stage) return;
   if (!cut_) reached_at_ = now_;
   if (now_ - reached_at_ > kSilence) {
-    if (laser->MayFire()) laser->EnterSafeState();
+    if (laser->is_live()) laser->EnterSafeState();
     if (stage->running()) stage->Fail(link::StageFault::kSafeState);
   }
   while (next_tick_s_ <= std::chrono::duration<double>(now_).count()) PassTick();

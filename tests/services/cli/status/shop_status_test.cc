@@ -219,6 +219,7 @@ TEST(ShopStatus, AnOpenDoorNeedsAPersonOnlyWhileTheMachineHasAJob) {
   EXPECT_THAT(TextOf(Status(shop)), HasSubstr("DOOR OPEN"));
   shop.jobs = {ShownJob(3, intaglio_JOB_ENGRAVING)};
   ExpectNeed(shop, "left: the door is open");
+  shop.cells["left"].door_closed = true;
   shop.cells["left"].open_input = "the input 'clamp' is off: close the clamp";
   ExpectNeed(shop, "left: the input 'clamp' is off: close the clamp");
   EXPECT_EQ(Status(shop).machines(0).job(), 3u);
