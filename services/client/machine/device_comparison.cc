@@ -62,14 +62,27 @@ std::string ReadLine(const SerialLine& line, const link::SteadyClock& clock,
 void CompareLaserLine(const MachineSpec& machine, const link::SteadyClock& clock,
                       DeviceComparison& comparison) {
   std::optional<link::LaserIdentity> identity;
+  link::AccessoryState accessories;
+  bool reported = false;
   comparison.not_compared = ReadLine(
       machine.laser_line(), clock,
       [&](std::uint8_t type, std::span<const std::byte> payload) {
-        if (type != static_cast<std::uint8_t>(link::LaserFrame::kLaserIdentity)) return;
-        if (auto read = link::Decode<link::LaserIdentity>(payload)) identity = *read;
+        using link::LaserFrame;
+        const auto frame = static_cast<LaserFrame>(type);
+        if (frame == LaserFrame::kLaserIdentity) {
+          if (auto read = link::Decode<link::LaserIdentity>(payload)) identity = *read;
+        } else if (frame == LaserFrame::kAccessoryState) {
+          if (auto read = link::Decode<link::AccessoryState>(payload))
+            accessories = *read;
+        } else if (identity) {
+          // Outputs and inputs follow the identity at once, when there are any.
+          reported = true;
+        }
       },
-      [&] { return identity.has_value(); });
-  if (identity) comparison.differences = CompareLaser(machine, *identity);
+      [&] { return identity && reported; });
+  if (!identity) return;
+  comparison.not_compared.clear();
+  comparison.differences = CompareLaser(machine, *identity, accessories);
 }
 
 void CompareMotionLine(const MachineSpec& machine, const link::SteadyClock& clock,
@@ -100,6 +113,24 @@ void CompareMotionLine(const MachineSpec& machine, const link::SteadyClock& cloc
   comparison.differences = CompareStage(machine, *identity, tolerance, speed);
 }
 
+void CompareAccessories(const MachineSpec& machine, const link::AccessoryState& reported,
+                        std::vector<Error>& found) {
+  const auto compare = [&found](const std::string& field, std::uint32_t number,
+                                std::uint32_t count) {
+    if (number <= count) return;
+    Differs(found, field,
+            fmt::format("{} is above the {} that the laser controller has; connect it to "
+                        "another one, or remove it",
+                        number, count));
+  };
+  for (int i = 0; i < machine.outputs_size(); ++i)
+    compare(fmt::format("outputs[{}].output", i), machine.outputs(i).output(),
+            reported.output_count);
+  for (int i = 0; i < machine.inputs_size(); ++i)
+    compare(fmt::format("inputs[{}].input", i), machine.inputs(i).input(),
+            reported.input_count);
+}
+
 void TakeByDriver(Result<std::vector<Error>> differences, DeviceComparison& comparison) {
   if (differences) {
     comparison.differences = std::move(*differences);
@@ -111,7 +142,8 @@ void TakeByDriver(Result<std::vector<Error>> differences, DeviceComparison& comp
 }  // namespace
 
 std::vector<Error> CompareLaser(const MachineSpec& machine,
-                                const link::LaserIdentity& reported) {
+                                const link::LaserIdentity& reported,
+                                const link::AccessoryState& accessories) {
   std::vector<Error> found;
   CompareSerial(machine.laser_line(), "laser_line", reported.serial_number, found);
   if (machine.laser().channels() > reported.channels) {
@@ -152,6 +184,7 @@ std::vector<Error> CompareLaser(const MachineSpec& machine,
             "the laser controller reports no lock of the door; remove the field, or "
             "connect the lock to the controller");
   }
+  CompareAccessories(machine, accessories, found);
   return found;
 }
 

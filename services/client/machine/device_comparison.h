@@ -17,9 +17,11 @@
 namespace intaglio::client {
 
 /// What differs, each "field: value of the profile, what the device reports; remedy".
-/// `machine` passes CheckMachine.
+/// `machine` passes CheckMachine. `accessories`: of a controller that reports none, all
+/// 0.
 std::vector<Error> CompareLaser(const MachineSpec& machine,
-                                const link::LaserIdentity& reported);
+                                const link::LaserIdentity& reported,
+                                const link::AccessoryState& accessories = {});
 /// Without a tolerance or a speed the controller is one that does not report it.
 std::vector<Error> CompareStage(const MachineSpec& machine,
                                 const link::MotionIdentity& reported,

@@ -13,6 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 MachineSpec Els03() {
   return ReadMachineFile(INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto").value();
@@ -80,6 +81,16 @@ TEST(DeviceComparison, OutputsAndInputsAreOfTheLaserLineThatServesThem) {
   EXPECT_THAT(CheckDriversOf(machine), IsEmpty());
 }
 
+TEST(DeviceComparison, OutputsAndInputsThatTheControllerDoesNotHaveAreNamed) {
+  MachineSpec machine = Els03();
+  machine.add_outputs()->set_output(2);
+  machine.add_inputs()->set_input(3);
+  EXPECT_THAT(CompareLaser(machine, GoodLaser(), {2, 3, 0, 0}), IsEmpty());
+  const std::string found = TextOf(CompareLaser(machine, GoodLaser(), {1, 2, 0, 0}));
+  EXPECT_THAT(found, HasSubstr("outputs[0].output: 2 is above the 1 that the laser"));
+  EXPECT_THAT(found, HasSubstr("inputs[0].input: 3 is above the 2 that the laser"));
+}
+
 TEST(DeviceComparison, EachDifferenceNamesItsField) {
   MachineSpec machine = Els03();
   machine.mutable_laser_line()->set_serial_number("L-2");
@@ -114,17 +125,21 @@ TEST(DeviceComparison, EachDifferenceNamesItsField) {
 
 TEST(DeviceComparison, ReadsARunningMachineAndLeavesABusyOneAlone) {
   virtual_engraver::EngraverProcess engraver(
-      test::FreshFolder(), "stage { travel_max_mm { x: 100 y: 172 z: 172 } }");
+      test::FreshFolder(),
+      "laser { inputs: true } stage { travel_max_mm { x: 100 y: 172 z: 172 } }");
   ASSERT_TRUE(engraver.AwaitReady());
   MachineSpec machine = Els03();
   machine.mutable_laser_line()->set_device(engraver.laser_line());
   machine.mutable_motion_line()->set_device(engraver.motion_line());
+  for (const std::uint32_t number : {1u, 2u}) machine.add_inputs()->set_input(number);
   {
     const auto found = CompareDevices(machine, link::MonotonicClock());
     ASSERT_EQ(found.size(), 2u);
     EXPECT_EQ(found[0].not_compared, "");
     EXPECT_EQ(found[1].not_compared, "");
     EXPECT_THAT(TextOf(found[1].differences), HasSubstr("x travel: -2 to 172 mm"));
+    EXPECT_THAT(TextOf(found[0].differences), HasSubstr("inputs[1].input: 2 is above"));
+    EXPECT_THAT(TextOf(found[0].differences), Not(HasSubstr("inputs[0].input")));
   }
   virtual_engraver::EngravingHost host(engraver);
   ASSERT_TRUE(host.Connect());
