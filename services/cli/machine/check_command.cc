@@ -17,6 +17,7 @@
 #include "services/cli/terminal/complain.h"
 #include "services/client/exit_codes.h"
 #include "services/client/machine/device_comparison.h"
+#include "services/job/checks/arm_check.h"
 #include "services/job/checks/head_check.h"
 #include "services/job/checks/job_check.h"
 #include "services/job/files/job_file.h"
@@ -68,6 +69,7 @@ void FindAll(const MachineSpec& machine, MachineCheck& check) {
     *check.add_warnings() = FindingOf(error);
   for (std::string& note : ObliqueNotesOf(WithMachineDefaults(machine)))
     check.add_notes(std::move(note));
+  for (std::string& note : ArmNotesOf(machine)) check.add_notes(std::move(note));
 }
 
 void CompareDevices(const MachineSpec& machine, MachineCheck& check) {

@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <functional>
+#include <string>
+
+#include "services/job/checks/arm_check.h"
 #include "services/job/checks/job_check.h"
 #include "services/job/fields/field_ranges.h"
 #include "services/job/fields/shapes.h"
@@ -15,8 +19,10 @@ std::string SizeText(const Vec3& size_mm) {
   return fmt::format("{:g} x {:g} x {:g}", size_mm.x(), size_mm.y(), size_mm.z());
 }
 
+/// `remedy`: what else can be done of an axis that turns.
 void CheckAxisTravel(const machine::Axis& axis, int i, const JobSpec& job,
-                     const Box3& needed, const MachineSpec& machine, Findings& findings) {
+                     const Box3& needed, const MachineSpec& machine,
+                     const std::function<std::string()>& remedy, Findings& findings) {
   const Box3 travel = AxisLimitsOf(machine).travel_mm;
   const double from = needed.min_mm[i], to = needed.max_mm[i];
   if (from >= travel.min_mm[i] && to <= travel.max_mm[i]) return;
@@ -38,8 +44,9 @@ void CheckAxisTravel(const machine::Axis& axis, int i, const JobSpec& job,
   findings.Wrong("block.size_mm", SizeText(size_mm),
                  "does not fit in the travel of {}: the axis {} would have to turn from "
                  "{:.6g} to {:.6g} rad, its travel is {} to {}; take a smaller block, or "
-                 "move it on the table and correct block_origin_mm",
-                 machine.name(), axis.name, from, to, travel.min_mm[i], travel.max_mm[i]);
+                 "move it on the table and correct block_origin_mm{}",
+                 machine.name(), axis.name, from, to, travel.min_mm[i], travel.max_mm[i],
+                 remedy());
 }
 
 void CheckReachFrom(const Vec3& origin_mm, const JobSpec& job, const MachineSpec& machine,
@@ -61,16 +68,23 @@ void CheckReachFrom(const Vec3& origin_mm, const JobSpec& job, const MachineSpec
                           "block_origin_mm of the profile",
                           machine.name());
   }
+  const auto remedy = [&]() -> std::string {
+    if (!machine.has_polar()) return "";
+    Box3 places_mm;
+    places_mm.Extend(frame.ToMachine(permitted_mm.min_mm));
+    places_mm.Extend(frame.ToMachine(permitted_mm.max_mm));
+    return "; " + ArmRemedy(machine, job, places_mm);
+  };
   const auto needed =
       machine::AxesOver(axes_from_glass, permitted_mm, AxisLimitsOf(machine).travel_mm);
   if (!needed) {
     return findings.Wrong("block.size_mm", SizeText(size_mm),
-                          "is not all within the reach of {}: {}", machine.name(),
-                          needed.error().message);
+                          "is not all within the reach of {}: {}{}", machine.name(),
+                          needed.error().message, remedy());
   }
   const auto axes = axes_from_glass.kinematics().axes();
   for (int i = in_tiles ? 2 : 0; i < 3; ++i) {
-    CheckAxisTravel(axes[static_cast<std::size_t>(i)], i, job, *needed, machine,
+    CheckAxisTravel(axes[static_cast<std::size_t>(i)], i, job, *needed, machine, remedy,
                     findings);
   }
 }

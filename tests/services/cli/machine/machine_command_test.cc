@@ -195,5 +195,14 @@ TEST_F(MachineCommand, CheckNamesLinesThatItCannotCompare) {
                                        "controllers of the protocol virtual-cell")));
 }
 
+TEST_F(MachineCommand, CheckNamesTheArmsThatReachABlock) {
+  EXPECT_EQ(Run({"machine", "check", Supplied("polar"), "--offline"}), 0) << output_;
+  // The nearest edge is 200 - 90 mm from the arm's axis; the margin of 0.1 rad needs
+  // 1.244 mm more.
+  EXPECT_THAT(output_,
+              HasSubstr("note: block of 50 x 50 mm at block_origin_mm: an arm of "
+                        "111.244 to 286.758 mm reaches all of the block"));
+}
+
 }  // namespace
 }  // namespace intaglio::cli

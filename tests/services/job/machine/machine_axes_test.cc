@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "services/job/checks/arm_check.h"
 #include "services/job/checks/job_check.h"
 #include "services/job/convert/job_defaults.h"
 #include "services/job/convert/options.h"
@@ -187,12 +188,20 @@ TEST(CheckKinematics, ABlockOutOfReachOfTheArmIsNamed) {
               ElementsAre(IsFinding("block.size_mm",
                                     "is not all within the reach of polar: the "
                                     "focus at (")));
+  // The nearest place, 33 mm from the table's axis, is 200 cos 0.1 -+ 26.274 mm from the
+  // arm's when the arm is 0.1 rad from the line between both.
+  EXPECT_THAT(
+      CheckJobOnMachine(GoodJob(), machine, kStageRatio),
+      ElementsAre(IsFinding("block.size_mm",
+                            "; an arm of 172.727 to 225.275 mm reaches all of the "
+                            "block there, polar.arm_length_mm is 150")));
   // An axis of the table inside the block is farther from every edge than the arm's
   // bound.
   machine.mutable_polar()->set_arm_length_mm(190);
   machine.mutable_block_origin_mm()->set_y(-25);
   EXPECT_THAT(CheckJobOnMachine(GoodJob(), machine, kStageRatio),
-              ElementsAre(IsFinding("block.size_mm", "folded arm")));
+              ElementsAre(IsFinding("block.size_mm",
+                                    "; an arm of no length reaches all of the block")));
 }
 
 TEST(CheckKinematics, TravelOfAnArmIsNamedInRadians) {
@@ -202,6 +211,37 @@ TEST(CheckKinematics, TravelOfAnArmIsNamedInRadians) {
   EXPECT_THAT(
       CheckJobOnMachine(GoodJob(), machine, kStageRatio),
       ElementsAre(IsFinding("block.size_mm", "the axis table would have to turn from")));
+}
+
+// The arm that the refusal names is accepted, and one that is a little shorter is not.
+TEST(CheckKinematics, TheShortestArmThatIsNamedReaches) {
+  for (const double y_mm : {30.0, 60.0, 230.0, 300.0}) {
+    MachineSpec machine = PolarProfile();
+    machine.mutable_block_origin_mm()->set_y(y_mm);
+    const FrozenJob frozen = FrozenOn(machine);
+    const Box3 places_mm{Vec3(-22, y_mm + 3, 0), Vec3(22, y_mm + 47, 0)};
+    const auto lengths = ArmLengthsFor(machine, frozen.job(), places_mm);
+    ASSERT_TRUE(lengths.has_value()) << y_mm;
+    const auto found_with = [&](double arm_length_mm) {
+      machine.mutable_polar()->set_arm_length_mm(arm_length_mm);
+      return CheckJobOnMachine(GoodJob(), machine, kStageRatio);
+    };
+    EXPECT_THAT(found_with(lengths->min_mm + 0.01), IsEmpty()) << y_mm;
+    EXPECT_THAT(found_with(lengths->max_mm - 0.01), IsEmpty()) << y_mm;
+    EXPECT_THAT(found_with(lengths->min_mm - 0.1), testing::SizeIs(1)) << y_mm;
+    EXPECT_THAT(found_with(lengths->max_mm + 0.1), testing::SizeIs(1)) << y_mm;
+  }
+}
+
+TEST(ArmNotes, NameTheArmsForTwoBlocks) {
+  const auto notes = ArmNotesOf(PolarProfile());
+  EXPECT_THAT(
+      notes,
+      ElementsAre(HasSubstr("block of 50 x 50 mm at block_origin_mm: an arm of "),
+                  HasSubstr("block of 100 x 100 mm at block_origin_mm: an arm of ")));
+  EXPECT_THAT(notes[0], HasSubstr(" mm reaches all of the block there, "
+                                  "polar.arm_length_mm is 150"));
+  EXPECT_THAT(ArmNotesOf(TableProfile()), IsEmpty());
 }
 
 TEST(CheckKinematics, MistakesOfAProfileAreNamedTogether) {
