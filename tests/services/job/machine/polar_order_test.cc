@@ -3,7 +3,7 @@
 // the table turns and the arm indexes; several blocks on the table get a layer each in
 // turn. Each is made here of the axes' coordinates and planned with the axes' limits,
 // beside the job's own order, which counts the planner's ticks: it takes fewer, so the
-// product has no order by sweeps.
+// product has no order by sweeps. polar_tracks_test.cc has points on the tracks.
 
 #include <gtest/gtest.h>
 
@@ -13,34 +13,15 @@
 #include <random>
 #include <tuple>
 
-#include "engrave/sort/order.h"
-#include "engrave/sort/shadow.h"
-#include "services/job/convert/job_defaults.h"
-#include "services/job/convert/options.h"
-#include "services/job/files/job_file.h"
-#include "services/job/machine/machine_axes.h"
-#include "services/job/plan/plan_summary.h"
-#include "tests/services/job/test_job.h"
+#include "tests/services/job/machine/polar_ticks.h"
 
 namespace intaglio {
 namespace {
 
+using namespace polar_ticks;  // NOLINT
+
 constexpr double kDistanceMm = 0.5;
 enum Sweep { kArm = 0, kTable = 1 };  // the index of the axis that sweeps
-
-FrozenJob PolarJob() {
-  FrozenJob frozen;
-  *frozen.mutable_machine() =
-      ReadMachineFile(INTAGLIO_SOURCE_DIR "/deploy/machines/polar.textproto").value();
-  JobSpec job = GoodJob();
-  job.mutable_laser()->Clear();
-  job.mutable_ordering()->mutable_anneal();
-  *frozen.mutable_job() = WithDefaults(job, frozen.machine());
-  frozen.mutable_optics()->set_stage_per_glass_ratio(0.65);
-  // NA 0.2 in glass of index 1.52.
-  frozen.mutable_optics()->set_cone_tangent(0.1327);
-  return frozen;
-}
 
 /// Contours of a sphere, as sections give them.
 PointList Sphere(const Vec3& middle_mm, double radius_mm) {
@@ -75,26 +56,6 @@ PointList Volume(const Vec3& middle_mm, double side_mm) {
   return points_mm;
 }
 
-std::uint64_t TicksOf(const FrozenJob& job, PointList axes) {
-  PlanInput plan;
-  plan.machine_points_mm = std::move(axes);
-  plan.options = MotionOptionsOf(job);
-  return Summarize(plan, [](std::uint64_t, std::uint64_t) { return true; }).value().ticks;
-}
-
-PointList AxesOf(const FrozenJob& job, const PointList& points_mm) {
-  return machine::AxesAlong(AxesFromGlassOf(job), points_mm,
-                            AxisLimitsOf(job.machine()).travel_mm)
-      .value();
-}
-
-template <typename Index>
-PointList InOrder(const PointList& points, const std::vector<Index>& order) {
-  PointList ordered;
-  for (const Index i : order) ordered.push_back(points[i]);
-  return ordered;
-}
-
 /// Layer by layer from below; in a layer the other axis indexes by `row_mm` at the
 /// block, and `sweep` goes to and fro.
 PointList Sweeps(const FrozenJob& job, const PointList& points_mm, Sweep sweep,
@@ -124,10 +85,6 @@ std::uint64_t TicksOfSweeps(const FrozenJob& job, const PointList& points_mm,
     fewest = std::min(fewest, TicksOf(job, AxesOf(job, path_mm)));
   }
   return fewest;
-}
-
-PointList JobsOwn(const FrozenJob& job, const PointList& points_mm) {
-  return InOrder(points_mm, sort::MakeOrder(points_mm, OrderOptionsOf(job)).value());
 }
 
 TEST(PolarOrder, ByTicksTakesFewerTicksThanSweepsOfTheArmOrTheTable) {
