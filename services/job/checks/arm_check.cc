@@ -21,7 +21,7 @@ std::optional<machine::ArmLengths> ArmLengthsFor(const MachineSpec& machine,
 std::string ArmRemedy(const MachineSpec& machine, const JobSpec& job,
                       const Box3& places_mm) {
   const auto lengths = ArmLengthsFor(machine, job, places_mm);
-  if (!lengths) return "an arm of no length reaches all of the block there";
+  if (!lengths) return "no length of the arm reaches all of the block there";
   return fmt::format(
       "an arm of {:.6g} to {:.6g} mm reaches all of the block there, polar.arm_length_mm "
       "is {:g}",

@@ -21,7 +21,8 @@ std::optional<machine::ArmLengths> ArmLengthsFor(const MachineSpec& machine,
                                                  const JobSpec& job,
                                                  const Box3& places_mm);
 
-/// "polar.arm_length_mm 66.4 to 330 reach all of it, this one is 50", or that none does.
+/// "an arm of 172.7 to 225.3 mm reaches all of the block there, polar.arm_length_mm is
+/// 150", or that no length does. Arguments as of ArmLengthsFor.
 std::string ArmRemedy(const MachineSpec& machine, const JobSpec& job,
                       const Box3& places_mm);
 

@@ -201,7 +201,7 @@ TEST(CheckKinematics, ABlockOutOfReachOfTheArmIsNamed) {
   machine.mutable_block_origin_mm()->set_y(-25);
   EXPECT_THAT(CheckJobOnMachine(GoodJob(), machine, kStageRatio),
               ElementsAre(IsFinding("block.size_mm",
-                                    "; an arm of no length reaches all of the block")));
+                                    "; no length of the arm reaches all of the block")));
 }
 
 TEST(CheckKinematics, TravelOfAnArmIsNamedInRadians) {
