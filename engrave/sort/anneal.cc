@@ -13,14 +13,17 @@
 #include "engrave/sort/planned_ticks.h"
 #include "engrave/sort/smooth.h"
 #include "engrave/sort/stretch.h"
+#include "engrave/sort/stretch_search.h"
 
 namespace intaglio::sort {
 namespace {
 
 constexpr std::size_t kStretch = 8192;
 constexpr std::size_t kStretchesAtOnce = 16;
-constexpr double kMaxTriesPerRound = 64;
-constexpr double kFewestRounds = 2;
+/// Maximum tries of a round, and the fewest rounds; the first pass of a search takes up
+/// to 100 tries a point.
+constexpr double kMaxTriesPerRound = 64, kMaxTriesPerSearch = 128;
+constexpr double kFewestRounds = 2, kFewestSearches = 1;
 constexpr double kMaxTries = 1e6, kMaxPieces = 1e6;
 
 /// Stages by worth: tries of the first, and by how much each has more.
@@ -55,21 +58,27 @@ std::vector<Range> CutInStretches(std::size_t size, std::mt19937_64& generator) 
   return ranges;
 }
 
+/// How stretches are improved.
+enum class By { kAnnealing, kSearch };
+
 class Annealing {
  public:
-  Annealing(const PointList& points_mm, const OrderOptions& options, Fit fit,
+  Annealing(const PointList& points_mm, const OrderOptions& options, Fit fit, By by,
             Order& order)
       : points_mm_(points_mm),
         options_(options),
         cost_(options.limits, options.rate_hz, fit),
+        by_(by),
         order_(order),
         generator_(options.anneal.seed) {}
 
   /// False when `progress` requested cancellation.
   bool Run(const ProgressSink& progress) {
     const double tries = options_.anneal.tries_per_point.value_or(0);
-    const double rounds =
-        tries > 0 ? std::max(kFewestRounds, std::ceil(tries / kMaxTriesPerRound)) : 0;
+    const bool searches = by_ == By::kSearch;
+    const double fewest = searches ? kFewestSearches : kFewestRounds;
+    const double max_tries = searches ? kMaxTriesPerSearch : kMaxTriesPerRound;
+    const double rounds = tries > 0 ? std::max(fewest, std::ceil(tries / max_tries)) : 0;
     for (double round = 0;; ++round) {
       const double share = options_.anneal.used_share ? options_.anneal.used_share()
                            : rounds > 0               ? round / rounds
@@ -109,7 +118,11 @@ class Annealing {
     Stretch stretch(points_mm, options_.cone, cost_);
     const auto tries = static_cast<std::uint64_t>(tries_per_point_ *
                                                   static_cast<double>(points_mm.size()));
-    stretch.Anneal(tries, hot_, cold_, seed);
+    if (by_ == By::kSearch) {
+      StretchSearch(stretch).Run(tries, seed);
+    } else {
+      stretch.Anneal(tries, hot_, cold_, seed);
+    }
     Order annealed;
     for (const std::uint32_t i : stretch.order()) {
       annealed.push_back(order_[range.first + i]);
@@ -121,6 +134,7 @@ class Annealing {
   const PointList& points_mm_;
   const OrderOptions& options_;
   TickCost cost_;
+  By by_;
   Order& order_;
   std::mt19937_64 generator_;
   double tries_per_point_ = 0;
@@ -150,7 +164,7 @@ Fit BetterFit(const PointList& points_mm, const Order& order,
   of_trial.anneal.tries_per_point = kFirstTries;
   const auto ticks = [&](Fit fit) {
     Order annealed = middle;
-    Annealing(points_mm, of_trial, fit, annealed).Run(nullptr);
+    Annealing(points_mm, of_trial, fit, By::kAnnealing, annealed).Run(nullptr);
     return PlannedTicks(points_mm, annealed, options.limits, options.rate_hz);
   };
   return ticks(Fit::kNeighbours) < ticks(Fit::kWay) ? Fit::kNeighbours : Fit::kWay;
@@ -167,6 +181,7 @@ class Improvement {
 
   Order& order() { return order_; }
   std::uint64_t ticks() const { return ticks_; }
+  bool FitsWay() const { return fit_ == Fit::kWay; }
   /// From now on the way has to fit. False: it had to, or need not.
   bool BeginToFitWay() {
     if (fit_ == Fit::kWay || options_.keeps_more) return false;
@@ -177,11 +192,11 @@ class Improvement {
 
   /// Keeps what is annealed where that is better. False when `progress` requested
   /// cancellation.
-  bool Anneal(const AnnealOptions& how, const ProgressSink& progress) {
+  bool Anneal(const AnnealOptions& how, By by, const ProgressSink& progress) {
     OrderOptions options = options_;
     options.anneal = how;
     Order annealed = order_;
-    if (!Annealing(points_mm_, options, fit_, annealed).Run(progress)) return false;
+    if (!Annealing(points_mm_, options, fit_, by, annealed).Run(progress)) return false;
     const std::uint64_t ticks = TicksOf(annealed);
     if (ticks >= ticks_) return true;
     order_ = std::move(annealed);
@@ -212,18 +227,21 @@ ProgressSink StageOf(const ProgressSink& progress, int stage) {
   };
 }
 
-/// Anneals in stages, each with more tries than the one before, while the next one
+/// Goes on in stages, each with more tries than the one before, while the next one
 /// promises to save more than it takes; then once more so that the way fits, if it did
-/// not have to. False when `progress` requested cancellation.
+/// not have to. The first stage anneals, and so does each in which the way need not fit;
+/// the others search, which by trial gains more of an order that is good. False when
+/// `progress` requested cancellation.
 bool AnnealByWorth(const OrderOptions& options, const ProgressSink& progress,
                    Improvement& order) {
   AnnealOptions how = options.anneal;
   double tries = kFirstTries;
   for (int stage = 0;; ++stage) {
     const std::uint64_t before = order.ticks();
+    const By by = stage > 0 && order.FitsWay() ? By::kSearch : By::kAnnealing;
     how.tries_per_point = tries;
     how.seed = options.anneal.seed + static_cast<std::uint64_t>(stage);
-    if (!order.Anneal(how, StageOf(progress, stage))) return false;
+    if (!order.Anneal(how, by, StageOf(progress, stage))) return false;
     const auto gain = static_cast<double>(before - order.ticks());
     const double saved_s = options.anneal.pieces * kNextGain * gain / options.rate_hz;
     const double next_tries = tries * kMoreTries;
@@ -253,7 +271,7 @@ Order ImproveOrder(const PointList& points_mm, Order order, const OrderOptions& 
   if (improved.IsNearBest()) return std::move(improved.order());
   const AnnealOptions& how = options.anneal;
   const bool goes_on = how.tries_per_point || how.used_share
-                           ? improved.Anneal(how, progress)
+                           ? improved.Anneal(how, By::kAnnealing, progress)
                            : AnnealByWorth(options, progress, improved);
   if (!goes_on) return {};
   return std::move(improved.order());

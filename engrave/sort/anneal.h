@@ -1,9 +1,10 @@
 #pragma once
 
 // Sort by annealing: the order of smooth.h, changed piece by piece (stretch.h) for as
-// long as the options allow, so that the stage needs fewer ticks. Never through an
-// earlier crack, and never worse than the initial order: in the end the motion planner
-// decides.
+// long as the options allow, so that the stage needs fewer ticks. Where that is as long
+// as it is worth it, a local search (stretch_search.h) follows a short annealing. Never
+// through an earlier crack, and never worse than the initial order: in the end the motion
+// planner decides.
 
 #include "engrave/sort/order.h"
 

@@ -79,7 +79,8 @@ Stretch::Stretch(const std::vector<Scaled>& points, std::span<const Vec3> points
       has_tube_(!tube.points_mm.empty()),
       tolerance_mm_(static_cast<float>(tube.tolerance_mm)),
       precedence_(points_mm, cone),
-      near_(WithTubeHeights(points, tube), kNear, TypicalStep(points)) {
+      typical_step_(TypicalStep(points)),
+      near_(WithTubeHeights(points, tube), kNear, typical_step_) {
   std::iota(at_.begin(), at_.end(), 0U);
   std::iota(place_.begin(), place_.end(), 0U);
   for (std::size_t i = 0; i < points.size(); ++i) places_[i] = {points[i], 0, 1, 1, 0};
@@ -106,7 +107,7 @@ void Stretch::Anneal(std::uint64_t tries, double hot, double cold, std::uint64_t
     }
     if (i % kTriesASearch == 0) FindSlow();
     Change change;
-    if (!Propose(change) || !EndsStayInTube(change)) continue;
+    if (!Propose(near_, change) || !EndsStayInTube(change)) continue;
     const double chance = (static_cast<double>(random_() >> 11) + 1) * 0x1p-53;
     const double bearable = -temperature * std::log(chance);
     if (-MaxGain(change, bearable) > bearable || !IsAllowed(change)) continue;
@@ -179,9 +180,14 @@ std::size_t Stretch::PieceLength(std::size_t place, bool forwards) {
   const std::uint32_t kind = Below(4);
   if (kind < 2) return 1;
   if (kind == 2) return 1 + Below(3);
-  // As far as the motion is smooth: up to the next step that takes longer.
+  return SmoothLength(place, forwards, kLongestPiece);
+}
+
+/// As far as the motion is smooth: up to the next step that takes longer.
+std::size_t Stretch::SmoothLength(std::size_t place, bool forwards,
+                                  std::size_t longest) const {
   std::size_t length = 1;
-  for (; length < kLongestPiece; ++length) {
+  for (; length < longest && (forwards || length <= place); ++length) {
     const std::size_t step = forwards ? place + length : place - length + 1;
     if (step <= kFixed || step >= at_.size() - kFixed || places_[step].ticks > 1) break;
   }
@@ -203,9 +209,9 @@ std::size_t Stretch::PlaceToImprove() {
   return slow_[Below(static_cast<std::uint32_t>(slow_.size()))];
 }
 
-bool Stretch::Propose(Change& change) {
+bool Stretch::Propose(const NearPoints& all_near, Change& change) {
   const std::size_t here = PlaceToImprove();
-  const auto near = near_.Of(at_[here]);
+  const auto near = all_near.Of(at_[here]);
   if (near.empty()) return false;
   const std::size_t there = place_[near[Below(static_cast<std::uint32_t>(near.size()))]];
   const std::uint32_t kind = Below(5);

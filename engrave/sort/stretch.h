@@ -49,6 +49,8 @@ class Stretch {
   std::span<const std::uint32_t> order() const { return at_; }
 
  private:
+  friend class StretchSearch;
+
   Stretch(const std::vector<Scaled>& points, std::span<const Vec3> points_mm,
           const BeamCone& cone, const TickCost& cost, const HeightTube& tube);
 
@@ -104,8 +106,9 @@ class Stretch {
   void ChooseTicksOfNeighbours();
   void FindSlow();
   std::size_t PlaceToImprove();
-  bool Propose(Change& change);
+  bool Propose(const NearPoints& all_near, Change& change);
   std::size_t PieceLength(std::size_t place, bool forwards);
+  std::size_t SmoothLength(std::size_t place, bool forwards, std::size_t longest) const;
   std::size_t OldPlace(const Change& change, std::size_t place) const;
   TimedMove MoveTo(std::size_t place) const;
   void SetStepTo(std::size_t place);
@@ -139,6 +142,7 @@ class Stretch {
   float tolerance_mm_;
   std::vector<float> axis_mm_;  ///< of each place, from the first point's height
   Precedence precedence_;
+  float typical_step_;
   NearPoints near_;
   QuickRandom random_;
   /// Places that a step of more than one tick leads to or leaves, as they were at most

@@ -51,6 +51,21 @@ TEST(Anneal, IsTheSameWhateverTheExecutorDoes) {
   }
 }
 
+// Then a search follows, of stretches that are searched at the same time.
+TEST(Anneal, ByWorthIsTheSameWhateverTheExecutorDoes) {
+  const PointList points_mm = DentedSphere(9000, 3);
+  OrderOptions options;
+  options.method = Method::kAnneal;
+  options.rate_hz = 200;
+  const Order order = MakeOrder(points_mm, options).value();
+  for (const Executor& executor : Executors()) {
+    options.executor = executor;
+    EXPECT_EQ(MakeOrder(points_mm, options).value(), order);
+  }
+  ExpectEachOnce(order, points_mm.size());
+  EXPECT_EQ(CountShadowViolations(points_mm, order, options.cone), 0);
+}
+
 TEST(Anneal, MoreTriesAreBetter) {
   double before = 0;
   for (const double tries : {0.0, 12.0, 200.0}) {

@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <numeric>
 
 #include "engrave/core/check.h"
 #include "engrave/sort/planned_ticks.h"
+#include "engrave/sort/stretch_search.h"
 #include "tests/engrave/sort/order_checks.h"
 
 namespace intaglio::sort {
@@ -74,7 +76,8 @@ TEST(Stretch, BringsNoPointToAPlaceWhereTheAxisIsTooFarFromItsHeight) {
   EXPECT_GT(farthest_mm, kToleranceMm / 2) << "the tolerance was used";
 }
 
-TEST(Stretch, GetsCheaperWhereNothingWorseIsAccepted) {
+/// Whether `improve` never costs ticks, and saves some where there are many.
+void ExpectCheaper(const std::function<void(Stretch&)>& improve) {
   for (const double rate_hz : {100.0, 1000.0}) {
     for (const auto& [name, points_mm] : Clouds(300)) {
       const BeamCone cone = 0.1328;
@@ -85,13 +88,77 @@ TEST(Stretch, GetsCheaperWhereNothingWorseIsAccepted) {
         return PlannedTicks(ordered_mm, OrderOf(stretch), {}, rate_hz);
       };
       const auto before = ticks();
-      stretch.Anneal(100 * ordered_mm.size(), 1e-6, 1e-6, 1);
+      improve(stretch);
       EXPECT_LE(ticks(), before) << name << ", " << rate_hz;
       if (before > 2 * ordered_mm.size()) {
         EXPECT_LT(ticks(), before) << name << ", " << rate_hz;
       }
     }
   }
+}
+
+TEST(Stretch, GetsCheaperWhereNothingWorseIsAccepted) {
+  ExpectCheaper([](Stretch& stretch) {
+    stretch.Anneal(100 * stretch.order().size(), 1e-6, 1e-6, 1);
+  });
+}
+
+TEST(StretchSearch, MakesAStretchCheaper) {
+  ExpectCheaper([](Stretch& stretch) {
+    StretchSearch(stretch).Run(100 * stretch.order().size(), 1);
+  });
+}
+
+TEST(StretchSearch, KeepsItsEndsAndTheCone) {
+  for (const auto& [name, points_mm, options] : StageCases(150, Method::kAnneal)) {
+    SCOPED_TRACE(name);
+    const PointList ordered_mm = Ordered(points_mm, options.cone);
+    const TickCost cost(options.limits, options.rate_hz);
+    Stretch stretch(ordered_mm, options.cone, cost);
+    for (const std::uint64_t tries : {1, 10, 100}) {
+      StretchSearch(stretch).Run(tries * ordered_mm.size(), tries);
+      const Order order = OrderOf(stretch);
+      ExpectEachOnce(order, ordered_mm.size());
+      ExpectNoneShaded(ordered_mm, order, options.cone);
+      for (std::size_t k = 0; k < std::min<std::size_t>(2, order.size()); ++k) {
+        ASSERT_EQ(order[k], k);
+        ASSERT_EQ(order[order.size() - 1 - k], order.size() - 1 - k);
+      }
+    }
+  }
+}
+
+// From a good order, annealing at the temperatures of its last stages needs more tries.
+TEST(StretchSearch, GainsMoreThanAnnealingOfAsManyTries) {
+  const BeamCone cone = 0.1328;
+  motion::Limits limits;
+  limits.max_speed_mm_s = Vec3::Constant(80);
+  limits.max_acceleration_mm_s2 = Vec3::Constant(10000);
+  constexpr double kRateHz = 200;
+  const TickCost cost(limits, kRateHz);
+  const PointList ordered_mm = Ordered(RandomBox(3000, {25, 25, 25}, 5), cone);
+  Stretch annealed(ordered_mm, cone, cost), searched(ordered_mm, cone, cost);
+  const std::uint64_t tries = 10 * ordered_mm.size();
+  for (Stretch* stretch : {&annealed, &searched}) stretch->Anneal(tries, 0.12, 0.03, 1);
+  annealed.Anneal(10 * tries, 0.12, 0.03, 2);
+  StretchSearch(searched).Run(10 * tries, 2);
+  const auto ticks = [&](const Stretch& stretch) {
+    return PlannedTicks(ordered_mm, OrderOf(stretch), limits, kRateHz);
+  };
+  EXPECT_LT(ticks(searched), ticks(annealed));
+}
+
+TEST(StretchSearch, IsTheSameForTheSameSeedAlone) {
+  const BeamCone cone = 0.1328;
+  const PointList ordered_mm = Ordered(RandomBox(500, {15, 15, 15}, 7), cone);
+  const TickCost cost({}, 200);
+  const auto searched = [&](std::uint64_t seed) {
+    Stretch stretch(ordered_mm, cone, cost);
+    StretchSearch(stretch).Run(200 * ordered_mm.size(), seed);
+    return OrderOf(stretch);
+  };
+  EXPECT_EQ(searched(1), searched(1));
+  EXPECT_NE(searched(1), searched(2));
 }
 
 TEST(Stretch, IsTheSameForTheSameSeedAlone) {
