@@ -125,10 +125,8 @@ std::string TextOf(Missing missing) {
              "magnet, then resume";
     case Missing::kOpenedUnseen:
       return "key, door, stop button or an input was opened, or the controller stopped "
-             "by "
-             "itself (hold, alarm, limit, error): check the machine and what is in it, "
-             "then "
-             "resume or cancel";
+             "by itself (hold, alarm, limit, error): check the machine and what is in "
+             "it, then resume or cancel";
     case Missing::kPowerCycle:
       return "the controller was switched off and on, or reset, or is watched anew: "
              "check its zero, and that the right block or piece is in the machine, then "

@@ -9,9 +9,8 @@
 //  2. An output is on only under a person's arm: the grant of the permission chain holds,
 //     and has lit the lamp of this job (Synchronizer). Nothing else switches one on.
 //  3. The controller switches them off by itself where it closes its shutters: safe
-//  state,
-//     silence of the host, another session; and when key, door, stop or an input opens.
-//     What was on does not come back without a command.
+//     state, silence of the host, another session; and when key, door, stop or an input
+//     opens. What was on does not come back without a command.
 //  4. An input is a link of the permission chain beside key and door
 //     (Missing::kInput), and an interlock of the controller, which counts its openings.
 //
