@@ -30,8 +30,9 @@ constexpr double kMaxTries = 1e6, kMaxPieces = 1e6;
 constexpr double kFirstTries = 10, kMoreTries = 3.2;
 /// What a stage saves of what the one before it saved; 0.5 to 0.7 of measured clouds.
 constexpr double kNextGain = 0.55;
-/// What a try takes on two cores, a constant, so that the order is the same on each.
-constexpr double kTrySeconds = 0.5e-6;
+/// What a try takes on two cores, of annealing and of a search: constants, so that the
+/// order is the same on each computer.
+constexpr double kTrySeconds = 0.5e-6, kSearchTrySeconds = 0.8e-6;
 constexpr double kLongestStageS = 600;
 
 // In ticks. Hotter, a good order is lost before it gets better; below the coldest
@@ -229,28 +230,35 @@ ProgressSink StageOf(const ProgressSink& progress, int stage) {
 
 /// Goes on in stages, each with more tries than the one before, while the next one
 /// promises to save more than it takes; then once more so that the way fits, if it did
-/// not have to. The first stage anneals, and so does each in which the way need not fit;
-/// the others search, which by trial gains more of an order that is good. False when
-/// `progress` requested cancellation.
+/// not have to. The first stage anneals, and so does each in which the way need not fit
+/// or for which a search takes too long; the others search, which by trial gains more of
+/// an order that is good. False when `progress` requested cancellation.
 bool AnnealByWorth(const OrderOptions& options, const ProgressSink& progress,
                    Improvement& order) {
   AnnealOptions how = options.anneal;
   double tries = kFirstTries;
+  By by = By::kAnnealing;
   for (int stage = 0;; ++stage) {
     const std::uint64_t before = order.ticks();
-    const By by = stage > 0 && order.FitsWay() ? By::kSearch : By::kAnnealing;
     how.tries_per_point = tries;
     how.seed = options.anneal.seed + static_cast<std::uint64_t>(stage);
     if (!order.Anneal(how, by, StageOf(progress, stage))) return false;
     const auto gain = static_cast<double>(before - order.ticks());
     const double saved_s = options.anneal.pieces * kNextGain * gain / options.rate_hz;
-    const double next_tries = tries * kMoreTries;
-    const double taken_s =
-        next_tries * kTrySeconds * static_cast<double>(order.order().size());
     if (order.IsNearBest()) return true;
-    if (saved_s > taken_s && taken_s <= kLongestStageS) {
-      tries = next_tries;
-    } else if (!order.BeginToFitWay()) {
+    const double next_tries =
+        kMoreTries * tries * static_cast<double>(order.order().size());
+    const auto is_worth_it = [&](double try_s) {
+      const double taken_s = next_tries * try_s;
+      return saved_s > taken_s && taken_s <= kLongestStageS;
+    };
+    const bool searches = order.FitsWay() && is_worth_it(kSearchTrySeconds);
+    if (searches || is_worth_it(kTrySeconds)) {
+      tries *= kMoreTries;
+      by = searches ? By::kSearch : By::kAnnealing;
+    } else if (order.BeginToFitWay()) {
+      by = By::kSearch;
+    } else {
       return true;
     }
   }
