@@ -110,10 +110,18 @@ void Stretch::Anneal(std::uint64_t tries, double hot, double cold, std::uint64_t
     if (!Propose(near_, change) || !EndsStayInTube(change)) continue;
     const double chance = (static_cast<double>(random_() >> 11) + 1) * 0x1p-53;
     const double bearable = -temperature * std::log(chance);
-    if (-MaxGain(change, bearable) > bearable || !IsAllowed(change)) continue;
-    if (cost_.fit() == Fit::kWay && -Gain(change, bearable) > bearable) continue;
-    Apply(change);
+    if (BearableGain(change, bearable)) Apply(change);
   }
+}
+
+/// How much cheaper the order is with an allowed change; nullopt: it is not allowed, or
+/// costs more than is bearable. Apply takes the ticks that were computed last.
+std::optional<float> Stretch::BearableGain(const Change& change, double bearable) {
+  float gain = MaxGain(change, bearable);
+  if (-gain > bearable || !IsAllowed(change)) return std::nullopt;
+  if (cost_.fit() == Fit::kWay) gain = Gain(change, bearable);
+  if (-gain > bearable) return std::nullopt;
+  return gain;
 }
 
 void Stretch::ChooseTicks() {

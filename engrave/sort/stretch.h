@@ -11,6 +11,7 @@
 // tick_cost.h; ticks of the steps around a change are chosen again with it.
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -115,6 +116,7 @@ class Stretch {
   void SetBends(std::size_t first, std::size_t last);
   TimedMove MoveAfter(const Change& change, std::size_t place) const;
   std::size_t WindowsAround(const std::size_t (&steps)[3], Window (&windows)[3]) const;
+  std::optional<float> BearableGain(const Change& change, double bearable);
   float MaxGain(const Change& change, double bearable);
   float Gain(const Change& change, double bearable);
   void PassStep(const Scaled& step, float limit, Ways& ways) const;

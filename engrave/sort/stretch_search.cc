@@ -224,12 +224,10 @@ bool StretchSearch::Try(const Change& seen) {
     return false;
   }
   --tries_left_;
-  float gain = s.MaxGain(change, -kMinGain);
-  if (gain <= kMinGain || !s.IsAllowed(change)) return false;
-  if (s.cost_.fit() == Fit::kWay) gain = s.Gain(change, -kMinGain);
-  if (gain <= kMinGain) return false;
+  const auto gain = s.BearableGain(change, -kMinGain);
+  if (!gain || *gain <= kMinGain) return false;
   Make(change);
-  cost_ -= gain;
+  cost_ -= *gain;
   return true;
 }
 
@@ -271,12 +269,10 @@ bool StretchSearch::Kick() {
     --tries_left_;
     Change change;
     if (!s.Propose(near_, change)) continue;
-    float gain = s.MaxGain(change, kKick);
-    if (-gain > kKick || !s.IsAllowed(change)) continue;
-    if (s.cost_.fit() == Fit::kWay) gain = s.Gain(change, kKick);
-    if (-gain > kKick) continue;
+    const auto gain = s.BearableGain(change, kKick);
+    if (!gain) continue;
     Make(change);
-    cost_ -= gain;
+    cost_ -= *gain;
     return true;
   }
   return false;
