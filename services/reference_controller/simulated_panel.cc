@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "engrave/core/try.h"
+#include "services/platform/link/laser_protocol.h"
 
 namespace intaglio::reference_controller {
 namespace {
@@ -41,7 +42,8 @@ std::string SimulatedPanel::DoInput(const std::string& command) {
   const int index = text.empty() ? -1 : text[0] - '1';
   const bool known =
       text.size() > 1 && (on ? text.substr(1) == " on" : text.substr(1) == " off");
-  if (!known || index < 0 || index >= 8 || !laser_.Has(SpareInput(index)))
+  if (!known || index < 0 || index >= link::kMaxAccessories ||
+      !laser_.Has(SpareInput(index)))
     return "error the board has no such input, or not this: input N on|off";
   laser_.Hold(SpareInput(index), on);
   return "ok";

@@ -4,6 +4,7 @@
 // 0 is number 1. Profiles are checked (services/job/checks/accessory_check.h).
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -12,9 +13,10 @@
 
 namespace intaglio {
 
-/// `number`: from 1 to 8.
+/// `number`: from 1 to 8; another one, of a profile that is not checked, has none.
 constexpr std::uint8_t AccessoryBit(std::uint32_t number) {
-  return static_cast<std::uint8_t>(1u << (number - 1));
+  return number < 1 || number > 8 ? std::uint8_t{0}
+                                  : static_cast<std::uint8_t>(1u << (number - 1));
 }
 
 /// Those that are on while an arm holds; `engraves`: and points are made by it.
@@ -51,11 +53,10 @@ inline std::uint32_t OutputCountOf(const MachineSpec& machine) {
 
 /// The inputs of a controller for the profile, each on that has to be on.
 inline std::vector<bool> InputsAsNeeded(const MachineSpec& machine) {
-  std::vector<bool> inputs;
-  for (const MachineInput& input : machine.inputs()) {
-    if (inputs.size() < input.input()) inputs.resize(input.input());
-    inputs[input.input() - 1] = input.state() == INPUT_ON;
-  }
+  const NeededInputs needed = NeededInputsOf(machine);
+  std::vector<bool> inputs(static_cast<std::size_t>(std::bit_width(needed.watched)));
+  for (std::size_t i = 0; i < inputs.size(); ++i)
+    inputs[i] = (needed.levels >> i & 1) != 0;
   return inputs;
 }
 
