@@ -23,12 +23,11 @@ constexpr std::chrono::milliseconds kSecureDiscoveryTime{4000};
 // late joiner, is asked for within milliseconds: with the default delays the hand-shake
 // of a task took 200 ms. A writer that is deleted waits for readers that have not
 // acknowledged, maybe dead ones: 200 ms at most, because a service has several.
-// {4} watermarks, {5} heartbeat, {6} discovery_ports.h.
+// {4} watermarks, {5} heartbeat, {6} the ports and the interval of discovery_ports.h.
 constexpr char kConfiguration[] = R"(<CycloneDDS><Domain id="any">
   <General><Interfaces><NetworkInterface name="{0}"{1}/></Interfaces></General>
   <Discovery>{2}
     <ParticipantIndex>none</ParticipantIndex>
-    <SPDPInterval>500ms</SPDPInterval>
     <LeaseDuration>2s</LeaseDuration>{6}
   </Discovery>
   <Internal>
@@ -53,14 +52,14 @@ constexpr char kControlWatermarks[] =
 constexpr char kHeartbeatOnLoopback[] = "50ms", kHeartbeat[] = "10ms";
 
 std::string ConfigurationOf(int domain, const BusOptions& options,
-                            const std::string& security, const std::string& ports) {
+                            const std::string& security, const std::string& discovery) {
   const std::string multicast = options.interface == "lo" ? " multicast=\"true\"" : "";
   const std::string tag =
       options.tag.empty() ? "" : fmt::format("<Tag>{}</Tag>", options.tag);
   return fmt::format(kConfiguration, options.interface, multicast, tag, security,
                      domain == options.control_domain ? kControlWatermarks : "",
                      options.interface == "lo" ? kHeartbeatOnLoopback : kHeartbeat,
-                     ports);
+                     discovery);
 }
 
 /// The identity's part of the configuration; empty without one, on loopback.
@@ -94,7 +93,7 @@ struct Domains {
   struct Held {
     dds_entity_t handle = 0;
     int count = 0;
-    std::string settings;  ///< the configuration without the ports of discovery
+    std::string settings;  ///< the configuration without discovery_ports.h
   };
   std::mutex mutex;
   std::map<int, Held> held;
@@ -149,9 +148,11 @@ DomainHold::DomainHold(int domain, const BusOptions& options, const std::string&
     held.settings = settings;
     // One process has one role; where tests have several, the first one's ports count.
     const std::string role = options.roles.empty() ? "" : options.roles.front();
+    const std::string discovery =
+        internal::DiscoveryPorts(domain, role, options.meets_cells) +
+        internal::AnnouncementInterval(role, options.interface == "lo");
     const std::string configuration =
-        ConfigurationOf(domain, options, security,
-                        internal::DiscoveryPorts(domain, role, options.meets_cells));
+        ConfigurationOf(domain, options, security, discovery);
     held.handle = Must(
         dds_create_domain(static_cast<dds_domainid_t>(domain), configuration.c_str()),
         fmt::format("cannot set up DDS domain {} on interface {}: check that the "

@@ -39,6 +39,12 @@ std::string Receiving(int announcements, int others) {
       announcements, others);
 }
 
+/// It runs until it is ended, and others search for it.
+bool IsService(const std::string& role) {
+  return role.starts_with(kCellPrefix) || role == kJobServiceRole ||
+         role == kStageWorkerRole || role == kRecorderRole;
+}
+
 }  // namespace
 
 std::string DiscoveryPorts(int domain, const std::string& role, bool meets_cells) {
@@ -47,6 +53,11 @@ std::string DiscoveryPorts(int domain, const std::string& role, bool meets_cells
   if (!meets_cells)
     return Receiving(kToJobClients, kToJobClients + 1) + Peers(domain, {0});
   return Peers(domain, {kToCells, kToJobClients});
+}
+
+std::string AnnouncementInterval(const std::string& role, bool on_one_computer) {
+  return fmt::format("<SPDPInterval>{}</SPDPInterval>",
+                     on_one_computer && IsService(role) ? "1600ms" : "500ms");
 }
 
 }  // namespace intaglio::bus::internal

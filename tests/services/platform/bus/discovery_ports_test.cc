@@ -36,6 +36,15 @@ TEST(DiscoveryPorts, AreThoseOfTheDomain) {
             internal::DiscoveryPorts(40, "cell-els-03"));
 }
 
+TEST(Announcements, AreRepeatedSlowlyByServicesOfOneComputerAlone) {
+  for (const char* service : {"cell-els-03", "job-service", "stage-worker", "recorder"}) {
+    EXPECT_THAT(internal::AnnouncementInterval(service, true), HasSubstr(">1600ms<"));
+    EXPECT_THAT(internal::AnnouncementInterval(service, false), HasSubstr(">500ms<"));
+  }
+  for (const char* client : {"", "operator", "submitter", "observer"})
+    EXPECT_THAT(internal::AnnouncementInterval(client, true), HasSubstr(">500ms<"));
+}
+
 TEST(DiscoveryPorts, OfACellStayInTheDomainAndAreAlikeInItsServicesAlone) {
   std::set<std::string> different;
   constexpr int kCells = 30;
