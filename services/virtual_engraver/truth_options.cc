@@ -77,6 +77,7 @@ void SetStage(const TruthStage& truth, StageOptions& stage) {
   if (truth.has_start_mm()) stage.start_mm = Vec3Of(truth.start_mm());
   SetMechanics(truth, stage.mechanics);
   SetAxisDrives(truth, stage.mechanics);
+  stage.mechanics.steps_per_mm = Vec3Of(truth.steps_per_mm());
   if (truth.has_vibration()) {
     const TruthVibration& vibration = truth.vibration();
     stage.vibration = VibrationOptions{

@@ -22,6 +22,9 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 constexpr int kTerms = 12;
 constexpr double kSmall = 0.25;
 
+// Between two set points of a controller.
+constexpr double kSetPointS = 1e-4;
+
 Matrix6 Exponential(const Matrix6& exponent) {
   const double size = exponent.cwiseAbs().colwise().sum().maxCoeff();
   const int halvings =
@@ -48,6 +51,7 @@ bool MechanicsOptions::first_order() const {
 std::optional<MechanicsOptions> Undisturbed(const MechanicsOptions& options) {
   MechanicsOptions undisturbed = options;
   if (options.first_order() && options.of_axis.empty()) return std::nullopt;
+  undisturbed.steps_per_mm = Vec3::Zero();
   if (undisturbed.loop) undisturbed.loop = Undisturbed(*undisturbed.loop);
   for (MechanicsOptions& of : undisturbed.of_axis) {
     if (of.loop) of.loop = Undisturbed(*of.loop);
@@ -56,7 +60,10 @@ std::optional<MechanicsOptions> Undisturbed(const MechanicsOptions& options) {
 }
 
 Mechanics::Mechanics(const MechanicsOptions& options, const Vec3& at_mm)
-    : lag_s_(options.lag_s), second_order_(options.second_order), actual_mm_(at_mm) {
+    : lag_s_(options.lag_s),
+      steps_per_mm_(options.steps_per_mm),
+      second_order_(options.second_order),
+      actual_mm_(at_mm) {
   for (const MechanicsOptions& of : options.of_axis) of_axis_.emplace_back(of, at_mm);
   if (!options.loop || !of_axis_.empty()) return;
   for (int axis = 0; axis < 3; ++axis) loops_.emplace_back(*options.loop, at_mm[axis]);
@@ -85,7 +92,28 @@ void Mechanics::Unstick() {
   for (Mechanics& own : of_axis_) own.Unstick();
 }
 
+CubicCommand Mechanics::InSteps(const CubicCommand& command, double at_s) const {
+  CubicCommand set = command;
+  const Vec3 at_mm = command.At(at_s);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double steps = steps_per_mm_[axis];
+    if (steps > 0) set.p[axis] += std::round(at_mm[axis] * steps) / steps - at_mm[axis];
+  }
+  return set;
+}
+
 void Mechanics::Follow(const CubicCommand& command, double from_s, double to_s) {
+  if (steps_per_mm_.isZero(0)) return FollowAsSet(command, from_s, to_s);
+  const int count =
+      std::max(1, static_cast<int>(std::ceil((to_s - from_s) / kSetPointS)));
+  const double between_s = (to_s - from_s) / count;
+  for (int i = 0; i < count; ++i) {
+    const double at_s = from_s + i * between_s;
+    FollowAsSet(InSteps(command, at_s), at_s, at_s + between_s);
+  }
+}
+
+void Mechanics::FollowAsSet(const CubicCommand& command, double from_s, double to_s) {
   if (!of_axis_.empty()) {
     for (int axis = 0; axis < 3; ++axis) {
       Mechanics& own = of_axis_[static_cast<std::size_t>(axis)];

@@ -5,6 +5,10 @@
 // Machine frame, mm. Written for itself: it shares nothing with engrave/drive, so that a
 // wrong compensation there shows as cracks in the wrong place.
 //
+// What an axis is set to is a whole number of its steps, where it has any: the command is
+// rounded every 0.1 ms and goes on from there with its own speed, so that it is never
+// more than half a step beside and not late.
+//
 // Control loops and steppers: loop_axis.h. First order: x' = (c - x) / lag. Second order:
 // x'' + 2 d w x' + w^2 x = w^2 c with w = 2 pi times the natural frequency and d the
 // damping ratio. Both are stepped exactly over commands that are cubic in time.
@@ -38,14 +42,17 @@ struct MechanicsOptions {
   std::optional<LoopOptions> loop = {};
   /// In place of the above, of each axis; three, or none: all are alike.
   std::vector<MechanicsOptions> of_axis = {};
+  /// Each axis is set to whole ones, >= 0; 0: it is not rounded. Not regarded in of_axis.
+  Vec3 steps_per_mm = Vec3::Zero();
 
   /// Whether all axes are of first order.
   bool first_order() const;
 };
 
-/// Without what disturbs its loops, as its controller knows them; absent where all axes
-/// are alike of first order: such a controller knows no lag. One whose axes have drives
-/// of their own does: mirrors at 8 m/s and a slow z lag by many times the tolerance.
+/// Without steps and what disturbs its loops, as its controller knows them; absent where
+/// all axes are alike of first order: such a controller knows no lag. One whose axes have
+/// drives of their own does: mirrors at 8 m/s and a slow z lag by many times the
+/// tolerance.
 std::optional<MechanicsOptions> Undisturbed(const MechanicsOptions& options);
 
 class Mechanics {
@@ -64,12 +71,16 @@ class Mechanics {
   void Unstick();
 
  private:
+  /// `command`, so that at `at_s` it is a whole number of steps of each axis.
+  CubicCommand InSteps(const CubicCommand& command, double at_s) const;
+  void FollowAsSet(const CubicCommand& command, double from_s, double to_s);
   Vec3 FirstOrder(const CubicCommand& command, double from_s, double to_s) const;
   Vec3 SecondOrder(const CubicCommand& command, double from_s, double to_s);
   Vec3 Loops(const CubicCommand& command, double from_s, double to_s);
   void Step(double angle_rad);
 
   double lag_s_;
+  Vec3 steps_per_mm_;
   std::vector<Mechanics> of_axis_;  // three, or none; axis i of the i-th counts
   std::optional<SecondOrderOptions> second_order_;
   std::vector<LoopAxis> loops_;  // three, or none

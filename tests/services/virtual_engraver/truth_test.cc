@@ -133,6 +133,7 @@ TEST(Truth, EveryFieldReachesTheMachine) {
       "  second_order { natural_frequency_hz: 120 damping_ratio: 0.6 }\n"
       "  brake_acceleration_mm_s2: 5000 position_tolerance_um: 25 clock_drift_ppm: 0\n"
       "  repeatability_um: 9 serial_number: '' backlash_um { x: 7 y: 0 z: 2 }\n"
+      "  steps_per_mm { x: 80 z: 400 }\n"
       "  positioner { y { travel_ratio: 1.001 turn_rad: 0.002 } } }\n"
       "laser { rates_hz: [50, 200] warm_up_s: 2 channels: 3 pulse_energy_mj: 12\n"
       "  serial_number: 'L' channel_offset_mm { x: 1 } channel_offset_mm { z: -2 } }\n"
@@ -155,6 +156,7 @@ TEST(Truth, EveryFieldReachesTheMachine) {
   EXPECT_EQ(options.stage.repeatability_seed, 77u);
   EXPECT_EQ(options.stage.serial_number, "");
   EXPECT_LT((options.stage.backlash_mm - Vec3(0.007, 0, 0.002)).norm(), 1e-15);
+  EXPECT_EQ(options.stage.mechanics.steps_per_mm, Vec3(80, 0, 400));
   EXPECT_EQ(options.positioner.guides[0].travel_ratio, 1);
   EXPECT_EQ(options.positioner.guides[1].travel_ratio, 1.001);
   EXPECT_EQ(options.positioner.guides[1].turn_rad, 0.002);
