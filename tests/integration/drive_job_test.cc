@@ -10,6 +10,7 @@
 #include <regex>
 #include <string>
 
+#include "engrave/formats/glass_record.h"
 #include "engrave/formats/point_file.h"
 #include "tests/integration/run_job.h"
 
@@ -172,6 +173,84 @@ TEST_F(WrongMechanics, ThePlanReportsThatItsMarginWillNotHold) {
       << predicted.text;
   EXPECT_LT(predicted.max_um, 30) << "with the mechanics of the profile it holds";
   EXPECT_GT(in_glass_um, 30) << "the machine's tolerance";
+}
+
+// Steps of 10 um, the coarsest resolution of a planar drive in Trochimczuk 2008, table 5.
+class StepsOfAProfile : public JobWithADrive {
+ protected:
+  fs::path WriteProfileWithSteps(const std::string& drive, int steps_per_mm) {
+    const fs::path file = WriteProfile(drive);
+    const std::string steps = " steps_per_mm: " + std::to_string(steps_per_mm);
+    std::string machine = testing::TextIn(file);
+    for (const char* axis : {"\nx {", "\ny {"})
+      machine.insert(machine.find(axis) + 4, steps);
+    std::ofstream(file) << machine;
+    return file;
+  }
+};
+
+// A stage that stops at each point makes its crack where both axes have a step, wherever
+// the point is: uniform within half a step on each, so that the distances have
+// 10 um / sqrt(6) rms, and what the stop leaves is below 0.1 um.
+TEST_F(StepsOfAProfile, AreInTheGlassAndInTheProof) {
+  const fs::path profile = WriteProfileWithSteps("stage_lag_s: 0", 100);
+  const Ended run = Run({"--lockstep", "--warm-up", "0", "--spacing", "0.8", "--profile",
+                         "mix", "--machine", profile.string()});
+  ASSERT_TRUE(run.in_time);
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  const JobReport report = Report();
+  EXPECT_TRUE(report.verdict().good());
+  EXPECT_EQ(report.points().made(), report.points().planned());
+  EXPECT_NEAR(report.position_errors().rms_um(), 10 / std::sqrt(6), 0.2);
+  EXPECT_LE(report.position_errors().max_um(), std::hypot(5, 5) + 0.1);
+  const auto glass = formats::ReadGlassRecord(folder_ / "out/session/glass.rec");
+  ASSERT_TRUE(glass.has_value());
+  ASSERT_EQ(glass->cracks.size(), report.points().planned());
+  for (const formats::GlassCrack& crack : glass->cracks) {
+    for (int axis = 0; axis < 2; ++axis) {
+      const double steps = crack.position_mm[axis] * 100;
+      ASSERT_NEAR(steps, std::round(steps), 0.01) << "the block's corner is at zero";
+    }
+  }
+}
+
+TEST_F(StepsOfAProfile, AreInTheMarginOfThePlan) {
+  const fs::path without = WriteProfile("stage_lag_s: 0.0002");
+  ASSERT_EQ(Run({"--lockstep", "--warm-up", "0", "--spacing", "0.8"}).exit_code, 0);
+  const Prediction smooth = Predicted(without);
+  const Prediction stepped = Predicted(WriteProfileWithSteps("stage_lag_s: 0.0002", 100));
+  EXPECT_NEAR(stepped.wrong_mechanics_max_um - smooth.wrong_mechanics_max_um,
+              std::hypot(5, 5), 0.011);
+  EXPECT_EQ(stepped.max_um, smooth.max_um) << "that of the drive alone";
+}
+
+TEST_F(StepsOfAProfile, ThatLeaveNoRoomAreRefused) {
+  const Ended run =
+      Run({"--machine", WriteProfileWithSteps("stage_lag_s: 0", 20).string()});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.output, ::testing::HasSubstr("x.steps_per_mm: 20"));
+}
+
+// Under way a planar drive of a servo cycle of 0.2 ms passes the points between its
+// steps.
+TEST_F(StepsOfAProfile, OfAPlanarDriveKeepThePointsInTheirPlaces) {
+  const std::string drive =
+      "planar_drive { natural_frequency_hz: 100 damping_ratio: 0.7 "
+      "integral_rate_per_s: 20 period_s: 0.0002 }";
+  const auto rms_um = [&](const fs::path& profile) {
+    const Ended run = Run({"--lockstep", "--warm-up", "0", "--spacing", "0.8",
+                           "--machine", profile.string()});
+    EXPECT_EQ(run.exit_code, 0) << run.output;
+    EXPECT_TRUE(Report().verdict().good());
+    EXPECT_EQ(Report().points().made(), Report().points().planned());
+    return Report().position_errors().rms_um();
+  };
+  const double smooth_um = rms_um(WriteProfile(drive));
+  const double stepped_um = rms_um(WriteProfileWithSteps(drive, 100));
+  RecordProperty("smooth_um", std::to_string(smooth_um));
+  RecordProperty("stepped_um", std::to_string(stepped_um));
+  EXPECT_GT(stepped_um, smooth_um);
+  EXPECT_LT(stepped_um, std::hypot(smooth_um, std::hypot(5, 5)));
 }
 
 // The positions that the controller reports at every tick of a job give the drive back.

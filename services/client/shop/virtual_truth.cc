@@ -159,6 +159,12 @@ void SetAxisDrives(const MachineSpec& machine, TruthStage& stage) {
   }
 }
 
+void SetSteps(const MachineSpec& machine, TruthStage& stage) {
+  const Vec3 steps = StepsPerMm(machine);
+  if (!steps.isZero(0))
+    *stage.mutable_steps_per_mm() = Vector(steps.x(), steps.y(), steps.z());
+}
+
 void SetStage(const MachineSpec& machine, TruthStage& stage) {
   const Box3 travel = AxisLimitsOf(machine).travel_mm;
   *stage.mutable_travel_min_mm() =
@@ -171,6 +177,7 @@ void SetStage(const MachineSpec& machine, TruthStage& stage) {
   }
   SetDrive(machine, stage);
   SetAxisDrives(machine, stage);
+  SetSteps(machine, stage);
   stage.set_compressed_air(machine.compressed_air());
   stage.set_position_tolerance_um(machine.position_tolerance_um());
   if (machine.motion_line().has_serial_number())

@@ -16,6 +16,7 @@
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/head_over_block.h"
 #include "services/job/machine/machine_drives.h"
+#include "services/job/machine/position_tolerance.h"
 #include "services/job/machine/profile_errors.h"
 #include "services/job/machine/stations.h"
 #include "services/platform/fields/field_rules.h"
@@ -253,6 +254,7 @@ std::vector<Error> CheckMachine(const MachineSpec& machine) {
   CheckLine(machine.has_motion_line(), machine.motion_line(), "motion_line", errors);
   CheckAccessories(machine, errors);
   if (errors.empty()) CheckDrives(machine, errors);
+  if (errors.empty()) CheckSteps(machine, errors);
   if (errors.empty()) CheckLoading(machine, errors);
   if (errors.empty()) CheckTaught(machine, errors);
   if (errors.empty()) CheckHead(machine, errors);

@@ -17,15 +17,16 @@
 #include "services/job/machine/head_over_block.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/machine/machine_drives.h"
+#include "services/job/machine/position_tolerance.h"
 
 namespace intaglio {
 namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 
-// Share of the position tolerance; the rest is for friction, cogging and play, which no
-// plan predicts.
-constexpr double kPlannedErrorRatio = 0.8;
+// What a plan keeps of it however coarse the steps are: deep in a glass of high index
+// half a step may be more than the profile's check knows.
+constexpr double kMinPlannedRatio = 0.1;
 
 }  // namespace
 
@@ -203,6 +204,13 @@ motion::ProgramOptions ProgramOptionsOf(const MotionOptions& asked) {
   return program;
 }
 
+/// How far in the glass a plan may bring the focus beside its point.
+double PlannedErrorMm(const FrozenJob& job) {
+  const double planned_mm =
+      kPlannedErrorRatio * 1e-3 * job.machine().position_tolerance_um();
+  return std::max(kMinPlannedRatio * planned_mm, planned_mm - HalfStepInGlassMm(job));
+}
+
 /// What only the motion that does not stop regards.
 void SetOptionalLimits(const FrozenJob& job, motion::PlanOptions& plan) {
   const motion::Limits own = AxisLimitsOf(job.machine());
@@ -213,9 +221,7 @@ void SetOptionalLimits(const FrozenJob& job, motion::PlanOptions& plan) {
   // Where the place decides and not the tick, nothing is late.
   if (job.machine().pulse_trigger() == PULSE_TRIGGER_AT_PLACE) return;
   plan.sweep_mm = AxisDepthOf(job, 1e-3 * job.job().motion().depth_tolerance_um());
-  const double planned_mm =
-      kPlannedErrorRatio * 1e-3 * job.machine().position_tolerance_um();
-  plan.error_limit = AxisToleranceOf(job, planned_mm);
+  plan.error_limit = AxisToleranceOf(job, PlannedErrorMm(job));
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ std::string ProfileName(MotionProfile profile);
 
 /// How the axes of a job are driven, in their units. Limits: the machine's, capped by the
 /// job's, and its travel (machine_axes.h). Its error limit leaves a fifth of the
-/// machine's tolerance to what no model has.
+/// machine's tolerance to what no model has, and half a step of the axes.
 motion::PlanOptions MotionOptionsOf(const FrozenJob& job);
 
 }  // namespace intaglio

@@ -121,20 +121,47 @@ motion::Limits AxisLimitsOf(const MachineSpec& machine) {
   return limits;
 }
 
-FocusLimits FocusLimitsOf(const MachineSpec& machine) {
-  const motion::Limits limits = AxisLimitsOf(machine);
-  Vec3 scale_mm;
+namespace {
+
+/// How far the focus goes for a unit of each axis, at most, anywhere.
+Vec3 FocusPerAxisUnitMm(const MachineSpec& machine) {
   if (machine.has_polar()) {
     const double arm_mm = machine.polar().arm_length_mm();
-    scale_mm = Vec3(arm_mm, machine.polar().axis_distance_mm() + arm_mm, 1);
-  } else if (machine.has_head_over_block()) {
+    return {arm_mm, machine.polar().axis_distance_mm() + arm_mm, 1};
+  }
+  if (machine.has_head_over_block()) {
     // A profile that is not checked yet may have a correction without an inverse.
     const Vec2 field = FieldScaleOf(machine.head_over_block().field());
-    scale_mm = Vec3(field.x(), field.y(),
-                    LinearAxisOf(machine.head_over_block().z()).scale_ratio);
-  } else {
-    scale_mm = KinematicsOf(machine)->BoundsOver({Vec3::Zero(), Vec3::Zero()}).axis_mm;
+    return {field.x(), field.y(),
+            LinearAxisOf(machine.head_over_block().z()).scale_ratio};
   }
+  return KinematicsOf(machine)->BoundsOver({Vec3::Zero(), Vec3::Zero()}).axis_mm;
+}
+
+}  // namespace
+
+Vec3 StepsPerMm(const MachineSpec& machine) {
+  return {machine.x().steps_per_mm(), machine.y().steps_per_mm(),
+          machine.z().steps_per_mm()};
+}
+
+Vec3 HalfStepsMm(const MachineSpec& machine) {
+  const Vec3 steps = StepsPerMm(machine), scale_mm = FocusPerAxisUnitMm(machine);
+  Vec3 half_mm = Vec3::Zero();
+  for (int axis = 0; axis < 3; ++axis)
+    if (steps[axis] > 0) half_mm[axis] = scale_mm[axis] / (2 * steps[axis]);
+  return half_mm;
+}
+
+double HalfStepInGlassMm(const FrozenJob& job) {
+  Vec3 half_mm = HalfStepsMm(job.machine());
+  if (half_mm.z() > 0) half_mm.z() /= std::min(1.0, job.optics().stage_per_glass_ratio());
+  return half_mm.norm();
+}
+
+FocusLimits FocusLimitsOf(const MachineSpec& machine) {
+  const motion::Limits limits = AxisLimitsOf(machine);
+  const Vec3 scale_mm = FocusPerAxisUnitMm(machine);
   return {
       std::min(RangeOf<MotionOptions>(MotionOptions::kMaxSpeedMmSFieldNumber).max,
                limits.max_speed_mm_s.cwiseProduct(scale_mm).maxCoeff()),

@@ -37,6 +37,13 @@ bool AreHeadCoordinates(const MachineSpec& machine);
 /// travel is that within the taught soft limits.
 motion::Limits AxisLimitsOf(const MachineSpec& machine);
 
+/// AxisLimits.steps_per_mm of the axes, which are set to whole steps; 0: not known.
+Vec3 StepsPerMm(const MachineSpec& machine);
+/// How far these steps may set the focus beside its place, by axis: half a step, mm.
+Vec3 HalfStepsMm(const MachineSpec& machine);
+/// The same as one distance, in the glass, where a move in depth is longer than in air.
+double HalfStepInGlassMm(const FrozenJob& job);
+
 /// The greatest speed and acceleration that one axis alone gives the focus, anywhere the
 /// machine reaches, mm/s and mm/s^2: what a job's limits are bounded by.
 struct FocusLimits {

@@ -12,7 +12,8 @@ namespace intaglio {
 PredictedErrors::PredictedErrors(const FrozenJob& job, const PointList& path)
     : path_(path),
       axes_from_glass_(AxesFromGlassOf(job)),
-      depth_tolerance_mm_(1e-3 * job.job().motion().depth_tolerance_um()) {
+      depth_tolerance_mm_(1e-3 * job.job().motion().depth_tolerance_um()),
+      half_step_um_(1e3 * HalfStepInGlassMm(job)) {
   if (job.machine().pulse_trigger() == PULSE_TRIGGER_AT_PLACE) return;
   const motion::PlanOptions plan = MotionOptionsOf(job);
   if (plan.continuous) {

@@ -33,8 +33,9 @@ class PredictedErrors {
   const std::vector<double>& errors_um() const { return errors_um_; }
   double rms_um() const;
   double max_um() const;
-  /// The greatest distance with any of the wrong mechanics, um.
-  double wrong_mechanics_max_um() const { return wrong_max_um_; }
+  /// The greatest distance with any of the wrong mechanics, and half a step of the axes
+  /// besides, um.
+  double wrong_mechanics_max_um() const { return wrong_max_um_ + half_step_um_; }
 
  private:
   void Follow();
@@ -42,7 +43,7 @@ class PredictedErrors {
 
   const PointList& path_;
   machine::AxesFromGlass axes_from_glass_;
-  double depth_tolerance_mm_;
+  double depth_tolerance_mm_, half_step_um_;
   std::optional<motion::DriveCompensation> compensation_;  // none: as planned
   /// The first by the profile; the others with wrong mechanics.
   std::vector<motion::ErrorPrediction> predictions_;

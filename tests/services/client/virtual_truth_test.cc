@@ -27,6 +27,7 @@ TEST(VirtualTruth, IsWhatTheProfileReportsAndWhatIsMounted) {
   EXPECT_EQ(truth.stage().serial_number(), "ST-7");
   EXPECT_FALSE(truth.stage().has_repeatability_um());
   EXPECT_FALSE(truth.stage().has_clock_drift_ppm());
+  EXPECT_FALSE(truth.stage().has_steps_per_mm());
   EXPECT_EQ(truth.laser().rates_hz_size(), 8);
   EXPECT_EQ(truth.laser().warm_up_s(), 30);
   EXPECT_EQ(truth.laser().channels(), 4u);
@@ -43,10 +44,13 @@ TEST(VirtualTruth, IsWhatTheProfileReportsAndWhatIsMounted) {
   timing.set_min_sync_width_us(4);
   timing.set_min_sensor_width_us(40);
   timing.set_shutter_time_ms(12);
+  machine.mutable_y()->set_steps_per_mm(250);
   machine.mutable_second_order()->set_natural_frequency_hz(120);
   machine.mutable_second_order()->set_damping_ratio(0.7);
   const MachineTruth second =
       TruthOf(machine, {Vec3(50, 60, 70), 1.52, optics::Lens{43, 0.2}});
+  EXPECT_EQ(second.stage().steps_per_mm().y(), 250);
+  EXPECT_EQ(second.stage().steps_per_mm().x(), 0);
   EXPECT_EQ(second.laser().trigger_max_delay_us(), 30);
   EXPECT_EQ(second.laser().trigger_min_width_us(), 90);
   EXPECT_GT(second.laser().sync_width_us(), 4);

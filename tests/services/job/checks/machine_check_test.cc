@@ -256,6 +256,23 @@ TEST(LaserPump, LimitsEnergyAndRate) {
   EXPECT_THAT(found[0].message, HasSubstr("laser.rate_hz"));
 }
 
+// The tolerance is 30 um, and half a step of both axes sqrt(2) times that of one.
+TEST(MachineCheck, HalfAStepOfTheAxesLeavesRoomForAPlan) {
+  const auto with = [](double steps_per_mm) {
+    return ErrorsOf([&](auto& m) {
+      m.set_position_tolerance_um(30);
+      m.mutable_x()->set_steps_per_mm(steps_per_mm);
+      m.mutable_y()->set_steps_per_mm(steps_per_mm);
+    });
+  };
+  EXPECT_EQ(with(30), "") << "23.57 um of the 24 um of a plan";
+  EXPECT_EQ(with(20),
+            "position_tolerance_um: 30 leaves no room for a plan, which keeps within 0.8 "
+            "of it: half a step of the axes is 35.36 um (x.steps_per_mm: 20, "
+            "y.steps_per_mm: 20); raise the microsteps of the drive and steps_per_mm, or "
+            "the field\n");
+}
+
 TEST(MachineCheck, FlashHeightsAreInOrder) {
   EXPECT_EQ(ErrorsOf([](auto& m) {
               m.mutable_laser()->mutable_timing()->set_min_flash_height_mm(5);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <numbers>
 #include <string_view>
@@ -200,12 +201,19 @@ TEST(Options, AnAxisMayHaveADriveOfItsOwn) {
   EXPECT_EQ(drives[2]->name(), "first_order");
 }
 
-// The planned error leaves a fifth of the tolerance; what fires at a place is not late.
+// The planned error leaves a fifth of the tolerance, and half a step of the axes; what
+// fires at a place is not late.
 TEST(Options, TheErrorLimitIsOfTheToleranceInTheGlass) {
   FrozenJob frozen = Frozen(GoodJob());
   frozen.mutable_machine()->set_position_tolerance_um(30);
   frozen.mutable_optics()->set_stage_per_glass_ratio(1);
   EXPECT_NEAR(MotionOptionsOf(frozen).error_limit, 0.024, 1e-12);
+  frozen.mutable_machine()->mutable_x()->set_steps_per_mm(100);
+  frozen.mutable_machine()->mutable_y()->set_steps_per_mm(125);
+  EXPECT_NEAR(MotionOptionsOf(frozen).error_limit, 0.024 - std::hypot(0.005, 0.004),
+              1e-12);
+  frozen.mutable_machine()->mutable_z()->set_steps_per_mm(1);
+  EXPECT_NEAR(MotionOptionsOf(frozen).error_limit, 0.0024, 1e-12) << "and never 0";
   frozen.mutable_machine()->set_pulse_trigger(PULSE_TRIGGER_AT_PLACE);
   EXPECT_EQ(MotionOptionsOf(frozen).error_limit, 0);
 }
