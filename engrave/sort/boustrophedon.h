@@ -1,9 +1,9 @@
 #pragma once
 
 // Boustrophedon sort: slabs of equal thickness from the lowest up, in each of them rows
-// along x one beside the other, every other row and every other slab backwards. The
-// method of many engraving programs; good for solid fills on a grid, for comparison
-// elsewhere.
+// of one direction one beside the other, every other row and every other slab backwards.
+// The method of many engraving programs; good for solid fills on a grid with rows along
+// those of the grid, for comparison elsewhere.
 
 #include "engrave/sort/order.h"
 

@@ -54,6 +54,8 @@ struct LayersOptions {
 struct BoustrophedonOptions {
   double layer_thickness_mm = 0.1;  ///< 0.01..100 mm
   double row_width_mm = 0.1;        ///< 0.01..100 mm
+  /// Direction of the rows, from x counterclockwise seen from above, -pi..pi.
+  double row_turn_rad = 0;
 };
 
 struct PublishedKdzOptions {
