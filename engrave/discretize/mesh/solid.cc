@@ -11,6 +11,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
+#include "engrave/discretize/mesh/solid_lattice.h"
 #include "engrave/discretize/mesh/surface_lattice.h"
 #include "engrave/discretize/spacing/candidate_limit.h"
 
@@ -47,7 +48,7 @@ class SolidSource final : public PointSource {
   SolidSource(const SolidOptions& options, const Box3& bounds,
               std::array<Lines, 3> lattices)
       : spacing_mm_(UpwardSingle(options.distance_mm)),
-        layer_mm_(std::sqrt(2.0 / 3) * options.height_ratio * spacing_mm_ *
+        layer_mm_(SolidLayerRatio() * options.height_ratio * spacing_mm_ *
                   kRoundingAllowance),
         bounds_(bounds),
         lattices_(std::move(lattices)) {}

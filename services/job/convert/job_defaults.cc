@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "engrave/discretize/mesh/solid_lattice.h"
 #include "engrave/io/lower_case.h"
 #include "engrave/mesh/up_convention.h"
 #include "engrave/optics/pulse_focus.h"
@@ -12,6 +13,7 @@
 #include "services/job/convert/mark_defaults.h"
 #include "services/job/convert/model_kind.h"
 #include "services/job/convert/placeholders.h"
+#include "services/job/convert/rows.h"
 #include "services/job/fields/job_kind.h"
 #include "services/job/head/point_pulses.h"
 #include "services/job/machine/focus_offset.h"
@@ -121,9 +123,22 @@ void FillModel(Model& model, const Discretization& discretization) {
   FillChosen(model, discretization.min_spacing_mm());
 }
 
-/// `motion`: with its defaults.
-void FillOrdering(Ordering& ordering, double spacing_mm, const MotionOptions& motion,
-                  const MachineSpec& machine) {
+void FillRows(BoustrophedonOrder& rows, const JobSpec& job) {
+  double layer_mm = job.discretization().min_spacing_mm(), row_mm = layer_mm;
+  if (const auto lattice_mm = FindLatticeDistance(job)) {
+    const double thickest_mm =
+        RangeOf<BoustrophedonOrder>(BoustrophedonOrder::kLayerThicknessMmFieldNumber).max;
+    layer_mm = std::min(thickest_mm, discretize::SolidLayerRatio() * *lattice_mm *
+                                         job.discretization().height_ratio());
+    row_mm = discretize::SolidRowRatio() * *lattice_mm;
+  }
+  if (!rows.has_layer_thickness_mm()) rows.set_layer_thickness_mm(layer_mm);
+  if (!rows.has_row_width_mm()) rows.set_row_width_mm(row_mm);
+}
+
+/// The job has its other defaults.
+void FillOrdering(JobSpec& job, const MachineSpec& machine) {
+  Ordering& ordering = *job.mutable_ordering();
   if (ordering.method_case() == Ordering::METHOD_NOT_SET) {
     if (machine.head_over_block().has_jump_and_dwell()) {
       ordering.mutable_jump_layers();
@@ -135,19 +150,16 @@ void FillOrdering(Ordering& ordering, double spacing_mm, const MotionOptions& mo
   }
   if (ordering.has_sweep() && !ordering.sweep().has_slab_mm()) {
     ordering.mutable_sweep()->set_slab_mm(std::max(
-        kThinnestSlabMm, kSlabPerTolerance * 1e-3 * motion.depth_tolerance_um()));
+        kThinnestSlabMm, kSlabPerTolerance * 1e-3 * job.motion().depth_tolerance_um()));
   }
   if (ordering.has_layers() && !ordering.layers().has_layer_thickness_mm()) {
-    ordering.mutable_layers()->set_layer_thickness_mm(spacing_mm);
+    ordering.mutable_layers()->set_layer_thickness_mm(
+        job.discretization().min_spacing_mm());
   }
   if (ordering.has_anneal()) {
     FillDefaults(*ordering.mutable_anneal());
   }
-  if (ordering.has_boustrophedon()) {
-    BoustrophedonOrder& rows = *ordering.mutable_boustrophedon();
-    if (!rows.has_layer_thickness_mm()) rows.set_layer_thickness_mm(spacing_mm);
-    if (!rows.has_row_width_mm()) rows.set_row_width_mm(spacing_mm);
-  }
+  if (ordering.has_boustrophedon()) FillRows(*ordering.mutable_boustrophedon(), job);
   if (ordering.has_published_kdz()) {
     PublishedKdzOrder& published = *ordering.mutable_published_kdz();
     if (published.has_angle_deg()) return;
@@ -238,8 +250,7 @@ JobSpec WithDefaults(JobSpec job, const MachineSpec& machine) {
   FillDiscretization(*job.mutable_discretization());
   for (Model& model : *job.mutable_models()) FillModel(model, job.discretization());
   FillMotion(*job.mutable_motion(), job.lens(), machine);
-  FillOrdering(*job.mutable_ordering(), job.discretization().min_spacing_mm(),
-               job.motion(), machine);
+  FillOrdering(job, machine);
   FillLaser(*job.mutable_laser(), machine);
   FillChannels(job);
   if (machine.has_loading() && !job.has_station()) job.set_station(1);

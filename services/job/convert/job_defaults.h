@@ -8,8 +8,9 @@
 
 namespace intaglio {
 
-/// Every default but one: the weight of a step up of the order Kdz follows from the
-/// beam's cone in the glass and is filled in by FreezeJob.
+/// Every default but two, which FreezeJob fills in: the weight of a step up of the order
+/// Kdz follows from the beam's cone in the glass, and the direction of rows from the
+/// speed of the focus there.
 JobSpec WithDefaults(JobSpec job, const MachineSpec& machine);
 
 }  // namespace intaglio

@@ -12,6 +12,7 @@
 #include "engrave/optics/focus.h"
 #include "engrave/sort/kdz.h"
 #include "services/job/beams/energy_by_place.h"
+#include "services/job/convert/rows.h"
 #include "services/job/machine/block_origin.h"
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/head_over_block.h"
@@ -113,7 +114,15 @@ void SetJumps(const FrozenJob& job, sort::OrderOptions& options) {
   options.jump_layers.jump_mm_s = head.jump_and_dwell().jump_mm_s();
 }
 
-void SetMethod(const Ordering& ordering, sort::OrderOptions& options) {
+sort::BoustrophedonOptions RowOptions(const FrozenJob& job) {
+  const BoustrophedonOrder& rows = job.job().ordering().boustrophedon();
+  const double turn_deg =
+      rows.has_row_turn_deg() ? rows.row_turn_deg() : DefaultRowTurnDeg(job);
+  return {rows.layer_thickness_mm(), rows.row_width_mm(), turn_deg * kRadPerDeg};
+}
+
+void SetMethod(const FrozenJob& job, sort::OrderOptions& options) {
+  const Ordering& ordering = job.job().ordering();
   switch (ordering.method_case()) {
     case Ordering::kKdz:
       options.method = sort::Method::kKdz;
@@ -138,8 +147,7 @@ void SetMethod(const Ordering& ordering, sort::OrderOptions& options) {
       break;
     case Ordering::kBoustrophedon:
       options.method = sort::Method::kBoustrophedon;
-      options.boustrophedon = {ordering.boustrophedon().layer_thickness_mm(),
-                               ordering.boustrophedon().row_width_mm()};
+      options.boustrophedon = RowOptions(job);
       break;
     case Ordering::kPublishedKdz:
       options.method = sort::Method::kPublishedKdz;
@@ -181,7 +189,7 @@ sort::OrderOptions OrderOptionsOf(const FrozenJob& job) {
   options.limits = GlassLimitsOf(job);
   options.keeps_more = motion::KeepsMore(MotionOptionsOf(job));
   options.rate_hz = job.job().laser().rate_hz();
-  SetMethod(job.job().ordering(), options);
+  SetMethod(job, options);
   options.sweep.tolerance_mm = SweepToleranceMm(job);
   if (options.method == sort::Method::kJumpLayers) SetJumps(job, options);
   options.jump_layers.energy_from_glass = EnergyStepsOf(job);

@@ -25,7 +25,7 @@ sort::BeamCone PointConeInMachine(const FrozenJob& job);
 
 /// Method, the beam's cone with the cracks of the job's lens, and the stage's limits in
 /// the glass, and the energies of places. Where the order Kdz leaves its weight open, it
-/// follows from the cone.
+/// follows from the cone, and the direction of rows from the machine (rows.h).
 /// Workers and a time budget (AnnealOrder.time_s) are the caller's to set.
 sort::OrderOptions OrderOptionsOf(const FrozenJob& job);
 

@@ -8,6 +8,7 @@
 #include "services/job/convert/job_defaults.h"
 #include "services/job/convert/mark_defaults.h"
 #include "services/job/convert/options.h"
+#include "services/job/convert/rows.h"
 #include "services/job/files/material_record.h"
 #include "services/job/machine/machine_defaults.h"
 
@@ -68,6 +69,9 @@ Result<FrozenJob> FreezeJob(const JobSpec& job, const MachineSpec& machine,
   *frozen.mutable_material() = RecordOf(material);
   *frozen.mutable_optics() = *optics;
   Ordering& ordering = *frozen.mutable_job()->mutable_ordering();
+  if (ordering.has_boustrophedon() && !ordering.boustrophedon().has_row_turn_deg()) {
+    ordering.mutable_boustrophedon()->set_row_turn_deg(DefaultRowTurnDeg(frozen));
+  }
   if (ordering.has_kdz() && !ordering.kdz().has_up_ratio()) {
     ordering.mutable_kdz()->set_up_ratio(sort::DefaultUpRatio(BeamConeOf(frozen)));
   }

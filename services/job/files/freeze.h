@@ -23,7 +23,8 @@ struct JobIdentity {
 
 /// Defaults, checks (all errors in one message, one a line), optical values. The weight
 /// of a step up of the order Kdz, when left open, follows from the beam's cone in the
-/// glass (sort::DefaultUpRatio).
+/// glass (sort::DefaultUpRatio), and the direction of rows from the machine
+/// (DefaultRowTurnDeg).
 Result<FrozenJob> FreezeJob(const JobSpec& job, const MachineSpec& machine,
                             const materials_db::Material& material,
                             const JobIdentity& identity);

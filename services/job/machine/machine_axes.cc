@@ -228,35 +228,57 @@ motion::Limits CappedAxisLimitsOf(const FrozenJob& job) {
   return limits;
 }
 
-motion::Limits GlassLimitsOf(const FrozenJob& job) {
+namespace {
+
+/// The moves of the axes for a millimetre of the focus in air along x, y, z, its columns,
+/// in the middle of the block.
+Mat3 AxesPerMm(const FrozenJob& job, const motion::Limits& axis_limits) {
   const machine::AxesFromGlass axes_from_glass = AxesFromGlassOf(job);
-  const motion::Limits axis_limits = CappedAxisLimitsOf(job);
   const Box3 part_mm = PartInField(job.machine(), {Vec3::Zero(), BlockSizeOf(job.job())},
                                    BlockOriginOf(job.machine(), job.job()));
   const auto middle = axes_from_glass.ToAxes(0.5 * (part_mm.min_mm + part_mm.max_mm),
                                              machine::BranchStart(axis_limits.travel_mm));
   Require(middle.has_value(), "the middle of the block: {}",
           middle ? "" : middle.error().message);
-  const Mat3 axes_per_mm = axes_from_glass.kinematics().ScaleAt(*middle).inverse();
+  return axes_from_glass.kinematics().ScaleAt(*middle).inverse();
+}
+
+/// How fast the focus goes when it moves the axes by `axes_per_mm`.
+FocusLimits FocusLimitsFor(const Vec3& axes_per_mm, const motion::Limits& axis_limits) {
+  FocusLimits limits{motion::kUnlimited, motion::kUnlimited};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double moved = std::abs(axes_per_mm[axis]);
+    if (moved == 0) continue;
+    limits.speed_mm_s =
+        std::min(limits.speed_mm_s, axis_limits.max_speed_mm_s[axis] / moved);
+    limits.acceleration_mm_s2 = std::min(
+        limits.acceleration_mm_s2, axis_limits.max_acceleration_mm_s2[axis] / moved);
+  }
+  return limits;
+}
+
+}  // namespace
+
+motion::Limits GlassLimitsOf(const FrozenJob& job) {
+  const motion::Limits axis_limits = CappedAxisLimitsOf(job);
+  const Mat3 axes_per_mm = AxesPerMm(job, axis_limits);
   motion::Limits limits;
-  limits.max_speed_mm_s = limits.max_acceleration_mm_s2 =
-      Vec3::Constant(motion::kUnlimited);
   for (int along = 0; along < 3; ++along) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const double moved = std::abs(axes_per_mm(axis, along));
-      if (moved == 0) continue;
-      limits.max_speed_mm_s[along] = std::min(limits.max_speed_mm_s[along],
-                                              axis_limits.max_speed_mm_s[axis] / moved);
-      limits.max_acceleration_mm_s2[along] =
-          std::min(limits.max_acceleration_mm_s2[along],
-                   axis_limits.max_acceleration_mm_s2[axis] / moved);
-    }
+    const FocusLimits focus = FocusLimitsFor(axes_per_mm.col(along), axis_limits);
+    limits.max_speed_mm_s[along] = focus.speed_mm_s;
+    limits.max_acceleration_mm_s2[along] = focus.acceleration_mm_s2;
   }
   // A step in depth is a shorter one of the focus in air.
   const double ratio = job.optics().stage_per_glass_ratio();
   limits.max_speed_mm_s.z() /= ratio;
   limits.max_acceleration_mm_s2.z() /= ratio;
   return limits;
+}
+
+FocusLimits GlassLimitsAlong(const FrozenJob& job, double turn_rad) {
+  const motion::Limits axis_limits = CappedAxisLimitsOf(job);
+  const Vec3 direction(std::cos(turn_rad), std::sin(turn_rad), 0);
+  return FocusLimitsFor(AxesPerMm(job, axis_limits) * direction, axis_limits);
 }
 
 double AxisToleranceOf(const FrozenJob& job, double tolerance_mm) {

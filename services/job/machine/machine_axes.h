@@ -77,6 +77,9 @@ motion::Limits CappedAxisLimitsOf(const FrozenJob& job);
 /// the block, and the motion itself is planned with the axes' limits.
 motion::Limits GlassLimitsOf(const FrozenJob& job);
 
+/// The same along a horizontal direction, counterclockwise from x, seen from above.
+FocusLimits GlassLimitsAlong(const FrozenJob& job, double turn_rad);
+
 /// The move of the axes, as one vector, that moves no focus in the block by more than
 /// `tolerance_mm`, in the glass.
 double AxisToleranceOf(const FrozenJob& job, double tolerance_mm);

@@ -78,6 +78,7 @@ Method Solid() {
       .number = Model::kSolid,
       .kinds = {ModelKind::kMesh},
       .meaning = "the volume of closed meshes",
+      .lattice_mm = [](const Model& model) { return model.solid().distance_mm(); },
   };
 }
 

@@ -43,6 +43,9 @@ struct Method {
   std::optional<Vec3> (*layer_axis)(const Model& model, const Mat3& rotation) = nullptr;
   /// Whether the model has it fill closed curves; nullptr: never.
   bool (*fills)(const Model& model) = nullptr;
+  /// The distance of the lattice that its points lie on, mm
+  /// (engrave/discretize/mesh/solid_lattice.h); nullptr: on none.
+  double (*lattice_mm)(const Model& model) = nullptr;
   /// nullptr: nothing can contradict. `job` with its defaults filled in.
   std::vector<MethodFault> (*faults)(const JobSpec& job, const Model& model) = nullptr;
 

@@ -3,8 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
 #include <numbers>
+#include <vector>
 
+#include "engrave/discretize/mesh/solid_lattice.h"
 #include "tests/engrave/discretize/shapes.h"
 #include "tests/engrave/discretize/surface_checks.h"
 
@@ -53,6 +59,34 @@ TEST(Solid, PointsAreThoseOfTheLatticeInside) {
                                 Vec3(std::cos(i), std::sin(i) * std::cos(3.7 * i),
                                      std::sin(i) * std::sin(3.7 * i));
     ASSERT_LE(nearest.Distance(q), d / std::numbers::sqrt2 * (1 + 1e-6));
+  }
+}
+
+// Across each direction of the rows the points of a layer lie on lines as far apart as
+// the rows, and on every line the next one is the distance away.
+TEST(Solid, RowsAndLayersAreThoseOfItsLattice) {
+  const double d = 0.4;
+  const PointList points_mm = PointsOf(*Solid(Cube(6), {d, 1.3})).points_mm;
+  std::map<double, std::map<std::int64_t, std::vector<double>>> rows;
+  for (const double turn_deg : kSolidRowTurnsDeg) {
+    const Eigen::Rotation2Dd back(-turn_deg * std::numbers::pi / 180);
+    for (const Vec3& p : points_mm) {
+      const Vec2 q = back * (p - points_mm.front()).head<2>();
+      const double layer = p.z() / (SolidLayerRatio() * 1.3 * d);
+      EXPECT_NEAR(layer, std::round(layer), 1e-3);
+      // Layers are moved across by thirds of a row.
+      const double third = 3 * q.y() / (SolidRowRatio() * d);
+      EXPECT_NEAR(third, std::round(third), 1e-3);
+      rows[turn_deg + 1000 * std::round(layer)][std::llround(third)].push_back(q.x());
+    }
+  }
+  for (auto& [layer, of_layer] : rows) {
+    for (auto& [third, along_mm] : of_layer) {
+      EXPECT_EQ((third - of_layer.begin()->first) % 3, 0);
+      std::ranges::sort(along_mm);
+      for (std::size_t i = 1; i < along_mm.size(); ++i)
+        EXPECT_NEAR(along_mm[i] - along_mm[i - 1], d, 1e-5);
+    }
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "services/job/files/job_file.h"
 #include "services/job/files/material_record.h"
 #include "tests/services/job/material_of_record.h"
 #include "tests/services/job/test_job.h"
@@ -78,6 +79,29 @@ TEST(FreezeJob, WideBeamsNeedALargerUpRatio) {
   // A crack of the lens is 0.095 mm wide and 0.135 mm long.
   EXPECT_DOUBLE_EQ(frozen->job().ordering().kdz().up_ratio(),
                    frozen->optics().cone_tangent() + 0.0475 / 0.135);
+}
+
+TEST(FreezeJob, TurnsRowsAsTheMachineIsFastest) {
+  JobSpec job = GoodJob();
+  job.mutable_ordering()->mutable_boustrophedon();
+  const auto linear = FreezeJob(job, GoodMachine(), NBk7(), kIdentity);
+  ASSERT_TRUE(linear) << linear.error().message;
+  EXPECT_TRUE(linear->job().ordering().boustrophedon().has_row_turn_deg());
+  EXPECT_EQ(linear->job().ordering().boustrophedon().row_turn_deg(), 0);
+  const auto polar =
+      ReadMachineFile(INTAGLIO_SOURCE_DIR "/deploy/machines/polar.textproto");
+  job.clear_laser();
+  const auto turned = FreezeJob(job, polar.value(), NBk7(), kIdentity);
+  ASSERT_TRUE(turned) << turned.error().message;
+  // 115 mm from the table's axis the table is slower, along x, than the arm, along y.
+  EXPECT_EQ(turned->job().ordering().boustrophedon().row_turn_deg(), 90);
+  job.mutable_ordering()->mutable_boustrophedon()->set_row_turn_deg(12);
+  EXPECT_EQ(FreezeJob(job, polar.value(), NBk7(), kIdentity)
+                ->job()
+                .ordering()
+                .boustrophedon()
+                .row_turn_deg(),
+            12);
 }
 
 TEST(FreezeJob, ReportsAllMistakesOnePerLine) {

@@ -23,10 +23,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <numbers>
 #include <vector>
 
+#include "engrave/sort/shadow.h"
 #include "tests/services/job/machine/polar_ticks.h"
 
 namespace intaglio {
@@ -189,6 +191,102 @@ TEST(PolarTracks, TakeFewerTicksThanTheLatticeInItsOwnOrderAndNoFewerThanItsRows
     EXPECT_LT(std::abs(rows - arm), 0.05 * arm) << distance_mm;
     EXPECT_GT(rows_mm.size(), 1.2 * static_cast<double>(arm_mm.size())) << distance_mm;
     EXPECT_GT(table, rows) << distance_mm;
+  }
+}
+
+/// A job that fills a model with the lattice, in rows.
+FrozenJob RowsJob(double distance_mm) {
+  FrozenJob job = polar_ticks::PolarJob();
+  JobSpec spec = job.job();
+  spec.mutable_discretization()->set_min_spacing_mm(distance_mm);
+  spec.mutable_models(0)->mutable_solid()->set_distance_mm(distance_mm);
+  spec.mutable_ordering()->mutable_boustrophedon();
+  *job.mutable_job() = WithDefaults(spec, job.machine());
+  return job;
+}
+
+// As the product makes both: the lattice of the method solid as it lies, with rows along
+// x, 60 and 120 degrees from it, in rows in the direction that is chosen for the machine
+// and in the order by ticks.
+TEST(PolarTracks, RowsInTheChosenDirectionTakeFewerTicksThanOthersAndTheOrderByTicks) {
+  const FrozenJob by_ticks = polar_ticks::PolarJob();
+  for (const double distance_mm : {0.15, 0.3, 0.5}) {
+    const FrozenJob job = RowsJob(distance_mm);
+    const PointList cloud_mm = Lattice(distance_mm, 18 * distance_mm, 0);
+    const auto ticks = [&](const FrozenJob& in) {
+      return TicksPerPoint(by_ticks, polar_ticks::JobsOwn(in, cloud_mm));
+    };
+    const double chosen = ticks(job), own = ticks(by_ticks);
+    std::printf("%g mm, ticks per point: rows %.3f, own order %.3f\n", distance_mm,
+                chosen, own);
+    EXPECT_LT(chosen, 0.95 * own) << distance_mm;
+    for (const double turn_deg : {0.0, 60.0, 90.0, 120.0}) {
+      FrozenJob other = job;
+      other.mutable_job()->mutable_ordering()->mutable_boustrophedon()->set_row_turn_deg(
+          turn_deg);
+      // Where every direction is fast enough, at 0.15 mm, rows askew to the cube have
+      // more ends: 1.15 ticks a point in place of 1.11.
+      EXPECT_LE(chosen, (distance_mm < 0.2 ? 1.04 : 1) * ticks(other))
+          << distance_mm << " " << turn_deg;
+      std::printf("  rows at %g deg %.3f\n", turn_deg, ticks(other));
+    }
+  }
+}
+
+/// In the cube -1..1.
+struct Shape {
+  const char* name;
+  bool (*has)(const Vec3& p);
+};
+const Shape kShapes[] = {
+    {"cube", [](const Vec3&) { return true; }},
+    {"dented sphere",
+     [](const Vec3& p) {
+       const Vec3 u = p.normalized();
+       return p.norm() <
+              0.8 * (1 + 0.2 * std::sin(5 * u.x()) * std::cos(4 * u.y() + 3 * u.z()));
+     }},
+    {"ring",
+     [](const Vec3& p) { return std::hypot(p.head<2>().norm() - 0.7, p.z()) < 0.3; }}};
+
+PointList Filled(const Shape& shape, double distance_mm, double side_mm) {
+  PointList points_mm;
+  for (const Vec3& p : Lattice(distance_mm, side_mm, 0)) {
+    if (shape.has((p - kMiddleMm) / (0.5 * side_mm))) points_mm.push_back(p);
+  }
+  return points_mm;
+}
+
+// Rows are no default of a machine: whether they take fewer ticks than the order by ticks
+// depends on rate and distance. INTAGLIO_LONG=1 prints the table of docs/measurements.md.
+TEST(PolarTracks, RowsTakeFewerTicksThanTheOrderByTicksAtHighRatesAlone) {
+  const bool is_long = std::getenv("INTAGLIO_LONG") != nullptr;
+  const std::vector<double> distances_mm =
+      is_long ? std::vector{0.15, 0.3, 0.5} : std::vector{0.3};
+  const std::vector<double> rates_hz =
+      is_long ? std::vector{25.0, 50.0, 100.0, 200.0} : std::vector{100.0, 200.0};
+  for (const Shape& shape : kShapes) {
+    for (const double distance_mm : distances_mm) {
+      FrozenJob by_ticks = polar_ticks::PolarJob(), in_rows = RowsJob(distance_mm);
+      const PointList cloud_mm = Filled(shape, distance_mm, 18 * distance_mm);
+      for (const double rate_hz : rates_hz) {
+        for (FrozenJob* job : {&by_ticks, &in_rows})
+          job->mutable_job()->mutable_laser()->set_rate_hz(rate_hz);
+        const PointList rows_mm = polar_ticks::JobsOwn(in_rows, cloud_mm);
+        const double rows = TicksPerPoint(in_rows, rows_mm),
+                     own = TicksPerPoint(by_ticks,
+                                         polar_ticks::JobsOwn(by_ticks, cloud_mm));
+        std::printf("%s, %g mm, %g Hz, %zu points: own order %.3f, rows %.3f\n",
+                    shape.name, distance_mm, rate_hz, cloud_mm.size(), own, rows);
+        EXPECT_EQ(sort::CountShadowViolations(rows_mm, OrderOptionsOf(in_rows).cone), 0);
+        if (distance_mm != 0.3) continue;
+        if (rate_hz == 200) {
+          EXPECT_LT(rows, 0.9 * own) << shape.name;
+        } else if (rate_hz == 100) {
+          EXPECT_GT(rows, 1.02 * own) << shape.name;
+        }
+      }
+    }
   }
 }
 
