@@ -13,6 +13,7 @@
 #include <stdexcept>
 
 #include "engrave/formats/point_file.h"
+#include "tests/integration/point_difference.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::testing {
@@ -120,27 +121,9 @@ const PointList& UndisturbedPoints() {
 
 std::string DifferenceOf(const std::vector<formats::GlassCrack>& cracks) {
   const PointList& points = UndisturbedPoints();
-  std::vector<int> made(points.size(), 0);
-  std::string text;
-  for (const formats::GlassCrack& crack : cracks) {
-    std::size_t nearest = 0;
-    double smallest = 1e9;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const double distance = (points[i] - crack.position_mm).norm();
-      if (distance < smallest) {
-        smallest = distance;
-        nearest = i;
-      }
-    }
-    if (smallest > kSamePlaceMm) {
-      text += fmt::format("tick {}: {:.3f} mm from any point\n", crack.tick, smallest);
-    } else if (++made[nearest] == 2) {
-      text +=
-          fmt::format("point {} is made twice, again at tick {}\n", nearest, crack.tick);
-    }
-  }
-  const auto missing = std::count(made.begin(), made.end(), 0);
-  if (missing > 0) text += fmt::format("{} points are missing\n", missing);
+  PointList made_mm;
+  for (const formats::GlassCrack& crack : cracks) made_mm.push_back(crack.position_mm);
+  std::string text = PointDifference(points, made_mm, kSamePlaceMm);
   if (points.empty()) text += "the undisturbed run was not good\n";
   return text;
 }
