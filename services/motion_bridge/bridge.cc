@@ -282,8 +282,9 @@ void Bridge::PublishState(std::chrono::nanoseconds now) {
   sample.covered_through_tick = state.covered_through_tick;
   sample.at_rest = state.at_rest;
   sample.following_error_max_um = state.following_error_max_um;
-  sample.fault = state.fault;
-  sample.message = Borrow(state.message);
+  const drivers::MotionHindrance hindrance = FindHindrance(state);
+  sample.fault = hindrance.fault;
+  sample.message = Borrow(hindrance.message);
   sample.clock = state.clock;
   sample.position_tolerance_um = state.position_tolerance_um;
   sample.has_block_stage = state.has_block_stage;

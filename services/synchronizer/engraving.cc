@@ -229,14 +229,17 @@ void Engraving::Wait(const EngravingInputs& inputs) {
 // All links but the shutters, which open when the others hold.
 bool Engraving::MayFire(const EngravingInputs& inputs) {
   ChainLinks links = LinksNow(inputs);
-  // A stage's fault is cleared by the bridge when it begins the run; compressed air is
-  // not brought back by that.
-  if (!chain_.latched() && !inputs.motion.line_down() &&
-      inputs.motion.fault != intaglio_MOTION_NO_AIR) {
+  if (!chain_.latched() && inputs.motion.is_cleared_by_a_run())
     links.motion_without_fault = true;
-  }
   const Missing missing = chain_.WhatIsMissing(links, false);
   if (missing == Missing::kNothing) return true;
+  // Only a person finds the place again, by motion that no armed job allows.
+  const bool place_is_lost = missing == Missing::kMotionFault &&
+                             inputs.motion.fault == intaglio_MOTION_PLACE_LOST;
+  if (place_is_lost && chain_.has_grant(links)) {
+    Halt({missing, TextFor(missing), true}, inputs);
+    return false;
+  }
   starts_again_ = false;
   if (!faulted()) {
     message_ = missing == Missing::kBlockPlace && inputs.stage_approaches
@@ -289,10 +292,8 @@ void Engraving::Run(const EngravingInputs& inputs) {
   ChainLinks links = LinksNow(inputs);
   // Until the controller executes this run, a fault is that of an older one, which the
   // bridge clears, or a start that came too late, which is tried again.
-  if (!run_.is_executed(inputs.motion) && !inputs.motion.line_down() &&
-      inputs.motion.fault != intaglio_MOTION_NO_AIR) {
+  if (!run_.is_executed(inputs.motion) && inputs.motion.is_cleared_by_a_run())
     links.motion_without_fault = true;
-  }
   const bool with_shutters = shutters_.UpdateSeenOpen();
   if (laser_.simulates_time() && IsOnlyLate(links, with_shutters)) {
     message_ = links.permission_fresh ? kLateState : kLatePermission;
@@ -354,7 +355,8 @@ void Engraving::CheckFaultBehindSkips(const EngravingInputs& inputs) {
   if (!starts_again_) return;
   ChainLinks links = LinksNow(inputs);
   // A run that came too late is no fault of this one.
-  if (!run_.is_executed(inputs.motion)) links.motion_without_fault = true;
+  if (!run_.is_executed(inputs.motion) && inputs.motion.is_cleared_by_a_run())
+    links.motion_without_fault = true;
   const Missing missing = FirstMissing(links, false);
   if (missing == Missing::kNothing || missing == Missing::kPermission) return;
   Explain({missing, TextFor(missing), true}, inputs.motion.fault);

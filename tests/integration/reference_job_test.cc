@@ -1,8 +1,8 @@
 // Jobs through the product's processes and the reference controller, with laser and stage
 // on one simulated board: the recorded edges of its outputs are the judge.
 //
-// With INTAGLIO_LONG=1 alone, for they take minutes on a computer that others use: there
-// the lamp is late now and then, which costs 150 ticks each time
+// ReferenceJob with INTAGLIO_LONG=1 alone, for its cases take minutes on a computer that
+// others use: there the lamp is late now and then, which costs 150 ticks each time
 // (docs/machines/els-03.md).
 
 #include <gtest/gtest.h>
@@ -213,7 +213,7 @@ TEST_F(ReferenceJob, KilledControllerDoesNothingUntilAPersonHasHomedAndResumed) 
   ExpectStill("the controller is back");
   shop->Type({"resume", "1"});
   ExpectStill("the stage does not know where it is");
-  EXPECT_EQ(Edges().steps + Edges().enabled, 0U);
+  EXPECT_EQ(Edges().steps + Edges().enabled + Edges().shutters_on, 0U);
   ASSERT_NO_FATAL_FAILURE(Home());
   ExpectStill("it is homed");
   EXPECT_EQ(Edges().pulses_mm.size(), 0U);
@@ -235,6 +235,30 @@ TEST_F(ReferenceJob, AStopButtonThatIsReleasedStartsNothing) {
   ASSERT_NO_FATAL_FAILURE(Home());
   ExpectStill("it is homed");
   FinishAndJudge();
+}
+
+// Nobody has homed it since its power-up. A shutter that opens until the stage has
+// refused the run would be in the record for 10 ms.
+TEST(ReferenceShop, OpensNoShutterBeforeAPersonHasHomedTheStage) {
+  PointShop shop(OptionsOfShop());
+  ASSERT_TRUE(shop.Open()) << shop.Log();
+  ASSERT_TRUE(shop.Submit());
+  const auto is_refused = [&] {
+    const std::string shown = shop.Type({"show", "1"});
+    return shown.find("state      paused") != std::string::npos &&
+           shown.find("home it (intaglio teach home), then resume") != std::string::npos;
+  };
+  ASSERT_TRUE(Eventually(is_refused, 60s)) << shop.Type({"show", "1"});
+  EXPECT_NE(shop.Type({"status"}).find("home it (intaglio teach home)"),
+            std::string::npos);
+  for (int resumed = 0; resumed < 2; ++resumed) {
+    shop.Type({"resume", "1"});
+    std::this_thread::sleep_for(1s);
+    ASSERT_TRUE(Eventually(is_refused, 60s)) << shop.Type({"show", "1"});
+  }
+  const Record edges = ReadRecord(shop.record());
+  EXPECT_EQ(edges.shutters_on, 0U);
+  EXPECT_EQ(edges.steps + edges.enabled + edges.pulses_mm.size(), 0U);
 }
 
 TEST_F(ReferenceJob, ADoorThatIsClosedAgainStartsNothing) {

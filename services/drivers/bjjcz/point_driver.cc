@@ -125,6 +125,7 @@ void BjjczPointDriver::TakeAxisPlace(std::int32_t steps) {
   const AxisMove move = *std::exchange(axis_, std::nullopt);
   listed_mm_.z() = state_.position_mm.z();
   if (steps == move.to_steps) return;
+  state_.homed = false;
   SetFault(intaglio_MOTION_FOLLOWING_ERROR,
            "the axis z of the board is not where it was sent: check z.steps_per_mm and "
            "its limit switch, home it, then resume");

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
@@ -36,6 +37,8 @@ struct DriverState {
   double position_tolerance_um = 0;  ///< of its in-position output; 0: not known
   /// False: the controller does not know where its axes are; nothing but Home is right.
   bool homed = true;
+  /// What follows "home it" in a sentence for a person.
+  std::string_view how_to_home = " (intaglio teach home)";
   /// Why the controller may not know where its axes are, and what a person does about it,
   /// of one that has no switches: no run begins, and positions and limits mean little,
   /// before SetZero. Empty: it knows, or `homed` says it.
@@ -47,6 +50,22 @@ struct DriverState {
 
   bool operator==(const DriverState&) const = default;
 };
+
+/// Why no run can begin before a person has homed the machine or has set its zero, and
+/// how that is done; empty: the controller knows where its axes are.
+std::string WhyPlaceIsUnknown(const DriverState& state);
+
+/// What keeps a run from beginning; MOTION_OK: nothing.
+struct MotionHindrance {
+  intaglio_MotionFault fault = intaglio_MOTION_OK;
+  std::string message;  ///< it in a sentence that names the remedy
+
+  bool operator==(const MotionHindrance&) const = default;
+};
+/// The fault, or MOTION_PLACE_LOST while the place of the axes is not known, which
+/// outlasts every fault that ClearFault clears; a line that is down and missing air,
+/// which come first at a machine, keep their own.
+MotionHindrance FindHindrance(const DriverState& state);
 
 /// Corners of an outline, at most.
 inline constexpr std::size_t kMaxOutlineCorners = 64;

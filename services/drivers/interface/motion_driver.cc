@@ -1,6 +1,32 @@
 #include "services/drivers/interface/motion_driver.h"
 
+#include <string_view>
+
 namespace intaglio::drivers {
+namespace {
+
+constexpr std::string_view kThenResume = ", then resume";
+
+}  // namespace
+
+std::string WhyPlaceIsUnknown(const DriverState& state) {
+  if (!state.place_lost.empty() || state.homed) return state.place_lost;
+  return "the controller does not know where its axes are: home it" +
+         std::string(state.how_to_home);
+}
+
+MotionHindrance FindHindrance(const DriverState& state) {
+  const std::string unknown = WhyPlaceIsUnknown(state);
+  if (unknown.empty() || !state.link_up || state.fault == intaglio_MOTION_NO_AIR)
+    return {state.fault, state.message};
+  std::string why = state.message;
+  if (why.ends_with(kThenResume)) why.resize(why.size() - kThenResume.size());
+  // The message of a fault whose remedy is to home may name it already.
+  const bool is_named =
+      why.ends_with(unknown) || why.ends_with("home it" + std::string(state.how_to_home));
+  if (!is_named) why += (why.empty() ? "" : "; ") + unknown;
+  return {intaglio_MOTION_PLACE_LOST, why.append(kThenResume)};
+}
 
 Status HandMotion::Jog(const Vec3& /*axes*/, double /*speed_mm_s*/) {
   return Fail(ErrorCode::kUnsupported,

@@ -68,7 +68,8 @@ struct LatchedPositions {
 ///       so. Until a person has homed it or, by SetZero, has stated where they are, a run
 ///       ends as MOTION_SAFE_STATE, with its number in state(), and nothing moves for it.
 ///       So does a run, or a motion by hand, in which the place is lost; a controller
-///       that switches the laser counts that as an opening.
+///       that switches the laser counts that as an opening. FindHindrance(state()) is
+///       MOTION_PLACE_LOST until then, whatever ClearFault has cleared.
 /// And of one that can be moved by hand (Jog does not return kUnsupported):
 ///   M14 Jog and Home move from rest, without a fault, and without a run; else they are
 ///       refused and nothing moves. While they move, at_rest is false from the moment in

@@ -15,9 +15,7 @@ constexpr int kStillSamples = 12;
 constexpr double kStill_mm = 0.0005;
 // The number of the first row of a session is far above any that may still be on its way.
 constexpr std::uint64_t kRowGap = 1'000'000;
-constexpr char kNotHomed[] =
-    "LinuxCNC does not know where the axes are: home them, until the axes' file sets "
-    "axes-homed, then resume";
+constexpr char kHowToHome[] = ", until the axes' file sets axes-homed";
 
 }  // namespace
 
@@ -40,6 +38,7 @@ LinuxcncDriver::LinuxcncDriver(const MachineSpec& machine, HalOpener open,
       profile_rates_hz_(machine.laser().rates_hz().begin(),
                         machine.laser().rates_hz().end()) {
   state_.message = session_.message();
+  state_.how_to_home = kHowToHome;
 }
 
 void LinuxcncDriver::Poll() { Turn(); }
@@ -198,7 +197,7 @@ void LinuxcncDriver::UpdateState(const HalSample& sample) {
   if (state_.homed && !sample.Has(kHalHomed)) ++lost_places_;
   state_.homed = sample.Has(kHalHomed);
   if (!state_.homed && (run_in_flight_ || jog_in_flight_))
-    SetFault(intaglio_MOTION_SAFE_STATE, kNotHomed);
+    SetFault(intaglio_MOTION_SAFE_STATE, WhyPlaceIsUnknown(state_) + ", then resume");
   state_.covered_through_tick = course_.active() ? course_.covered_through_tick() : 0;
   state_.at_rest = settled_ && !course_.active() && !run_in_flight_ && !jog_in_flight_;
   ++state_.number;
@@ -292,7 +291,7 @@ Status LinuxcncDriver::BeginRun(std::uint32_t run, std::uint64_t start_tick,
   if (!state_.homed) {
     // With its number: else it would be taken for a fault of before (M18).
     state_.run = run;
-    SetFault(intaglio_MOTION_SAFE_STATE, kNotHomed);
+    SetFault(intaglio_MOTION_SAFE_STATE, WhyPlaceIsUnknown(state_) + ", then resume");
   } else if (course_.active() || run_in_flight_ || jog_in_flight_ || !settled_) {
     SetFault(intaglio_MOTION_LATE,
              "the axes were not at rest at the beginning of the run");
@@ -338,7 +337,7 @@ Status LinuxcncDriver::Jog(const Vec3& axes, double speed_mm_s) {
   if (!state_.link_up) return LinkLost();
   if (state_.fault != intaglio_MOTION_OK)
     return Fail(ErrorCode::kRefused, "a fault is not cleared: " + state_.message);
-  if (!state_.homed) return Fail(ErrorCode::kRefused, kNotHomed);
+  if (!state_.homed) return Fail(ErrorCode::kRefused, WhyPlaceIsUnknown(state_));
   if (course_.active() || run_in_flight_ || jog_in_flight_ || !settled_)
     return Fail(ErrorCode::kRefused, "the axes are not at rest");
   if (!Inside(axes))

@@ -160,9 +160,7 @@ Status LockstepDriver::BeginRun(std::uint32_t run, std::uint64_t start_tick,
   if (!up()) return Down();
   if (state_.fault != intaglio_MOTION_OK)
     return Fail(ErrorCode::kRefused, "the fault lasts: " + state_.message);
-  const std::string unplaced =
-      !state_.homed ? "the controller has no reference: home it (intaglio teach home)"
-                    : state_.place_lost;
+  const std::string unplaced = WhyPlaceIsUnknown(state_);
   if (!unplaced.empty()) {
     // With the number of this run: else it would be taken for a fault of before, which
     // this run clears.
@@ -215,8 +213,7 @@ Status LockstepDriver::AbortRun() {
 Status LockstepDriver::CheckByHand() const {
   if (!up()) return Down();
   if (state_.at_rest && state_.fault == intaglio_MOTION_OK && state_.homed) return {};
-  return Fail(ErrorCode::kRefused, !state_.homed ? "the controller has no reference: "
-                                                   "home it (intaglio teach home)"
+  return Fail(ErrorCode::kRefused, !state_.homed            ? WhyPlaceIsUnknown(state_)
                                    : state_.message.empty() ? "the stage is not at rest"
                                                             : state_.message);
 }

@@ -106,10 +106,7 @@ class VirtualStageDriver final : public MotionDriver {
 
   Status AbortRun() override { return SendFrame(MotionFrame::kAbortRun, {}); }
   Status Jog(const Vec3& axes, double speed_mm_s) override {
-    if (!state_.homed) {
-      return Fail(ErrorCode::kRefused,
-                  wire::TextOf(link::StageFault::kPlaceLost).message);
-    }
+    if (!state_.homed) return Fail(ErrorCode::kRefused, WhyPlaceIsUnknown(state_));
     return SendJog(MotionFrame::kJogMove, Encode(wire::ToJogMove(axes, speed_mm_s)));
   }
   Status Home() override { return SendJog(MotionFrame::kHome, {}); }

@@ -23,7 +23,8 @@ intaglio_MotionFault FaultOf(const std::string& name) {
       {"MOTION_LINK_LOST", intaglio_MOTION_LINK_LOST},
       {"MOTION_SAFE_STATE", intaglio_MOTION_SAFE_STATE},
       {"MOTION_WRONG_CONTROLLER", intaglio_MOTION_WRONG_CONTROLLER},
-      {"MOTION_NO_AIR", intaglio_MOTION_NO_AIR}};
+      {"MOTION_NO_AIR", intaglio_MOTION_NO_AIR},
+      {"MOTION_PLACE_LOST", intaglio_MOTION_PLACE_LOST}};
   for (const auto& [known, fault] : kFaults) {
     if (name == known) return fault;
   }

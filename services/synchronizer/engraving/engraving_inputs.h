@@ -39,6 +39,12 @@ struct MotionView {
     return fault == intaglio_MOTION_LINK_LOST ||
            fault == intaglio_MOTION_WRONG_CONTROLLER;
   }
+  /// The bridge clears the fault when it begins a run, or there is none. Every other one
+  /// refuses the run until its cause is gone: a line, air or a place that is lost.
+  bool is_cleared_by_a_run() const {
+    return !line_down() && fault != intaglio_MOTION_NO_AIR &&
+           fault != intaglio_MOTION_PLACE_LOST;
+  }
   /// The controller reports the block at this place, by its stage's axes.
   bool HasBlockAt(const Vec2& place_mm, double tolerance_mm) const {
     return has_block_stage && (block_mm - place_mm).norm() <= tolerance_mm;

@@ -201,7 +201,7 @@ void NothingRunsWhereThePlaceIsLost(const MotionRigMaker& make) {
   if (!bench.rig().LosePlace()) return;
   const auto states_it = [&] {
     return bench.state().link_up &&
-           (!bench.state().homed || !bench.state().place_lost.empty());
+           FindHindrance(bench.state()).fault == intaglio_MOTION_PLACE_LOST;
   };
   Expect(bench.Until(states_it), "M18: a place that is lost is not stated");
   if (bench.state().fault != intaglio_MOTION_OK) bench.ClearFault();

@@ -97,6 +97,8 @@ void AFaultEndsTheMotion(const MotionRigMaker& make, ControllerFault fault,
 // by a person's will alone.
 void ExpectEndWhereThePlaceIsLost(MotionBench& bench, const KnownOfLaser& known) {
   bench.ExpectFault(intaglio_MOTION_SAFE_STATE, "M18: a place that is lost in motion");
+  Expect(FindHindrance(bench.state()).fault == intaglio_MOTION_PLACE_LOST,
+         "M18: the place is not what keeps the next run from beginning");
   bench.StepFor(100ms + bench.rig().braking_time());
   bench.ExpectStill(300ms, "M18: the motion goes on where the place is lost");
   Expect(UsedLaser(bench) == nullptr || KnownOf(bench) != known,

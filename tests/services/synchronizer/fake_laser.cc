@@ -142,6 +142,7 @@ void FakeLaser::EnterSafeState() {
 // The same again does not begin the movement anew.
 void FakeLaser::AskShutters(std::uint8_t open_mask) {
   if (safe_) open_mask = 0;
+  if (open_mask != 0) ++shutters_asked_count_;
   if (open_mask != shutters_asked_) shutters_move_at_ = clock_() + shutter_travel;
   shutters_asked_ = open_mask;
 }

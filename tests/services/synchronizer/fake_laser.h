@@ -58,6 +58,8 @@ class FakeLaser {
   std::chrono::nanoseconds newest_arm_at() const { return newest_arm_at_; }
   std::chrono::nanoseconds newest_pulse_at() const { return newest_pulse_at_; }
   int lamp_switched_on_count() const { return lamp_switched_on_count_; }
+  /// How often shutters were asked to open, also for an instant.
+  int shutters_asked_count() const { return shutters_asked_count_; }
 
   void PressStop(bool pressed);
   void EnterSafeState();
@@ -130,6 +132,7 @@ class FakeLaser {
   bool lamp_on_ = false;
   double lamp_s_ = 0;
   std::uint8_t shutters_ = 0, shutters_asked_ = 0;
+  int shutters_asked_count_ = 0;
   std::chrono::nanoseconds shutters_move_at_{-1};
   bool stop_pressed_ = false, stop_latched_ = false, safe_ = false;
   std::map<std::uint64_t, Decision> decided_;  // ticks to come

@@ -50,6 +50,10 @@ void FakeStage::Accept(Batch batch, std::uint64_t tick) {
     grant_ = {true, false, {}, 0, kWindowBatches};
     expected_ = 0;
     taken_.clear();
+    if (fault_ == intaglio_MOTION_PLACE_LOST) {
+      begun_run_ = run_;  // refused, with its number
+      return;
+    }
     fault_ = intaglio_MOTION_OK;
     if (batch.start_tick <= tick) {
       fault_ = intaglio_MOTION_LATE;

@@ -299,6 +299,35 @@ TEST(BjjczPoints, APowerCycleIsAnotherPowerUpAndHasToBeHomed) {
   EXPECT_NEAR(cell.driver->state().position_mm.z(), -50, 1e-9);
 }
 
+// A limit switch, or another host: the axis counts what nobody knows.
+TEST(BjjczPoints, AnAxisThatIsNotWhereItWasSentHasToBeHomed) {
+  Cell cell;
+  cell.Connect();
+  cell.Prepare();
+  cell.Begin(2, 40);
+  ASSERT_TRUE(cell.Until([&] { return cell.machine.board.moves(); }));
+  const auto elsewhere = static_cast<std::int32_t>(cell.machine.board.axis()) - 7;
+  ASSERT_TRUE(cell.Until([&] {
+    if (cell.driver->state().fault == intaglio_MOTION_OK)
+      cell.machine.board.SetAxis(elsewhere);
+    return cell.driver->state().fault == intaglio_MOTION_FOLLOWING_ERROR;
+  })) << cell.driver->state().message;
+  EXPECT_FALSE(cell.driver->state().homed);
+  ASSERT_TRUE(cell.driver->ClearFault());
+  cell.StepFor(50);
+  EXPECT_EQ(FindHindrance(cell.driver->state()).fault, intaglio_MOTION_PLACE_LOST);
+  const std::size_t flash_count = cell.flashes().size();
+  ASSERT_TRUE(cell.driver->BeginRun(++cell.run, cell.laser().status().tick + 50, 0));
+  EXPECT_EQ(cell.driver->state().fault, intaglio_MOTION_SAFE_STATE);
+  cell.StepFor(500);
+  EXPECT_EQ(cell.flashes().size(), flash_count);
+  ASSERT_TRUE(cell.driver->ClearFault());
+  cell.StepFor(50);
+  ASSERT_TRUE(cell.driver->Home()) << cell.driver->state().message;
+  EXPECT_TRUE(cell.Until([&] { return cell.driver->state().at_rest; }));
+  EXPECT_EQ(FindHindrance(cell.driver->state()), MotionHindrance());
+}
+
 // The door is read every 5 ms; the run ends, and nothing more is made.
 TEST(BjjczPoints, AnOpenDoorEndsTheRunAndTheGate) {
   Cell cell;
