@@ -238,9 +238,12 @@ TEST_F(RunJob, ALampSyncThatIsLeftOutDoublesNoPoint) {
   EXPECT_THAT(run.output, HasSubstr("a lamp sync was left out, late or too many"));
   const auto& points = Report().points();
   EXPECT_EQ(points.doubled() + points.stray(), 0u);
-  EXPECT_EQ(points.planned() - points.made(), 2u) << run.output;
   const std::size_t uncertain = UncertainIn(folder_ / "out/journal.bin");
   EXPECT_GE(uncertain, 3u);
+  // The places of the ticks that were left out; and behind the last pulse before the run
+  // ended, those that another pulse may have hit, as many as were still on their way.
+  EXPECT_GE(points.planned() - points.made(), 2u) << run.output;
+  EXPECT_LE(points.planned() - points.made(), uncertain) << run.output;
   // In lockstep the laser does not wait for the stamps.
   EXPECT_LE(uncertain, 500u);
 }
