@@ -101,11 +101,13 @@ Discretizing::Outcome Discretizing::Receive(JobRecord& job, const TaskView& task
   if (task.state == intaglio_TASK_DONE) {
     job.parts.Finish(part);
     NotePace(task, now);
-    if (!job.stage(intaglio_STAGE_DISCRETIZE).done)
-      comparing_.NoteDone(job, part, task.checksum);
+    comparing_.NoteDone(job, part, task.checksum);
   }
   SetProgress(job, now);
-  if (job.parts.all_done()) return Outcome::kAllDone;
+  if (job.parts.all_done()) {
+    if (!job.comparison) tasks_.StopFeed(job);
+    return Outcome::kAllDone;
+  }
   book_.PublishProgress(job);
   return Outcome::kProgress;
 }
@@ -148,19 +150,6 @@ void Discretizing::LoseAhead(const std::string& worker, const TaskId& task) {
   if (!job->parts.IsCurrent(worker, task.part, task.part_attempt)) return;
   tasks_.RevokePartAhead(*job, worker, task);
   job->parts.LoseAhead(task.part);
-}
-
-void Discretizing::Finish(JobRecord& job, Nanoseconds now) {
-  StageRecord& stage = job.stage(intaglio_STAGE_DISCRETIZE);
-  if (stage.done) return;
-  std::vector<GivenTask> parts = job.GivenTasks();
-  std::erase_if(parts, [](const GivenTask& given) {
-    return given.stage != intaglio_STAGE_DISCRETIZE || given.done ||
-           host::IsComparison(given.task.part_attempt);
-  });
-  tasks_.RevokeHeld(job, parts, now);
-  stage.done = true;
-  if (!job.comparison) tasks_.StopFeed(job);
 }
 
 }  // namespace intaglio::job_service

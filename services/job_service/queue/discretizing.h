@@ -10,7 +10,10 @@
 //    worker's tasks are never on their way to it at the same time, because only the
 //    newest is retained: it gets one ahead when it has accepted what it has.
 // 3. A part that is lost kMaxPartLosses times gives the job up.
-// 4. Discretizers are compared with each other: what they make (comparing.h), and how
+// 4. Nothing is granted before every part is reported: its report has the warnings about
+//    its points. A part whose points have reached the machine, and whose worker is lost
+//    before it reports, is made once more for that report alone, without a consumer.
+// 5. Discretizers are compared with each other: what they make (comparing.h), and how
 //    fast (worker_pace.h).
 // Used from one thread.
 
@@ -57,9 +60,6 @@ class Discretizing {
   /// One that this worker was given ahead. That the worker is lost is reported by the
   /// loss of the part it was at.
   void LoseAhead(const std::string& worker, const TaskId& task);
-  /// No part is needed any more; the result of a discretizer that is still making one
-  /// again is not used.
-  void Finish(JobRecord& job, Nanoseconds now);
   Comparing& comparing() { return comparing_; }
 
  private:

@@ -290,7 +290,6 @@ void JobQueue::StageFailed(JobRecord& job, const TaskView& task, Nanoseconds now
 
 void JobQueue::StageDone(JobRecord& job, const TaskView& task, Nanoseconds now) {
   if (task.stage == intaglio_STAGE_SORT) NoteFirstEstimate(job, task);
-  discretizing_.Finish(job, now);
   job.stage(task.stage).done = true;
   if (task.stage == intaglio_STAGE_ENGRAVE) {
     return EndJob(job, intaglio_JOB_DONE, task.message, now);
@@ -310,11 +309,11 @@ void JobQueue::EngraveStatus(JobRecord& job, const TaskView& task, Nanoseconds n
   const bool is_at_work = task.counts.armed > 0;
   if (held && is_at_work) job.at_work = task.message;
   if (!loaded || held) return book_.PublishProgress(job);
-  // The whole path is there: no part is needed any more. The sorter's report, with the
-  // warnings about the path, may still be on its way.
-  discretizing_.Finish(job, now);
+  // The whole path is there. Reports of discretizers and sorter, with the warnings about
+  // it, may still be on their way.
   const Warning* consent = job.open_consent();
-  const std::string unsettled = job.WhyNotSettled();
+  std::string unsettled = job.WhyNotSettled();
+  if (unsettled.empty()) unsettled = job.AwaitedReport();
   const std::string misfit = job.arm.armed() ? "" : arming_.MountMisfitOf(job);
   book_.Publish(job,
                 task.done_count > 0 || is_at_work ? intaglio_JOB_ENGRAVING

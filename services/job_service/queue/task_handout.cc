@@ -46,9 +46,10 @@ void TaskHandout::GiveComparison(const JobRecord& job, bool ahead, Nanoseconds n
 }
 
 void TaskHandout::SendPart(const JobRecord& job, std::uint32_t part) {
+  const std::string consumer =
+      job.has_path() ? "" : job.stage(intaglio_STAGE_SORT).worker;
   actions_.Give({job.parts[part].worker, intaglio_STAGE_DISCRETIZE,
-                 job.TaskOf(intaglio_STAGE_DISCRETIZE, part),
-                 job.stage(intaglio_STAGE_SORT).worker, false},
+                 job.TaskOf(intaglio_STAGE_DISCRETIZE, part), consumer, false},
                 job);
 }
 

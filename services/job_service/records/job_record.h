@@ -130,10 +130,22 @@ struct JobRecord {
   const Warning* open_consent() const {
     return arm.kept().breakage_accepted_by.empty() ? FindConsent(warnings) : nullptr;
   }
+  /// Its machine has the whole path, so that no stage needs a point any more.
+  bool has_path() const {
+    return stage(intaglio_STAGE_SORT).done ||
+           stage(intaglio_STAGE_ENGRAVE).total_count > 0;
+  }
+  /// Whose reports, with the warnings about points and path, have not come yet, for
+  /// people; empty: all warnings are known.
+  std::string AwaitedReport() const {
+    if (arm.ever_granted()) return "";
+    for (std::uint32_t i = 0; i < parts.size(); ++i)
+      if (!parts[i].done) return "waits for the report about " + parts.NameOf(i);
+    return stage(intaglio_STAGE_SORT).done ? "" : "waits for the report about the order";
+  }
   /// All its warnings are known, and a person has accepted those that need it.
   bool warnings_are_settled() const {
-    return (stage(intaglio_STAGE_SORT).done || arm.ever_granted()) &&
-           open_consent() == nullptr;
+    return AwaitedReport().empty() && open_consent() == nullptr;
   }
   /// Why nothing may be granted yet for want of a comparison of its points, for people;
   /// empty: they are settled.

@@ -83,6 +83,28 @@ TEST_F(ConsentProcessTest, AnArmWithoutConsentIsRefusedAndOneWithItFires) {
   EXPECT_EQ(Job().breakage_accepted_by, "ann@shop");
 }
 
+// Discretizer, sorter and machine are processes of their own, whose reports come in any
+// order: a small job's points may be in the machine before the report about them.
+TEST_F(ConsentProcessTest, NothingIsGrantedBeforeTheReportOfThePoints) {
+  Start();
+  shop_.Submit("one", GoodJob());
+  ReadyAll();
+  ASSERT_TRUE(shop_.Until([&] { return shop_.Task(intaglio_STAGE_SORT).attempt == 1; }));
+  Report(intaglio_STAGE_SORT, intaglio_TASK_DONE, 100);
+  Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 0);
+  ASSERT_TRUE(Reaches(intaglio_JOB_WAITING_FOR_ARM));
+  EXPECT_THAT(Job().message, HasSubstr("waits for the report about part 1 of 1"));
+  shop_.Command(Job(), intaglio_COMMAND_ARM, 1);
+  EXPECT_EQ(shop_.AnswerTo(1), intaglio_ANSWER_TAKEN);
+  EXPECT_FALSE(shop_.granted());
+  StageOutcome points;
+  points.mutable_discretize()->add_methods()->set_odd_ray_count(3);
+  Report(intaglio_STAGE_DISCRETIZE, intaglio_TASK_DONE, 100, points);
+  EXPECT_TRUE(shop_.Until([&] { return shop_.granted(); }));
+  ASSERT_EQ(Job().warnings.size(), 1u);
+  EXPECT_EQ(Job().warnings[0].code, WarningCode::kOddRays);
+}
+
 TEST_F(ConsentProcessTest, BothOutlastTheProcess) {
   Start();
   shop_.Submit("one", GoodJob());

@@ -74,6 +74,28 @@ TEST_F(ConsentTest, AnArmFromBeforeTheWarningEndsWithIt) {
   EXPECT_FALSE(Granted());
 }
 
+// A small job may reach the machine before the discretizer's report reaches the queue.
+TEST_F(ConsentTest, NothingIsGrantedBeforeTheReportOfThePoints) {
+  ReadyAll();
+  Add(1);
+  EXPECT_TRUE(Command(intaglio_COMMAND_ARM));
+  SortEnds({});
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 0, 100, {}, "waits");
+  now_ += 1s;
+  EXPECT_EQ(job().state, intaglio_JOB_WAITING_FOR_ARM);
+  EXPECT_FALSE(Granted());
+  TaskView points = PartReport(0, intaglio_TASK_DONE);
+  points.warnings = MayBreak();
+  Report(points);
+  now_ += 1s;
+  EXPECT_THAT(job().warnings, SizeIs(2)) << "the report counts, though it comes last";
+  EXPECT_FALSE(job().arm.armed());
+  EXPECT_FALSE(Granted());
+  EXPECT_TRUE(Accept().taken());
+  now_ += 1s;
+  EXPECT_TRUE(Granted());
+}
+
 TEST_F(ConsentTest, ConsentThatIsGivenAheadCountsAndOutlastsADisarming) {
   ReadyAll();
   Add(1);

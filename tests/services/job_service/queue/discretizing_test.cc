@@ -287,17 +287,40 @@ TEST_F(JobPartsTest, AFreeOneServesTheJobUnderWayBeforeTheNext) {
   EXPECT_EQ(job().state, intaglio_JOB_SORTING);
 }
 
-// A part made again for a worker that only seemed lost may still be under way.
-TEST_F(JobPartsTest, WhenTheSorterHasAllTheRestIsRevoked) {
+// The sorter has all points, and the report of a part, with its warnings, is on its way.
+TEST_F(JobPartsTest, WhenTheSorterHasAllEveryPartIsStillReported) {
   BeginWithTwo();
+  for (std::uint32_t part = 0; part < 15; ++part) Done(part);
+  actions_.Orders();
   Task(intaglio_STAGE_SORT, intaglio_TASK_DONE, 100, 100);
+  EXPECT_THAT(actions_.Orders(), testing::IsEmpty());
+  EXPECT_FALSE(stage().done);
+  Done(15);
+  EXPECT_THAT(actions_.Orders(), ElementsAre("stop j1"));
   EXPECT_TRUE(stage().done);
-  EXPECT_THAT(actions_.Orders(),
-              ElementsAre("revoke d j1 1 0.0/16", "revoke d2 j1 1 1.0/16", "stop j1"));
-  Lose("d");
-  EXPECT_NE(job().state, intaglio_JOB_QUEUED);
-  Fail(1, intaglio_ERROR_CANCELLED, "the task was revoked");
   EXPECT_EQ(job().state, intaglio_JOB_SORTING);
+}
+
+TEST_F(JobPartsTest, AReportThatIsLostBehindThePathIsMadeAnewWithoutAConsumer) {
+  BeginWithTwo();
+  for (std::uint32_t part = 0; part < 15; ++part) Done(part);
+  Task(intaglio_STAGE_SORT, intaglio_TASK_DONE, 100, 100);
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 0, 100, {}, "waits for the arm");
+  EXPECT_EQ(job().state, intaglio_JOB_WAITING_FOR_ARM);
+  EXPECT_EQ(job().message, "waits for the report about part 16 of 16");
+  const std::string lost = job().parts.at(15).worker;
+  const std::string other = lost == "d" ? "d2" : "d";
+  EXPECT_TRUE(Command(intaglio_COMMAND_ARM));
+  actions_.Orders();
+  Ready(other, intaglio_ROLE_DISCRETIZER);
+  Lose(lost);
+  EXPECT_THAT(actions_.Orders(),
+              ElementsAre("revoke " + lost + " j1 1 15.0/16", other + " j1 1 15.1/16"));
+  now_ += 5s;
+  EXPECT_FALSE(Granted());
+  Done(15);
+  now_ += 1s;
+  EXPECT_TRUE(Granted());
 }
 
 TEST_F(JobPartsTest, ALostSorterTakesAllPartsWithItAndTheyBeginAnew) {

@@ -95,15 +95,15 @@ TEST_F(DiscretizingUnitTest, WhoHasAcceptedAPartGetsOneAhead) {
   EXPECT_THAT(actions_.Orders(), testing::ElementsAre("revoke a j1 1 2.0/16"));
 }
 
-TEST_F(DiscretizingUnitTest, FinishRevokesWhatIsStillMade) {
-  Receive(0, intaglio_TASK_DONE);
-  tasks_.workers().Release("a", job_->TaskOf(intaglio_STAGE_DISCRETIZE, 0), now_);
+TEST_F(DiscretizingUnitTest, APartThatIsLostBehindThePathIsMadeForItsReportAlone) {
+  job_->stage(intaglio_STAGE_SORT).done = true;
+  EXPECT_FALSE(Lose(0));
   actions_.Orders();
-  discretizing_.Finish(*job_, now_);
-  EXPECT_THAT(actions_.Orders(), testing::ElementsAre("revoke b j1 1 1.0/16", "stop j1"));
-  EXPECT_TRUE(job_->stage(intaglio_STAGE_DISCRETIZE).done);
-  discretizing_.Finish(*job_, now_);
-  EXPECT_THAT(actions_.Orders(), testing::IsEmpty());
+  now_ += 2s;
+  job_->parts.Give(0, "a");
+  tasks_.GivePart(*job_, 0, now_);
+  EXPECT_THAT(actions_.Orders(), testing::ElementsAre("a j1 1 0.1/16"))
+      << "without a consumer: nobody takes points any more";
 }
 
 }  // namespace
