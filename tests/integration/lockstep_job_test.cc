@@ -236,7 +236,8 @@ TEST_F(RunJob, ALampSyncThatIsLeftOutDoublesNoPoint) {
   ASSERT_TRUE(run.in_time);
   EXPECT_EQ(run.exit_code, 3) << run.output;
   EXPECT_THAT(run.output, HasSubstr("a lamp sync was left out, late or too many"));
-  const auto& points = Report().points();
+  const JobReport report = Report();
+  const auto& points = report.points();
   EXPECT_EQ(points.doubled() + points.stray(), 0u);
   const std::size_t uncertain = UncertainIn(folder_ / "out/journal.bin");
   EXPECT_GE(uncertain, 3u);
