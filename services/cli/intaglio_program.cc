@@ -35,7 +35,7 @@
 #include "services/cli/terminal/command_outcome.h"
 #include "services/cli/up_command.h"
 #include "services/cli/workers_command.h"
-#include "services/platform/host/process/software_version.h"
+#include "services/platform/host/version/software_version.h"
 
 namespace intaglio::cli {
 namespace {

@@ -10,7 +10,7 @@
 #include "services/platform/command_line/parent_death.h"
 #include "services/platform/command_line/program.h"
 #include "services/platform/host/process/service_host.h"
-#include "services/platform/host/process/software_version.h"
+#include "services/platform/host/version/software_version.h"
 
 namespace {
 

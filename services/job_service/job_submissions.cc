@@ -13,7 +13,7 @@
 #include "services/job_service/submission.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/process/log.h"
-#include "services/platform/host/process/software_version.h"
+#include "services/platform/host/version/software_version.h"
 
 namespace intaglio::job_service {
 namespace {

@@ -6,7 +6,7 @@
 #include "engrave/core/counted.h"
 #include "services/platform/command_line/program.h"
 #include "services/platform/host/process/service_host.h"
-#include "services/platform/host/process/software_version.h"
+#include "services/platform/host/version/software_version.h"
 #include "services/recorder/job_attachments.h"
 #include "services/recorder/recorder.h"
 

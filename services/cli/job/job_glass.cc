@@ -4,7 +4,7 @@
 
 #include "engrave/core/try.h"
 #include "services/job/files/freeze.h"
-#include "services/platform/host/process/software_version.h"
+#include "services/platform/host/version/software_version.h"
 
 namespace intaglio::cli {
 

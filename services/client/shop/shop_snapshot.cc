@@ -67,10 +67,18 @@ bool ShopWatcher::IsServed() const {
   });
 }
 
+const ServiceView* FindJobService(const std::vector<ServiceView>& services) {
+  const auto found =
+      std::ranges::find(services, intaglio_ROLE_JOB_SERVICE, &ServiceView::role);
+  return found == services.end() ? nullptr : &*found;
+}
+
 bool ShopWatcher::IsComplete() const {
   const auto found = services();
   const auto machines = cells();
+  const ServiceView* job_service = FindJobService(found);
   for (const ServiceView& service : found) {
+    if (job_service != nullptr && service.version != job_service->version) continue;
     const auto cell = machines.find(service.cell);
     const bool known = cell != machines.end();
     if (service.role == intaglio_ROLE_SYNCHRONIZER &&

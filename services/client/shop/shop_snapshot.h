@@ -30,6 +30,9 @@ struct ShopSnapshot {
   std::map<std::string, MountView> mounts;    ///< by machine
 };
 
+/// The job service among these; nullptr: none.
+const ServiceView* FindJobService(const std::vector<ServiceView>& services);
+
 /// Follows a shop: its machines themselves, or on a bus that does not meet them
 /// (BusOptions::meets_cells) by what the job service knows of them. Used from one thread.
 class ShopWatcher {
@@ -39,7 +42,8 @@ class ShopWatcher {
   void Poll(std::chrono::milliseconds time);
   /// All that a working shop has is here: the services that its job service lists, its
   /// jobs and its disks, and of every machine with a synchronizer its interlocks, of
-  /// every one with a bridge its motion.
+  /// every one with a bridge its motion; but of no service of another version than the
+  /// job service's, whose messages nobody may understand here.
   bool IsComplete() const;
   /// A job service is there.
   bool IsServed() const;

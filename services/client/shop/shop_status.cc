@@ -89,9 +89,7 @@ class Builder {
       const bool fault = service.state == intaglio_HEALTH_FAULT;
       // The message of a console is its address.
       if (fault || (!service.message.empty() && service.role != intaglio_ROLE_CONSOLE)) {
-        const bool has_cell = service.role == intaglio_ROLE_SYNCHRONIZER ||
-                              service.role == intaglio_ROLE_MOTION_BRIDGE;
-        const std::string of_cell = has_cell ? " of " + service.cell : "";
+        const std::string of_cell = IsOfMachine(service) ? " of " + service.cell : "";
         Alarm(ServiceNameOf(service) + of_cell, 0,
               service.message.empty() ? "reports a fault" : service.message);
       }
@@ -104,6 +102,11 @@ class Builder {
     if (synchronizers_.empty() && bridges_.empty()) Need("no machine is there");
   }
 
+  static bool IsOfMachine(const ServiceView& service) {
+    return service.role == intaglio_ROLE_SYNCHRONIZER ||
+           service.role == intaglio_ROLE_MOTION_BRIDGE;
+  }
+
   void NoteAge(const ServiceView& service) {
     const std::chrono::duration<double> age = shop_.taken_at - service.reported_at;
     double& oldest = age_of_[service.cell];
@@ -112,11 +115,11 @@ class Builder {
 
   // A service that another host has kept from before an upgrade gets no task.
   void NeedOneVersion() {
-    const auto job_service =
-        std::ranges::find(shop_.services, intaglio_ROLE_JOB_SERVICE, &ServiceView::role);
-    if (job_service == shop_.services.end()) return;
+    const ServiceView* job_service = FindJobService(shop_.services);
+    if (job_service == nullptr) return;
     for (const ServiceView& service : shop_.services) {
       if (service.version == job_service->version) continue;
+      if (IsOfMachine(service)) of_another_version_.insert(service.cell);
       Need(fmt::format(
           "{} on {} has version {}, the job service {}: restart the older one when no "
           "job is engraved; until then it is given nothing to do",
@@ -233,6 +236,8 @@ class Builder {
                       "intaglio stop {0} --reset",
                       name, fmt::join(line.stops_held(), ", ")));
     }
+    // Nobody here understands what it reports about its lines.
+    if (of_another_version_.contains(name)) return;
     if (synchronizers_.contains(name) && !line.laser_line_up()) {
       Need(fmt::format("{}: the {} does not answer: check its cable and its power", name,
                        line.one_line() ? "controller" : "laser"));
@@ -270,6 +275,7 @@ class Builder {
   const std::chrono::system_clock::time_point now_;
   ShopStatus status_;
   std::set<std::string> synchronizers_, bridges_;  // cells
+  std::set<std::string> of_another_version_;       // cells, of the job service's
   std::set<std::string> markers_;                  // cells, among those of synchronizers_
   std::map<std::string, std::uint32_t> job_of_;    // by cell
   std::map<std::string, double> age_of_;           // s, by cell; of its oldest report

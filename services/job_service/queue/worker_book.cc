@@ -76,7 +76,7 @@ bool WorkerBook::Serves(const Worker& worker, intaglio_ServiceRole role,
 }
 
 const WorkerView* WorkerBook::OfAnotherVersion(const WorkerView& worker) const {
-  const std::string ours = host::SoftwareVersion();
+  const std::string& ours = host::WireVersion();
   if (worker.version != ours) return &worker;
   if (worker.role != intaglio_ROLE_SYNCHRONIZER) return nullptr;
   for (const auto& [instance, other] : workers_) {
@@ -240,7 +240,7 @@ std::string WorkerBook::WhyNone(intaglio_ServiceRole role, const std::string& ce
     return fmt::format(
         "{} ({} has version {}, the job service {}: restart the older one when no job is "
         "engraved)",
-        text, other->instance, other->version, host::SoftwareVersion());
+        text, other->instance, other->version, host::WireVersion());
   }
   if (!seen->left_out.empty()) return fmt::format("{} ({})", text, seen->left_out);
   return text + " (all are busy)";

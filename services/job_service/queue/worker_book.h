@@ -29,7 +29,7 @@
 #include "services/job_service/queue/ended_list.h"
 #include "services/job_service/records/left_out.h"
 #include "services/job_service/records/task_id.h"
-#include "services/platform/host/process/software_version.h"
+#include "services/platform/host/version/wire_version.h"
 
 namespace intaglio::job_service {
 
@@ -40,7 +40,7 @@ struct WorkerView {
   intaglio_HealthState state = intaglio_HEALTH_STARTING;
   std::string cell;
   std::string message;
-  std::string version = host::SoftwareVersion();
+  std::string version = host::WireVersion();
 };
 
 class WorkerBook {

@@ -12,7 +12,15 @@
 #include "services/platform/bus/qos.h"
 #include "services/platform/bus/role_names.h"
 
-namespace intaglio::bus::internal {
+namespace intaglio::bus {
+
+// Hashes of the complete type are in the XTypes type information.
+std::string_view TypeInformationOf(const dds_topic_descriptor& type) {
+  const auto& bytes = type.type_information;
+  return {reinterpret_cast<const char*>(bytes.data), bytes.sz};
+}
+
+namespace internal {
 namespace {
 
 constexpr std::size_t kTakeAtOnce = 64;
@@ -237,4 +245,5 @@ Status RawWriter::WaitForAcknowledgements(std::chrono::milliseconds timeout) {
                 "an acknowledgement");
 }
 
-}  // namespace intaglio::bus::internal
+}  // namespace internal
+}  // namespace intaglio::bus

@@ -3,6 +3,8 @@
 // Every topic of the product: its name, type, QoS profile, domain and scope, in one
 // place. idl/ defines the fields.
 
+#include <string_view>
+
 #include "idl/cloud.h"
 #include "idl/job.h"
 #include "idl/laser.h"
@@ -36,6 +38,10 @@ struct Topic {
   DomainKind domain;
   Scope scope;
 };
+
+/// What tells the type from others: names, kinds and keys of all its members, at any
+/// depth.
+std::string_view TypeInformationOf(const dds_topic_descriptor& type);
 
 inline constexpr Topic<intaglio_JobSubmission> kJobSubmission{
     "JobSubmission", &intaglio_JobSubmission_desc, Profile::kCommand,
@@ -143,5 +149,50 @@ inline constexpr Topic<intaglio_ManualCommand> kCellMove{
 inline constexpr Topic<intaglio_ManualState> kManualState{
     "ManualState", &intaglio_ManualState_desc, Profile::kState, DomainKind::kControl,
     Scope::kCell};
+
+/// Calls visit(topic) for every topic that is recorded, which is all but Presence.
+template <typename Visit>
+void ForEachTopic(Visit&& visit) {
+  visit(kJobSubmission);
+  visit(kJobCommand);
+  visit(kJobCommandAnswer);
+  visit(kJobStatus);
+  visit(kJobCount);
+  visit(kMounted);
+  visit(kDiscretizeTask);
+  visit(kSortTask);
+  visit(kEngraveTask);
+  visit(kTaskStatus);
+  visit(kServiceHealth);
+  visit(kServiceList);
+  visit(kMachineReport);
+  visit(kKnownService);
+  visit(kCredit);
+  visit(kAlarm);
+  visit(kDiskSpace);
+  visit(kModelChunk);
+  visit(kPointBatch);
+  visit(kPathBatch);
+  visit(kMarkBatch);
+  visit(kOrderedMarkBatch);
+  visit(kMotionSegmentBatch);
+  visit(kMotionState);
+  visit(kPositionReport);
+  visit(kLampSync);
+  visit(kPulseEventBatch);
+  visit(kPermission);
+  visit(kEmergencyStop);
+  visit(kInterlock);
+  visit(kManualCommand);
+  visit(kCellMove);
+  visit(kManualState);
+}
+
+/// Calls visit(topic) for Presence, too.
+template <typename Visit>
+void ForEveryTopic(Visit&& visit) {
+  ForEachTopic(visit);
+  visit(kPresence);
+}
 
 }  // namespace intaglio::bus

@@ -13,7 +13,7 @@
 #include "proto/job.pb.h"
 #include "proto/task.pb.h"
 #include "services/platform/bus/flow.h"
-#include "services/platform/host/process/software_version.h"
+#include "services/platform/host/version/wire_version.h"
 #include "tests/services/platform/bus/private_bus.h"
 
 namespace intaglio::job_service {
@@ -111,7 +111,7 @@ class FakeShop {
   const std::vector<std::string>& models() const { return models_; }
 
  private:
-  std::string version_ = host::SoftwareVersion();
+  std::string version_ = host::WireVersion();
   /// Without what FullName adds, wherever it is.
   std::string ShortNames(std::string_view text) const;
   void Write(intaglio_Stage stage, const std::string& instance,

@@ -13,7 +13,7 @@
 
 #include "services/platform/bus/role_names.h"
 #include "services/platform/bus/samples.h"
-#include "services/platform/host/process/software_version.h"
+#include "services/platform/host/version/wire_version.h"
 #include "tests/services/job/test_job.h"
 #include "tests/services/job_service/fake_shop.h"
 #include "tests/test_folder.h"
@@ -106,7 +106,7 @@ class Flooder {
   bus::Writer<intaglio_JobSubmission> submissions_{bus_, bus::kJobSubmission};
   bus::Writer<intaglio_TaskStatus> tasks_{bus_, bus::kTaskStatus, partition_};
   bus::Writer<intaglio_ServiceHealth> health_{bus_, bus::kServiceHealth, partition_};
-  const std::string uid_ = "77-f100d", empty_, version_ = host::SoftwareVersion();
+  const std::string uid_ = "77-f100d", empty_, version_ = host::WireVersion();
   std::atomic<bool> done_{true};
   std::jthread thread_;
 };

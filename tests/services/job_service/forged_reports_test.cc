@@ -6,7 +6,7 @@
 
 #include "services/platform/bus/role_names.h"
 #include "services/platform/bus/samples.h"
-#include "services/platform/host/process/software_version.h"
+#include "services/platform/host/version/wire_version.h"
 #include "tests/services/job/test_job.h"
 #include "tests/services/job_service/fake_shop.h"
 #include "tests/test_folder.h"
@@ -73,7 +73,7 @@ class Forger {
   bus::Writer<intaglio_ServiceHealth> health_;
   bus::Writer<intaglio_TaskStatus> tasks_;
   std::string instance_, cell_;
-  const std::string empty_, version_ = host::SoftwareVersion();
+  const std::string empty_, version_ = host::WireVersion();
 };
 
 class ForgedReports : public testing::Test {

@@ -140,7 +140,7 @@ TEST_F(JobServiceTest, AMachineOfAnotherVersionIsGivenNothingUntilItIsRestarted)
   }));
   EXPECT_EQ(Job().state, intaglio_JOB_QUEUED);
   EXPECT_TRUE(shop_.Task(intaglio_STAGE_ENGRAVE).worker.empty());
-  shop_.SetVersion(host::SoftwareVersion());
+  shop_.SetVersion(host::WireVersion());
   ReadyAll();
   EXPECT_TRUE(HasTasks(1));
 }

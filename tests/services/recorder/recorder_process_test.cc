@@ -10,11 +10,11 @@
 
 #include "proto/task.pb.h"
 #include "services/platform/bus/samples.h"
+#include "services/platform/bus/topics.h"
 #include "services/platform/recording/cdr_value.h"
 #include "services/platform/recording/conventions.h"
 #include "services/platform/recording/mcap_reader.h"
 #include "tests/engrave/io/small_disk.h"
-#include "tests/services/platform/bus/all_topics.h"
 #include "tests/services/platform/bus/child_program.h"
 #include "tests/services/platform/recording/recorded.h"
 #include "tests/test_folder.h"
@@ -70,7 +70,7 @@ class RecorderProcess : public ::testing::Test {
 
 std::set<std::string> AllTopics() {
   std::set<std::string> names;
-  test::ForEachTopic([&](const auto& topic) { names.insert(topic.name); });
+  bus::ForEachTopic([&](const auto& topic) { names.insert(topic.name); });
   return names;
 }
 

@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "tests/services/platform/bus/all_topics.h"
+#include "services/platform/bus/topics.h"
 #include "tests/services/replayer/golden.h"
 
 namespace intaglio::replayer {
@@ -32,7 +32,7 @@ std::set<std::string> Played(const SelectionOptions& options) {
 // A person who adds a topic has to consider its effect when it is played.
 TEST(Selection, EveryTopicOfTheProductIsWeighed) {
   const std::set<std::string> shown = {"Alarm", "PulseEventBatch"};
-  test::ForEachTopic([&](const auto& topic) {
+  bus::ForEachTopic([&](const auto& topic) {
     EXPECT_EQ(WeightOf(topic.name) == Weight::kShown, shown.contains(topic.name))
         << topic.name;
   });

@@ -5,7 +5,7 @@
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/peers/identity_role.h"
 #include "services/platform/host/process/log.h"
-#include "services/platform/host/process/software_version.h"
+#include "services/platform/host/version/wire_version.h"
 
 namespace intaglio::host {
 namespace {
@@ -40,7 +40,6 @@ bool HealthWriter::Set(intaglio_HealthState state, const std::string& job_uid,
 }
 
 void HealthWriter::Publish() {
-  const std::string version = SoftwareVersion();
   intaglio_ServiceHealth sample{};
   sample.instance = Borrow(instance_);
   sample.role = role_;
@@ -49,7 +48,7 @@ void HealthWriter::Publish() {
   sample.pid = getpid();
   sample.cell = Borrow(bus_.options().cell);
   sample.job_uid = Borrow(job_uid_);
-  sample.version = Borrow(version);
+  sample.version = Borrow(WireVersion());
   sample.message = Borrow(message_);
   sample.steady_ns = Clock::now().time_since_epoch().count();
   if (auto written = writer_.Write(sample); !written)

@@ -17,7 +17,7 @@
 #include "services/platform/host/process/health_writer.h"
 #include "services/platform/host/process/init_system.h"
 #include "services/platform/host/process/log.h"
-#include "services/platform/host/process/software_version.h"
+#include "services/platform/host/version/software_version.h"
 #include "services/platform/link/real_time.h"
 
 namespace intaglio::host {

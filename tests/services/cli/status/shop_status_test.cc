@@ -59,8 +59,13 @@ TEST(ShopStatus, AServiceOfAnotherVersionIsNamedWithBoth) {
   ShopSnapshot shop = GoodShop();
   shop.services[3].version = "0.1.9";
   shop.services[3].host = "mill-room";
+  // Nor is its machine's state understood: nobody is sent to look for a cable.
+  shop.cells["left"] = {};
   ExpectNeed(shop, shop.services[3].instance +
                        " on mill-room has version 0.1.9, the job service 0.2.0: restart");
+  const std::string text = TextOf(Status(shop));
+  EXPECT_THAT(text, HasSubstr("OTHER VERSION"));
+  EXPECT_THAT(text, Not(HasSubstr("DOWN")));
 }
 
 TEST(ShopStatus, AllIsWellInAShopThatWaitsForJobs) {

@@ -59,7 +59,7 @@ TEST_F(WorkerBookTest, OneOfAnotherVersionGetsNothing) {
       book_.WhyNone(intaglio_ROLE_DISCRETIZER, "c", "", true),
       fmt::format("a discretizer (old has version 0.0.9, the job service {}: restart "
                   "the older one when no job is engraved)",
-                  host::SoftwareVersion()));
+                  host::WireVersion()));
   Update("new", intaglio_HEALTH_BUSY);
   EXPECT_EQ(book_.WhyNone(intaglio_ROLE_DISCRETIZER, "c", "", true),
             "a discretizer (all are busy)");

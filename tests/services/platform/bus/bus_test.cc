@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "services/platform/bus/samples.h"
-#include "tests/services/platform/bus/all_topics.h"
+#include "services/platform/bus/topics.h"
 #include "tests/services/platform/bus/private_bus.h"
 
 namespace intaglio::bus {
@@ -23,7 +23,7 @@ using testing::ElementsAre;
 
 TEST(Bus, EveryTopicMakesItsWayFromOneBusToAnother) {
   Bus sender(PrivateBusOptions("cell-a")), receiver(PrivateBusOptions("cell-a"));
-  test::ForEachTopic([&](const auto& topic) {
+  bus::ForEachTopic([&](const auto& topic) {
     using Sample = typename std::decay_t<decltype(topic)>::Sample;
     Reader<Sample> reader(receiver, topic);
     Writer<Sample> writer(sender, topic);

@@ -16,7 +16,7 @@
 
 #include "services/platform/bus/bus.h"
 #include "services/platform/bus/samples.h"
-#include "tests/services/platform/bus/all_topics.h"
+#include "services/platform/bus/topics.h"
 
 namespace {
 
@@ -26,7 +26,7 @@ using namespace std::chrono_literals;
 void WriteTopics(bus::Bus& bus, const std::vector<std::string>& cells) {
   std::vector<std::function<void()>> writes;
   for (const std::string& cell : cells) {
-    test::ForEachTopic([&](const auto& topic) {
+    bus::ForEachTopic([&](const auto& topic) {
       using Sample = typename std::remove_cvref_t<decltype(topic)>::Sample;
       auto writer = std::make_shared<bus::Writer<Sample>>(bus, topic, cell);
       writes.push_back([writer] { (void)writer->Write(Sample{}); });

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "services/platform/bus/samples.h"
-#include "tests/services/platform/bus/all_topics.h"
+#include "services/platform/bus/topics.h"
 #include "tests/services/platform/bus/child_program.h"
 #include "tests/services/platform/bus/private_bus.h"
 
@@ -123,7 +123,7 @@ TEST(TopicTap, ReportsThatTheWriterIsGone) {
 TEST(TopicTap, ReportsEveryTopicOfTheProduct) {
   Listener listener;
   std::map<std::string, const dds_topic_descriptor*> descriptors;
-  test::ForEachTopic(
+  bus::ForEachTopic(
       [&](const auto& topic) { descriptors[topic.name] = topic.descriptor; });
   const auto peer = TapPeer({"topics", "els-7"});
   ASSERT_TRUE(

@@ -13,20 +13,17 @@
 #include <string>
 #include <vector>
 
-#include "tests/services/platform/bus/all_topics.h"
+#include "services/platform/bus/topics.h"
 
 namespace intaglio {
 namespace {
 
 const std::string kGolden = INTAGLIO_SOURCE_DIR "/tests/data/idl_types.golden";
 
-// The XTypes type information holds hashes of the complete type: names, order, kinds,
-// keys and extensibility of all members, at any depth.
 std::string TypeHash(const dds_topic_descriptor_t& type) {
   std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a, 64 bits
-  for (std::uint32_t i = 0; i < type.type_information.sz; ++i) {
-    hash = (hash ^ type.type_information.data[i]) * 0x100000001b3u;
-  }
+  for (const char byte : bus::TypeInformationOf(type))
+    hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3u;
   return fmt::format("{:016x}", hash);
 }
 
@@ -45,7 +42,7 @@ const char* ProfileName(bus::Profile profile) {
 
 std::string Contract() {
   std::string text = "# topic type keys profile domain scope type_hash\n";
-  test::ForEveryTopic([&text](const auto& topic) {
+  bus::ForEveryTopic([&text](const auto& topic) {
     text +=
         fmt::format("{} {} {} {} {} {} {}\n", topic.name, topic.descriptor->m_typename,
                     KeysOf(*topic.descriptor), ProfileName(topic.profile),
@@ -68,7 +65,7 @@ TEST(WireContract, IsTheOneThatWasAgreed) {
 }
 
 TEST(WireContract, EveryTypeReportsItsHash) {
-  test::ForEveryTopic([](const auto& topic) {
+  bus::ForEveryTopic([](const auto& topic) {
     EXPECT_GT(topic.descriptor->type_information.sz, 0u) << topic.name;
   });
 }
@@ -76,7 +73,7 @@ TEST(WireContract, EveryTypeReportsItsHash) {
 // Nothing but bulk flows in the bulk domain: a full stream there may hold up the rest.
 TEST(WireContract, BulkTopicsHaveTheirOwnDomain) {
   std::set<std::string> names;
-  test::ForEveryTopic([&names](const auto& topic) {
+  bus::ForEveryTopic([&names](const auto& topic) {
     EXPECT_EQ(topic.profile == bus::Profile::kBulk,
               topic.domain == bus::DomainKind::kBulk)
         << topic.name;

@@ -14,10 +14,10 @@
 #include <sstream>
 
 #include "services/platform/bus/bus.h"
+#include "services/platform/bus/topics.h"
 #include "services/platform/security/certificates.h"
 #include "services/platform/security/identity_folders.h"
 #include "services/platform/security/roles.h"
-#include "tests/services/platform/bus/all_topics.h"
 #include "tests/test_folder.h"
 
 namespace intaglio {
@@ -354,7 +354,7 @@ TEST(Roles, AreInTheDocumentationAsTheyAre) {
 
 TEST(Roles, TheRecorderReceivesEveryTopic) {
   std::set<std::string> all;
-  test::ForEveryTopic([&all](const auto& topic) { all.insert(topic.name); });
+  bus::ForEveryTopic([&all](const auto& topic) { all.insert(topic.name); });
   for (const security::Role& role : security::RolesOf({})) {
     if (role.name != "recorder") continue;
     for (const security::RoleTopic& topic : role.reads) all.erase(topic.name);

@@ -1,4 +1,4 @@
-#include "services/platform/host/process/software_version.h"
+#include "services/platform/host/version/software_version.h"
 
 namespace intaglio::host {
 
