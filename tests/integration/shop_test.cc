@@ -46,11 +46,11 @@ class Shop : public ::testing::Test {
     EXPECT_EQ(ended.exit_code, 0) << ended.output;
   }
 
-  /// A domain of its own by the tag: other tests' participants are not seen.
+  /// A domain of its own by the tag: participants of other tests are not seen, nor those
+  /// of the test before, whose shop may still be ending.
   std::vector<std::string> With(std::vector<std::string> words) const {
     for (const std::string& word :
-         {std::string("--domain"), std::string("44"), std::string("--tag"),
-          "shop" + std::to_string(getpid())}) {
+         {std::string("--domain"), std::string("44"), std::string("--tag"), tag_}) {
       words.push_back(word);
     }
     return words;
@@ -123,7 +123,13 @@ class Shop : public ::testing::Test {
                : 0;
   }
 
+  static std::string FreshTag() {
+    static int number = 0;
+    return "shop" + std::to_string(getpid()) + "-" + std::to_string(++number);
+  }
+
   fs::path folder_ = test::FreshFolder();
+  const std::string tag_ = FreshTag();
   std::unique_ptr<Running> up_;
   std::string last_;
   int typed_ = 0;
@@ -378,7 +384,7 @@ class StopsOnTheBus {
 
 // Two people press; a third knows of the first press alone.
 TEST_F(Shop, AResetLeavesThePressThatItsSenderDidNotKnowOf) {
-  StopsOnTheBus stops("shop" + std::to_string(getpid()));
+  StopsOnTheBus stops(tag_);
   const std::string job = Submit({"--rate", "50"});
   ASSERT_TRUE(Reaches(job, "waiting for arm")) << last_;
   EXPECT_EQ(Type({"arm", job}).exit_code, 0);
