@@ -10,6 +10,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
+#include "engrave/sort/boustrophedon.h"
 #include "engrave/sort/planned_ticks.h"
 #include "engrave/sort/smooth.h"
 #include "engrave/sort/stretch.h"
@@ -268,6 +269,8 @@ bool AnnealByWorth(const OrderOptions& options, const ProgressSink& progress,
 
 Status CheckAnnealOptions(const OrderOptions& options) {
   INTAGLIO_TRY(CheckSmoothOptions(options));
+  if (options.anneal.start == AnnealStart::kRows)
+    INTAGLIO_TRY(CheckBoustrophedonOptions(options));
   INTAGLIO_TRY(CheckRange("tries_per_point", options.anneal.tries_per_point.value_or(0),
                           0, kMaxTries));
   return CheckRange("pieces", options.anneal.pieces, 1, kMaxPieces);
@@ -287,7 +290,7 @@ Order ImproveOrder(const PointList& points_mm, Order order, const OrderOptions& 
 
 Result<Order> OrderByAnnealing(const PointList& points_mm, const OrderOptions& options,
                                const ProgressSink& progress) {
-  // One bar for both: the first fifth is the greedy order.
+  // One bar for both: the first fifth is the order to begin with.
   const std::uint64_t size = points_mm.size();
   const auto part = [&](std::uint64_t begin, std::uint64_t end) -> ProgressSink {
     if (!progress) return nullptr;
@@ -296,7 +299,9 @@ Result<Order> OrderByAnnealing(const PointList& points_mm, const OrderOptions& o
                       size);
     };
   };
-  auto order = OrderSmoothly(points_mm, options, part(0, size / 5));
+  const auto begin =
+      options.anneal.start == AnnealStart::kRows ? OrderByBoustrophedon : OrderSmoothly;
+  auto order = begin(points_mm, options, part(0, size / 5));
   if (!order || order->empty()) return order;
   Order improved =
       ImproveOrder(points_mm, std::move(*order), options, part(size / 5, size));

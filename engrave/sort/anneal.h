@@ -1,10 +1,10 @@
 #pragma once
 
-// Sort by annealing: the order of smooth.h, changed piece by piece (stretch.h) for as
-// long as the options allow, so that the stage needs fewer ticks. Where that is as long
-// as it is worth it, a local search (stretch_search.h) follows a short annealing. Never
-// through an earlier crack, and never worse than the initial order: in the end the motion
-// planner decides.
+// Sort by annealing: the order of smooth.h, or rows (AnnealStart), changed piece by piece
+// (stretch.h) for as long as the options allow, so that the stage needs fewer ticks.
+// Where that is as long as it is worth it, a local search (stretch_search.h) follows a
+// short annealing. Never through an earlier crack, and never worse than the initial
+// order: in the end the motion planner decides.
 
 #include "engrave/sort/order.h"
 
@@ -12,9 +12,9 @@ namespace intaglio::sort {
 
 Status CheckAnnealOptions(const OrderOptions& options);
 
-/// Starts at the lowest point (lowest_point.h). The same whatever the executor does at
-/// the same time, as long as options.anneal.used_share is not given. Memory: that of
-/// smooth.h, and some megabytes for each worker. Points and options must have been
+/// The first point is that of the order it begins with. The same whatever the executor
+/// does at the same time, as long as options.anneal.used_share is not given. Memory: that
+/// of smooth.h, and some megabytes for each worker. Points and options must have been
 /// checked by MakeOrder.
 Result<Order> OrderByAnnealing(const PointList& points_mm, const OrderOptions& options,
                                const ProgressSink& progress);

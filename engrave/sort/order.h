@@ -31,7 +31,7 @@ enum class Method {
   kSmooth,         ///< greedy for the stage: smooth.h
   kBoustrophedon,  ///< rows to and fro, a layer at a time: boustrophedon.h
   kPublishedKdz,   ///< as published, through earlier cracks: published_kdz.h
-  kAnneal,         ///< kSmooth, then improved for as long as the options allow: anneal.h
+  kAnneal,         ///< another one, improved for as long as the options allow: anneal.h
   kSweep,          ///< once upward, for a slow axis z: sweep.h
   kJumpLayers,     ///< for a head that jumps and dwells, a height at a time:
                    ///< jump_layers.h
@@ -63,7 +63,14 @@ struct PublishedKdzOptions {
   double down_ratio = 1;  ///< K of steps down, 0..100
 };
 
+/// The order that annealing begins with.
+enum class AnnealStart {
+  kSmooth,  ///< smooth.h
+  kRows,    ///< boustrophedon.h, of a lattice: whole rows of it are kept where they pay
+};
+
 struct AnnealOptions {
+  AnnealStart start = AnnealStart::kSmooth;
   /// Changes tried, for each point, 0..1e6. Ten thousand points and more: 30 bring half
   /// of what there is to gain, 1000 nearly all. Absent: as many as are worth it, that is,
   /// for as long as a second of annealing promises to save more than a second of

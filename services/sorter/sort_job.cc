@@ -13,6 +13,7 @@
 #include "services/job/marks/mark_maker.h"
 #include "services/job/plan/first_estimate.h"
 #include "services/job/plan/ordering.h"
+#include "services/job/plan/point_order.h"
 #include "services/job/quality/cloud_warnings.h"
 #include "services/job/quality/focus_spread.h"
 #include "services/job/quality/oblique_beams.h"
@@ -45,8 +46,8 @@ Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud, OrderM
       memo.Keeps(cloud.size()) ? OrderKey(job, cloud.points_mm, of_cloud) : std::string();
   std::optional<sort::Order> known = memo.Find(key);
   if (!known) {
-    known = INTAGLIO_TRY(sort::MakeChannelOrder(cloud.points_mm, of_cloud,
-                                                host::OrderingOf(job), progress));
+    known = INTAGLIO_TRY(
+        OrderPoints(job, cloud.points_mm, of_cloud, host::OrderingOf(job), progress));
     memo.Keep(key, *known);
   }
   const sort::Order& order = *known;

@@ -6,7 +6,6 @@
 
 #include "engrave/core/try.h"
 #include "engrave/formats/point_file_kinds.h"
-#include "engrave/sort/order.h"
 #include "services/cli/flags/size_limits_flag.h"
 #include "services/cli/offline/offline_steps.h"
 #include "services/cli/offline/path_figures.h"
@@ -18,6 +17,7 @@
 #include "services/job/machine/machine_axes.h"
 #include "services/job/models/read_limits.h"
 #include "services/job/plan/ordering.h"
+#include "services/job/plan/point_order.h"
 
 namespace intaglio::cli {
 namespace {
@@ -137,7 +137,9 @@ int Sort(const PathOptions& options) {
   formats::PointTable table;
   {
     Meter meter("order");
-    const auto order = sort::MakeOrder(*cloud_mm, host::OrderingOf(*job), meter.Sink());
+    const auto order =
+        OrderPoints(*job, *cloud_mm, std::vector<ChannelMask>(cloud_mm->size(), 1),
+                    host::OrderingOf(*job), meter.Sink());
     if (!order) return Complain(order.error(), client::kExitWrongInput);
     table.points_mm.reserve(order->size());
     for (const std::uint32_t i : *order) table.points_mm.push_back((*cloud_mm)[i]);

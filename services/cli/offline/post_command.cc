@@ -18,7 +18,6 @@
 #include "engrave/formats/point_file_kinds.h"
 #include "engrave/io/whole_file.h"
 #include "engrave/post/point_program.h"
-#include "engrave/sort/order.h"
 #include "services/cli/contour/contour_files.h"
 #include "services/cli/contour/contour_programs.h"
 #include "services/cli/flags/accept_flag.h"
@@ -39,6 +38,7 @@
 #include "services/job/machine/laser_setting.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/plan/ordering.h"
+#include "services/job/plan/point_order.h"
 #include "services/platform/command_line/supplied_files.h"
 
 namespace intaglio::cli {
@@ -86,8 +86,9 @@ Result<OrderedJob> OrderNamedJob(const PostOptions& options) {
   INTAGLIO_TRY(RequireOneChannel(ordered.job.job(), made.cloud.source));
   PrintWarningLines(made.warnings);
   Meter meter("order");
-  const auto order = INTAGLIO_TRY(
-      sort::MakeOrder(made.cloud.points_mm, host::OrderingOf(ordered.job), meter.Sink()));
+  const auto order = INTAGLIO_TRY(OrderPoints(
+      ordered.job, made.cloud.points_mm, std::vector<ChannelMask>(made.cloud.size(), 1),
+      host::OrderingOf(ordered.job), meter.Sink()));
   ordered.path_mm.reserve(order.size());
   std::vector<std::uint32_t> source;
   for (const std::uint32_t i : order) {

@@ -14,6 +14,7 @@
 #include "services/job/machine/head_over_block.h"
 #include "services/job/machine/job_ticks_bound.h"
 #include "services/job/machine/machine_axes.h"
+#include "services/job/plan/point_order.h"
 #include "services/job/plan/point_ticks.h"
 #include "services/job/plan/steady_ticks.h"
 #include "services/platform/fields/field_rules.h"
@@ -30,7 +31,8 @@ FrozenJob WithQuickOrder(FrozenJob job, std::size_t point_count) {
   Ordering& ordering = *job.mutable_job()->mutable_ordering();
   if (ordering.has_anneal() &&
       (point_count > kOwnOrderPoints || ordering.anneal().has_time_s())) {
-    ordering.mutable_smooth();
+    ordering.mutable_anneal()->Clear();
+    ordering.mutable_anneal()->set_tries_per_point(0);
   }
   return job;
 }
@@ -84,8 +86,8 @@ Result<std::uint64_t> TicksOfAll(const FrozenJob& job, const CloudToTime& cloud,
 Result<TimePreview> JumpTimeOf(const FrozenJob& job, const CloudToTime& cloud,
                                const ProgressSink& progress) {
   const sort::OrderOptions options = OrderOptionsOf(job);
-  const auto order = INTAGLIO_TRY(
-      sort::MakeChannelOrder(cloud.points_mm, cloud.masks, options, progress));
+  const auto order =
+      INTAGLIO_TRY(OrderPoints(job, cloud.points_mm, cloud.masks, options, progress));
   PointList path_mm;
   path_mm.reserve(order.size());
   for (const std::uint32_t index : order) path_mm.push_back(cloud.points_mm[index]);

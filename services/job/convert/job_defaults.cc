@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <string>
 
-#include "engrave/discretize/mesh/solid_lattice.h"
 #include "engrave/io/lower_case.h"
 #include "engrave/mesh/up_convention.h"
 #include "engrave/optics/pulse_focus.h"
@@ -121,19 +120,6 @@ void FillModel(Model& model, const Discretization& discretization) {
   if (model.has_code()) FillDefaults(*model.mutable_code());
   if (model.method_case() == Model::METHOD_NOT_SET) ChooseMethod(model, discretization);
   FillChosen(model, discretization.min_spacing_mm());
-}
-
-void FillRows(BoustrophedonOrder& rows, const JobSpec& job) {
-  double layer_mm = job.discretization().min_spacing_mm(), row_mm = layer_mm;
-  if (const auto lattice_mm = FindLatticeDistance(job)) {
-    const double thickest_mm =
-        RangeOf<BoustrophedonOrder>(BoustrophedonOrder::kLayerThicknessMmFieldNumber).max;
-    layer_mm = std::min(thickest_mm, discretize::SolidLayerRatio() * *lattice_mm *
-                                         job.discretization().height_ratio());
-    row_mm = discretize::SolidRowRatio() * *lattice_mm;
-  }
-  if (!rows.has_layer_thickness_mm()) rows.set_layer_thickness_mm(layer_mm);
-  if (!rows.has_row_width_mm()) rows.set_row_width_mm(row_mm);
 }
 
 /// The job has its other defaults.

@@ -114,13 +114,6 @@ void SetJumps(const FrozenJob& job, sort::OrderOptions& options) {
   options.jump_layers.jump_mm_s = head.jump_and_dwell().jump_mm_s();
 }
 
-sort::BoustrophedonOptions RowOptions(const FrozenJob& job) {
-  const BoustrophedonOrder& rows = job.job().ordering().boustrophedon();
-  const double turn_deg =
-      rows.has_row_turn_deg() ? rows.row_turn_deg() : DefaultRowTurnDeg(job);
-  return {rows.layer_thickness_mm(), rows.row_width_mm(), turn_deg * kRadPerDeg};
-}
-
 void SetMethod(const FrozenJob& job, sort::OrderOptions& options) {
   const Ordering& ordering = job.job().ordering();
   switch (ordering.method_case()) {
@@ -147,7 +140,7 @@ void SetMethod(const FrozenJob& job, sort::OrderOptions& options) {
       break;
     case Ordering::kBoustrophedon:
       options.method = sort::Method::kBoustrophedon;
-      options.boustrophedon = RowOptions(job);
+      options.boustrophedon = RowOptionsOf(job, ordering.boustrophedon());
       break;
     case Ordering::kPublishedKdz:
       options.method = sort::Method::kPublishedKdz;

@@ -1,5 +1,6 @@
 #include "services/job/convert/rows.h"
 
+#include <algorithm>
 #include <numbers>
 #include <span>
 #include <tuple>
@@ -7,6 +8,7 @@
 #include "engrave/discretize/mesh/solid_lattice.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/methods/method_table.h"
+#include "services/platform/fields/field_rules.h"
 
 namespace intaglio {
 namespace {
@@ -34,6 +36,19 @@ std::optional<double> FindLatticeDistance(const JobSpec& job) {
   return found_mm;
 }
 
+void FillRows(BoustrophedonOrder& rows, const JobSpec& job) {
+  double layer_mm = job.discretization().min_spacing_mm(), row_mm = layer_mm;
+  if (const auto lattice_mm = FindLatticeDistance(job)) {
+    const double thickest_mm =
+        RangeOf<BoustrophedonOrder>(BoustrophedonOrder::kLayerThicknessMmFieldNumber).max;
+    layer_mm = std::min(thickest_mm, discretize::SolidLayerRatio() * *lattice_mm *
+                                         job.discretization().height_ratio());
+    row_mm = discretize::SolidRowRatio() * *lattice_mm;
+  }
+  if (!rows.has_layer_thickness_mm()) rows.set_layer_thickness_mm(layer_mm);
+  if (!rows.has_row_width_mm()) rows.set_row_width_mm(row_mm);
+}
+
 double DefaultRowTurnDeg(const FrozenJob& job) {
   if (!job.machine().has_polar()) return 0;
   double chosen_deg = 0;
@@ -48,6 +63,13 @@ double DefaultRowTurnDeg(const FrozenJob& job) {
     chosen_deg = turn_deg;
   }
   return chosen_deg;
+}
+
+sort::BoustrophedonOptions RowOptionsOf(const FrozenJob& job,
+                                        const BoustrophedonOrder& rows) {
+  const double turn_deg =
+      rows.has_row_turn_deg() ? rows.row_turn_deg() : DefaultRowTurnDeg(job);
+  return {rows.layer_thickness_mm(), rows.row_width_mm(), turn_deg * kRowRadPerDeg};
 }
 
 }  // namespace intaglio

@@ -3,10 +3,9 @@
 #include <utility>
 
 #include "engrave/core/try.h"
-#include "engrave/sort/order.h"
 #include "services/job/convert/options.h"
-#include "services/job/machine/machine_axes.h"
 #include "services/job/plan/plan_summary.h"
+#include "services/job/plan/point_order.h"
 
 namespace intaglio {
 
@@ -20,20 +19,8 @@ Result<std::vector<std::uint32_t>> PointTicks(const FrozenJob& job,
   };
   sort::OrderOptions options = OrderOptionsOf(job);
   options.executor = executor;
-  const auto order =
-      INTAGLIO_TRY(sort::MakeChannelOrder(points_mm, masks, options, go_on));
-  PointList path_mm;
-  PlanInput plan;
-  path_mm.reserve(order.size());
-  plan.masks.reserve(order.size());
-  for (const std::uint32_t index : order) {
-    path_mm.push_back(points_mm[index]);
-    plan.masks.push_back(masks[index]);
-  }
-  plan.machine_points_mm = INTAGLIO_TRY(machine::AxesAlong(
-      AxesFromGlassOf(job), std::move(path_mm), AxisLimitsOf(job.machine()).travel_mm));
-  plan.options = MotionOptionsOf(job);
-  auto summary = INTAGLIO_TRY(Summarize(plan, go_on));
+  const auto order = INTAGLIO_TRY(OrderPoints(job, points_mm, masks, options, go_on));
+  auto summary = INTAGLIO_TRY(SummarizeOrder(job, points_mm, masks, order, go_on));
   return std::move(summary.point_ticks);
 }
 

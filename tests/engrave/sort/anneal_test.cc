@@ -97,6 +97,26 @@ TEST(Anneal, WithoutTriesIsSmooth) {
   }
 }
 
+TEST(Anneal, FromRowsIsNeverWorseThanThem) {
+  for (StageCase& made : StageCases(200, Method::kAnneal)) {
+    SCOPED_TRACE(made.name);
+    made.options.boustrophedon = {0.4, 0.3, 0.5};
+    OrderOptions by_rows = made.options;
+    by_rows.method = Method::kBoustrophedon;
+    const Order rows = MakeOrder(made.points_mm, by_rows).value();
+    made.options.anneal.start = AnnealStart::kRows;
+    const Order order = MakeOrder(made.points_mm, made.options).value();
+    ExpectEachOnce(order, made.points_mm.size());
+    ExpectNoneShaded(made.points_mm, order, made.options.cone);
+    EXPECT_LE(Ticks(made, order), Ticks(made, rows));
+    made.options.anneal.tries_per_point = 0;
+    EXPECT_EQ(MakeOrder(made.points_mm, made.options).value(), rows);
+    made.options.boustrophedon.row_width_mm = 0;
+    EXPECT_THAT(MakeOrder(made.points_mm, made.options).error().message,
+                HasSubstr("row_width_mm"));
+  }
+}
+
 TEST(Anneal, AnotherSeedIsAnotherOrder) {
   const PointList points_mm = DentedSphere(1000, 3);
   OrderOptions options;

@@ -29,6 +29,8 @@
 #include <vector>
 
 #include "engrave/sort/shadow.h"
+#include "services/job/convert/rows.h"
+#include "services/job/plan/point_order.h"
 #include "tests/services/job/machine/polar_ticks.h"
 
 namespace intaglio {
@@ -257,8 +259,9 @@ PointList Filled(const Shape& shape, double distance_mm, double side_mm) {
   return points_mm;
 }
 
-// Rows are no default of a machine: whether they take fewer ticks than the order by ticks
-// depends on rate and distance. INTAGLIO_LONG=1 prints the table of docs/measurements.md.
+// Whether rows take fewer ticks than the order by ticks depends on rate and distance: a
+// job plans both (point_order.h). INTAGLIO_LONG=1 prints the table of
+// docs/measurements.md.
 TEST(PolarTracks, RowsTakeFewerTicksThanTheOrderByTicksAtHighRatesAlone) {
   const bool is_long = std::getenv("INTAGLIO_LONG") != nullptr;
   const std::vector<double> distances_mm =
@@ -285,6 +288,51 @@ TEST(PolarTracks, RowsTakeFewerTicksThanTheOrderByTicksAtHighRatesAlone) {
         } else if (rate_hz == 100) {
           EXPECT_GT(rows, 1.02 * own) << shape.name;
         }
+      }
+    }
+  }
+}
+
+/// A job with the machine of this file that fills a model with the lattice of 0.3 mm, in
+/// the order that it has by default.
+FrozenJob SolidJob(const char* machine, double rate_hz) {
+  FrozenJob job = RowsJob(0.3);
+  *job.mutable_machine() =
+      ReadMachineFile(std::string(INTAGLIO_SOURCE_DIR "/deploy/machines/") + machine)
+          .value();
+  JobSpec spec = job.job();
+  spec.clear_ordering();
+  spec.mutable_laser()->set_rate_hz(rate_hz);
+  *job.mutable_job() = WithDefaults(spec, job.machine());
+  return job;
+}
+
+// An order by ticks begins with the rows of a lattice where they take fewer ticks than a
+// greedy order.
+TEST(PolarTracks, AJobOfOneLatticeTakesFewerTicksThanRowsAndThanAGreedyStartAnnealed) {
+  for (const char* machine : {"polar.textproto", "els-03.textproto"}) {
+    for (const Shape& shape : kShapes) {
+      const PointList cloud_mm = Filled(shape, 0.3, 18 * 0.3);
+      for (const double rate_hz : {100.0, 200.0}) {
+        const FrozenJob job = SolidJob(machine, rate_hz);
+        const std::vector<ChannelMask> masks(cloud_mm.size(), 1);
+        const auto ticks = [&](const PointList& path_mm) {
+          return TicksPerPoint(job, path_mm);
+        };
+        const PointList own_mm = polar_ticks::InOrder(
+            cloud_mm, OrderPoints(job, cloud_mm, masks, OrderOptionsOf(job), {}).value());
+        FrozenJob in_rows = job;
+        FillRows(*in_rows.mutable_job()->mutable_ordering()->mutable_boustrophedon(),
+                 job.job());
+        const double own = ticks(own_mm),
+                     rows = ticks(polar_ticks::JobsOwn(in_rows, cloud_mm)),
+                     greedy = ticks(polar_ticks::JobsOwn(job, cloud_mm));
+        std::printf(
+            "%s, %s, %g Hz: own order %.3f, rows %.3f, greedy start annealed %.3f\n",
+            machine, shape.name, rate_hz, own, rows, greedy);
+        EXPECT_LE(own, 1.002 * std::min(rows, greedy))
+            << machine << shape.name << rate_hz;
+        EXPECT_EQ(sort::CountShadowViolations(own_mm, OrderOptionsOf(job).cone), 0);
       }
     }
   }
