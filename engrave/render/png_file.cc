@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <csetjmp>
 #include <span>
-#include <string_view>
 
 #include "engrave/core/check.h"
 #include "engrave/io/atomic_file.h"
@@ -34,47 +34,70 @@ int AlphaOf(int brightest) {
                   static_cast<int>(std::lround(255.0 * (1.0 - rest * rest * rest))));
 }
 
+void AddRow(const Canvas& canvas, int y, Opacity opacity,
+            std::vector<std::uint8_t>& row) {
+  static const std::vector<std::uint8_t> kTable = SrgbTable();
+  const auto byte_of = [](float linear) {
+    return kTable[static_cast<std::size_t>(65535.0F * std::clamp(linear, 0.0F, 1.0F) +
+                                           0.5F)];
+  };
+  std::uint8_t* to = row.data();
+  for (int x = 0; x < canvas.width(); ++x) {
+    const Color& color = canvas.at(x, y);
+    const std::array<std::uint8_t, 3> rgb = {byte_of(color.r), byte_of(color.g),
+                                             byte_of(color.b)};
+    if (opacity != Opacity::kOfLight) {
+      to = std::copy(rgb.begin(), rgb.end(), to);
+      continue;
+    }
+    const int alpha = AlphaOf(*std::max_element(rgb.begin(), rgb.end()));
+    for (const int part : rgb) {
+      *to++ =
+          static_cast<std::uint8_t>(alpha == 0 ? 0 : (255 * part + alpha / 2) / alpha);
+    }
+    *to++ = static_cast<std::uint8_t>(alpha);
+  }
+}
+
+void Append(png_structp png, png_bytep bytes, png_size_t size) {
+  auto& file = *static_cast<std::vector<std::uint8_t>*>(png_get_io_ptr(png));
+  file.insert(file.end(), bytes, bytes + size);
+}
+
+/// A row at a time: whole pictures of bytes cost more time to clear than to fill.
+void WriteRows(png_structp png, png_infop info, const Canvas& canvas, Opacity opacity) {
+  const bool has_alpha = opacity == Opacity::kOfLight;
+  const auto width = static_cast<png_uint_32>(canvas.width());
+  png_set_IHDR(png, info, width, static_cast<png_uint_32>(canvas.height()), 8,
+               has_alpha ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB,
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+  // A third of the time of the default, for files a twelfth larger.
+  png_set_compression_level(png, 3);
+  png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_NO_FILTERS);
+  png_write_info(png, info);
+  std::vector<std::uint8_t> row(width * (has_alpha ? 4 : 3));
+  for (int y = 0; y < canvas.height(); ++y) {
+    AddRow(canvas, y, opacity, row);
+    png_write_row(png, row.data());
+  }
+  png_write_end(png, info);
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> EncodePng(const Canvas& canvas, Opacity opacity) {
-  static const std::vector<std::uint8_t> kTable = SrgbTable();
-  const auto byte_of = [](float linear) {
-    return kTable[static_cast<std::size_t>(
-        std::lround(65535.0F * std::clamp(linear, 0.0F, 1.0F)))];
-  };
-  const bool has_alpha = opacity == Opacity::kOfLight;
-  std::vector<std::uint8_t> pixels;
-  pixels.reserve((has_alpha ? 4 : 3) * static_cast<std::size_t>(canvas.width()) *
-                 static_cast<std::size_t>(canvas.height()));
-  for (int y = 0; y < canvas.height(); ++y) {
-    for (int x = 0; x < canvas.width(); ++x) {
-      const Color& color = canvas.at(x, y);
-      const std::array<std::uint8_t, 3> rgb = {byte_of(color.r), byte_of(color.g),
-                                               byte_of(color.b)};
-      if (!has_alpha) {
-        pixels.insert(pixels.end(), rgb.begin(), rgb.end());
-        continue;
-      }
-      const int alpha = AlphaOf(*std::max_element(rgb.begin(), rgb.end()));
-      for (const int part : rgb) {
-        pixels.push_back(
-            static_cast<std::uint8_t>(alpha == 0 ? 0 : (255 * part + alpha / 2) / alpha));
-      }
-      pixels.push_back(static_cast<std::uint8_t>(alpha));
-    }
-  }
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  image.width = static_cast<png_uint_32>(canvas.width());
-  image.height = static_cast<png_uint_32>(canvas.height());
-  image.format = has_alpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB;
-  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
-  std::vector<std::uint8_t> file(size);
-  const int written =
-      png_image_write_to_memory(&image, file.data(), &size, 0, pixels.data(), 0, nullptr);
-  Require(written != 0, "libpng could not write {} x {} pixels: {}", canvas.width(),
-          canvas.height(), std::string_view(image.message));
-  file.resize(size);
+  std::vector<std::uint8_t> file;
+  png_structp png =
+      png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png == nullptr ? nullptr : png_create_info_struct(png);
+  Require(info != nullptr, "libpng has no memory");
+  png_set_write_fn(png, &file, Append, nullptr);
+  const bool written = setjmp(png_jmpbuf(png)) == 0;
+  if (written) WriteRows(png, info, canvas, opacity);
+  png_destroy_write_struct(&png, &info);
+  Require(written, "libpng could not write {} x {} pixels", canvas.width(),
+          canvas.height());
   return file;
 }
 

@@ -11,6 +11,7 @@
 
 #include "engrave/core/try.h"
 #include "services/platform/bus/topic_tap.h"
+#include "services/platform/bus/topics.h"
 #include "services/platform/host/process/log.h"
 #include "services/recorder/bulk_rule.h"
 #include "services/recorder/live_scene.h"
@@ -24,6 +25,7 @@ using namespace std::chrono_literals;
 constexpr auto kTurn = 100ms;
 // Services that end together with this one report it within this time.
 constexpr auto kDrainTime = 300ms;
+constexpr auto kDrainTurn = 10ms;
 // Lower in priority than every thread that computes or moves something.
 constexpr int kWriterNice = 10;
 
@@ -90,8 +92,12 @@ struct Recorder::Impl {
   }
 
   void Receive(const std::stop_token& stop) {
-    while (!stop.stop_requested()) {
-      tap.Take(kTurn, [this](bus::TapSample&& sample) { HandOver(std::move(sample)); });
+    const auto take = [this](std::chrono::milliseconds timeout) {
+      return tap.Take(timeout,
+                      [this](bus::TapSample&& sample) { HandOver(std::move(sample)); });
+    };
+    while (!stop.stop_requested()) take(kTurn);
+    while (take(0ms) > 0) {  // what has come meanwhile
     }
   }
   void HandOver(bus::TapSample&& sample);
@@ -244,8 +250,13 @@ void Recorder::Attach(recording::Attachment attachment) {
 }
 
 Status Recorder::Stop() {
+  // A service writes its health as long as it runs, and ends when all that it wrote is
+  // acknowledged. This one's own writer of it is the last.
   const auto end = std::chrono::steady_clock::now() + kDrainTime;
-  while (std::chrono::steady_clock::now() < end) Turn(20ms);
+  const auto others_run = [this] {
+    return impl_->tap.WriterCount(bus::kServiceHealth.name).value_or(2) > 1;
+  };
+  while (others_run() && std::chrono::steady_clock::now() < end) Turn(kDrainTurn);
   impl_->receiving.request_stop();
   impl_->tap.Wake();
   impl_->receiving.join();

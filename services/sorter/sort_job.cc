@@ -39,9 +39,12 @@ Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud, OrderM
   if (cloud.size() == 0) return tl::unexpected(discretize::NoPoints());
   const auto of_cloud = INTAGLIO_TRY(ChannelsOfPoints(job.job(), cloud.source));
   // Without an estimate the job goes on: what is wrong, the order or the cell reports.
-  const auto estimate =
-      FirstEstimateTicks(job, cloud.points_mm, of_cloud, host::AllCores(), progress);
-  if (estimate) estimate_ticks = *estimate;
+  const bool whole = EstimatesWhole(job, cloud.size());
+  if (!whole) {
+    const auto estimate =
+        FirstEstimateTicks(job, cloud.points_mm, of_cloud, host::AllCores(), progress);
+    if (estimate) estimate_ticks = *estimate;
+  }
   const std::string key =
       memo.Keeps(cloud.size()) ? OrderKey(job, cloud.points_mm, of_cloud) : std::string();
   std::optional<sort::Order> known = memo.Find(key);
@@ -51,6 +54,11 @@ Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud, OrderM
     memo.Keep(key, *known);
   }
   const sort::Order& order = *known;
+  if (whole) {
+    const auto plan = SummarizeOrder(job, cloud.points_mm, of_cloud, order,
+                                     [](std::uint64_t, std::uint64_t) { return true; });
+    if (plan) estimate_ticks = plan->ticks;
+  }
   host::StageResult result;
   SortOutcome& outcome = *result.outcome.mutable_sort();
   outcome.set_point_count(order.size());

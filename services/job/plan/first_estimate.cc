@@ -12,15 +12,19 @@
 namespace intaglio {
 namespace {
 
+std::size_t SamplePoints(const FrozenJob& job, const EstimateOptions& options) {
+  const bool sweeps = job.job().ordering().has_sweep();
+  return options.sample_points * (sweeps ? kSweepSampleRatio : 1);
+}
+
 /// Estimates points that are made in the same channels.
 Result<double> TicksOfMask(const FrozenJob& job, const PointList& points_mm,
                            const Executor& executor, const ProgressSink& progress,
                            const EstimateOptions& options) {
   if (points_mm.size() < 2) return 0.0;
-  const bool sweeps = job.job().ordering().has_sweep();
-  const auto samples = sort::LocalSamples(
-      points_mm, options.sample_count,
-      options.sample_points * (sweeps ? kSweepSampleRatio : 1), sweeps);
+  const auto samples =
+      sort::LocalSamples(points_mm, options.sample_count, SamplePoints(job, options),
+                         job.job().ordering().has_sweep());
   const ProgressSink go_on = [&](std::uint64_t, std::uint64_t) {
     return !progress || progress(0, 0);
   };
@@ -39,6 +43,12 @@ Result<double> TicksOfMask(const FrozenJob& job, const PointList& points_mm,
 }
 
 }  // namespace
+
+bool EstimatesWhole(const FrozenJob& job, std::size_t point_count,
+                    const EstimateOptions& options) {
+  return point_count <= options.sample_count * SamplePoints(job, options) &&
+         !job.job().ordering().anneal().has_time_s();
+}
 
 Result<std::uint64_t> FirstEstimateTicks(const FrozenJob& job, const PointList& points_mm,
                                          std::span<const ChannelMask> masks,

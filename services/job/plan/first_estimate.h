@@ -22,6 +22,11 @@ struct EstimateOptions {
   std::size_t sample_points = 2500;
 };
 
+/// Whether the estimate orders and plans the whole cloud as the job does: then its order
+/// is there as early, and the plan of it is better (point_order.h).
+bool EstimatesWhole(const FrozenJob& job, std::size_t point_count,
+                    const EstimateOptions& options = {});
+
 /// Ticks from the first point to the last, without pauses, at full speed. `masks`: the
 /// channels of each point. A time budget of the order (AnnealOrder.time_s) is not used:
 /// its default number of changes is tried. Errors: those of the order and of the axes'

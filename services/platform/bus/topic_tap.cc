@@ -196,6 +196,18 @@ int TopicTap::Take(std::chrono::milliseconds timeout,
   return taken;
 }
 
+std::optional<std::size_t> TopicTap::WriterCount(const std::string& topic) const {
+  const std::lock_guard lock(impl_->mutex);
+  std::optional<std::size_t> count;
+  for (const Impl::Tapped& tapped : impl_->readers) {
+    if (tapped.like.topic != topic) continue;
+    dds_subscription_matched_status_t matched{};
+    if (dds_get_subscription_matched_status(tapped.reader, &matched) == DDS_RETCODE_OK)
+      count = count.value_or(0) + matched.current_count;
+  }
+  return count;
+}
+
 void TopicTap::Wake() { (void)dds_set_guardcondition(impl_->guard, true); }
 
 const TapChannel& TopicTap::channel(std::uint32_t number) const {

@@ -18,6 +18,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -90,6 +91,9 @@ class TopicTap {
   /// Waits for samples and calls sink(sample) for each that is there. How many.
   int Take(std::chrono::milliseconds timeout,
            const std::function<void(TapSample&&)>& sink);
+  /// How many writers of this topic are there, the own process's too; nothing: the topic
+  /// is not read. From any thread.
+  std::optional<std::size_t> WriterCount(const std::string& topic) const;
   /// From any thread: the current or next Take returns.
   void Wake();
 

@@ -11,6 +11,8 @@
 
 #include "engrave/formats/point_file_kinds.h"
 #include "services/job/convert/job_defaults.h"
+#include "services/job/convert/options.h"
+#include "services/job/plan/point_order.h"
 #include "tests/services/job/test_job.h"
 
 namespace intaglio {
@@ -121,6 +123,23 @@ TEST(FirstEstimate, AddsTheChannelsThatAreMadeOneAfterAnother) {
   const auto two = FirstEstimateTicks(job, points_mm, masks, {}, {}, kParts);
   ASSERT_TRUE(one && two);
   EXPECT_NEAR(static_cast<double>(*two) / static_cast<double>(*one), 1, 0.1);
+}
+
+// So a sorter plans its order in the place of an estimate.
+TEST(FirstEstimate, OfASmallCloudIsThePlanOfItsOrder) {
+  FrozenJob job = SampleJob(200);
+  PointList points_mm = Sections();
+  ASSERT_FALSE(EstimatesWhole(job, 10'001));
+  points_mm.resize(std::min<std::size_t>(points_mm.size(), 1000));
+  ASSERT_TRUE(EstimatesWhole(job, points_mm.size()));
+  const std::vector<ChannelMask> masks(points_mm.size(), 1);
+  const auto go_on = [](std::uint64_t, std::uint64_t) { return true; };
+  const auto order =
+      OrderPoints(job, points_mm, masks, OrderOptionsOf(job), go_on).value();
+  EXPECT_EQ(FirstEstimateTicks(job, points_mm, masks, {}, {}).value(),
+            SummarizeOrder(job, points_mm, masks, order, go_on).value().ticks);
+  job.mutable_job()->mutable_ordering()->mutable_anneal()->set_time_s(60);
+  EXPECT_FALSE(EstimatesWhole(job, points_mm.size())) << "the order takes a minute";
 }
 
 TEST(FirstEstimate, OfOnePointIsNothingAndEndsWhenCancelled) {

@@ -6,6 +6,7 @@
 
 #include <cstring>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "services/platform/bus/samples.h"
@@ -104,6 +105,20 @@ TEST(TopicTap, ReceivesEverySampleAndTheEndOfTheInstance) {
   EXPECT_EQ(TextAt(end.bytes(), 4), kName);
   EXPECT_LT(end.bytes().size(), value.bytes().size());
   EXPECT_THAT(listener.complaints, IsEmpty());
+}
+
+TEST(TopicTap, CountsTheWritersThatAreThere) {
+  Listener listener;
+  const std::string topic = bus::kServiceHealth.name;
+  std::optional<bus::Writer<intaglio_ServiceHealth>> own;
+  EXPECT_EQ(listener.tap.WriterCount(topic), std::nullopt) << "none has come yet";
+  {
+    const auto peer = TapPeer({"instance", "s", "1000000"});
+    EXPECT_TRUE(listener.Until([&] { return listener.tap.WriterCount(topic) == 1u; }));
+    own.emplace(listener.bus, bus::kServiceHealth);
+    EXPECT_TRUE(listener.Until([&] { return listener.tap.WriterCount(topic) == 2u; }));
+  }
+  EXPECT_TRUE(listener.Until([&] { return listener.tap.WriterCount(topic) == 1u; }));
 }
 
 TEST(TopicTap, ReportsThatTheWriterIsGone) {
