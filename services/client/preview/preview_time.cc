@@ -37,7 +37,10 @@ FrozenJob WithQuickOrder(FrozenJob job, std::size_t point_count) {
   return job;
 }
 
+/// That of the quick order, where it takes the place of another.
 std::string OrderNameOf(const FrozenJob& job) {
+  const AnnealOrder& anneal = job.job().ordering().anneal();
+  if (anneal.has_tries_per_point() && anneal.tries_per_point() == 0) return "smooth";
   const auto* field = ChosenField(job.job().ordering(), "method");
   return field == nullptr ? "" : field->name();
 }

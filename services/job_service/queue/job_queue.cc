@@ -296,7 +296,7 @@ void JobQueue::StageDone(JobRecord& job, const TaskView& task, Nanoseconds now) 
   }
   book_.Change(job,
                job.state == intaglio_JOB_DISCRETIZING ? intaglio_JOB_SORTING : job.state,
-               job.message);
+               job.shows_awaited_report() ? job.AwaitedReport() : job.message);
 }
 
 void JobQueue::EngraveStatus(JobRecord& job, const TaskView& task, Nanoseconds now) {

@@ -73,6 +73,8 @@ struct JobRecord {
   Warnings warnings;  ///< of the running attempt, once its points are made
   std::uint64_t revision = 0;
 
+  static constexpr const char* kAwaitsReport = "waits for the report about ";
+
   // Not kept over a restart.
   std::string at_work;  ///< what the machine of a paused job still does; empty: it rests
   JobPlace place;       ///< made of the frozen job
@@ -140,9 +142,12 @@ struct JobRecord {
   std::string AwaitedReport() const {
     if (arm.ever_granted()) return "";
     for (std::uint32_t i = 0; i < parts.size(); ++i)
-      if (!parts[i].done) return "waits for the report about " + parts.NameOf(i);
-    return stage(intaglio_STAGE_SORT).done ? "" : "waits for the report about the order";
+      if (!parts[i].done) return kAwaitsReport + parts.NameOf(i);
+    return stage(intaglio_STAGE_SORT).done ? ""
+                                           : kAwaitsReport + std::string("the order");
   }
+  /// Its message is one of AwaitedReport.
+  bool shows_awaited_report() const { return message.starts_with(kAwaitsReport); }
   /// All its warnings are known, and a person has accepted those that need it.
   bool warnings_are_settled() const {
     return AwaitedReport().empty() && open_consent() == nullptr;

@@ -319,6 +319,7 @@ TEST_F(JobPartsTest, AReportThatIsLostBehindThePathIsMadeAnewWithoutAConsumer) {
   now_ += 5s;
   EXPECT_FALSE(Granted());
   Done(15);
+  EXPECT_EQ(job().message, "") << "until the machine's next report";
   now_ += 1s;
   EXPECT_TRUE(Granted());
 }
