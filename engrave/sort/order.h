@@ -31,7 +31,7 @@ enum class Method {
   kSmooth,         ///< greedy for the stage: smooth.h
   kBoustrophedon,  ///< rows to and fro, a layer at a time: boustrophedon.h
   kPublishedKdz,   ///< as published, through earlier cracks: published_kdz.h
-  kAnneal,         ///< another one, improved for as long as the options allow: anneal.h
+  kAnneal,         ///< kSmooth or rows, improved as long as the options allow: anneal.h
   kSweep,          ///< once upward, for a slow axis z: sweep.h
   kJumpLayers,     ///< for a head that jumps and dwells, a height at a time:
                    ///< jump_layers.h

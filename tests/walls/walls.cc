@@ -81,7 +81,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"services/platform/host/threads", {"engrave/core"}},
     {"services/platform/host/times", {}},
     {"services/platform/host/version",
-     {"engrave/core", "services/platform/bus", "idl", "proto"}},
+     {"engrave/core", "engrave/io", "services/platform/bus", "idl", "proto"}},
     {"services/platform/host/safety", {"engrave/core", "services/platform/bus", "idl"}},
     {"services/platform/host/peers",
      {"engrave/core", "services/platform/bus", "services/platform/host/safety", "idl"}},

@@ -73,8 +73,6 @@ struct JobRecord {
   Warnings warnings;  ///< of the running attempt, once its points are made
   std::uint64_t revision = 0;
 
-  static constexpr const char* kAwaitsReport = "waits for the report about ";
-
   // Not kept over a restart.
   std::string at_work;  ///< what the machine of a paused job still does; empty: it rests
   JobPlace place;       ///< made of the frozen job
@@ -91,6 +89,8 @@ struct JobRecord {
   std::optional<PartComparison> comparison;  ///< of one of its parts; empty: none
   std::string suspicion;  ///< of a discretizer that made one of them; empty: none
   bool taken_up = false;  ///< the newest engraving task: begun by another worker
+
+  static constexpr const char* kAwaitsReport = "waits for the report about ";
 
   StageRecord& stage(intaglio_Stage s) { return stages[s]; }
   const StageRecord& stage(intaglio_Stage s) const { return stages[s]; }
@@ -132,7 +132,7 @@ struct JobRecord {
   const Warning* open_consent() const {
     return arm.kept().breakage_accepted_by.empty() ? FindConsent(warnings) : nullptr;
   }
-  /// Its machine has the whole path, so that no stage needs a point any more.
+  /// All its points are ordered: no stage takes points of a discretizer any more.
   bool has_path() const {
     return stage(intaglio_STAGE_SORT).done ||
            stage(intaglio_STAGE_ENGRAVE).total_count > 0;

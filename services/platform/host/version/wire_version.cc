@@ -5,8 +5,10 @@
 
 #include <cstdint>
 #include <set>
+#include <span>
 #include <string_view>
 
+#include "engrave/io/crc32.h"
 #include "proto/task.pb.h"
 #include "services/platform/bus/topics.h"
 #include "services/platform/host/version/software_version.h"
@@ -14,54 +16,43 @@
 namespace intaglio::host {
 namespace {
 
-// FNV-1a, 32 bits.
-class Checksum {
- public:
-  void Add(std::string_view bytes) {
-    for (const char byte : bytes)
-      value_ = (value_ ^ static_cast<unsigned char>(byte)) * 0x01000193u;
-  }
-  std::uint32_t value() const { return value_; }
+void Add(std::string_view bytes, std::uint32_t& checksum) {
+  checksum = io::Crc32(std::as_bytes(std::span(bytes)), checksum);
+}
 
- private:
-  std::uint32_t value_ = 0x811c9dc5u;
-};
-
-void AddTopics(Checksum& checksum) {
+void AddTopics(std::uint32_t& checksum) {
   bus::ForEveryTopic([&checksum](const auto& topic) {
-    checksum.Add(topic.name);
-    checksum.Add(bus::TypeInformationOf(*topic.descriptor));
+    Add(topic.name, checksum);
+    Add(bus::TypeInformationOf(*topic.descriptor), checksum);
   });
 }
 
 // Comments are not in a descriptor. Protobuf's own files are left out: hosts may have
 // other versions of it.
 void AddFile(const google::protobuf::FileDescriptor& file, std::set<std::string>& added,
-             Checksum& checksum) {
+             std::uint32_t& checksum) {
   if (file.package() == "google.protobuf") return;
   if (!added.insert(file.name()).second) return;
   for (int i = 0; i < file.dependency_count(); ++i)
     AddFile(*file.dependency(i), added, checksum);
   google::protobuf::FileDescriptorProto content;
   file.CopyTo(&content);
-  checksum.Add(content.SerializeAsString());
+  Add(content.SerializeAsString(), checksum);
 }
 
 std::string Make() {
-  Checksum checksum;
+  std::uint32_t checksum = ChecksumOf(*FrozenJob::descriptor()->file());
   AddTopics(checksum);
-  const std::uint32_t all =
-      checksum.value() ^ ChecksumOf(*FrozenJob::descriptor()->file());
-  return fmt::format("{}+{:08x}", SoftwareVersion(), all);
+  return fmt::format("{}+{:08x}", SoftwareVersion(), checksum);
 }
 
 }  // namespace
 
 std::uint32_t ChecksumOf(const google::protobuf::FileDescriptor& file) {
-  Checksum checksum;
+  std::uint32_t checksum = 0;
   std::set<std::string> added;
   AddFile(file, added, checksum);
-  return checksum.value();
+  return checksum;
 }
 
 const std::string& WireVersion() {
