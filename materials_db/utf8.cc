@@ -2,6 +2,8 @@
 
 #include "materials_db/utf8.h"
 
+#include "engrave/io/byte_order_mark.h"
+
 namespace intaglio::materials_db {
 namespace {
 
@@ -82,7 +84,7 @@ bool IsUtf8(std::string_view bytes) {
 std::string ToUtf8(std::string_view bytes) {
   if (bytes.starts_with("\xFF\xFE")) return FromUtf16(bytes, false);
   if (bytes.starts_with("\xFE\xFF")) return FromUtf16(bytes, true);
-  if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
+  bytes = io::WithoutByteOrderMark(bytes);
   if (IsUtf8(bytes)) return std::string(bytes);
   std::string text;
   for (const char c : bytes) AppendUtf8(text, static_cast<unsigned char>(c));

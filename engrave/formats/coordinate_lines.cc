@@ -7,6 +7,7 @@
 
 #include "engrave/core/try.h"
 #include "engrave/formats/point_table_rules.h"
+#include "engrave/io/byte_order_mark.h"
 #include "engrave/io/number_text.h"
 
 namespace intaglio::formats {
@@ -123,6 +124,7 @@ tl::unexpected<Error> MorePointsThanAllowed(const PointFileLimits& limits) {
 
 Result<PointTable> ParseCoordinateLines(std::string_view bytes,
                                         const PointFileLimits& limits) {
+  bytes = io::WithoutByteOrderMark(bytes);
   PointTable table;
   DoubtfulLines doubtful;
   std::size_t line_number = 1;

@@ -6,6 +6,7 @@
 
 #include "engrave/core/counted.h"
 #include "engrave/core/try.h"
+#include "engrave/io/byte_order_mark.h"
 #include "engrave/io/whole_file.h"
 
 namespace intaglio::io {
@@ -180,8 +181,7 @@ const std::string* CsvTable::Find(const CsvRow& row, std::string_view name) cons
 }
 
 Result<CsvTable> ParseCsv(std::string_view bytes, const CsvLimits& limits) {
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());
+  bytes = WithoutByteOrderMark(bytes);
   Records records(bytes, limits);
   if (records.AtEnd()) {
     return Fail(ErrorCode::kMissing,

@@ -10,6 +10,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
+#include "engrave/io/byte_order_mark.h"
 #include "engrave/io/number_text.h"
 
 namespace intaglio::post {
@@ -254,7 +255,7 @@ Status HeightMap::RequireCovers(const ToolPath& path, const Vec2& origin_mm) con
 Result<HeightMap> ParseHeightMap(std::string_view text, std::string_view file,
                                  const std::vector<double>& zero_mm) {
   HeightReader reader(file, zero_mm);
-  INTAGLIO_TRY(reader.Read(text));
+  INTAGLIO_TRY(reader.Read(io::WithoutByteOrderMark(text)));
   const std::vector<Row> rows = reader.Take();
   std::vector<double> x_mm = GroupsAlong(rows, 0), y_mm = GroupsAlong(rows, 1);
   if (x_mm.size() < 2 || y_mm.size() < 2) {

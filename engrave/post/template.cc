@@ -9,6 +9,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
+#include "engrave/io/byte_order_mark.h"
 #include "engrave/io/number_text.h"
 
 namespace intaglio::post {
@@ -53,6 +54,7 @@ class Reader {
   }
 
   Result<Template> Read(std::string_view text) {
+    text = io::WithoutByteOrderMark(text);
     while (!text.empty()) {
       ++line_number_;
       const std::size_t end = std::min(text.find('\n'), text.size());

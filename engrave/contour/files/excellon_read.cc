@@ -11,6 +11,7 @@
 #include "engrave/contour/files/excellon_pattern.h"
 #include "engrave/contour/files/excellon_terms.h"
 #include "engrave/core/try.h"
+#include "engrave/io/byte_order_mark.h"
 #include "engrave/io/number_text.h"
 #include "engrave/io/text_behind.h"
 
@@ -23,7 +24,7 @@ class ExcellonReader {
  public:
   ExcellonReader(std::string_view text, std::string_view name,
                  const ExcellonOptions& options)
-      : text_(text), name_(name), options_(options) {}
+      : text_(io::WithoutByteOrderMark(text)), name_(name), options_(options) {}
 
   Result<DrillFile> Read() {
     if (text_.size() > options_.max_file_bytes)

@@ -12,6 +12,7 @@
 #include "engrave/contour/files/gerber_parameters.h"
 #include "engrave/contour/files/gerber_region.h"
 #include "engrave/core/try.h"
+#include "engrave/io/byte_order_mark.h"
 #include "engrave/io/number_text.h"
 #include "engrave/io/text_behind.h"
 
@@ -393,7 +394,7 @@ class GerberReader {
 
 Result<std::vector<Element>> ReadGerber(std::string_view text, std::string_view name,
                                         const GerberLimits& limits) {
-  return GerberReader(text, name, limits).Read();
+  return GerberReader(io::WithoutByteOrderMark(text), name, limits).Read();
 }
 
 }  // namespace intaglio::contour

@@ -18,6 +18,7 @@
 #include "engrave/drawing/dxf/dxf_text.h"
 #include "engrave/drawing/dxf/dxf_xclip.h"
 #include "engrave/drawing/pieces.h"
+#include "engrave/io/byte_order_mark.h"
 #include "engrave/io/dxf_unit.h"
 #include "engrave/io/lower_case.h"
 #include "engrave/io/text_behind.h"
@@ -54,7 +55,7 @@ class DxfReader {
  private:
   bool CheckKind() {
     if (!builder_.CheckSize(text_.size())) return false;
-    if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);
+    text_ = io::WithoutByteOrderMark(text_);
     if (IsBinaryDxf(text_)) {
       auto text = TextOfBinaryDxf(text_, 2 * options_.limits.max_file_bytes);
       if (!text) return builder_.Refuse(text.error().code, "", text.error().message);

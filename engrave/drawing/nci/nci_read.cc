@@ -13,6 +13,7 @@
 #include "engrave/drawing/drawing_builder.h"
 #include "engrave/drawing/nci/nci_codes.h"
 #include "engrave/drawing/pieces.h"
+#include "engrave/io/byte_order_mark.h"
 #include "engrave/io/text_behind.h"
 #include "engrave/io/trimmed_line.h"
 
@@ -39,7 +40,7 @@ std::string_view TakeParameter(std::string_view& rest) {
 class NciReader {
  public:
   NciReader(std::string_view text, const ReadOptions& options, std::string_view name)
-      : text_(text),
+      : text_(io::WithoutByteOrderMark(text)),
         limits_(options.limits),
         unit_mm_(options.unit_mm.value_or(1)),
         builder_(name, options.limits) {

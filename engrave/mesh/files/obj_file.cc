@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engrave/core/try.h"
+#include "engrave/io/byte_order_mark.h"
 #include "engrave/io/number_text.h"
 #include "engrave/mesh/files/polygon.h"
 #include "engrave/mesh/files/unused_vertices.h"
@@ -42,8 +43,7 @@ class ObjReader {
   explicit ObjReader(const ImportSource& source) : source_(source) {}
 
   Result<ImportedMesh> Read(std::string_view text) {
-    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-    if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+    text = io::WithoutByteOrderMark(text);
     // Lines of old computers end with a carriage return alone.
     const char end = text.find('\n') == text.npos ? '\r' : '\n';
     std::string joined;

@@ -11,6 +11,7 @@
 
 #include "engrave/core/counted.h"
 #include "engrave/core/try.h"
+#include "engrave/io/byte_order_mark.h"
 #include "engrave/io/lower_case.h"
 #include "engrave/io/number_text.h"
 #include "engrave/mesh/files/triangle_welder.h"
@@ -211,7 +212,6 @@ bool IsText(std::string_view beginning) {
 
 Result<TriangleMesh> ReadStl(ByteReader& bytes, std::uint64_t byte_count,
                              const ImportSource& source) {
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   std::string header(kHeaderSize, '\0');
   header.resize(bytes.Read(header));
   const bool whole = header.size() == kHeaderSize;
@@ -219,7 +219,7 @@ Result<TriangleMesh> ReadStl(ByteReader& bytes, std::uint64_t byte_count,
   const std::uint64_t rest_size = byte_count - std::min(byte_count, kHeaderSize + 0ul);
   const bool size_agrees = whole && rest_size == count * kTriangleSize;
   if (!size_agrees) {
-    if (header.starts_with(kByteOrderMark)) header.erase(0, kByteOrderMark.size());
+    header = std::string(io::WithoutByteOrderMark(header));
     if (IsText(header)) return ReadText(std::move(header), bytes, byte_count, source);
   }
   if (!whole) {

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "engrave/core/try.h"
+#include "engrave/io/byte_order_mark.h"
 #include "engrave/io/whole_file.h"
 #include "services/job/checks/job_check.h"
 #include "services/job/files/json_position.h"
@@ -182,6 +183,7 @@ Result<std::vector<BatchLine>> ParseBatchJson(std::string_view text,
     return Fail(ErrorCode::kTooLarge,
                 fmt::format("is larger than {} bytes", limits.max_bytes));
   }
+  text = io::WithoutByteOrderMark(text);
   std::vector<BatchLine> lines;
   std::vector<Error> errors;
   for (std::size_t number = 1; !text.empty(); ++number) {

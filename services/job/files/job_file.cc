@@ -7,6 +7,7 @@
 #include "engrave/core/try.h"
 #include "engrave/drawing/font_list.h"
 #include "engrave/io/atomic_file.h"
+#include "engrave/io/byte_order_mark.h"
 #include "engrave/io/whole_file.h"
 #include "services/job/checks/job_check.h"
 #include "services/job/convert/model_kind.h"
@@ -26,6 +27,8 @@ namespace pb = google::protobuf;
 constexpr int kMaxDepth = 16;
 
 Status ParseJson(std::string_view text, const std::string& name, pb::Message& message) {
+  INTAGLIO_TRY(CheckTextCode(text, name));
+  text = io::WithoutByteOrderMark(text);
   const auto status = pb::util::JsonStringToMessage({text.data(), text.size()}, &message);
   if (status.ok()) return {};
   const std::string what(status.message());

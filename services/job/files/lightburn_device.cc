@@ -13,6 +13,7 @@
 #include "engrave/core/counted.h"
 #include "engrave/core/try.h"
 #include "engrave/drawing/drawing_builder.h"
+#include "engrave/io/byte_order_mark.h"
 #include "engrave/io/whole_file.h"
 #include "engrave/io/zip_archive.h"
 #include "services/job/files/json_position.h"
@@ -329,7 +330,7 @@ Result<LightBurnDevice> DeviceIn(std::string_view bytes, const std::string& name
     unpacked = INTAGLIO_TRY(TextInArchive(bytes));
     bytes = unpacked;
   }
-  if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
+  bytes = io::WithoutByteOrderMark(bytes);
   if (bytes.size() > kMaxLightBurnTextBytes)
     return TooLarge(bytes.size(), kMaxLightBurnTextBytes);
   const pb::Struct whole = INTAGLIO_TRY(ParseText(bytes));

@@ -11,6 +11,7 @@
 
 #include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
+#include "engrave/io/byte_order_mark.h"
 #include "engrave/io/whole_file.h"
 #include "services/job/files/job_file.h"
 
@@ -116,7 +117,8 @@ Status WriteVersion(const fs::path& profile, const TaughtVersion& version) {
 Status WriteTaught(const fs::path& profile, const MachineSpec& wanted) {
   if (profile.extension() == ".json") return WriteMachineFile(profile, wanted);
   const std::string old = INTAGLIO_TRY(io::ReadWholeFile(profile, kMaxJobFileBytes));
-  const std::string text = WithTaught(old, wanted.taught());
+  const std::string text =
+      WithTaught(std::string(io::WithoutByteOrderMark(old)), wanted.taught());
   // What the reader would make of it decides, not the scan.
   MachineSpec read;
   pb::TextFormat::Parser parser;

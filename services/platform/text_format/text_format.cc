@@ -5,6 +5,8 @@
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 #include <google/protobuf/text_format.h>
 
+#include "engrave/core/try.h"
+#include "engrave/io/byte_order_mark.h"
 #include "services/platform/text_format/field_suggestion.h"
 
 namespace intaglio {
@@ -36,8 +38,16 @@ Status CheckTextSize(std::string_view text, const std::string& name,
               fmt::format("{}: is larger than {} bytes; give {}", name, max_bytes, what));
 }
 
+Status CheckTextCode(std::string_view text, const std::string& name) {
+  if (!text.starts_with("\xFF\xFE") && !text.starts_with("\xFE\xFF")) return {};
+  return Fail(ErrorCode::kUnreadable,
+              fmt::format("{}: is in UTF-16; save it as UTF-8", name));
+}
+
 Status ParseTextFormat(std::string_view text, const std::string& name, int max_depth,
                        pb::Message& message) {
+  INTAGLIO_TRY(CheckTextCode(text, name));
+  text = io::WithoutByteOrderMark(text);
   FirstError first;
   pb::TextFormat::Parser parser;
   parser.RecordErrorsTo(&first);

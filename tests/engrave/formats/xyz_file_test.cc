@@ -50,6 +50,16 @@ TEST(XyzFile, IsShortText) {
   EXPECT_EQ(test::ContentOf(file), "# one point\n0.1 20 -3.25\n");
 }
 
+TEST(XyzFile, AByteOrderMarkIsNoPartOfTheFirstPoint) {
+  for (const char* text : {"\xEF\xBB\xBF"
+                           "1 2 3\r\n4 5 6\r\n",
+                           "\xEF\xBB\xBF# two\n1 2 3\n4 5 6\n"}) {
+    const auto table = ParseXyz(text);
+    ASSERT_TRUE(table.has_value()) << table.error().message;
+    EXPECT_THAT(table->points_mm, ElementsAre(Vec3(1, 2, 3), Vec3(4, 5, 6)));
+  }
+}
+
 // Programs of many countries write them; "1,2,3" and "1, 2, 3" stay three numbers.
 TEST(XyzFile, DecimalCommasBetweenBlanksAreDecimals) {
   const auto table =

@@ -133,6 +133,7 @@ std::string HeightErrorOf(const std::string& text) {
 TEST(HeightMap, EachMistakeHasItsLine) {
   const std::string square = "0 0 1\n1 0 1\n0 1 1\n1 1 1\n";
   EXPECT_EQ(HeightErrorOf("# a comment\n(another)\n" + square), "no error");
+  EXPECT_EQ(HeightErrorOf("\xEF\xBB\xBF" + square), "no error");
   EXPECT_EQ(HeightErrorOf("0,0,1\n1;0;1\n0\t1\t1\n1, 1, 1\n"), "no error");
   EXPECT_THAT(HeightErrorOf(square + "2 zero 1\n"), HasSubstr("a.txt:5: 'zero' is no y"));
   EXPECT_THAT(HeightErrorOf(square + "2 0\n"), HasSubstr("a.txt:5: '' is no z"));

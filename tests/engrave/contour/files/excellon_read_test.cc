@@ -29,6 +29,13 @@ void ExpectHole(const DrillFile& file, std::size_t k, double x, double y, double
   EXPECT_NEAR(file.holes[k].diameter_mm, d, 1e-12) << k;
 }
 
+TEST(Excellon, AByteOrderMarkIsNoCommand) {
+  const DrillFile file =
+      FileOf("\xEF\xBB\xBFM48\nMETRIC,TZ\nT1C0.8\n%\nT1\nX1.0Y1.0\nM30\n");
+  ASSERT_EQ(file.holes.size(), 1U);
+  ExpectHole(file, 0, 1, 1, 0.8);
+}
+
 // As KiCad writes it: decimal points, a slot by G85.
 TEST(Excellon, WhatLiesBehindTheEndIsMissingInThePieceAndNamed) {
   const std::string one = "M48\nMETRIC,TZ\nT1C0.8\n%\nT1\nX1.0Y1.0\nM30\n";

@@ -50,6 +50,14 @@ TEST(Gerber, RefusesWhatLiesBehindTheEnd) {
     EXPECT_EQ(RefusalOfLayer(one + behind), "no error");
 }
 
+TEST(Gerber, AByteOrderMarkIsNoCommand) {
+  for (const char* begin :
+       {"%FSLAX46Y46*%\n%MOMM*%\n", "G04 a layer*\n%FSLAX46Y46*%%MOMM*%"})
+    EXPECT_EQ(RefusalOfLayer("\xEF\xBB\xBF" + std::string(begin) + "%ADD10C,2*%\n" +
+                             kFlash + "M02*\n"),
+              "no error");
+}
+
 // Areas by hand; coordinates are rounded to 1 nm.
 TEST(Gerber, FlashesStandardApertures) {
   const auto area = [](const std::string& aperture) {

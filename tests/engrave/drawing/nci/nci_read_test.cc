@@ -251,6 +251,12 @@ TEST(NciRead, AMissingEndAndTextBehindItAreWarnings) {
   EXPECT_EQ(FindingOf(behind, "text behind the end").count, 1U);
 }
 
+TEST(NciRead, AByteOrderMarkIsNoCode) {
+  const std::string text = File({{0, "0 0 0 0 0 0"}, {1, "0 8 6 0 100 0"}});
+  EXPECT_EQ(FlatOf(Read("\xEF\xBB\xBF" + text)).curves.size(),
+            FlatOf(Read(text)).curves.size());
+}
+
 TEST(NciRead, ErrorsNameLineValueAndRemedy) {
   EXPECT_THAT(ErrorOf("").message, AllOf(HasSubstr("a.nci"), HasSubstr("not NCI")));
   const Error words = ErrorOf("1050\n9 1\nG1 X5\n");

@@ -64,6 +64,13 @@ TEST(BatchFile, JsonLinesAndCsvReportTheSame) {
   EXPECT_EQ((*json)[1].line_number, 3u);
 }
 
+TEST(BatchFile, AByteOrderMarkIsNoPartOfTheFirstJob) {
+  const auto lines =
+      ParseBatchJson("\xEF\xBB\xBF{\"id\":\"a\",\"job\":\"cup.textproto\"}\r\n");
+  ASSERT_TRUE(lines.has_value()) << lines.error().message;
+  EXPECT_EQ(lines->front().id, "a");
+}
+
 TEST(BatchFile, EveryMistakeIsReportedWithItsLine) {
   const std::string message =
       Mistakes(ParseBatchJson("{\"id\":\"a b\"}\n"

@@ -63,6 +63,25 @@ TEST_F(JobFileTest, ShippedExamplesAreRight) {
   EXPECT_GE(count, 5);
 }
 
+// Editors of Windows write it before a text; another one is that of UTF-16.
+TEST_F(JobFileTest, AByteOrderMarkIsNoPartOfTheJob) {
+  const std::string mark = "\xEF\xBB\xBF";
+  const auto text = ReadJobFile(Write("a.textproto", mark + "name: \"Ä\"\r\n"));
+  ASSERT_TRUE(text) << text.error().message;
+  EXPECT_EQ(text->name(), "Ä");
+  const auto json = ReadJobFile(Write("a.json", mark + "{\"name\": \"Ä\"}"));
+  ASSERT_TRUE(json) << json.error().message;
+  EXPECT_EQ(json->name(), "Ä");
+  EXPECT_THAT(ErrorOf("b.textproto", mark + "glas: \"K9\"").message,
+              HasSubstr("b.textproto:1:5: "))
+      << "columns are those of the text";
+  const std::string wide("\xFF\xFEn\0a\0m\0e\0", 10);
+  for (const char* name : {"c.textproto", "c.json"})
+    EXPECT_THAT(
+        ErrorOf(name, wide).message,
+        testing::EndsWith(std::string(name) + ": is in UTF-16; save it as UTF-8"));
+}
+
 TEST_F(JobFileTest, TextAndJsonRoundTrip) {
   const JobSpec job = WithDefaults(GoodJob(), GoodMachine());
   std::string text, json;

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
+#include <fstream>
+
 #include "services/job/files/job_file.h"
 #include "services/job/machine/block_origin.h"
 #include "services/job/teach/teaching.h"
@@ -47,6 +49,15 @@ TEST(ProfileHistory, AChangeIsInTheProfileWithTheNextNumberAndCommentsStay) {
   EXPECT_EQ(test::ContentOf(file).substr(0, before.size()), before);
   EXPECT_EQ(XOf(file) - Vec3(ReadMachineFile(kProfile)->block_origin_mm().x(), 0, 0).x(),
             2.5);
+}
+
+TEST(ProfileHistory, CommentsStayInAProfileThatHadAByteOrderMark) {
+  const fs::path file = FreshProfile();
+  const std::string before = test::ContentOf(file);
+  std::ofstream(file, std::ios::binary) << "\xEF\xBB\xBF" << before;
+  TeachX(file, 1.5);
+  EXPECT_EQ(test::ContentOf(file).substr(0, before.size()), before);
+  EXPECT_EQ(ReadMachineFile(file)->taught().number(), 1u);
 }
 
 TEST(ProfileHistory, UndoGoesBackStepByStepToTheProfileAsItWas) {
