@@ -166,7 +166,9 @@ render::ViewsCaption CaptionOf(const MeasureOptions& options,
                   client::GroupedCount(record.point_count(), "point"),
                   record.min_spacing_mm())};
   auto& figures = caption.figures;
-  figures = {{"least", fmt::format("{:.4f} mm", nearest.min_mm()),
+  figures = {{"least",
+              record.has_nearest() ? fmt::format("{:.4f} mm", nearest.min_mm())
+                                   : "none: one point",
               record.keeps_spacing() ? Tone::kGood : Tone::kBad},
              {"mean", fmt::format("{:.4f} mm", nearest.mean_mm())},
              {"varies by", fmt::format("{:.1f} %", 100 * nearest.variation_ratio())},

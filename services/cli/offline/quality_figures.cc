@@ -99,6 +99,7 @@ class Lines {
 };
 
 void AddNearest(const CloudQuality& quality, Lines& lines) {
+  if (!quality.has_nearest()) return lines.Add("nearest", "none: one point");
   const NearestDistanceFigures& nearest = quality.nearest();
   lines.Add("nearest",
             "minimum {:.6f} mm, mean {:.4f} mm, largest {:.3f} mm; varies by {}",
@@ -222,7 +223,7 @@ CloudQuality RecordOf(const proof::CloudQuality& quality,
   Set(record.mutable_max_mm(), quality.bounds_mm.max_mm);
   record.set_min_spacing_mm(options.min_spacing_mm);
   record.set_height_ratio(options.height_ratio);
-  SetNearest(quality, *record.mutable_nearest());
+  if (record.point_count() > 1) SetNearest(quality, *record.mutable_nearest());
   for (const proof::SourceShare& share : quality.sources) {
     SourceFigures& figures = *record.add_sources();
     figures.set_source(share.source);

@@ -39,6 +39,12 @@ std::vector<render::Note> NotesOf(const JobPreview& figures) {
   return notes;
 }
 
+std::string MeasuredSpacing(const JobPreview& figures) {
+  return figures.measured_spacing_mm() > 0
+             ? fmt::format("{:.4f} mm", figures.measured_spacing_mm())
+             : "none: one point";
+}
+
 std::vector<render::Figure> FiguresBesideOf(const JobPreview& figures) {
   if (figures.verdict() == kDraft) {
     return {{"points", "about " + GroupedDigits(figures.point_count())},
@@ -48,7 +54,7 @@ std::vector<render::Figure> FiguresBesideOf(const JobPreview& figures) {
   std::vector<render::Figure> beside = {
       {"points", GroupedDigits(figures.point_count())},
       {"piece", SizeText(figures.size_mm())},
-      {"minimum spacing", fmt::format("{:.4f} mm", figures.measured_spacing_mm())},
+      {"minimum spacing", MeasuredSpacing(figures)},
       {"machining time", ShortDuration(figures.time().machining_time_s())},
       {"lamp warm-up", ShortDuration(figures.time().warm_up_s())}};
   if (figures.has_breakage()) {

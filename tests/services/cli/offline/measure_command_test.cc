@@ -146,6 +146,18 @@ TEST_F(MeasureCommand, OfSeveralBlocksItMeasuresTheOneAskedFor) {
   }
 }
 
+// A place that is nowhere in the file, and a distance of 0, would be false.
+TEST_F(MeasureCommand, OnePointHasNoNearestOne) {
+  points_.points_mm = {Vec3(7, 8, 9)};
+  EXPECT_EQ(Run({"--spacing", "0.5"}), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("\nnearest       none: one point\nsources "));
+  EXPECT_EQ(Run({"--spacing", "0.5", "--json"}), 0) << err_;
+  CloudQuality quality;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(out_, &quality).ok()) << out_;
+  EXPECT_FALSE(quality.has_nearest());
+  EXPECT_TRUE(quality.keeps_spacing());
+}
+
 TEST_F(MeasureCommand, DrawsThePicture) {
   EXPECT_EQ(Run({"--picture", (folder_ / "map.png").string(), "--spacing", "0.5"}), 0);
   EXPECT_GT(fs::file_size(folder_ / "map.png"), 10000u);

@@ -16,6 +16,7 @@
 #include "engrave/machine/axes_from_glass.h"
 #include "materials_db/material_store.h"
 #include "services/client/preview/depth_hint.h"
+#include "services/client/preview/preview_picture.h"
 #include "services/client/preview/preview_text.h"
 #include "services/client/preview/preview_time.h"
 #include "services/job/convert/options.h"
@@ -47,6 +48,18 @@ Result<Preview> PreviewOf(const JobSpec& job, PreviewOptions options = {}) {
 std::string ContentOf(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// A spacing of 0.0000 mm would be false: there is none.
+TEST(Preview, ThePictureOfOnePointHasNoSpacing) {
+  JobPreview one, near;
+  for (JobPreview* figures : {&one, &near}) {
+    figures->set_point_count(1);
+    for (const auto set : {&Vector3::set_x, &Vector3::set_y, &Vector3::set_z})
+      (figures->mutable_block_size_mm()->*set)(20);
+  }
+  near.set_measured_spacing_mm(1e-9);  // is written 0.0000 mm
+  EXPECT_NE(DrawPreview(one, {Vec3(7, 8, 9)}), DrawPreview(near, {Vec3(7, 8, 9)}));
 }
 
 TEST(Preview, HasSizePointsTimeAndPictureOfTheJob) {
