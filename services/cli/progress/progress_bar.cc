@@ -128,9 +128,9 @@ std::string ProgressBar::Line(std::size_t columns) const {
           : std::min(1.0, static_cast<double>(done_) / static_cast<double>(total_));
   const int full = static_cast<int>(share * kBarWidth);
   const std::string percent = fmt::format("{:3.0f} %", 100 * share);
-  const std::string bar = fmt::format("{:<11}[{:#<{}}{:-<{}}] {}", stage_, "", full, "",
+  const std::string bar = fmt::format("{:<10} [{:#<{}}{:-<{}}] {}", stage_, "", full, "",
                                       kBarWidth - full, percent);
-  const std::string head = fmt::format("{:<11}{}", stage_, percent);
+  const std::string head = fmt::format("{:<10} {}", stage_, percent);
   std::string counts, rate;
   if (total_ > 0 && in_points_) {
     counts = fmt::format("{} / {} {}", client::GroupedDigits(done_),

@@ -37,6 +37,12 @@ TEST(ProgressBar, ShowsPointsRateAndTimeLeft) {
   EXPECT_THAT(out.str(), HasSubstr("500 /s  1.5 s left  a note\n"));
 }
 
+TEST(ProgressBar, ABlankIsBehindALongName) {
+  std::ostringstream out;
+  ProgressBar(out, false).Show("time-optimal", 250, 1000, 0.5);
+  EXPECT_THAT(out.str(), HasSubstr("time-optimal [######-"));
+}
+
 TEST(ProgressBar, CountsWhatItIsGiven) {
   std::ostringstream out;
   ProgressBar bar(out, false);
