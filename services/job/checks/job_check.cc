@@ -277,6 +277,7 @@ std::vector<Finding> CheckJobOnMachine(const JobSpec& job, const MachineSpec& gi
   CheckDividedBlock(whole, machine, findings);
   CheckLayers(whole, findings);
   CheckOwnSpacing(whole, findings);
+  CheckModules(whole, findings);
   CheckMethods(whole, findings);
   CheckOrdering(job.ordering(), findings);
   CheckMotion(whole.motion(), whole.discretization().min_spacing_mm(), machine, findings);

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "engrave/drawing/utf8_characters.h"
 #include "engrave/io/lower_case.h"
 #include "services/job/convert/model_kind.h"
 #include "services/job/methods/method_table.h"
@@ -88,6 +89,8 @@ void CheckCode(const Model& model, const std::string& path, Findings& findings) 
   }
   if (model.code().text().empty())
     findings.Missing(path + ".code.text", "give the text to encode");
+  else if (!drawing::CharactersOf(model.code().text()))
+    findings.Wrong(path + ".code.text", "the text", "is not UTF-8; save it as UTF-8");
   if (!MarkCodeKind_IsValid(model.code().kind())) {
     findings.Wrong(path + ".code.kind", static_cast<int>(model.code().kind()),
                    "is none, 0..{}", static_cast<int>(MarkCodeKind_MAX));
@@ -117,6 +120,27 @@ void CheckModel(const Model& model, const std::string& path, Findings& findings)
   if (model.placement().has_fit_block() && !model.placement().fit_block()) {
     findings.Wrong(path + ".placement.fit_block", false,
                    "is not a fit; use true or remove the field");
+  }
+}
+
+void CheckModules(const JobSpec& job, Findings& findings) {
+  // Fewer points than in three rows are no area to a reader.
+  constexpr double kRows = 3, kRoundingMm = 1e-9;
+  const double spacing_mm = job.discretization().min_spacing_mm();
+  for (int i = 0; i < job.models_size(); ++i) {
+    const Model& model = job.models(i);
+    const Placement& placement = model.placement();
+    const bool is_scaled =
+        placement.fit_case() != Placement::FIT_NOT_SET ||
+        (placement.has_scale_ratio() &&
+         (placement.scale_ratio().x() != 1 || placement.scale_ratio().y() != 1));
+    if (!model.has_code() || is_scaled) continue;
+    if (model.code().module_mm() > kRows * spacing_mm - kRoundingMm) continue;
+    findings.Wrong(fmt::format("models[{}].code.module_mm", i), model.code().module_mm(),
+                   "is below three times the minimum spacing of {:g} mm, so a reader "
+                   "may not read the code: give {:g} or more, or a smaller "
+                   "discretization.min_spacing_mm",
+                   spacing_mm, kRows * spacing_mm);
   }
 }
 

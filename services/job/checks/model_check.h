@@ -16,4 +16,8 @@ void CheckModel(const Model& model, const std::string& path, Findings& findings)
 /// in.
 void CheckOwnSpacing(const JobSpec& job, Findings& findings);
 
+/// The modules of codes have room for three rows of points; those of a code that is
+/// scaled are not known before it is placed. `job` with its defaults filled in.
+void CheckModules(const JobSpec& job, Findings& findings);
+
 }  // namespace intaglio

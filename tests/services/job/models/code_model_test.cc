@@ -130,6 +130,29 @@ TEST(CodeModel, WhatCannotBeEncodedIsNamed) {
   EXPECT_THAT(CheckJob(one.job).front().message, HasSubstr("is not filled in"));
   one.model.mutable_code()->set_text("");
   EXPECT_THAT(CheckJob(one.job).front().message, HasSubstr("give the text to encode"));
+  one.model.mutable_code()->set_text("\xFF");
+  EXPECT_THAT(CheckJob(one.job).front().message,
+              HasSubstr("code.text: the text is not UTF-8"));
+}
+
+TEST(CodeModel, AModuleHasRoomForThreeRowsOfPoints) {
+  OneCode one(MARK_CODE_KIND_QR, "A");
+  one.model.mutable_code()->set_module_mm(0.3);
+  EXPECT_THAT(CheckAll(one.job, GoodMachine()), IsEmpty());
+  if (matrix_code::CanReadQr()) {
+    const auto made = one.Make({});
+    ASSERT_TRUE(made) << made.error().message;
+    EXPECT_EQ(matrix_code::ReadQr(SectionOf(made->cloud.points_mm, false)), "A");
+  }
+  one.model.mutable_code()->set_module_mm(0.2);
+  const auto found = CheckAll(one.job, GoodMachine());
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_THAT(found.front().message,
+              HasSubstr("models[0].code.module_mm: 0.2 is below three times the minimum "
+                        "spacing of 0.1 mm"));
+  EXPECT_THAT(found.front().message, HasSubstr("give 0.3 or more"));
+  one.model.mutable_placement()->set_fit_size_mm(40);
+  EXPECT_THAT(CheckAll(one.job, GoodMachine()), IsEmpty());
 }
 
 }  // namespace
