@@ -39,6 +39,13 @@ Result<client::JobView> ArmHolds::End(const std::string& token, const std::strin
 }
 
 Obstacle ObstacleOf(const client::ShopSnapshot& shop, const std::string& cell) {
+  if (client::HasAnotherVersion(cell, shop.services)) {
+    return {"other_version",
+            fmt::format("a service of {} has another version than the job service, so "
+                        "that what the machine reports is not understood: restart the "
+                        "older one when no job is engraved",
+                        cell)};
+  }
   const auto found = shop.cells.find(cell);
   if (found == shop.cells.end() || !found->second.has_interlock ||
       !found->second.laser_line_up) {

@@ -59,7 +59,8 @@ void AddJobs(std::string& text, const ShopStatus& shop) {
 }  // namespace
 
 std::string OccupationOf(const MachineStatus& machine, const ShopStatus& shop) {
-  if (!machine.laser_line_up() || !machine.motion_line_up()) return "unknown";
+  if (machine.other_version() || !machine.laser_line_up() || !machine.motion_line_up())
+    return "unknown";
   if (machine.stops_held_size() > 0) return "stopped";
   const auto job =
       std::find_if(shop.jobs().begin(), shop.jobs().end(), [&](const OpenJob& one) {

@@ -195,6 +195,9 @@ async function checkMachineStates() {
         'lamp warm, key on, door closed, stop released, MOTION LINE DOWN');
   shows({ one_line: true, lamp: 'none' }, 'key on, door closed, stop released');
   shows({ one_line: true, laser_line_up: false, motion_line_up: false }, 'LINE DOWN');
+  // Nobody is sent to look for a cable.
+  shows({ other_version: true, laser_line_up: false, motion_line_up: false },
+        'OTHER VERSION, its state is not understood here');
 }
 
 checkQueueLines().then(checkMachineStates).then(() => {

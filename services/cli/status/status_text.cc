@@ -45,24 +45,9 @@ void AddInterlocks(const MachineStatus& machine, std::vector<std::string>& parts
   parts.push_back(StopText(machine));
 }
 
-/// A service of the machine may say what nobody here understands.
-bool HasAnotherVersion(const ShopStatus& shop, const MachineStatus& machine) {
-  const auto job_service = std::ranges::find(
-      shop.services(), "job-service", [](const ServiceStatus& s) { return s.role(); });
-  if (job_service == shop.services().end()) return false;
-  const auto differs = [&](const ServiceStatus& service) {
-    const bool is_of_machine = service.role() == "synchronizer" ||
-                               service.role() == "marker" ||
-                               service.role() == "motion-bridge";
-    return is_of_machine && service.cell() == machine.cell() &&
-           service.version() != job_service->version();
-  };
-  return std::ranges::any_of(shop.services(), differs);
-}
-
-std::string LineOf(const ShopStatus& shop, const MachineStatus& machine) {
+std::string LineOf(const MachineStatus& machine) {
   std::vector<std::string> parts;
-  if (HasAnotherVersion(shop, machine)) {
+  if (machine.other_version()) {
     return fmt::format("{:<10} OTHER VERSION, its state is not understood here\n",
                        machine.cell());
   }
@@ -144,7 +129,7 @@ std::string TextOf(const ShopStatus& status, std::time_t now) {
                                  status.needs_person() ? "NEEDS A PERSON" : "all is well",
                                  AgeText(status));
   for (const MachineStatus& machine : status.machines())
-    text += "machine    " + LineOf(status, machine) + MountedLine(machine);
+    text += "machine    " + LineOf(machine) + MountedLine(machine);
   for (const DiskStatus& disk : status.disks()) text += "disk       " + LineOf(disk);
   text += "services   " + ServicesText(status);
   text += fmt::format("jobs       {} open, {} ended\n", status.jobs_size(),

@@ -11,6 +11,7 @@
 #include "services/client/proof/evidence/glass_search.h"
 #include "services/client/proof/marks/cut_evidence.h"
 #include "services/client/proof/marks/mark_search.h"
+#include "services/client/shop/shop_snapshot.h"
 #include "services/client/shop_flags.h"
 #include "services/job/checks/job_check.h"
 #include "services/job/files/job_file.h"
@@ -306,9 +307,7 @@ Result<std::vector<std::string>> ServiceSet::Revive() {
 
 // One that was started elsewhere, by hand, may name no cell.
 bool ServiceSet::IsOurs(const ServiceView& service) const {
-  const bool of_a_cell = service.role == intaglio_ROLE_SYNCHRONIZER ||
-                         service.role == intaglio_ROLE_MOTION_BRIDGE;
-  return !of_a_cell || service.cell.empty() || service.cell == machine_.name();
+  return !IsOfMachine(service) || service.cell.empty() || service.cell == machine_.name();
 }
 
 Status ServiceSet::AwaitReady(JobClient& client) {

@@ -73,12 +73,30 @@ const ServiceView* FindJobService(const std::vector<ServiceView>& services) {
   return found == services.end() ? nullptr : &*found;
 }
 
+bool IsOfMachine(const ServiceView& service) {
+  return service.role == intaglio_ROLE_SYNCHRONIZER ||
+         service.role == intaglio_ROLE_MOTION_BRIDGE;
+}
+
+bool HasAnotherVersion(const ServiceView& service, const ServiceView* job_service) {
+  return job_service != nullptr && service.version != job_service->version;
+}
+
+bool HasAnotherVersion(const std::string& cell,
+                       const std::vector<ServiceView>& services) {
+  const ServiceView* job_service = FindJobService(services);
+  return std::ranges::any_of(services, [&](const ServiceView& service) {
+    return IsOfMachine(service) && service.cell == cell &&
+           HasAnotherVersion(service, job_service);
+  });
+}
+
 bool ShopWatcher::IsComplete() const {
   const auto found = services();
   const auto machines = cells();
   const ServiceView* job_service = FindJobService(found);
   for (const ServiceView& service : found) {
-    if (job_service != nullptr && service.version != job_service->version) continue;
+    if (HasAnotherVersion(service, job_service)) continue;
     const auto cell = machines.find(service.cell);
     const bool known = cell != machines.end();
     if (service.role == intaglio_ROLE_SYNCHRONIZER &&

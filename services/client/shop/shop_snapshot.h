@@ -32,6 +32,14 @@ struct ShopSnapshot {
 
 /// The job service among these; nullptr: none.
 const ServiceView* FindJobService(const std::vector<ServiceView>& services);
+/// A synchronizer or bridge, of the machine that its `cell` names.
+bool IsOfMachine(const ServiceView& service);
+/// Another than the job service's (nullptr: none is there): neither understands all that
+/// the other says.
+bool HasAnotherVersion(const ServiceView& service, const ServiceView* job_service);
+/// A service of the machine has another version than the job service, so that what is
+/// known of the machine may be wrong or missing.
+bool HasAnotherVersion(const std::string& cell, const std::vector<ServiceView>& services);
 
 /// Follows a shop: its machines themselves, or on a bus that does not meet them
 /// (BusOptions::meets_cells) by what the job service knows of them. Used from one thread.

@@ -102,11 +102,6 @@ class Builder {
     if (synchronizers_.empty() && bridges_.empty()) Need("no machine is there");
   }
 
-  static bool IsOfMachine(const ServiceView& service) {
-    return service.role == intaglio_ROLE_SYNCHRONIZER ||
-           service.role == intaglio_ROLE_MOTION_BRIDGE;
-  }
-
   void NoteAge(const ServiceView& service) {
     const std::chrono::duration<double> age = shop_.taken_at - service.reported_at;
     double& oldest = age_of_[service.cell];
@@ -116,10 +111,8 @@ class Builder {
   // A service that another host has kept from before an upgrade gets no task.
   void NeedOneVersion() {
     const ServiceView* job_service = FindJobService(shop_.services);
-    if (job_service == nullptr) return;
     for (const ServiceView& service : shop_.services) {
-      if (service.version == job_service->version) continue;
-      if (IsOfMachine(service)) of_another_version_.insert(service.cell);
+      if (!HasAnotherVersion(service, job_service)) continue;
       Need(fmt::format(
           "{} on {} has version {}, the job service {}: restart the older one when no "
           "job is engraved; until then it is given nothing to do",
@@ -188,6 +181,7 @@ class Builder {
     MachineStatus& line = *status_.add_machines();
     line.set_cell(name);
     line.set_age_s(age_of_[name]);
+    line.set_other_version(HasAnotherVersion(name, shop_.services));
     line.set_one_line(markers_.contains(name));
     line.set_lamp(line.one_line() ? "none" : LampName(cell));
     line.set_lamp_warm_ratio(cell.warm_ratio);
@@ -237,7 +231,7 @@ class Builder {
                       name, fmt::join(line.stops_held(), ", ")));
     }
     // Nobody here understands what it reports about its lines.
-    if (of_another_version_.contains(name)) return;
+    if (line.other_version()) return;
     if (synchronizers_.contains(name) && !line.laser_line_up()) {
       Need(fmt::format("{}: the {} does not answer: check its cable and its power", name,
                        line.one_line() ? "controller" : "laser"));
@@ -275,7 +269,6 @@ class Builder {
   const std::chrono::system_clock::time_point now_;
   ShopStatus status_;
   std::set<std::string> synchronizers_, bridges_;  // cells
-  std::set<std::string> of_another_version_;       // cells, of the job service's
   std::set<std::string> markers_;                  // cells, among those of synchronizers_
   std::map<std::string, std::uint32_t> job_of_;    // by cell
   std::map<std::string, double> age_of_;           // s, by cell; of its oldest report

@@ -9,6 +9,7 @@ function stopText(machine: Dict): string {
 
 /** Of a machine of ShopStatus. */
 export function machineState(machine: Dict): string {
+  if (machine.other_version) return text.otherVersion;
   const parts: string[] = [];
   if (machine.laser_line_up) {
     if (!machine.one_line) parts.push(fill(text.lamp, { lamp: machine.lamp }));

@@ -116,5 +116,20 @@ TEST_F(ObstacleAt, WhatIsOpenOrNotKnownIsOne) {
   EXPECT_EQ(ObstacleOf(shop_, "els-04").code, "line_down") << "there is no such machine";
 }
 
+TEST_F(ObstacleAt, AServiceOfAnotherVersionIsOneWhateverItReports) {
+  client::ServiceView job_service, synchronizer;
+  job_service.role = intaglio_ROLE_JOB_SERVICE;
+  job_service.version = synchronizer.version = "0.1.0+2d4f07c1";
+  synchronizer.role = intaglio_ROLE_SYNCHRONIZER;
+  synchronizer.cell = "els-03";
+  shop_.services = {job_service, synchronizer};
+  EXPECT_EQ(Code(), "");
+  shop_.services[1].version = "0.1.0+a95349f5";
+  EXPECT_EQ(Code(), "other_version");
+  EXPECT_THAT(ObstacleOf(shop_, "els-03").message, HasSubstr("els-03"));
+  shop_.services[1].cell = "els-04";
+  EXPECT_EQ(Code(), "") << "another machine's";
+}
+
 }  // namespace
 }  // namespace intaglio::console

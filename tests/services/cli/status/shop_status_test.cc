@@ -63,6 +63,8 @@ TEST(ShopStatus, AServiceOfAnotherVersionIsNamedWithBoth) {
   shop.cells["left"] = {};
   ExpectNeed(shop, shop.services[3].instance +
                        " on mill-room has version 0.1.9, the job service 0.2.0: restart");
+  EXPECT_TRUE(Status(shop).machines(0).other_version());
+  EXPECT_FALSE(Status(GoodShop()).machines(0).other_version());
   const std::string text = TextOf(Status(shop));
   EXPECT_THAT(text, HasSubstr("OTHER VERSION"));
   EXPECT_THAT(text, Not(HasSubstr("DOWN")));
