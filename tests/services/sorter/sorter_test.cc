@@ -36,6 +36,13 @@ JobSpec SortSpec() {
   return spec;
 }
 
+/// The same without annealing, for tests of large streams.
+JobSpec QuickSpec() {
+  JobSpec spec = SortSpec();
+  spec.mutable_ordering()->mutable_smooth();
+  return spec;
+}
+
 /// Anywhere in the block, on a grid of 0.1 mm, no two in one place.
 PointCloud RandomCloud(std::size_t count) {
   std::mt19937_64 random(7);
@@ -202,7 +209,7 @@ TEST_F(SorterTest, OrdersByChannelsWithFewChanges) {
 TEST_F(SorterTest, StreamsMoreThanItsCreditWithoutLoss) {
   const PointCloud cloud = RandomCloud(60'000);  // 8 batches under a window of 2
   OpenPath("long");
-  shop.Give(FrozenJobOf("long", SortSpec()), 1, "synchronizer");
+  shop.Give(FrozenJobOf("long", QuickSpec()), 1, "synchronizer");
   ASSERT_TRUE(shop.AwaitHealth(intaglio_HEALTH_BUSY));
   const auto ordered = Stream("long", cloud, true);
   ASSERT_TRUE(ordered) << ordered.error().message;
@@ -221,14 +228,14 @@ TEST_F(SorterTest, WithoutAConsumerOnlyTheOutcomeIsReported) {
 TEST_F(SorterTest, TakesACloudInPartsAndOneOfThemTwice) {
   const PointCloud cloud = RandomCloud(30'000);
   OpenPath("whole");
-  shop.Give(FrozenJobOf("whole", SortSpec()), 1, "synchronizer");
+  shop.Give(FrozenJobOf("whole", QuickSpec()), 1, "synchronizer");
   ASSERT_TRUE(shop.AwaitHealth(intaglio_HEALTH_BUSY));
   const auto of_one = Stream("whole", cloud, true);
   ASSERT_TRUE(of_one) << of_one.error().message;
   ASSERT_TRUE(shop.AwaitHealth(intaglio_HEALTH_READY));
 
   OpenPath("parts");
-  shop.Give(FrozenJobOf("parts", SortSpec()), 1, "synchronizer", {}, 3);
+  shop.Give(FrozenJobOf("parts", QuickSpec()), 1, "synchronizer", {}, 3);
   ASSERT_TRUE(shop.AwaitHealth(intaglio_HEALTH_BUSY));
   const auto piece = [&cloud](std::size_t part) {
     PointCloud points;
