@@ -30,8 +30,8 @@ constexpr double kThinnestSlabMm = 0.01;  // of SweepOrder
 constexpr double kSlabPerTolerance = 0.85;
 
 std::string NameOf(const Model& model) {
-  return IsText(model)      ? NumberedText(model.text().text(), 1)
-         : model.has_code() ? model.code().text()
+  return IsText(model)      ? WithoutBraces(NumberedText(model.text().text(), 1))
+         : model.has_code() ? WithoutBraces(NumberedText(model.code().text(), 1))
          : model.file().empty() && model.points_mm_size() > 0
              ? "points"
              : std::filesystem::path(model.file()).filename().string();

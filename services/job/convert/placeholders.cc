@@ -71,6 +71,11 @@ std::string WithDoubledBraces(std::string_view value) {
   return doubled;
 }
 
+std::string WithoutBraces(std::string value) {
+  std::erase_if(value, [](char c) { return c == '{' || c == '}'; });
+  return value;
+}
+
 std::string NumberedText(std::string_view text, std::size_t number) {
   std::string plain;
   for (const Piece& piece : PiecesOf(text)) {

@@ -26,6 +26,10 @@ std::vector<std::string> PlaceholdersOf(std::string_view text);
 /// A value that a text is to have as it is: its braces doubled.
 std::string WithDoubledBraces(std::string_view value);
 
+/// A value in a job's name, in which a brace begins what is to be filled in: without its
+/// braces.
+std::string WithoutBraces(std::string value);
+
 /// The text that is engraved: "{n}" with the number, doubled braces single.
 std::string NumberedText(std::string_view text, std::size_t number);
 

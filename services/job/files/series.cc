@@ -67,6 +67,7 @@ class Row {
           const std::string* field = table_.Find(row_, name);
           if (field != nullptr) {
             used_.insert(name);
+            if (path == "name") return WithoutBraces(*field);
             return is_engraved ? WithDoubledBraces(*field) : *field;
           }
           if (name == "n") return std::nullopt;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "services/job/convert/job_defaults.h"
 #include "tests/services/job/test_job.h"
 
 namespace intaglio {
@@ -31,6 +32,17 @@ TEST(Placeholders, DoubledBracesAreBraces) {
   EXPECT_EQ(NumberedText("{{name}} {n}", 3), "{name} 3");
   EXPECT_EQ(NumberedText("{{{n}}}", 3), "{3}");
   EXPECT_EQ(NumberedText(WithDoubledBraces("{a} {n} }"), 3), "{a} {n} }");
+}
+
+TEST(Placeholders, TheNameOfATextHasNone) {
+  JobSpec job = GoodJob();
+  job.clear_name();
+  *job.mutable_models(0) = {};
+  job.mutable_models(0)->mutable_text()->set_text("{{x}} {n}");
+  EXPECT_EQ(WithDefaults(job, GoodMachine()).name(), "x 1");
+  *job.mutable_models(0) = {};
+  job.mutable_models(0)->mutable_code()->set_text("{{x}}");
+  EXPECT_EQ(WithDefaults(job, GoodMachine()).name(), "x");
 }
 
 TEST(Placeholders, ThatAreLeftAreReportedWithTheirField) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "services/job/checks/job_check.h"
 #include "tests/services/job/test_job.h"
 
 namespace intaglio {
@@ -39,7 +40,9 @@ TEST(Series, BracesOfAValueAreEngravedAsTheyAre) {
   const auto jobs = MakeSeries(Pattern(), table, "/tables");
   ASSERT_TRUE(jobs.has_value()) << jobs.error().message;
   EXPECT_EQ((*jobs)[0].models(1).text().text(), "{{x}}\n{{n}}, piece {n}");
-  EXPECT_EQ((*jobs)[0].name(), "Cup of {x}");
+  EXPECT_EQ((*jobs)[0].name(), "Cup of x");
+  for (const Finding& found : CheckJob((*jobs)[0]))
+    EXPECT_NE(found.field, "name") << found.message;
 }
 
 TEST(Series, NamesThatWouldBeAlikeAreNumbered) {
