@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "engrave/core/counted.h"
 #include "engrave/core/try.h"
@@ -12,19 +13,25 @@
 namespace intaglio::io {
 namespace {
 
-/// The separator that occurs more often in the header line.
+// A tab is in no name by chance.
+constexpr std::string_view kSeparators = "\t,;";
+
+constexpr bool IsLineEnd(char c) { return c == '\r' || c == '\n'; }
+
+/// The separator that occurs most often in the header line; the first of several.
 char SeparatorOf(std::string_view bytes) {
-  std::size_t commas = 0;
-  std::size_t semicolons = 0;
+  std::array<std::size_t, kSeparators.size()> counts{};
   bool quoted = false;
   for (const char c : bytes) {
     if (c == '"') quoted = !quoted;
     if (quoted) continue;
-    if (c == '\n') break;
-    if (c == ',') ++commas;
-    if (c == ';') ++semicolons;
+    if (IsLineEnd(c)) break;
+    if (const auto which = kSeparators.find(c); which != kSeparators.npos)
+      ++counts[which];
   }
-  return semicolons > commas ? ';' : ',';
+  const auto largest = std::ranges::max_element(counts);
+  if (*largest == 0) return ',';
+  return kSeparators[static_cast<std::size_t>(largest - counts.begin())];
 }
 
 /// Takes record after record off the text.
@@ -57,12 +64,10 @@ class Records {
   }
 
  private:
-  bool AtLineEnd() const {
-    return rest_.empty() || rest_.front() == '\n' || rest_.starts_with("\r\n");
-  }
+  bool AtLineEnd() const { return rest_.empty() || IsLineEnd(rest_.front()); }
   void TakeLineEnd() {
     if (rest_.empty()) return;
-    rest_.remove_prefix(rest_.front() == '\r' ? 2 : 1);
+    rest_.remove_prefix(rest_.starts_with("\r\n") ? 2 : 1);
     ++line_number_;
   }
 
@@ -80,7 +85,7 @@ class Records {
     std::size_t size = 0;
     for (; size < rest_.size(); ++size) {
       const char c = rest_[size];
-      if (c == separator_ || c == '\n' || rest_.substr(size).starts_with("\r\n")) break;
+      if (c == separator_ || IsLineEnd(c)) break;
       if (c == '"') {
         return Unreadable(line_number_,
                           "has a quote inside a field; put the whole field in quotes and "
@@ -168,7 +173,8 @@ Result<std::vector<std::string>> NamesOf(const CsvRow& header) {
 }  // namespace
 
 std::string CsvField(std::string_view text) {
-  if (text.find_first_of(",;\"\r\n") == std::string_view::npos) return std::string(text);
+  if (text.find_first_of(",;\t\"\r\n") == std::string_view::npos)
+    return std::string(text);
   std::string quoted = "\"";
   for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
   return quoted + '"';

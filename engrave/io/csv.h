@@ -3,13 +3,13 @@
 // Tables as spreadsheets write them: CSV as of RFC 4180, for series with one piece per
 // row.
 //
-// The first record names the columns. Fields are separated by commas or by semicolons (as
-// where the comma is the decimal sign), whichever of the two the header line has more of
-// outside quotes; a header with neither is a single column. A field that holds the
+// The first record names the columns. Fields are separated by commas, by semicolons (as
+// where the comma is the decimal sign) or by tabs, whichever the header line has most of
+// outside quotes; a header with none is a single column. A field that holds the
 // separator, a quote or a line end is enclosed in double quotes; a quote inside it is
-// written twice. Records end with LF or CR LF. A UTF-8 byte order mark and empty lines
-// are skipped. Text is UTF-8 and taken as it is; blanks belong to it, except around the
-// names of the header.
+// written twice. Records end with LF, CR LF or CR. A UTF-8 byte order mark and empty
+// lines are skipped. Text is UTF-8 and taken as it is; blanks belong to it, except around
+// the names of the header.
 
 #include <cstddef>
 #include <cstdint>
@@ -23,7 +23,7 @@
 namespace intaglio::io {
 
 /// A field as written in a table: in double quotes when it holds a comma, a semicolon, a
-/// quote or a line end. ParseCsv gives it back.
+/// tab, a quote or a line end. ParseCsv gives it back.
 std::string CsvField(std::string_view text);
 
 struct CsvRow {

@@ -53,6 +53,24 @@ TEST(Csv, TakesWhatSpreadsheetsWrite) {
   EXPECT_THAT(Parsed("name\nAnna\nBert").rows[1].fields, ElementsAre("Bert"));
 }
 
+// As a spreadsheet copies cells, or saves "text (tab delimited)".
+TEST(Csv, TakesTabs) {
+  const CsvTable table = Parsed("name\ttext, one line\r\nAnna\t\"1\t2\"\r\nBert\t\r\n");
+  EXPECT_THAT(table.names, ElementsAre("name", "text, one line"));
+  ASSERT_EQ(table.rows.size(), 2u);
+  EXPECT_THAT(table.rows[0].fields, ElementsAre("Anna", "1\t2"));
+  EXPECT_THAT(table.rows[1].fields, ElementsAre("Bert", ""));
+}
+
+// "CSV (Macintosh)".
+TEST(Csv, TakesLinesThatEndWithCrAlone) {
+  const CsvTable table = Parsed("name;year\rAnna;1999\r\rBert;2001");
+  EXPECT_THAT(table.names, ElementsAre("name", "year"));
+  ASSERT_EQ(table.rows.size(), 2u);
+  EXPECT_THAT(table.rows[1].fields, ElementsAre("Bert", "2001"));
+  EXPECT_EQ(table.rows[1].line_number, 4u);
+}
+
 TEST(Csv, ReadsBackWhateverIsQuoted) {
   std::mt19937 random(8);
   constexpr std::string_view kLetters = "ab,;\"\n\r \xC3\xA9";
@@ -81,12 +99,14 @@ TEST(Csv, ReadsBackEveryField) {
   EXPECT_EQ(CsvField("plain text"), "plain text");
   EXPECT_EQ(CsvField("say \"hi\""), "\"say \"\"hi\"\"\"");
   std::mt19937 random(9);
-  constexpr std::string_view kLetters = "ab,;\"\n\r \xC3\xA9";
+  constexpr std::string_view kLetters = "ab,;\t\"\n\r \xC3\xA9";
   for (int run = 0; run < 500; ++run) {
     std::string first, second;
-    for (unsigned i = random() % 6; i > 0; --i) first += kLetters[random() % 10];
-    for (unsigned i = random() % 6; i > 0; --i) second += kLetters[random() % 10];
-    for (const char* separator : {",", ";"}) {
+    for (unsigned i = random() % 6; i > 0; --i)
+      first += kLetters[random() % kLetters.size()];
+    for (unsigned i = random() % 6; i > 0; --i)
+      second += kLetters[random() % kLetters.size()];
+    for (const char* separator : {",", ";", "\t"}) {
       const CsvTable table =
           Parsed(fmt::format("one{0}two{0}three\n1{0}{1}{0}{2}\n", separator,
                              CsvField(first), CsvField(second)));
