@@ -81,8 +81,10 @@ void BjjczPointDriver::Receive(const LmcAnswer& answer) {
   if (playing_) playing_->Receive(answer, now());
   switch (answer.operation) {
     case LmcOperation::kReadPort:
-      if (stopping_ && std::exchange(seen_since_stop_, true) && !busy_ && !moving_)
+      if (stopping_ && std::exchange(seen_since_stop_, true) && !busy_ && !moving_) {
         stopping_ = false;
+        line_.Send({LmcOperation::kAxisPlace, {}});
+      }
       return TakeInputs(answer.reply.numbers[1]);
     case LmcOperation::kWritePort:
       outputs_ = asked_outputs_;
@@ -121,14 +123,32 @@ void BjjczPointDriver::TakeAxisPlace(std::int32_t steps) {
   const std::int32_t before = std::exchange(axis_steps_, steps);
   state_.position_mm.z() = HeightOf(steps);
   if (!knows_axis_) TakeFirstAxisPlace(before);
-  if (!axis_ || !axis_->asks_place) return;
-  const AxisMove move = *std::exchange(axis_, std::nullopt);
   listed_mm_.z() = state_.position_mm.z();
-  if (steps == move.to_steps) return;
-  state_.homed = false;
-  SetFault(intaglio_MOTION_FOLLOWING_ERROR,
-           "the axis z of the board is not where it was sent: check z.steps_per_mm and "
-           "its limit switch, home it, then resume");
+  if (axis_ && axis_->asks_place) TakeEndOfMove(*std::exchange(axis_, std::nullopt));
+}
+
+void BjjczPointDriver::TakeEndOfMove(const AxisMove& move) {
+  if (axis_steps_ != move.to_steps) {
+    homing_ = home_sent_ = false;
+    state_.homed = false;
+    return SetFault(intaglio_MOTION_FOLLOWING_ERROR,
+                    "the axis z of the board is not where it was sent: check "
+                    "z.steps_per_mm and its limit switch, home it, then resume");
+  }
+  if (!move.is_to_origin) {
+    homing_ = home_sent_ = false;
+    return;
+  }
+  state_.homed = true;
+  MoveAxis(StepsOf(pieces_.travel().min_mm.z()), z_mm_s_);
+}
+
+// Who lets go of it does not want the axis to go on. Where the search for the origin was
+// ended nobody knows (FeedHome).
+void BjjczPointDriver::StopHoming() {
+  homing_ = home_sent_ = false;
+  StopController();
+  axis_.reset();
 }
 
 // A power cycle sets the axis to 0. It may have been on its way when the line was lost.
@@ -142,7 +162,7 @@ void BjjczPointDriver::TakeFirstAxisPlace(std::int32_t before) {
   axis_to_steps_ = axis_steps_;
   BeginSession("the line to the board was lost in a run: check the block, then resume");
   knows_axis_ = true;
-  state_.homed = axis_steps_ != 0;
+  state_.homed = axis_steps_ != 0 && (session_ == 1 || state_.homed);
   lists_.Drop();
   const Vec2 at_mm = lists_.at_mm();
   state_.position_mm.head<2>() = at_mm;

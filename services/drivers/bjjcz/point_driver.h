@@ -36,8 +36,9 @@
 //    where it did before is of the same one; any other is another.
 //  - M18: the axis counts from 0 at its power-up, so an axis that reads 0 when a session
 //    begins has to be homed. Its origin is 1 mm below the travel of z, and a homed axis
-//    never rests there. What another program has done with the axis is not known: home it
-//    behind one.
+//    never rests there. Once its place is lost, or its origin is searched, only an origin
+//    that was found makes it known again; what another program has done with the axis, or
+//    a home that ended with this process, is not known: home it behind one.
 
 #include <cstddef>
 #include <optional>
@@ -75,8 +76,9 @@ class BjjczPointDriver final : public LockstepDriver {
   /// A move of the axis.
   struct AxisMove {
     std::int32_t to_steps = 0;
+    bool is_to_origin = false;
     bool was_asked = false;  ///< its answer has come
-    std::optional<std::chrono::nanoseconds> rests_at;
+    std::optional<std::chrono::nanoseconds> rests_at = {};
     bool asks_place = false;
   };
 
@@ -105,7 +107,7 @@ class BjjczPointDriver final : public LockstepDriver {
   std::uint64_t ForgetSent() override;
   void StopController() override;
   void AskStatus() override { line_.Send({LmcOperation::kReadPort, {}}); }
-  void StopHoming() override { StopController(); }
+  void StopHoming() override;
 
   void TakeAnswers() override;
   void TakeUp();
@@ -113,6 +115,7 @@ class BjjczPointDriver final : public LockstepDriver {
   void Receive(const LmcAnswer& answer);
   void TakeInputs(std::uint16_t inputs);
   void TakeAxisPlace(std::int32_t steps);
+  void TakeEndOfMove(const AxisMove& move);
   void CheckPlace();
 
   // What is sent: point_driver_feed.cc.

@@ -18,7 +18,7 @@ void BjjczPointDriver::Feed() {
   FeedOutputs();
   if (!line_.is_idle()) return;
   if (FeedPlayed() || FeedAxis()) return;
-  if (homing_ && !halted_) return FeedHome();
+  if (homing_ && !home_sent_ && !halted_) return FeedHome();
   if (halted_) return;
   if (jog_)
     FeedJog();
@@ -94,7 +94,7 @@ void BjjczPointDriver::MoveAxis(std::int32_t to_steps, double speed_mm_s) {
   const std::uint16_t speed =
       std::max<std::uint16_t>(1, ToUint16(std::floor(speed_mm_s * steps_per_mm_)));
   const std::uint32_t number = AxisNumber(to_steps);
-  axis_ = AxisMove{to_steps, false, std::nullopt, false};
+  axis_ = AxisMove{.to_steps = to_steps};
   axis_to_steps_ = to_steps;
   line_.Send({LmcOperation::kAxisSpeed, {speed, speed}});
   line_.Send({LmcOperation::kAxisRamp, {ToUint16(1000 * z_ramp_s_)}});
@@ -103,16 +103,12 @@ void BjjczPointDriver::MoveAxis(std::int32_t to_steps, double speed_mm_s) {
                static_cast<std::uint16_t>(number >> 16)}});
 }
 
+// Before the origin is found the axis is nowhere.
 void BjjczPointDriver::FeedHome() {
-  if (!std::exchange(home_sent_, true)) {
-    axis_ = AxisMove{0, false, std::nullopt, false};
-    line_.Send({LmcOperation::kAxisOrigin, {}});
-    return;
-  }
-  // The origin was reached.
-  state_.homed = true;
-  homing_ = home_sent_ = false;
-  MoveAxis(StepsOf(pieces_.travel().min_mm.z()), z_mm_s_);
+  home_sent_ = true;
+  state_.homed = false;
+  axis_ = AxisMove{.is_to_origin = true};
+  line_.Send({LmcOperation::kAxisOrigin, {}});
 }
 
 void BjjczPointDriver::FeedJog() {
